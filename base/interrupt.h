@@ -1,0 +1,12 @@
+// Ctrl-C, answered between two steps of work and never inside one.
+#pragma once
+
+namespace chladni {
+
+/// Catches SIGINT and SIGTERM from now on; the first one is noted, a second one ends the process.
+void catch_interrupts();
+
+/// @throws Interrupted  SIGINT or SIGTERM has arrived since `catch_interrupts()`
+void throw_if_interrupted();
+
+}  // namespace chladni

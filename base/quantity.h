@@ -1,0 +1,19 @@
+// Numbers with units, as a study writes them: "20 mm", "70 GPa", "2700 kg/m^3".
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace chladni {
+
+/// `text` is a number and a unit; the value in the SI unit `si_unit` ("m", "Pa", "kg/m^3", "N/m",
+/// "rad", "1"). An affine unit (degC) is not converted but refused.
+/// @throws InvalidInput  no number, no unit, an unknown unit, or one of another dimension; the
+///                       message has the text, what it was taken for and an example ("expected a
+///                       length such as \"20 mm\"")
+[[nodiscard]] double quantity(std::string_view text, std::string_view si_unit);
+
+/// How many `si_unit` one `unit` is: unit_factor("mm", "m") = 1e-3. @throws as above.
+[[nodiscard]] double unit_factor(std::string_view unit, std::string_view si_unit);
+
+}  // namespace chladni

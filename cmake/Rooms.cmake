@@ -1,0 +1,45 @@
+# A room is a folder, a library and a namespace of one name.
+
+add_library(chladni_warnings INTERFACE)
+target_compile_options(chladni_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast)
+
+# add_room(name SOURCES ... PUBLIC rooms... PRIVATE libraries...)
+function(add_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(NOT ROOM_SOURCES)  # a room of headers only
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${name}_room.cpp "// headers only\n")
+    set(ROOM_SOURCES ${CMAKE_CURRENT_BINARY_DIR}/${name}_room.cpp)
+  endif()
+  add_library(chladni_${name} STATIC ${ROOM_SOURCES})
+  add_library(chladni::${name} ALIAS chladni_${name})
+  target_include_directories(chladni_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                    $<INSTALL_INTERFACE:include/chladni>)
+  target_compile_features(chladni_${name} PUBLIC cxx_std_20)
+  target_link_libraries(chladni_${name} PUBLIC Eigen3::Eigen ${ROOM_PUBLIC}
+                        PRIVATE $<BUILD_INTERFACE:chladni_warnings> ${ROOM_PRIVATE})
+  set_target_properties(chladni_${name} PROPERTIES EXPORT_NAME ${name})
+endfunction()
+
+# add_room_tests(room [LABEL label] [LINK libraries...] FILES a_test.cpp ...): one program per file.
+function(add_room_tests room)
+  cmake_parse_arguments(T "" "LABEL;TIMEOUT" "FILES;LINK" ${ARGN})
+  if(NOT T_LABEL)
+    set(T_LABEL unit)
+  endif()
+  if(NOT T_TIMEOUT)
+    set(T_TIMEOUT 120)
+  endif()
+  foreach(source ${T_FILES})
+    get_filename_component(stem ${source} NAME_WE)
+    add_executable(${room}_${stem} ${source})
+    target_link_libraries(${room}_${stem} PRIVATE chladni::${room} ${T_LINK} chladni_warnings
+                                                  GTest::gtest_main)
+    target_compile_definitions(${room}_${stem} PRIVATE
+      CHLADNI_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CHLADNI_BINARY_DIR="${PROJECT_BINARY_DIR}")
+    set_target_properties(${room}_${stem} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/${room})
+    gtest_discover_tests(${room}_${stem} TEST_PREFIX ${room}. NO_PRETTY_VALUES
+                         PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT} DISCOVERY_TIMEOUT 60)
+  endforeach()
+endfunction()

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Fails when a room includes one it may not, or a library is named outside its door."""
+import pathlib
+import re
+import sys
+
+MAY_INCLUDE = {
+    "base": "",
+    "mesh": "base",
+    "modal": "base mesh",
+    "fem": "base mesh modal",
+    "priors": "base mesh modal",
+    "placement": "base mesh modal priors",
+    "identification": "base mesh modal priors",
+    "diagnosis": "base mesh modal fem priors identification",
+    "io": "base mesh modal fem priors placement identification diagnosis",
+    "app": "base mesh modal fem priors placement identification diagnosis io",
+}
+DOORS = {
+    r"udunits2": ["base/quantity.cpp"],
+    r"tetgen": ["mesh/mesher/tetgen_worker.cpp"],
+    r"CGAL/": ["mesh/cgal_*.cpp", "mesh/cgal_*.h"],
+    r"Eigen/CholmodSupport|cholmod|SuiteSparse|metis": ["fem/cholmod.cpp"],
+    r".*mumps": ["fem/inertia.cpp"],
+    r"cblas|openblas": ["fem/blas.cpp"],
+    r"vtk": ["io/vtu*.cpp", "io/picture/*.cpp"],
+    r"nlohmann/": ["io/json.cpp"],
+    r"matio": ["io/mat.cpp"],
+    r"fftw3": ["identification/fft.cpp"],
+    r".*\.hxx": ["io/step*.cpp"],
+    r"pybind11/": ["python/*.cpp"],
+    r"toml": ["app/study*.cpp"],
+    r"CLI/": ["app/main.cpp"],
+}
+NO_SUCH_NAME = re.compile(r"util|helper|manager|common|misc|stuff")
+INCLUDE = re.compile(r'#\s*include [<"]([^>"]+)')
+
+
+def faults_of(root):
+    for room, allowed in MAY_INCLUDE.items():
+        for file in sorted([*root.glob(f"{room}/**/*.h"), *root.glob(f"{room}/**/*.cpp")]):
+            here = file.relative_to(root)
+            if NO_SUCH_NAME.search(here.stem):
+                yield f"{here}: name it after what it holds"
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                if not (m := INCLUDE.match(line)):
+                    continue
+                target = m[1].split("/")[0]
+                if target in MAY_INCLUDE and target != room and target not in allowed.split():
+                    yield f"{here}:{number}: {room} may not include {target}"
+                for library, doors in DOORS.items():
+                    if re.match(library, m[1]) and not any(here.match(d) for d in doors):
+                        yield f"{here}:{number}: {m[1]} belongs in {' or '.join(doors)}"
+
+
+def main():
+    faults = list(faults_of(pathlib.Path(sys.argv[1])))
+    print("\n".join(faults) or "layers hold")
+    return bool(faults)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

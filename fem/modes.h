@@ -1,0 +1,60 @@
+// Natural modes of an undamped structure, none missing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "fem/system.h"
+#include "modal/modes.h"
+
+namespace chladni::fem {
+
+struct ModesOptions {
+  int count = 20;            ///< flexible modes; a repeated one is never cut, so there may be more
+  double shift_hz = 0.0;     ///< K + (2π shift)² M is factorised; 0: chosen from the system
+  double tolerance = 1e-10;  ///< scaled residual ‖Kφ − λMφ‖ / (λ ‖Mφ‖) asked of the iteration
+  int block = 4;             ///< vectors per Lanczos step
+  bool certificate = true;   ///< count the eigenvalues by inertia
+  std::size_t memory_limit_bytes = 0;  ///< 0: what the machine has free
+  unsigned seed = 1;         ///< of the start block
+};
+
+/// Modes found in one cluster: repeated to within the solver's or the mesh's error.
+struct Cluster {
+  Eigen::Index first = 0, size = 1;  ///< columns of the modes
+};
+
+/// How well it went.
+struct ModesSummary {
+  Eigen::VectorXd residual;       ///< per mode, scaled; rigid ones ‖Kφ‖ / (‖K‖₁ ‖φ‖)
+  double orthogonality = 0.0;     ///< max |ΦᵀMΦ − I|
+  bool complete = false;          ///< an inertia count proves that none below counted_below_hz is missed
+  double counted_below_hz = 0.0;
+  int counted = 0, found = 0;     ///< eigenvalues below it, rigid ones included
+  std::vector<Cluster> clusters;  ///< of two and more
+  int block_steps = 0, solves = 0;
+  double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
+  std::string text;               ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
+};
+
+struct ModesResult {
+  modal::Modes modes;             ///< shapes on the free degrees of freedom, n×m
+  ModesSummary summary;
+};
+
+/// The rigid-body modes and the `count` lowest flexible ones of K φ = ω² M φ.
+///
+/// Block shift-invert Lanczos with full reorthogonalisation (Grimes, Lewis and Simon 1994) on a
+/// sparse factorisation of K + s M; the rigid-body modes are deflated exactly and returned as they
+/// are known from geometry. An inertia count of K − σM proves that none is missing; where it finds
+/// one, the iteration goes on with a new start block. Repeated modes come in a canonical
+/// orientation (docs/reference/modes.md), every shape with its largest entry positive.
+///
+/// @throws InvalidInput      K and M differ in shape, or there are fewer than `count` modes
+/// @throws OutOfResources    the factor does not fit (forecast from the symbolic analysis)
+/// @throws NumericalFailure  M is not positive definite, or the count cannot be met
+[[nodiscard]] ModesResult modes(const System& system, const ModesOptions& options = {},
+                                const Progress& progress = {});
+
+}  // namespace chladni::fem

@@ -1,0 +1,54 @@
+// JSON values: written with all digits that matter, keys in the order given.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace chladni::io {
+
+class Json;
+using JsonArray = std::vector<Json>;
+using JsonObject = std::vector<std::pair<std::string, Json>>;
+
+/// null, bool, number, string, array or object. NaN and infinity are written as null.
+class Json {
+ public:
+  Json() = default;
+  Json(bool value) : value_(value) {}
+  Json(double value) : value_(value) {}
+  Json(int value) : value_(static_cast<long long>(value)) {}
+  Json(long value) : value_(static_cast<long long>(value)) {}
+  Json(long long value) : value_(value) {}
+  Json(const char* value) : value_(std::string(value)) {}
+  Json(std::string value) : value_(std::move(value)) {}
+  Json(JsonArray value) : value_(std::move(value)) {}
+  Json(JsonObject value) : value_(std::move(value)) {}
+  /// A vector as an array, a matrix as an array of its rows.
+  Json(const Eigen::Ref<const Eigen::VectorXd>& vector);
+  [[nodiscard]] static Json rows(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
+
+  using Value = std::variant<std::monostate, bool, long long, double, std::string, JsonArray,
+                             JsonObject>;
+  [[nodiscard]] const Value& value() const { return value_; }
+  /// The member of an object. @throws InvalidInput  not an object, or no such key (lists them)
+  [[nodiscard]] const Json& at(const std::string& key) const;
+  [[nodiscard]] double number() const;             ///< @throws InvalidInput  not a number
+  [[nodiscard]] const std::string& string() const; ///< @throws InvalidInput  not a string
+  [[nodiscard]] const JsonArray& array() const;    ///< @throws InvalidInput  not an array
+
+ private:
+  Value value_;
+};
+
+/// The text, two spaces per level, arrays of numbers on one line; ends with a newline.
+[[nodiscard]] std::string text(const Json& json);
+/// @throws InvalidInput  not JSON (names the place)
+[[nodiscard]] Json parse_json(const std::string& text);
+/// Whole or not at all. @throws as write_atomically
+void write_json(const std::filesystem::path& file, const Json& json);
+
+}  // namespace chladni::io

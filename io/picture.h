@@ -1,0 +1,22 @@
+// Pictures, painted by VTK in a program of its own (under xvfb where there is no display).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/vtu.h"
+#include "mesh/tet_mesh.h"
+#include "modal/modes.h"
+
+namespace chladni::io {
+
+/// A contact sheet of the first `count` flexible modes: the deformed body coloured by the
+/// displacement along its largest direction (zero white, nodal lines black), each with its number
+/// and frequency; markers on it. PNG.
+/// @throws WorkerDied  the painter or xvfb is missing or died (says which package)
+void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
+                const modal::Modes& modes, const std::string& title,
+                const std::vector<Marker>& markers = {}, int count = 9);
+
+}  // namespace chladni::io

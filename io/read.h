@@ -1,0 +1,37 @@
+// Geometry from files, by their ending.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "mesh/surface.h"
+#include "mesh/tet_mesh.h"
+
+namespace chladni::io {
+
+/// A surface as it stands in the file, not yet checked, or tetrahedra.
+struct Geometry {
+  std::variant<mesh::Surface, mesh::TetMesh> body;
+  std::vector<std::string> notes;  ///< what was dropped, guessed or converted, one line each
+};
+
+/// .stl (ASCII or binary, told apart by size), .off, .ply, .obj, .step/.stp: a Surface (a STEP
+/// solid's faces become patches); .msh (Gmsh 2.2, 4.1), .inp (C3D4, C3D10; ELSET and NSET/SURFACE
+/// become regions and patches), .vtu: a TetMesh in our node order with boundary and patches.
+/// @param unit  length unit of the numbers, "mm"; must be given for formats without one, must be
+///              empty or agree for STEP
+/// @throws InvalidInput  the file is missing, truncated, of another format, lies about a count, has
+///                       a cell that is no tetrahedron of solids, or NaN; names file and place
+[[nodiscard]] Geometry read_geometry(const std::filesystem::path& file, const std::string& unit);
+
+/// One reader per ending, for the tests and fuzzers: bytes in, geometry out, in the file's unit.
+[[nodiscard]] mesh::Surface parse_stl(std::string_view bytes);
+[[nodiscard]] mesh::Surface parse_off(std::string_view bytes);
+[[nodiscard]] mesh::Surface parse_ply(std::string_view bytes);
+[[nodiscard]] mesh::Surface parse_obj(std::string_view bytes);
+[[nodiscard]] mesh::TetMesh parse_msh(std::string_view bytes);
+[[nodiscard]] mesh::TetMesh parse_inp(std::string_view bytes);
+
+}  // namespace chladni::io

@@ -1,0 +1,51 @@
+// VTK unstructured grids: meshes and modes for ParaView, compressed, appended binary.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mesh/tet_mesh.h"
+#include "modal/modes.h"
+
+namespace chladni::io {
+
+/// A named field on the mesh's nodes: 3·nodes rows x0 y0 z0 x1 ... (a vector) or nodes rows.
+struct NodeField {
+  std::string name;
+  Eigen::VectorXd values;
+};
+
+/// A point with a name and a direction, to be drawn as a glyph.
+struct Marker {
+  std::string name;
+  std::string kind;  ///< "sensor", "actuator", "mass", "spring", ...
+  Eigen::Vector3d position;
+  Eigen::Vector3d direction;
+};
+
+/// The name of a mode's array: mode_007_178.92Hz, counted from 1 with the rigid-body modes.
+[[nodiscard]] std::string mode_name(Eigen::Index index, double frequency_hz);
+
+/// The mesh with quadratic cells (linear where the mesh is), cell arrays "region" and, for each
+/// field, a point array. A cubic mesh is written as quadratic cells with the cubic fields
+/// evaluated at the mid-edge nodes. @throws as write_atomically
+void write_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
+               const std::vector<NodeField>& fields);
+
+/// write_vtu with one vector array per mode; shapes are on all nodes (3·nodes rows).
+void write_modes_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
+                     const modal::Modes& modes);
+
+/// One `frames`-step phase animation of mode `index` as `<stem>_NN.vtu` beside `file` (.pvd).
+void write_animation(const std::filesystem::path& file, const mesh::TetMesh& mesh,
+                     const modal::Modes& modes, Eigen::Index index, int frames = 24);
+
+/// Vertices with the names as string array "name", "kind", and the vectors "direction".
+void write_markers_vtu(const std::filesystem::path& file, const std::vector<Marker>& markers);
+
+/// Tetrahedra (4, 10 or 20 nodes; other cells are refused) of an .vtu, read by VTK in a worker.
+/// @throws InvalidInput  not such a file; names what was found
+[[nodiscard]] mesh::TetMesh read_vtu(const std::filesystem::path& file);
+
+}  // namespace chladni::io

@@ -1,0 +1,52 @@
+// Places on the surface of a body where something is measured, pushed or attached.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "mesh/tet_mesh.h"
+
+namespace chladni::mesh {
+
+/// A point of the boundary: what is known at the face's nodes is known there by interpolation.
+struct Site {
+  Eigen::VectorXi nodes;     ///< those of the face: 3, 6 or 10
+  Eigen::VectorXd weights;   ///< the face's shape functions there; they sum to 1
+  Eigen::Vector3d position;  ///< [m]
+  Eigen::Vector3d normal;    ///< outward, unit
+  Eigen::Index face = -1;    ///< row of TetMesh::faces
+  double distance = 0.0;     ///< from the point asked for [m]
+};
+
+/// Finds sites; keeps a search tree of the faces. The mesh must outlive it.
+class SiteFinder {
+ public:
+  explicit SiteFinder(const TetMesh& mesh);
+  ~SiteFinder();
+  SiteFinder(const SiteFinder&) = delete;
+  SiteFinder& operator=(const SiteFinder&) = delete;
+  SiteFinder(SiteFinder&&) noexcept;
+  SiteFinder& operator=(SiteFinder&&) noexcept;
+
+  /// The nearest point of the boundary. Cost: logarithmic in the faces.
+  [[nodiscard]] Site nearest(const Eigen::Vector3d& point) const;
+
+  /// The highest point of the boundary on the vertical line through (x, y); none when the line
+  /// misses the body.
+  [[nodiscard]] std::optional<Site> from_above(double x, double y) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+/// The row of a displacement field along `direction` (unit) at `site`: for shapes of 3·nodes rows,
+/// x0 y0 z0 x1 ..., the value is row · shapes.
+[[nodiscard]] Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& direction,
+                                                 Eigen::Index node_count);
+
+/// Shape functions of a triangle of `order` 1, 2 or 3 at barycentric coordinates (l0, l1, l2), in
+/// VTK's order; they sum to 1.
+[[nodiscard]] Eigen::VectorXd triangle_shape(int order, const Eigen::Vector3d& barycentric);
+
+}  // namespace chladni::mesh
