@@ -1,6 +1,7 @@
 // What hangs on the body or holds it.
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <string>
 #include <variant>
 #include <vector>
@@ -52,5 +53,27 @@ struct Support {
   std::string patch;
   bool x = false, y = false, z = false;
 };
+
+/// What attachments add to the system, on all degrees of freedom: 3·node + axis of the body's nodes,
+/// then the extra ones. Lower triangles (row >= column); entries of one place add up.
+struct AttachmentTerms {
+  /// A degree of freedom that an attachment brings: its displacement along `direction`.
+  struct Extra {
+    Eigen::Vector3d position;   ///< [m], for the rigid-body motions
+    Eigen::Vector3d direction;  ///< unit
+  };
+  std::vector<Eigen::Triplet<double>> stiffness;  ///< [N/m]
+  std::vector<Eigen::Triplet<double>> mass;       ///< [kg]
+  std::vector<Eigen::Triplet<double>> damping;    ///< [N s/m]
+  std::vector<Extra> extras;
+  [[nodiscard]] Eigen::Index extra_count() const {
+    return static_cast<Eigen::Index>(extras.size());
+  }
+};
+
+/// @throws InvalidInput  a mass, stiffness or damping is negative or not finite, a direction is not
+///                       unit; names the attachment
+[[nodiscard]] AttachmentTerms terms(const mesh::TetMesh& body,
+                                    const std::vector<Attachment>& attachments);
 
 }  // namespace chladni::fem

@@ -22,6 +22,7 @@ struct System {
   Eigen::MatrixXd rigid;       ///< n×r: the motions that cost no energy, mass-orthonormal; translations
                                ///< along x, y, z first, then rotations about the principal axes
   DofMap dofs;
+  double frequency_scale_hz = 0.0;  ///< where the first flexible mode may lie, to a factor of 10; 0: not known
 };
 
 /// Mass, centre and inertia of a body with all that is attached to it.
