@@ -1,0 +1,139 @@
+// A study: what one TOML file asks for, checked and in SI (docs/reference/study.md).
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "fem/attachment.h"
+#include "fem/material.h"
+#include "mesh/bodies.h"
+
+namespace chladni::app {
+
+/// A place as the study names it; where on the body that is, `sites_of` finds out.
+struct Place {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m]
+  bool from_above = false;  ///< two coordinates: the highest point below (x, y); z is 0 then
+  int line = 0;             ///< of the study, for messages
+};
+
+struct FileGeometry {
+  std::filesystem::path file;
+  std::string unit;  ///< of its numbers; empty for formats that carry one
+};
+
+struct Geometry {
+  std::string kind;  ///< "plate", "beam", "disc", "wafer_table" or "file"
+  std::variant<mesh::Plate, mesh::Disc, mesh::WaferTable, FileGeometry> body;
+};
+
+struct StudyMaterial {
+  std::string region;    ///< empty: every region that no other one names
+  std::string symmetry;  ///< "isotropic", "cubic" or "orthotropic"
+  std::vector<std::pair<std::string, double>> constants;  ///< as given, in SI, for study.json
+  fem::Material material;
+};
+
+struct MeshPlan {
+  double edge_length = 0.0;  ///< [m]; 0: from the geometry
+  int order = 0;             ///< 1, 2, 3; 0: chosen
+  int layers = 0;            ///< through the thickness of a layered mesh; 0: chosen
+  std::string mesher;        ///< "layered" or "tetgen"; empty: chosen
+  bool remesh = true;        ///< of a file's surface, before TetGen
+  bool fill_holes = false;   ///< repair = "fill"
+};
+
+struct ModesPlan {
+  int count = 20;              ///< flexible modes
+  double up_to_hz = 0.0;       ///< all below this instead; 0: `count` rules
+  double damping_ratio = 0.0;  ///< of every flexible mode
+};
+
+/// The kinds of fem/attachment.h before their places are found.
+struct AttachmentPlan {
+  std::string name, kind;
+  Place at;
+  double footprint = 0.0;  ///< [m]
+  std::variant<fem::PointMass, fem::GroundSpring, fem::GroundTorsionSpring, fem::LinkSpring,
+               fem::Resonator>
+      what;
+  std::optional<Place> to;  ///< the other end of a link
+};
+
+struct Channel {
+  std::string name;
+  Place at;
+  Eigen::Vector3d direction;      ///< unit
+  std::string quantity;           ///< "displacement", "velocity", "acceleration"; "force"
+  std::optional<long long> node;  ///< its number in a UFF file
+};
+
+struct LayoutPlan {
+  std::string name;
+  std::vector<std::string> sensors, actuators;  ///< names of channels
+};
+
+struct KeepOut {
+  std::string shape;  ///< "box" (from, to), "disc" (from its centre, diameter) or "patch" (name)
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();  ///< [m]
+  double diameter = 0.0;                                                         ///< [m]
+  std::string patch;
+};
+
+struct PlacementPlan {
+  std::vector<int> modes;  ///< flexible ones, counted from 1
+  double up_to_hz = 0.0;   ///< all below this instead; 0: `modes` rules
+  std::vector<KeepOut> keep_out;
+};
+
+struct MeasurementPlan {
+  std::filesystem::path frf;          ///< may not exist yet: `simulate` writes it
+  std::vector<std::string> hold_out;  ///< names of channels that no fit may see
+};
+
+struct Expectation {
+  std::string key;   ///< "frequency_3", "mass", ... (docs/reference/study.md)
+  std::string unit;  ///< SI
+  double value = 0.0;
+  double within = 0.0;     ///< half width of the band, in `unit`
+  std::string as_written;  ///< "183.8 Hz within 1 %"
+  int line = 0;
+};
+
+struct Study {
+  std::string title;
+  std::string name;            ///< of the default output folder
+  std::filesystem::path file;  ///< as given
+  std::string sha256;          ///< of the file's bytes
+  std::optional<unsigned> seed;
+  Geometry geometry;
+  std::vector<StudyMaterial> materials;
+  MeshPlan mesh;
+  ModesPlan modes;
+  std::vector<fem::Support> supports;
+  std::vector<AttachmentPlan> attachments;
+  std::vector<Channel> sensors, actuators;
+  std::vector<LayoutPlan> layouts;
+  std::optional<PlacementPlan> placement;
+  std::optional<MeasurementPlan> measurement;
+  std::vector<Expectation> expectations;
+  std::vector<std::string> warnings;  ///< plausibility: "<file>:<line>:<column>: ..."
+};
+
+/// The study in `file`. Paths in it are relative to its folder and must stay there, or below one of
+/// the folders `allowed` from outside.
+/// @throws InvalidInput  all that is wrong with it, the first 20, each with line and column
+[[nodiscard]] Study read_study(const std::filesystem::path& file,
+                               const std::vector<std::filesystem::path>& allowed = {});
+
+/// The same from bytes, `file` being only a name and a folder for relative paths.
+[[nodiscard]] Study parse_study(std::string_view bytes, const std::filesystem::path& file,
+                                const std::vector<std::filesystem::path>& allowed = {});
+
+}  // namespace chladni::app

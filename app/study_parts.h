@@ -1,0 +1,48 @@
+// The parts of a study, each read by a function of its own into `study`.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "app/study.h"
+#include "app/table_reader.h"
+
+namespace chladni::app {
+
+/// Where the study may look for files.
+struct StudyFolder {
+  std::filesystem::path folder;                ///< the study's own
+  std::vector<std::filesystem::path> allowed;  ///< by --allow-outside
+
+  /// `text` as a path below one of them, symbolic links followed.
+  /// @throws InvalidInput  it leads elsewhere
+  [[nodiscard]] std::filesystem::path resolved(const std::string& text) const;
+};
+
+void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& study);
+void read_mesh_part(TableReader& root, Study& study);
+void read_materials(TableReader& root, Study& study);
+void read_modes_part(TableReader& root, Study& study);
+void read_supports(TableReader& root, Study& study);
+void read_attachments(TableReader& root, Study& study);
+void read_channels(TableReader& root, Study& study);  ///< sensors and actuators
+void read_layouts(TableReader& root, Study& study);   ///< after the channels
+void read_placement(TableReader& root, Study& study);
+void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
+void read_expectations(TableReader& root, Study& study);
+
+/// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
+[[nodiscard]] Place read_place(TableReader& table, std::string_view key);
+
+/// Names must not be empty and must differ; both lines are named where they do not.
+class Names {
+ public:
+  explicit Names(std::string what) : what_(std::move(what)) {}
+  void add(TableReader& table, const std::string& name);
+
+ private:
+  std::string what_;
+  std::vector<std::pair<std::string, int>> seen_;
+};
+
+}  // namespace chladni::app
