@@ -1,6 +1,7 @@
 // Tetrahedra that fill a body, with the faces and named patches of its boundary.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,28 @@
 
 namespace chladni::mesh {
 
-/// Nodes of a tetrahedron and of a triangle per polynomial order, in VTK's order (Lagrange cells
-/// for order 3, where an edge carries its two nodes from its first to its second corner).
+/// Nodes of a tetrahedron and of a triangle per polynomial order, in VTK's order (VTK_TETRA,
+/// VTK_QUADRATIC_TETRA, VTK_LAGRANGE_TETRAHEDRON and their triangles): the corners, then the inner
+/// nodes of each edge in the order of `kTetEdges`, from its first to its second corner, then (order
+/// 3) the centre of each face in the order of `kTetFaces`. Asked of VTK 9.1 itself.
 [[nodiscard]] constexpr int tet_nodes(int order) { return order == 1 ? 4 : order == 2 ? 10 : 20; }
 [[nodiscard]] constexpr int face_nodes(int order) { return order == 1 ? 3 : order == 2 ? 6 : 10; }
+
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{
+    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<int, 3>, 4> kTetFaces{
+    {{0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 1}}};  ///< outward
+inline constexpr std::array<std::array<int, 2>, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
+
+/// Barycentric coordinates of the nodes of a tetrahedron (tet_nodes x 4) and of a triangle
+/// (face_nodes x 3) of `order`: the one table that all shape functions read.
+/// @throws InvalidInput  order is not 1, 2 or 3
+[[nodiscard]] Eigen::MatrixXd tet_node_barycentric(int order);
+[[nodiscard]] Eigen::MatrixXd triangle_node_barycentric(int order);
+
+/// Row f: the nodes of a tetrahedron that make its face kTetFaces[f], as a triangle of `order`
+/// (4 x face_nodes). @throws InvalidInput  as above
+[[nodiscard]] Eigen::MatrixXi tet_face_nodes(int order);
 
 struct TetMesh {
   Points points;                          ///< N×3 [m], every one used by a tetrahedron
@@ -30,19 +49,25 @@ struct TetMesh {
 /// The same tetrahedra (their four corners) with nodes of `order` 1, 2 or 3 on straight edges and
 /// flat faces; mid-edge nodes are ours, shared by all cells of the edge. Corners keep their order
 /// and come first. Regions and patches are kept. Cost: linear.
+/// @throws InvalidInput  order is not 1, 2 or 3, a tetrahedron names a point that is not there, or
+///                       a boundary face belongs to no tetrahedron
 [[nodiscard]] TetMesh with_order(const TetMesh& mesh, int order);
 
 /// Boundary faces of `mesh.tets` (faces that only one tetrahedron has), outward, patch 0
-/// "boundary". For meshes from files.
+/// "boundary". For meshes from files. Cost: linear.
+/// @throws InvalidInput  a tetrahedron names a point that is not there, or a face belongs to more
+///                       than two tetrahedra
 void find_boundary(TetMesh& mesh);
 
 /// The patches of a boundary without names: faces joined while the angle between neighbours stays
 /// below `angle_degrees`; named "top" and "bottom" for flat ones at the highest and lowest z,
 /// "x_min", "x_max", "y_min", "y_max" likewise, else "side_1", "side_2", ... by falling area.
+/// Flat patches of one extreme plane share its name. Cost: n log n.
 void name_patches(TetMesh& mesh, double angle_degrees = 40.0);
 
-/// Renumbers nodes and cells along the body's longest direction: neighbours in space become
-/// neighbours in memory, which assembly and matrix products want. Shapes and patches unchanged.
+/// Renumbers nodes and cells along the body's longest direction (of its bounding box): neighbours
+/// in space become neighbours in memory, which assembly and matrix products want. Shapes and
+/// patches unchanged; corners no longer come first. Cost: n log n.
 void sort_in_space(TetMesh& mesh);
 
 /// Sum of the volumes of the tetrahedra's straight-sided corners [m^3].
@@ -61,9 +86,12 @@ struct Quality {
 };
 [[nodiscard]] Quality quality(const TetMesh& mesh);
 
-/// @throws InvalidInput  a tetrahedron is inverted or flat, an index is out of range, a coordinate
-///                       is not finite, the cells fall into several bodies that share no node
-///                       (names each with its volume and centre), for the first ten offenders
+/// @throws InvalidInput  a tetrahedron is inverted or flat (for curved ones: at any of its nodes),
+/// an
+///                       index is out of range, a coordinate is not finite, a point is used by no
+///                       tetrahedron, the arrays do not fit together, the cells fall into several
+///                       bodies that share no node (names each with its volume and centre); for the
+///                       first ten offenders. Cost: linear.
 void check(const TetMesh& mesh);
 
 }  // namespace chladni::mesh

@@ -1,0 +1,212 @@
+// Nodes of orders 2 and 3 on the edges and faces of tetrahedra.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "base/error.h"
+#include "mesh/numbering.h"
+#include "mesh/tet_mesh.h"
+
+namespace chladni::mesh {
+namespace {
+
+void require_order(int order) {
+  require(order == 1 || order == 2 || order == 3,
+          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
+}
+
+// Corners, then the inner nodes of each edge.
+template <std::size_t edge_count>
+Eigen::MatrixXd edge_lattice(int corners, int order, int nodes,
+                             const std::array<std::array<int, 2>, edge_count>& edges) {
+  Eigen::MatrixXd barycentric = Eigen::MatrixXd::Zero(nodes, corners);
+  barycentric.topRows(corners).setIdentity();
+  Eigen::Index row = corners;
+  for (const auto& [from, to] : edges) {
+    for (int k = 1; k < order; ++k, ++row) {
+      barycentric(row, from) = static_cast<double>(order - k) / order;
+      barycentric(row, to) = static_cast<double>(k) / order;
+    }
+  }
+  return barycentric;
+}
+
+// Only the corners of the tetrahedra, in the order they had.
+struct Corners {
+  std::vector<std::int32_t> old;  // row -> row of mesh.points
+  Cells tets, faces;              // T x 4, F x 3, in the new rows
+};
+
+Corners corners_of(const TetMesh& mesh) {
+  const auto n = static_cast<std::int32_t>(mesh.points.rows());
+  std::vector<std::int32_t> fresh(static_cast<std::size_t>(n), -1);
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    for (Eigen::Index a = 0; a < 4; ++a) {
+      const std::int32_t p = mesh.tets(t, a);
+      require(0 <= p && p < n, "tetrahedron " + std::to_string(t) + " names point " +
+                                   std::to_string(p) + ", there are " + std::to_string(n));
+      fresh[static_cast<std::size_t>(p)] = 0;
+    }
+  }
+  Corners result;
+  for (std::int32_t p = 0; p < n; ++p) {
+    if (fresh[static_cast<std::size_t>(p)] < 0) continue;
+    fresh[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(result.old.size());
+    result.old.push_back(p);
+  }
+  const auto renumbered = [&](std::int32_t p) {
+    require(0 <= p && p < n && fresh[static_cast<std::size_t>(p)] >= 0,
+            "a boundary face names point " + std::to_string(p) +
+                ", which is a corner of no tetrahedron");
+    return fresh[static_cast<std::size_t>(p)];
+  };
+  result.tets = mesh.tets.leftCols(4).unaryExpr(renumbered);
+  result.faces.resize(mesh.faces.rows(), 3);
+  if (mesh.faces.rows() > 0) result.faces = mesh.faces.leftCols(3).unaryExpr(renumbered);
+  return result;
+}
+
+Numbering edge_numbers(const Corners& corners) {
+  std::vector<Key> keys;
+  keys.reserve(static_cast<std::size_t>(6 * corners.tets.rows() + 3 * corners.faces.rows()));
+  for (const auto tet : corners.tets.rowwise()) {
+    for (const auto& [a, b] : kTetEdges) keys.push_back(edge_key(tet(a), tet(b)));
+  }
+  for (const auto face : corners.faces.rowwise()) {
+    for (const auto& [a, b] : kTriangleEdges) keys.push_back(edge_key(face(a), face(b)));
+  }
+  return shared_numbers(keys, static_cast<std::int32_t>(corners.old.size()));
+}
+
+Numbering face_numbers(const Corners& corners) {
+  std::vector<Key> keys;
+  keys.reserve(static_cast<std::size_t>(4 * corners.tets.rows() + corners.faces.rows()));
+  for (const auto tet : corners.tets.rowwise()) {
+    for (const auto& [a, b, c] : kTetFaces) keys.push_back(face_key(tet(a), tet(b), tet(c)));
+  }
+  for (const auto face : corners.faces.rowwise()) {
+    keys.push_back(face_key(face(0), face(1), face(2)));
+  }
+  return shared_numbers(keys, static_cast<std::int32_t>(corners.old.size()));
+}
+
+// Rows of `cells` get their edge nodes. A node k of the edge is counted from its lower corner.
+template <std::size_t edge_count>
+void put_edge_nodes(Cells& cells, int corners, int order, std::int32_t first_node,
+                    const std::array<std::array<int, 2>, edge_count>& edges,
+                    const std::int32_t* numbers) {
+  const int inner = order - 1;
+  for (auto cell : cells.rowwise()) {
+    Eigen::Index column = corners;
+    for (const auto& [a, b] : edges) {
+      const std::int32_t base = first_node + *numbers++ * inner;
+      for (int k = 0; k < inner; ++k) {
+        cell(column++) = base + (cell(a) < cell(b) ? k : inner - 1 - k);
+      }
+    }
+  }
+}
+
+// Every node where its barycentric coordinates put it; a shared one is the same from each cell up
+// to round-off, and the first cell that has it decides.
+void place_nodes(TetMesh& mesh, int order) {
+  const Eigen::MatrixXd barycentric = tet_node_barycentric(order);
+  Eigen::Matrix<double, 4, 3> corner;
+  for (Eigen::Index t = mesh.tets.rows() - 1; t >= 0; --t) {
+    for (int a = 0; a < 4; ++a) corner.row(a) = mesh.points.row(mesh.tets(t, a));
+    for (Eigen::Index a = 4; a < barycentric.rows(); ++a) {
+      mesh.points.row(mesh.tets(t, a)) = barycentric.row(a) * corner;
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::MatrixXd tet_node_barycentric(int order) {
+  require_order(order);
+  Eigen::MatrixXd nodes = edge_lattice(4, order, tet_nodes(order), kTetEdges);
+  if (order == 3) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      for (const int corner : kTetFaces[f]) {
+        nodes(16 + static_cast<Eigen::Index>(f), corner) = 1.0 / 3.0;
+      }
+    }
+  }
+  return nodes;
+}
+
+Eigen::MatrixXd triangle_node_barycentric(int order) {
+  require_order(order);
+  Eigen::MatrixXd nodes = edge_lattice(3, order, face_nodes(order), kTriangleEdges);
+  if (order == 3) nodes.row(9).setConstant(1.0 / 3.0);
+  return nodes;
+}
+
+Eigen::MatrixXi tet_face_nodes(int order) {
+  const Eigen::MatrixXd tet = tet_node_barycentric(order);
+  const Eigen::MatrixXd triangle = triangle_node_barycentric(order);
+  Eigen::MatrixXi nodes(4, triangle.rows());
+  for (Eigen::Index f = 0; f < 4; ++f) {
+    for (Eigen::Index a = 0; a < triangle.rows(); ++a) {
+      Eigen::RowVector4d at = Eigen::RowVector4d::Zero();
+      for (std::size_t c = 0; c < 3; ++c) {
+        at(kTetFaces[static_cast<std::size_t>(f)][c]) = triangle(a, static_cast<Eigen::Index>(c));
+      }
+      Eigen::Index nearest = 0;
+      (tet.rowwise() - at).rowwise().squaredNorm().minCoeff(&nearest);
+      nodes(f, a) = static_cast<int>(nearest);
+    }
+  }
+  return nodes;
+}
+
+TetMesh with_order(const TetMesh& mesh, int order) {
+  require_order(order);
+  const Corners corners = corners_of(mesh);
+  const Numbering edges = order > 1 ? edge_numbers(corners) : Numbering{};
+  const Numbering faces = order > 1 ? face_numbers(corners) : Numbering{};
+  const Eigen::Index tets = corners.tets.rows();
+  for (const std::int32_t first : faces.first) {
+    require(first < 4 * tets, "boundary face " + std::to_string(first - 4 * tets) +
+                                  " is not a face of any tetrahedron");
+  }
+  const auto corner_count = static_cast<Eigen::Index>(corners.old.size());
+  const auto edge_nodes = static_cast<Eigen::Index>(edges.first.size()) * (order - 1);
+  const Eigen::Index face_count = order == 3 ? static_cast<Eigen::Index>(faces.first.size()) : 0;
+  const Eigen::Index count = corner_count + edge_nodes + face_count;
+  require(count <= std::numeric_limits<std::int32_t>::max(),
+          "mesh: " + std::to_string(count) + " nodes, at most 2^31 - 1 can be numbered");
+
+  TetMesh result;
+  result.region = mesh.region;
+  result.face_patch = mesh.face_patch;
+  result.patch_names = mesh.patch_names;
+  result.region_names = mesh.region_names;
+  result.points.resize(count, 3);
+  for (Eigen::Index p = 0; p < corner_count; ++p) {
+    result.points.row(p) = mesh.points.row(corners.old[static_cast<std::size_t>(p)]);
+  }
+  result.tets.resize(tets, tet_nodes(order));
+  result.tets.leftCols(4) = corners.tets;
+  result.faces.resize(corners.faces.rows(), face_nodes(order));
+  result.faces.leftCols(3) = corners.faces;
+  if (order == 1) return result;
+
+  const auto first = static_cast<std::int32_t>(corner_count);
+  put_edge_nodes(result.tets, 4, order, first, kTetEdges, edges.number.data());
+  put_edge_nodes(result.faces, 3, order, first, kTriangleEdges, edges.number.data() + 6 * tets);
+  if (order == 3) {
+    const auto centre = static_cast<std::int32_t>(corner_count + edge_nodes);
+    for (Eigen::Index i = 0; i < 4 * tets; ++i) {
+      result.tets(i / 4, 16 + i % 4) = centre + faces.number[static_cast<std::size_t>(i)];
+    }
+    for (Eigen::Index f = 0; f < result.faces.rows(); ++f) {
+      result.faces(f, 9) = centre + faces.number[static_cast<std::size_t>(4 * tets + f)];
+    }
+  }
+  place_nodes(result, order);
+  return result;
+}
+
+}  // namespace chladni::mesh

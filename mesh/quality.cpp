@@ -1,0 +1,99 @@
+// Sizes and shapes of tetrahedra, by their corners.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mesh/tet_mesh.h"
+
+namespace chladni::mesh {
+namespace {
+
+using Corners = std::array<Eigen::Vector3d, 4>;
+
+Corners corners_of(const TetMesh& mesh, Eigen::Index tet) {
+  Corners corner;
+  for (std::size_t a = 0; a < 4; ++a) {
+    corner[a] = mesh.points.row(mesh.tets(tet, static_cast<Eigen::Index>(a)));
+  }
+  return corner;
+}
+
+double signed_volume(const Corners& p) {
+  return (p[1] - p[0]).dot((p[2] - p[0]).cross(p[3] - p[0])) / 6.0;
+}
+
+// 3 r_in / r_circumscribed. With the products of opposite edges p, q, r:
+// r_in = 3V / A and 24 V R = sqrt((p+q+r)(p+q-r)(p-q+r)(-p+q+r)) (Crelle 1821).
+double radius_ratio(const Corners& c, double volume, double area) {
+  const double p = (c[1] - c[0]).norm() * (c[3] - c[2]).norm();
+  const double q = (c[2] - c[0]).norm() * (c[3] - c[1]).norm();
+  const double r = (c[3] - c[0]).norm() * (c[2] - c[1]).norm();
+  const double product = (p + q + r) * (p + q - r) * (p - q + r) * (-p + q + r);
+  if (product <= 0.0 || area <= 0.0) return 0.0;
+  return 216.0 * volume * volume / (area * std::sqrt(product));
+}
+
+// Opens `quality` to take in one more tetrahedron; returns its radius ratio.
+double include(Quality& quality, const Corners& corner) {
+  std::array<Eigen::Vector3d, 4> area_vector;  // outward, of twice the area
+  double area = 0.0;
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& [a, b, c] = kTetFaces[f];
+    const Eigen::Vector3d& at = corner[static_cast<std::size_t>(a)];
+    area_vector[f] =
+        (corner[static_cast<std::size_t>(b)] - at).cross(corner[static_cast<std::size_t>(c)] - at);
+    area += area_vector[f].norm() / 2.0;
+  }
+  for (std::size_t f = 0; f < 4; ++f) {
+    for (std::size_t g = 0; g < f; ++g) {
+      const double angle =
+          std::numbers::pi - std::atan2(area_vector[f].cross(area_vector[g]).norm(),
+                                        area_vector[f].dot(area_vector[g]));
+      const double degrees = angle * 180.0 / std::numbers::pi;
+      quality.smallest_dihedral_degrees = std::min(quality.smallest_dihedral_degrees, degrees);
+      quality.largest_dihedral_degrees = std::max(quality.largest_dihedral_degrees, degrees);
+    }
+  }
+  for (const auto& [a, b] : kTetEdges) {
+    const double length =
+        (corner[static_cast<std::size_t>(a)] - corner[static_cast<std::size_t>(b)]).norm();
+    quality.shortest_edge = std::min(quality.shortest_edge, length);
+    quality.longest_edge = std::max(quality.longest_edge, length);
+  }
+  const double volume = signed_volume(corner);
+  quality.smallest_volume = std::min(quality.smallest_volume, volume);
+  return volume > 0.0 ? radius_ratio(corner, volume, area) : 0.0;
+}
+
+}  // namespace
+
+double volume(const TetMesh& mesh) {
+  double sum = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += signed_volume(corners_of(mesh, t));
+  return sum;
+}
+
+Quality quality(const TetMesh& mesh) {
+  if (mesh.tets.rows() == 0) return {};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Quality result{.smallest_dihedral_degrees = 180.0,
+                 .smallest_radius_ratio = kInfinity,
+                 .smallest_volume = kInfinity,
+                 .shortest_edge = kInfinity};
+  double sum = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    const double ratio = include(result, corners_of(mesh, t));
+    sum += ratio;
+    if (ratio < result.smallest_radius_ratio) {
+      result.smallest_radius_ratio = ratio;
+      result.worst_tet = t;
+    }
+  }
+  result.mean_radius_ratio = sum / static_cast<double>(mesh.tets.rows());
+  return result;
+}
+
+}  // namespace chladni::mesh
