@@ -20,6 +20,18 @@ struct Disc {
   double hole_diameter = 0.0;  ///< 0: none
 };
 
+/// A plate on four corners, x and y, counter-clockwise seen from above: convex [m].
+struct Quadrilateral {
+  Eigen::Matrix<double, 4, 2> corners;
+  double thickness = 0.0;
+};
+
+/// Around the origin, all of it; for tests against Lamb's exact modes.
+struct Sphere {
+  double diameter = 0.0;
+  double hole_diameter = 0.0;  ///< concentric; 0: solid
+};
+
 struct Bore {  // a round hole along z
   Eigen::Vector2d centre;
   double diameter = 0.0;
@@ -29,32 +41,65 @@ struct Bore {  // a round hole along z
 /// A light-weighted table: a face sheet on top, pockets cut from below between ribs and a rim.
 struct WaferTable {
   double length = 0.0, width = 0.0, height = 0.0;
-  double face_sheet = 0.0;            ///< thickness left above the pockets
-  int pockets_x = 0, pockets_y = 0;   ///< 0 by 0: a plain block
-  double rib = 0.0;                   ///< thickness of the ribs between two pockets
-  double rim = 0.0;                   ///< thickness of the outer wall; 0: that of a rib
-  double edge_cutout_length = 0.0;    ///< halfway along each edge, for the in-plane actuators: along
-  double edge_cutout_depth = 0.0;     ///< the edge, and into the body; over the whole height
-  double corner_cutout = 0.0;         ///< square, at each corner, for the gravity compensators
-  std::vector<Bore> bores;
-  double wafer_diameter = 0.0;        ///< a dummy wafer bonded on top: region "wafer"
+  double face_sheet = 0.0;           ///< thickness left above the pockets
+  int pockets_x = 0, pockets_y = 0;  ///< 0 by 0: a plain block
+  double rib = 0.0;                  ///< thickness of the ribs between two pockets
+  double rim = 0.0;                  ///< thickness of the outer wall; 0: that of a rib
+  double edge_cutout_length = 0.0;   ///< halfway along each edge, for the in-plane actuators: along
+  double edge_cutout_depth = 0.0;    ///< the edge, and into the body; over the whole height
+  double corner_cutout = 0.0;        ///< square, at each corner, for the gravity compensators
+  std::vector<Bore> bores = {};
+  double wafer_diameter = 0.0;  ///< a dummy wafer bonded on top: region "wafer"
   double wafer_thickness = 0.0;
 };
 
+/// How finely a body is laid in cells.
+struct Layering {
+  double edge_length = 0.0;  ///< in the plane [m]
+  int layers = 1;            ///< through the thickness (of the face sheet for a table)
+  int across_ribs = 1;       ///< cells through the thickness of a rib
+  /// Width of a row of cells along the outline [m], 0: none. Twist bends the edges of a thin plate
+  /// within a strip about as wide as the thickness.
+  double edge_strip = 0.0;
+};
+
+/// Layers fine enough for the first 20 frequencies to be within 1 % of the converged ones.
+[[nodiscard]] Layering default_layering(const Plate& plate, int order);
+[[nodiscard]] Layering default_layering(const Disc& disc, int order);
+[[nodiscard]] Layering default_layering(const WaferTable& table, int order);
+
 /// Closed surfaces with the patches "top", "bottom", "x_min", "x_max", "y_min", "y_max" (a disc:
-/// "rim"), "pockets", "cutouts", "bores" where there are such.
+/// "rim" and "hole"), "pockets", "cutouts", "bores" where there are such; a wafer on top is a
+/// region of its own ("body", "wafer") with "wafer_top" and "wafer_rim". Pockets stop a rim's
+/// thickness short of the cut-outs.
 /// @throws InvalidInput  a dimension is not positive or not finite, or the parts do not fit (ribs
 ///                       wider than their pitch, a bore outside); names the dimension
 [[nodiscard]] Surface surface(const Plate& plate);
 [[nodiscard]] Surface surface(const Disc& disc, double edge_length);
 [[nodiscard]] Surface surface(const WaferTable& table, double edge_length);
+[[nodiscard]] Surface surface(const Sphere& sphere, double edge_length);  // "outer", "inner"
 
-/// Tetrahedra laid in layers, without a mesher: `edge_length` in the plane, `layers` through the
-/// thickness (of the face sheet for a table). The pattern has the body's own symmetry (both mirror
-/// planes, and the diagonals of a square), so that repeated modes stay repeated. Linear cells.
-/// @throws InvalidInput  as above, or the table has bores or a wafer (only TetGen can cut those)
-[[nodiscard]] TetMesh layered(const Plate& plate, double edge_length, int layers);
-[[nodiscard]] TetMesh layered(const Disc& disc, double edge_length, int layers);
-[[nodiscard]] TetMesh layered(const WaferTable& table, double edge_length, int layers);
+/// Tetrahedra laid in layers, without a mesher. The pattern has the body's own symmetry (both
+/// mirror planes, and the diagonals of a square), so that repeated modes stay repeated; that of a
+/// disc turns by 30 degrees. Linear cells, corners numbered from layer to layer.
+/// @throws InvalidInput  as above, or the table has bores or a wafer (only TetGen can cut those),
+/// or
+///                       edge_length or a count is not positive
+[[nodiscard]] TetMesh layered(const Plate& plate, const Layering& layering);
+[[nodiscard]] TetMesh layered(const Disc& disc, const Layering& layering);
+[[nodiscard]] TetMesh layered(const WaferTable& table, const Layering& layering);
+[[nodiscard]] TetMesh layered(const Quadrilateral& plate, const Layering& layering);
+/// A cube of bricks (without its inner cube where there is a hole) blown up to a ball: patches
+/// "outer" and "inner", whose corners lie on the spheres. Pattern symmetric as a cube.
+[[nodiscard]] TetMesh layered(const Sphere& sphere, double edge_length);
+
+template <typename Body>
+[[nodiscard]] TetMesh layered(const Body& body, double edge_length, int layers) {
+  return layered(body, Layering{.edge_length = edge_length, .layers = layers});
+}
+
+/// Moves the boundary nodes of a mesh of `layered(sphere, ...)`, of any order, onto the spheres:
+/// curved cells.
+void project_to_sphere(TetMesh& mesh, const Sphere& sphere);
 
 }  // namespace chladni::mesh

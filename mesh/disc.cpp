@@ -1,0 +1,262 @@
+// Round plates: rings of triangles, drawn up to layers of prisms.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "base/error.h"
+#include "mesh/bodies.h"
+#include "mesh/body_checks.h"
+
+namespace chladni::mesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// The pattern is that of a 12-sided polygon: its mirror lines stand 15 degrees apart, so that modes
+// of n nodal diameters stay in pairs unless n is a multiple of 6.
+constexpr int kSectors = 12;
+constexpr int kFewest = 2 * kSectors;  // nodes of the smallest ring
+
+// A flat triangulation that is mirrored into itself by its group of symmetries, as is `rank`;
+// the two ends of every edge differ in rank.
+struct Rings {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<int> rank;
+  std::vector<std::array<int, 3>> triangles;  // counter-clockwise
+  std::vector<int> hole, rim;                 // nodes, counter-clockwise; no hole: empty
+};
+
+// A regular polygon of n corners with the area of the circle.
+double corner_radius(double radius, int n) {
+  const double angle = 2.0 * kPi / n;
+  return radius * std::sqrt(angle / std::sin(angle));
+}
+
+// Steps from node j of n to the nearest mirror line that goes through nodes of all rings.
+int folded(int j, int n) {
+  const int period = n / kSectors;
+  const int k = ((j % period) + period) % period;
+  return std::min(k, period - k);
+}
+
+// Coordinates computed for one eighth and mirrored are the same to the last bit.
+Eigen::Vector2d on_circle(int j, int n) {
+  const int eighth = n / 8;
+  const int octant = j / eighth;
+  const int k = octant % 2 == 0 ? j % eighth : eighth - j % eighth;
+  const double c = std::cos(2.0 * kPi * k / n);
+  const double s = std::sin(2.0 * kPi * k / n);
+  switch (octant) {
+    case 0:
+      return {c, s};
+    case 1:
+      return {s, c};
+    case 2:
+      return {-s, c};
+    case 3:
+      return {-c, s};
+    case 4:
+      return {-c, -s};
+    case 5:
+      return {-s, -c};
+    case 6:
+      return {s, -c};
+    default:
+      return {c, -s};
+  }
+}
+
+std::vector<int> add_ring(Rings& rings, double radius, int n, int ring) {
+  std::vector<int> nodes;
+  for (int j = 0; j < n; ++j) {
+    nodes.push_back(static_cast<int>(rings.points.size()));
+    rings.points.emplace_back(radius * on_circle(j, n));
+    rings.rank.push_back(100000 * ring + folded(j, n));
+  }
+  return nodes;
+}
+
+// As many outside as inside: quadrilaterals, cut so that mirrored ones are cut mirrored.
+void join_equal(Rings& rings, const std::vector<int>& in, const std::vector<int>& out, int ring) {
+  const int n = static_cast<int>(in.size());
+  for (int j = 0; j < n; ++j) {
+    const auto a = static_cast<std::size_t>(j);
+    const auto b = static_cast<std::size_t>((j + 1) % n);
+    const int lower = std::min(folded(j, n), folded(j + 1, n));
+    const bool from_a = (folded(j, n) < folded(j + 1, n)) == ((lower + ring) % 2 == 0);
+    if (from_a) {
+      rings.triangles.push_back({in[a], out[a], out[b]});
+      rings.triangles.push_back({in[a], out[b], in[b]});
+    } else {
+      rings.triangles.push_back({in[a], out[a], in[b]});
+      rings.triangles.push_back({in[b], out[a], out[b]});
+    }
+  }
+}
+
+// Twice as many outside: three triangles per inner edge.
+void join_doubled(Rings& rings, const std::vector<int>& in, const std::vector<int>& out) {
+  for (std::size_t j = 0; j < in.size(); ++j) {
+    const std::size_t next = (j + 1) % in.size();
+    rings.triangles.push_back({in[j], out[2 * j], out[2 * j + 1]});
+    rings.triangles.push_back({in[j], out[2 * j + 1], in[next]});
+    rings.triangles.push_back({in[next], out[2 * j + 1], out[2 * next]});
+  }
+}
+
+// Nodes on a ring of `radius` that follows one of `before` nodes.
+int nodes_on(double radius, int before, double edge_length) {
+  const double arc = 2.0 * kPi * radius / before;
+  return arc > 1.4 * edge_length ? 2 * before : before;
+}
+
+Rings rings_of(const Disc& disc, double edge_length) {
+  const double inner = disc.hole_diameter / 2.0;
+  const double outer = disc.diameter / 2.0;
+  const int count = cells_in(outer - inner, edge_length);
+  Rings rings;
+  std::vector<int> before;
+  int n = kFewest;
+  if (inner > 0.0) {
+    while (2.0 * kPi * inner / n > 1.4 * edge_length) n *= 2;
+    before = rings.hole = add_ring(rings, corner_radius(inner, n), n, 0);
+  } else {
+    rings.points.emplace_back(0.0, 0.0);
+    rings.rank.push_back(0);
+  }
+  for (int r = 1; r <= count; ++r) {
+    const double radius = inner + (outer - inner) * r / count;
+    if (!before.empty()) n = nodes_on(radius, n, edge_length);
+    const double to_corner = r == count ? corner_radius(radius, n) : radius;
+    const std::vector<int> ring = add_ring(rings, to_corner, n, r);
+    if (before.empty()) {
+      for (std::size_t j = 0; j < ring.size(); ++j) {
+        rings.triangles.push_back({0, ring[j], ring[(j + 1) % ring.size()]});
+      }
+    } else if (before.size() == ring.size()) {
+      join_equal(rings, before, ring, r);
+    } else {
+      join_doubled(rings, before, ring);
+    }
+    before = ring;
+  }
+  rings.rim = before;
+  return rings;
+}
+
+// Three tetrahedra per prism, by rising rank from the bottom to the top; every second layer is
+// turned over, so that the layers are mirrored in the planes between them.
+void add_prism(std::vector<std::array<int, 4>>& tets, std::array<int, 3> triangle,
+               const std::vector<int>& rank, int lower, int upper) {
+  const std::array<int, 3> given = triangle;
+  std::sort(triangle.begin(), triangle.end(), [&](int a, int b) {
+    return rank[static_cast<std::size_t>(a)] < rank[static_cast<std::size_t>(b)];
+  });
+  const auto [a, b, c] = triangle;
+  const bool even = (a == given[0] && b == given[1]) || (a == given[1] && b == given[2]) ||
+                    (a == given[2] && b == given[0]);
+  std::array<std::array<int, 4>, 3> three{{{lower + a, lower + b, lower + c, upper + c},
+                                           {lower + a, upper + b, lower + b, upper + c},
+                                           {lower + a, upper + a, upper + b, upper + c}}};
+  for (auto& tet : three) {
+    if (even == (lower > upper)) std::swap(tet[1], tet[2]);
+    tets.push_back(tet);
+  }
+}
+
+struct Face {
+  std::array<int, 3> nodes;
+  int patch;
+};
+
+// The sides over a closed line of nodes: two triangles per edge and layer, cut as the prisms are.
+void add_wall(std::vector<Face>& faces, const std::vector<int>& line, const std::vector<int>& rank,
+              int lower, int upper, int patch, bool inward) {
+  for (std::size_t j = 0; j < line.size(); ++j) {
+    int a = line[j];
+    int b = line[(j + 1) % line.size()];
+    bool flip = inward != (lower > upper);
+    if (rank[static_cast<std::size_t>(a)] > rank[static_cast<std::size_t>(b)]) {
+      std::swap(a, b);
+      flip = !flip;
+    }
+    std::array<std::array<int, 3>, 2> two{
+        {{lower + a, lower + b, upper + b}, {lower + a, upper + b, upper + a}}};
+    for (auto& nodes : two) {
+      if (flip) std::swap(nodes[1], nodes[2]);
+      faces.push_back({nodes, patch});
+    }
+  }
+}
+
+template <std::size_t columns>
+Cells cells_of(const std::vector<std::array<int, columns>>& rows) {
+  Cells cells(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      cells(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = rows[r][c];
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+TetMesh layered(const Disc& disc, const Layering& layering) {
+  require_fit(disc);
+  require_fit(layering);
+  const double across = disc.diameter / layering.edge_length;
+  require(across * across * layering.layers < 2e7,
+          "mesh: the edge length makes more than 50 million tetrahedra of the disc; take a longer "
+          "one");
+  const Rings rings = rings_of(disc, layering.edge_length);
+  const int n = static_cast<int>(rings.points.size());
+  TetMesh mesh;
+  mesh.points.resize(Eigen::Index{n} * (layering.layers + 1), 3);
+  for (int k = 0; k <= layering.layers; ++k) {
+    const double z = -disc.thickness * (layering.layers - k) / layering.layers;
+    for (int p = 0; p < n; ++p) {
+      const Eigen::Vector2d& at = rings.points[static_cast<std::size_t>(p)];
+      mesh.points.row(Eigen::Index{k} * n + p) << at.x(), at.y(), z;
+    }
+  }
+  std::vector<std::array<int, 4>> tets;
+  std::vector<Face> faces;
+  for (int k = 0; k < layering.layers; ++k) {
+    const int lower = (k + k % 2) * n;
+    const int upper = (k + 1 - k % 2) * n;
+    for (const auto& triangle : rings.triangles)
+      add_prism(tets, triangle, rings.rank, lower, upper);
+    add_wall(faces, rings.rim, rings.rank, lower, upper, 2, false);
+    add_wall(faces, rings.hole, rings.rank, lower, upper, 3, true);
+  }
+  const int top = layering.layers * n;
+  for (const auto& [a, b, c] : rings.triangles) {
+    faces.push_back({{top + a, top + b, top + c}, 0});
+    faces.push_back({{a, c, b}, 1});
+  }
+  mesh.tets = cells_of(tets);
+  mesh.region = Eigen::VectorXi::Zero(mesh.tets.rows());
+  mesh.region_names = {"body"};
+  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.face_patch.resize(mesh.faces.rows());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f].nodes;
+    mesh.faces.row(static_cast<Eigen::Index>(f)) << a, b, c;
+    mesh.face_patch(static_cast<Eigen::Index>(f)) = faces[f].patch;
+  }
+  mesh.patch_names = {"top", "bottom", "rim"};
+  if (!rings.hole.empty()) mesh.patch_names.emplace_back("hole");
+  return mesh;
+}
+
+Surface surface(const Disc& disc, double edge_length) {
+  require_fit(disc);
+  require_positive("disc", "edge length", edge_length);
+  const int layers = std::min(1000, cells_in(disc.thickness, edge_length));
+  return boundary_surface(layered(disc, Layering{.edge_length = edge_length, .layers = layers}));
+}
+
+}  // namespace chladni::mesh
