@@ -1,4 +1,4 @@
-// How fine is fine enough: one rule per kind of body, measured with bench/… on REFERENCE bodies.
+// How fine is fine enough: one rule per kind of body, measured with free bodies of every kind.
 #include <algorithm>
 
 #include "base/error.h"

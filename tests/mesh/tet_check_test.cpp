@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+#include "mesh/bodies.h"
+#include "mesh/tet_mesh.h"
+#include "random_meshes.h"
+
+namespace chladni::mesh {
+namespace {
+
+std::string complaint(const TetMesh& mesh) {
+  try {
+    check(mesh);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void expect_complaint(const TetMesh& mesh, const std::string& words) {
+  EXPECT_NE(complaint(mesh).find(words), std::string::npos)
+      << "expected \"" << words << "\" in \"" << complaint(mesh) << "\"";
+}
+
+TetMesh joined(const TetMesh& a, const TetMesh& b) {
+  TetMesh both = a;
+  both.points.resize(a.points.rows() + b.points.rows(), 3);
+  both.points << a.points, b.points;
+  both.tets.resize(a.tets.rows() + b.tets.rows(), a.tets.cols());
+  both.tets << a.tets, (b.tets.array() + static_cast<int>(a.points.rows())).matrix();
+  both.region = Eigen::VectorXi::Zero(both.tets.rows());
+  find_boundary(both);
+  return both;
+}
+
+TEST(Check, AcceptsSoundMeshesOfEveryOrder) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    for (const int order : {1, 2, 3}) {
+      EXPECT_EQ(complaint(with_order(random_mesh(seed), order)), "");
+    }
+  }
+}
+
+TEST(Check, NamesInvertedTetrahedraUpToTen) {
+  TetMesh mesh = random_mesh(1);
+  std::swap(mesh.tets(17, 0), mesh.tets(17, 1));
+  expect_complaint(mesh, "1 tetrahedra are inverted or flat");
+  expect_complaint(mesh, "tetrahedron 17 at (");
+  for (Eigen::Index t = 0; t < 25; ++t) {
+    if (t != 17) std::swap(mesh.tets(t, 0), mesh.tets(t, 1));
+  }
+  expect_complaint(mesh, "25 tetrahedra are inverted or flat");
+  expect_complaint(mesh, "and 15 more");
+  expect_complaint(mesh, "tetrahedron 9 at (");
+  EXPECT_EQ(complaint(mesh).find("tetrahedron 10 at"), std::string::npos);
+}
+
+TEST(Check, RefusesFlatOnesWhereverTheBodyStands) {
+  for (const double away : {0.0, 1000.0}) {
+    TetMesh mesh = layered(Plate{0.6, 0.6, 0.02}, 0.2, 1);
+    mesh.points.col(2).setZero();
+    mesh.points.array() += away;
+    expect_complaint(mesh, "flat");
+  }
+  TetMesh thin = layered(Plate{10.0, 10.0, 1e-4}, 1.0, 1);
+  EXPECT_EQ(complaint(thin), "");
+}
+
+TEST(Check, FindsCurvedCellsThatFoldOver) {
+  for (const int order : {2, 3}) {
+    TetMesh mesh = with_order(random_mesh(3), order);
+    EXPECT_EQ(complaint(mesh), "");
+    // A mid-edge node drawn beyond the other end of its edge.
+    const Eigen::RowVector3d a = mesh.points.row(mesh.tets(5, 0));
+    const Eigen::RowVector3d b = mesh.points.row(mesh.tets(5, 1));
+    mesh.points.row(mesh.tets(5, 4)) = b + 0.5 * (b - a);
+    expect_complaint(mesh, "tetrahedron 5 at");
+  }
+}
+
+TEST(Check, NamesPointsThatAreNotFinite) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    TetMesh mesh = random_mesh(2);
+    mesh.points(13, 1) = bad;
+    expect_complaint(mesh, "point 13");
+    expect_complaint(mesh, "not finite");
+  }
+}
+
+TEST(Check, NamesIndicesOutOfRange) {
+  const TetMesh sound = random_mesh(2);
+  const auto count = static_cast<int>(sound.node_count());
+  for (const int bad : {-1, count, 2000000000, std::numeric_limits<int>::min()}) {
+    TetMesh mesh = sound;
+    mesh.tets(8, 3) = bad;
+    expect_complaint(mesh, "tetrahedron 8 names point " + std::to_string(bad));
+    mesh = sound;
+    mesh.faces(4, 1) = bad;
+    expect_complaint(mesh, "boundary face 4 names point " + std::to_string(bad));
+    mesh = sound;
+    mesh.region(6) = bad;
+    expect_complaint(mesh, "cell 6 has region " + std::to_string(bad));
+    mesh = sound;
+    mesh.face_patch(6) = bad;
+    expect_complaint(mesh, "cell 6 has patch " + std::to_string(bad));
+  }
+}
+
+TEST(Check, ListsBodiesThatShareNoNode) {
+  const TetMesh a = layered(Plate{0.6, 0.6, 0.02}, 0.2, 1);
+  TetMesh b = layered(Plate{0.1, 0.1, 0.01}, 0.1, 1);
+  b.points.col(0).array() += 1.0;
+  expect_complaint(joined(a, b), "2 bodies share no node");
+  expect_complaint(joined(a, b), "volume 0.0072 m^3, centre (");
+  expect_complaint(joined(a, b), "volume 0.0001 m^3, centre (1000, ");
+  EXPECT_EQ(complaint(a), "");
+}
+
+TEST(Check, RefusesPointsWithoutATetrahedron) {
+  TetMesh mesh = random_mesh(4);
+  mesh.points.conservativeResize(mesh.points.rows() + 1, 3);
+  mesh.points.bottomRows(1) << 0.5, 0.25, 0.125;
+  expect_complaint(mesh, "used by no tetrahedron");
+  expect_complaint(mesh, "(500, 250, 125) mm");
+}
+
+TEST(Check, RefusesArraysThatDoNotFit) {
+  const TetMesh sound = random_mesh(4);
+  expect_complaint(TetMesh{}, "no tetrahedra");
+  const auto refused = [&](const std::function<void(TetMesh&)>& spoil) {
+    TetMesh mesh = sound;
+    spoil(mesh);
+    EXPECT_NE(complaint(mesh), "");
+  };
+  refused([](TetMesh& m) { m.tets.conservativeResize(m.tets.rows(), 5); });
+  refused([](TetMesh& m) { m.region.conservativeResize(m.region.size() - 1); });
+  refused([](TetMesh& m) { m.face_patch.conservativeResize(m.face_patch.size() - 1); });
+  refused([](TetMesh& m) { m.region_names.clear(); });
+  refused([](TetMesh& m) { m.patch_names.clear(); });
+  refused([](TetMesh& m) { m.faces = Cells::Zero(m.faces.rows(), 6); });
+}
+
+}  // namespace
+}  // namespace chladni::mesh
