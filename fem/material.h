@@ -13,9 +13,10 @@ struct Material {
 };
 
 struct Orthotropic {
-  Eigen::Vector3d youngs_modulus;   ///< E1 E2 E3 [Pa]
-  Eigen::Vector3d poissons_ratio;   ///< nu23 nu13 nu12
-  Eigen::Vector3d shear_modulus;    ///< G23 G13 G12 [Pa]
+  Eigen::Vector3d youngs_modulus;  ///< E1 E2 E3 [Pa]
+  Eigen::Vector3d poissons_ratio;  ///< nu23 nu13 nu12: nu_ij is the strain along j under a stress
+                                   ///< along i, with its sign turned; nu12 / E1 = nu21 / E2
+  Eigen::Vector3d shear_modulus;   ///< G23 G13 G12 [Pa]
 };
 
 /// @throws InvalidInput  E <= 0, nu outside (−1, 0.5), density <= 0, or not finite
