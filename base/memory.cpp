@@ -1,0 +1,49 @@
+#include "base/memory.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace chladni {
+namespace {
+
+constexpr auto kUnknown = std::numeric_limits<std::size_t>::max();
+
+// The number in a file that holds one; `kUnknown` for "max" or no file.
+std::size_t number_in(const char* file) {
+  std::ifstream in(file);
+  std::size_t value = kUnknown;
+  return in >> value ? value : kUnknown;
+}
+
+std::size_t kernel_available() {
+  std::ifstream in("/proc/meminfo");
+  for (std::string key; in >> key;) {
+    std::size_t kib = 0;
+    if (key == "MemAvailable:" && in >> kib) return kib * 1024;
+    in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return kUnknown;
+}
+
+std::size_t left_in_group() {
+  const auto limit = number_in("/sys/fs/cgroup/memory.max");
+  const auto used = number_in("/sys/fs/cgroup/memory.current");
+  if (limit == kUnknown || used == kUnknown) return kUnknown;
+  return limit > used ? limit - used : 0;
+}
+
+}  // namespace
+
+std::size_t available_memory() {
+  const auto least = std::min(kernel_available(), left_in_group());
+  if (least != kUnknown) return least;
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+}  // namespace chladni

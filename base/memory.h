@@ -1,0 +1,12 @@
+// What the machine has to give.
+#pragma once
+
+#include <cstddef>
+
+namespace chladni {
+
+/// Bytes that can be allocated without swapping: MemAvailable of the kernel, or what is left of the
+/// control group's limit where that is less; all there is where neither can be read.
+[[nodiscard]] std::size_t available_memory();
+
+}  // namespace chladni

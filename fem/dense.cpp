@@ -1,0 +1,134 @@
+#include "fem/dense.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+// The Fortran interfaces, declared here: no header of a BLAS is needed.
+extern "C" {
+void dpotrf_(const char*, const int*, double*, const int*, int*);
+void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*,
+            const double*, const double*, const int*, double*, const int*);
+void dsyrk_(const char*, const char*, const int*, const int*, const double*, const double*,
+            const int*, const double*, double*, const int*);
+void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
+            const double*, const int*, const double*, const int*, const double*, double*,
+            const int*);
+}
+
+namespace chladni::fem::dense {
+namespace {
+
+constexpr double kOne = 1.0;
+constexpr double kMinusOne = -1.0;
+constexpr long kPanel = 64;         // columns eliminated before the rest is updated
+constexpr long kColumnBlock = 192;  // of the update of a lower triangle
+
+int narrow(long n) { return static_cast<int>(n); }
+
+void trsm(const char* side, const char* transposed, const char* diagonal, Block l, Block b) {
+  if (b.rows == 0 || b.columns == 0) return;
+  const int m = narrow(b.rows);
+  const int n = narrow(b.columns);
+  const int lda = narrow(l.stride);
+  const int ldb = narrow(b.stride);
+  dtrsm_(side, "L", transposed, diagonal, &m, &n, &kOne, l.data, &lda, b.data, &ldb);
+}
+
+void gemm(const char* ta, const char* tb, long inner, Block a, Block b, Block c) {
+  if (c.rows == 0 || c.columns == 0 || inner == 0) return;
+  const int m = narrow(c.rows);
+  const int n = narrow(c.columns);
+  const int k = narrow(inner);
+  const int lda = narrow(a.stride);
+  const int ldb = narrow(b.stride);
+  const int ldc = narrow(c.stride);
+  dgemm_(ta, tb, &m, &n, &k, &kMinusOne, a.data, &lda, b.data, &ldb, &kOne, c.data, &ldc);
+}
+
+// LDLᵀ of a small block, column by column, left-looking.
+double ldlt_unblocked(Block a) {
+  double smallest = 1.0;
+  std::vector<double> scaled(static_cast<std::size_t>(a.rows));
+  for (long j = 0; j < a.columns; ++j) {
+    double* column = &a(j, j);
+    double before = 0.0;
+    for (long i = 0; i < a.rows - j; ++i) before = std::max(before, std::abs(column[i]));
+    for (long k = 0; k < j; ++k) scaled[static_cast<std::size_t>(k)] = a(j, k) * a(k, k);
+    for (long k = 0; k < j; ++k) {
+      const double f = scaled[static_cast<std::size_t>(k)];
+      const double* from = &a(j, k);
+      for (long i = 0; i < a.rows - j; ++i) column[i] -= f * from[i];
+    }
+    const double pivot = column[0];
+    if (pivot == 0.0 || !std::isfinite(pivot)) return 0.0;
+    smallest = std::min(smallest, std::abs(pivot) / std::max(before, std::abs(pivot)));
+    for (long i = 1; i < a.rows - j; ++i) column[i] /= pivot;
+  }
+  return smallest;
+}
+
+}  // namespace
+
+bool cholesky(Block a) {
+  const int n = narrow(a.columns);
+  const int lda = narrow(a.stride);
+  int info = 0;
+  if (n > 0) dpotrf_("L", &n, a.data, &lda, &info);
+  return info == 0;
+}
+
+double ldlt(Block a) {
+  double smallest = 1.0;
+  std::vector<double> scaled;
+  for (long j = 0; j < a.columns; j += kPanel) {
+    const long width = std::min(kPanel, a.columns - j);
+    const long below = a.columns - j - width;
+    const Block diagonal = a.part(j, j, width, width);
+    smallest = std::min(smallest, ldlt_unblocked(diagonal));
+    if (smallest == 0.0) return 0.0;
+    if (below == 0) break;
+    const Block under = a.part(j + width, j, below, width);
+    solve_right(diagonal, under, true);  // now L D
+    scaled.resize(static_cast<std::size_t>(below * width));
+    const Block with_d{scaled.data(), below, width, below};
+    for (long k = 0; k < width; ++k) {
+      const double d = diagonal(k, k);
+      for (long i = 0; i < below; ++i) {
+        with_d(i, k) = under(i, k);
+        under(i, k) /= d;
+      }
+    }
+    subtract_symmetric(with_d, under, a.part(j + width, j + width, below, below));
+  }
+  return smallest;
+}
+
+void solve_right(Block l, Block b, bool unit) { trsm("R", "T", unit ? "U" : "N", l, b); }
+void solve_left(Block l, Block b) { trsm("L", "N", "N", l, b); }
+void solve_left_transposed(Block l, Block b) { trsm("L", "T", "N", l, b); }
+
+void subtract_square(Block a, Block c) {
+  if (c.rows == 0 || a.columns == 0) return;
+  const int n = narrow(c.rows);
+  const int k = narrow(a.columns);
+  const int lda = narrow(a.stride);
+  const int ldc = narrow(c.stride);
+  dsyrk_("L", "N", &n, &k, &kMinusOne, a.data, &lda, &kOne, c.data, &ldc);
+}
+
+void subtract_symmetric(Block a, Block b, Block c) {
+  for (long j = 0; j < c.columns; j += kColumnBlock) {
+    const long width = std::min(kColumnBlock, c.columns - j);
+    gemm("N", "T", a.columns, a.part(j, 0, a.rows - j, a.columns), b.part(j, 0, width, b.columns),
+         c.part(j, j, c.rows - j, width));
+  }
+}
+
+void subtract_product(Block a, Block b, Block c) { gemm("N", "N", a.columns, a, b, c); }
+void subtract_transposed_product(Block a, Block b, Block c) { gemm("T", "N", a.rows, a, b, c); }
+void subtract_product_transposed(Block a, Block b, Block c) {
+  gemm("N", "T", a.columns, a, b, c);
+}
+
+}  // namespace chladni::fem::dense

@@ -1,0 +1,37 @@
+// The dense kernels under the sparse factorisation: BLAS and LAPACK on column-major blocks.
+#pragma once
+
+namespace chladni::fem::dense {
+
+/// A block of a column-major array: entry (i, j) at data[i + j * stride].
+struct Block {
+  double* data = nullptr;
+  long rows = 0, columns = 0, stride = 0;
+  [[nodiscard]] Block part(long i, long j, long r, long c) const {
+    return {data + i + j * stride, r, c, stride};
+  }
+  double& operator()(long i, long j) const { return data[i + j * stride]; }
+};
+
+/// A = LLᵀ in place, lower triangle. False where a pivot is not positive.
+[[nodiscard]] bool cholesky(Block a);
+
+/// A = LDLᵀ in place without pivoting: unit L below the diagonal, D on it. Returns the smallest
+/// |d| / max |entry of its column before elimination|, 0 where a pivot is 0.
+[[nodiscard]] double ldlt(Block a);
+
+/// B := B L⁻ᵀ, L lower (unit diagonal where `unit`).
+void solve_right(Block l, Block b, bool unit);
+/// B := L⁻¹ B, B := L⁻ᵀ B.
+void solve_left(Block l, Block b);
+void solve_left_transposed(Block l, Block b);
+/// C := C − A Aᵀ, lower triangle only.
+void subtract_square(Block a, Block c);
+/// C := C − A Bᵀ, lower triangle only (A Bᵀ is symmetric).
+void subtract_symmetric(Block a, Block b, Block c);
+/// C := C − A B; C := C − Aᵀ B; C := C − A Bᵀ.
+void subtract_product(Block a, Block b, Block c);
+void subtract_transposed_product(Block a, Block b, Block c);
+void subtract_product_transposed(Block a, Block b, Block c);
+
+}  // namespace chladni::fem::dense

@@ -1,0 +1,142 @@
+#include "fem/element_matrices.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+namespace chladni::fem {
+namespace {
+
+// C_ikjl of K_(a,i)(b,j) = ∫ ∂_k N_a C_ikjl ∂_l N_b, from Voigt's xx yy zz yz xz xy.
+Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
+  constexpr int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  Eigen::Matrix<double, 9, 9> tensor;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < 3; ++l) {
+          tensor(3 * i + j, 3 * k + l) = material.stiffness(voigt[i][k], voigt[j][l]);
+        }
+      }
+    }
+  }
+  return tensor;
+}
+
+// out = in · factorsᵀ, both pairs×9 and column-major: 81 long vector operations.
+__attribute__((target_clones("avx512f", "avx2,fma", "default"))) void combine(
+    const double* in, const double* factors, double* out, Eigen::Index pairs) {
+  for (Eigen::Index p = 0; p < 9; ++p) {
+    double* to = out + p * pairs;
+    for (Eigen::Index r = 0; r < pairs; ++r) to[r] = 0.0;
+    for (Eigen::Index q = 0; q < 9; ++q) {
+      const double f = factors[p + 9 * q];
+      if (f == 0.0) continue;
+      const double* from = in + q * pairs;
+      for (Eigen::Index r = 0; r < pairs; ++r) to[r] += f * from[r];
+    }
+  }
+}
+
+}  // namespace
+
+bool is_straight(const mesh::TetMesh& body, const Element& element, Eigen::Index tet) {
+  Eigen::Matrix<double, 4, 3> corner;
+  for (int i = 0; i < 4; ++i) corner.row(i) = body.points.row(body.tets(tet, i));
+  const double size = (corner.row(1) - corner.row(0)).cwiseAbs().maxCoeff();
+  const double far = corner.cwiseAbs().maxCoeff();
+  const double allowed = 1e-10 * size + 1e-14 * far;
+  for (Eigen::Index a = 4; a < element.nodes; ++a) {
+    const Eigen::RowVector3d expected = element.barycentric.row(a) * corner;
+    if ((body.points.row(body.tets(tet, a)) - expected).cwiseAbs().maxCoeff() > allowed) {
+      return false;
+    }
+  }
+  return true;
+}
+
+ElementIntegrator::ElementIntegrator(const mesh::TetMesh& body,
+                                     const std::vector<Material>& materials)
+    : ElementIntegrator(body, materials, element(body.order())) {
+  may_be_curved_ = body.order() > 1;
+  const auto rule = tet_rule(2 * element_.order + 2);
+  weights_ = rule.weights;
+  for (const auto point : rule.points.rowwise()) {
+    at_points_.push_back(shape(element_, point.transpose()));
+  }
+}
+
+ElementIntegrator::ElementIntegrator(const mesh::TetMesh& body,
+                                     const std::vector<Material>& materials, const Element& element)
+    : body_(body), element_(element), may_be_curved_(false) {
+  for (const auto& material : materials) {
+    elasticity_.push_back(elasticity(material));
+    density_.push_back(material.density);
+  }
+  const auto pairs = element_.mass_products.size();
+  result_.stiffness.resize(pairs, 9);
+  result_.mass.resize(pairs);
+  gradients_.resize(pairs, 9);
+}
+
+const ElementMatrices& ElementIntegrator::matrices(Eigen::Index tet) {
+  if (!may_be_curved_ || is_straight(body_, element_, tet)) {
+    integrate_straight(tet);
+  } else {
+    integrate_curved(tet);
+  }
+  return result_;
+}
+
+void ElementIntegrator::integrate_straight(Eigen::Index tet) {
+  const Eigen::RowVector3d origin = body_.points.row(body_.tets(tet, 0));
+  Eigen::Matrix3d edges;  // ∂x/∂ξ, a column per edge
+  for (int i = 0; i < 3; ++i) {
+    edges.col(i) = (body_.points.row(body_.tets(tet, i + 1)) - origin).transpose();
+  }
+  const double volume = edges.determinant() / 6.0;
+  const Eigen::Matrix3d gradient = edges.inverse();  // row m: ∇ξ_m
+  Tensor to_physical;  // D_kl = Σ_mn ∂_k ξ_m ∂_l ξ_n G_mn
+  for (int k = 0; k < 3; ++k) {
+    for (int l = 0; l < 3; ++l) {
+      for (int m = 0; m < 3; ++m) {
+        for (int n = 0; n < 3; ++n) {
+          to_physical(3 * k + l, 3 * m + n) = gradient(m, k) * gradient(n, l);
+        }
+      }
+    }
+  }
+  const auto region = static_cast<std::size_t>(body_.region(tet));
+  const Tensor factors = volume * elasticity_[region] * to_physical;
+  combine(element_.gradient_products.data(), factors.data(), result_.stiffness.data(),
+          element_.gradient_products.rows());
+  result_.mass = (density_[region] * volume) * element_.mass_products;
+}
+
+void ElementIntegrator::integrate_curved(Eigen::Index tet) {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> nodes(element_.nodes, 3);
+  for (Eigen::Index a = 0; a < element_.nodes; ++a) nodes.row(a) = body_.points.row(body_.tets(tet, a));
+  const auto region = static_cast<std::size_t>(body_.region(tet));
+  gradients_.setZero();
+  result_.mass.setZero();
+  for (std::size_t q = 0; q < at_points_.size(); ++q) {
+    const auto& at = at_points_[q];
+    const Eigen::Matrix3d jacobian = nodes.transpose() * at.gradient;
+    const double w = weights_(static_cast<Eigen::Index>(q)) * jacobian.determinant() / 6.0;
+    const Eigen::Matrix<double, Eigen::Dynamic, 3> slope = at.gradient * jacobian.inverse();
+    Eigen::Index pair = 0;
+    for (Eigen::Index a = 0; a < element_.nodes; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b, ++pair) {
+        result_.mass(pair) += density_[region] * w * at.value(a) * at.value(b);
+        for (int k = 0; k < 3; ++k) {
+          for (int l = 0; l < 3; ++l) {
+            gradients_(pair, 3 * k + l) += w * slope(a, k) * slope(b, l);
+          }
+        }
+      }
+    }
+  }
+  combine(gradients_.data(), elasticity_[region].data(), result_.stiffness.data(),
+          gradients_.rows());
+}
+
+}  // namespace chladni::fem

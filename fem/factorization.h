@@ -1,0 +1,66 @@
+// Sparse symmetric factorisation: Cholesky for solves, LDLᵀ for counting eigenvalues.
+#pragma once
+
+#include <memory>
+
+#include "base/arrays.h"
+
+namespace chladni::fem {
+
+/// What a factorisation will need, known from the pattern alone.
+struct FactorForecast {
+  double entries = 0.0;       ///< of L
+  double flops = 0.0;
+  double factor_bytes = 0.0;  ///< L itself
+  double work_bytes = 0.0;    ///< the most there is besides L at one time
+};
+
+/// A fill-reducing order and the tree of dense blocks that follows from it: what all matrices of one
+/// pattern share. Nested dissection (METIS) of the node graph.
+class Symbolic {
+ public:
+  /// @param pattern  n×n, lower triangle; values are not looked at
+  explicit Symbolic(const SparseMatrix& pattern);
+  ~Symbolic();
+  Symbolic(Symbolic&&) noexcept;
+  Symbolic& operator=(Symbolic&&) noexcept;
+
+  [[nodiscard]] FactorForecast forecast() const;
+
+  struct Tree;
+  [[nodiscard]] const Tree& tree() const { return *tree_; }
+
+ private:
+  std::unique_ptr<const Tree> tree_;
+};
+
+/// A + s B = LLᵀ of a symmetric positive definite matrix, kept for repeated solves.
+class Factorization {
+ public:
+  /// @throws NumericalFailure  the matrix is not positive definite
+  explicit Factorization(const SparseMatrix& matrix);
+  Factorization(const Symbolic& symbolic, const SparseMatrix& a, double s, const SparseMatrix& b);
+  ~Factorization();
+  Factorization(Factorization&&) noexcept;
+  Factorization& operator=(Factorization&&) noexcept;
+
+  /// x with (A + s B) x = b, for each of the columns of b. Cost: twice the factor's entries per
+  /// column; columns together are cheaper than one by one.
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const;
+
+ private:
+  struct Numeric;
+  std::unique_ptr<Numeric> numeric_;
+};
+
+/// How the eigenvalues of A + s B lie about zero, by Sylvester's law from the signs of the pivots of
+/// LDLᵀ; the factor is not kept.
+struct Inertia {
+  Eigen::Index negative = 0, positive = 0;
+  double smallest_pivot = 0.0;  ///< |d| relative to its row's largest entry: near 1e-15 means that
+                                ///< the shift is an eigenvalue and the count is not to be trusted
+};
+[[nodiscard]] Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s,
+                              const SparseMatrix& b);
+
+}  // namespace chladni::fem

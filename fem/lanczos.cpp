@@ -1,0 +1,190 @@
+#include "fem/lanczos.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "fem/canonical.h"
+
+namespace chladni::fem {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+// The Krylov basis V, M-orthonormal, and T = VᵀM (K + sM)⁻¹M V.
+class Basis {
+ public:
+  Basis(const System& system, const Matrix& known, Eigen::Index room)
+      : system_(system), known_(known), vectors_(system.mass.rows(), room) {}
+
+  [[nodiscard]] Matrix mass_times(const Matrix& x) const {
+    return system_.mass.selfadjointView<Eigen::Lower>() * x;
+  }
+  [[nodiscard]] Eigen::Index size() const { return size_; }
+  [[nodiscard]] auto vectors() const { return vectors_.leftCols(size_); }
+
+  // Takes out of w what lies in the span of known and basis; returns the part along the basis.
+  Matrix orthogonalise(Matrix& w) const {
+    Matrix along = Matrix::Zero(size_, w.cols());
+    for (int pass = 0; pass < 2; ++pass) {
+      const Matrix mw = mass_times(w);
+      if (known_.cols() > 0) w.noalias() -= known_ * (known_.transpose() * mw);
+      const Matrix h = vectors().transpose() * mw;
+      w.noalias() -= vectors() * h;
+      along += h;
+    }
+    return along;
+  }
+
+  // W = Q R with QᵀMQ = I; directions that have died out (relative to `scale`) are left out of Q.
+  // Done twice: once leaves a loss of the condition number squared.
+  Matrix normalise(Matrix& w, double scale) const {
+    Matrix r = Matrix::Identity(w.cols(), w.cols());
+    for (int pass = 0; pass < 2; ++pass) {
+      const Matrix gram = w.transpose() * mass_times(w);
+      const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (gram + gram.transpose()));
+      const Eigen::VectorXd& d = solver.eigenvalues();
+      const double least = pass == 0 ? 1e-28 * scale * scale + 1e-14 * d.maxCoeff() : 0.0;
+      const Eigen::Index rank = (d.array() > least).count();
+      const Eigen::VectorXd root = d.tail(rank).cwiseSqrt();
+      const Matrix u = solver.eigenvectors().rightCols(rank);
+      w = w * (u * root.cwiseInverse().asDiagonal());
+      r = root.asDiagonal() * u.transpose() * r;
+    }
+    return r;
+  }
+
+  void append(const Matrix& block) {
+    if (size_ + block.cols() > vectors_.cols()) {
+      vectors_.conservativeResize(Eigen::NoChange, size_ + block.cols() + vectors_.cols() / 2);
+    }
+    vectors_.middleCols(size_, block.cols()) = block;
+    size_ += block.cols();
+  }
+
+ private:
+  const System& system_;
+  const Matrix& known_;
+  Matrix vectors_;
+  Eigen::Index size_ = 0;
+};
+
+Matrix random_block(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937 generator(seed);
+  Matrix block(rows, columns);
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    for (Eigen::Index i = 0; i < rows; ++i) block(i, j) = double(generator()) / 4294967296.0 - 0.5;
+  }
+  return block;
+}
+
+// Ritz values of the inverted problem, descending, with their error bounds.
+struct Ritz {
+  Eigen::VectorXd theta;
+  Matrix vectors;
+  Eigen::VectorXd error;  // ‖remainder of the last block‖ per pair
+
+  // Of λ = 1/θ − s after purification, relative to λ.
+  [[nodiscard]] double relative(Eigen::Index i, double s) const {
+    const double lambda = std::max(1.0 / theta(i) - s, 1e-300);
+    return error(i) / (theta(i) * theta(i) * lambda);
+  }
+};
+
+Ritz ritz(const Matrix& t, const Matrix& last) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (t + t.transpose()));
+  Ritz r{solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse(), {}};
+  r.error = (last * r.vectors.bottomRows(last.cols())).colwise().norm();
+  return r;
+}
+
+// How many of the largest θ are done: `wanted`, and beyond them the next one that is no repetition,
+// known well enough to place a count in the gap below it.
+bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Index& converged) {
+  converged = 0;
+  while (converged < r.theta.size() && r.theta(converged) > 0.0 &&
+         r.relative(converged, s) < options.tolerance) {
+    ++converged;
+  }
+  if (converged < options.wanted || converged >= r.theta.size()) return false;
+  const auto lambda = [&](Eigen::Index i) { return 1.0 / r.theta(i) - s; };
+  for (auto next = static_cast<Eigen::Index>(options.wanted); next < r.theta.size(); ++next) {
+    const bool apart = lambda(next) - lambda(next - 1) > 2.0 * kClusterTolerance * lambda(next);
+    if (apart && next <= converged) return r.relative(next, s) < 1e-3;
+    if (next >= converged) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+double lanczos_basis_size(int wanted, int block) { return 2.5 * wanted + 12.0 * block; }
+
+LanczosResult lanczos(const System& system, const Factorization& factor, double s,
+                      const Eigen::MatrixXd& known, const LanczosOptions& options,
+                      const Progress& progress) {
+  const auto n = system.mass.rows();
+  const Eigen::Index limit =
+      std::min<Eigen::Index>(n - known.cols(), 600 + 8 * Eigen::Index{options.wanted});
+  Basis basis(system, known,
+              std::min<Eigen::Index>(limit + options.block,
+                                     static_cast<Eigen::Index>(
+                                         lanczos_basis_size(options.wanted, options.block))));
+  LanczosResult result;
+  Matrix q = random_block(n, std::min<Eigen::Index>(options.block, limit), options.seed);
+  // One application first: what the start block has of the highest modes only costs accuracy.
+  q = factor.solve(basis.mass_times(q));
+  basis.orthogonalise(q);
+  basis.normalise(q, 0.0);
+  result.solves += static_cast<int>(q.cols());
+
+  Matrix t;
+  Matrix next;
+  Ritz r;
+  for (Eigen::Index converged = 0;;) {
+    throw_if_interrupted();
+    const Eigen::Index before = basis.size();
+    basis.append(q);
+    next = factor.solve(basis.mass_times(q));
+    result.solves += static_cast<int>(q.cols());
+    ++result.block_steps;
+    const double scale = next.norm();
+    const Matrix along = basis.orthogonalise(next);
+    t.conservativeResize(basis.size(), basis.size());
+    t.middleCols(before, q.cols()) = along;
+    t.middleRows(before, q.cols()) = along.transpose();
+    const Matrix last = basis.normalise(next, scale / std::sqrt(double(n)));
+    r = ritz(t, last);
+    const bool done = is_done(r, s, options, converged);
+    tell(progress, "iterate", std::min(1.0, double(converged) / options.wanted));
+    const bool exhausted = next.cols() == 0 || basis.size() >= n - known.cols();
+    if (done || exhausted) {
+      if (!done) converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
+      // φ + r/θ: the Ritz vector after one more application of the operator.
+      const Eigen::VectorXd theta = r.theta.head(converged);
+      Matrix shapes = basis.vectors() * r.vectors.leftCols(converged);
+      if (next.cols() > 0) {
+        const Matrix tail = last * r.vectors.bottomRows(last.cols()).leftCols(converged);
+        shapes.noalias() += next * (tail * theta.cwiseInverse().asDiagonal());
+      }
+      const Matrix ms = basis.mass_times(shapes);
+      shapes = shapes * (shapes.cwiseProduct(ms).colwise().sum().cwiseSqrt().cwiseInverse()
+                             .asDiagonal());
+      result.shapes = std::move(shapes);
+      result.lambda = theta.cwiseInverse().array() - s;
+      return result;
+    }
+    if (basis.size() >= limit) {
+      throw NumericalFailure("modes: " + std::to_string(converged) + " of " +
+                             std::to_string(options.wanted) + " modes converged with " +
+                             std::to_string(basis.size()) + " vectors");
+    }
+    q = std::move(next);
+  }
+}
+
+}  // namespace chladni::fem

@@ -1,0 +1,41 @@
+// Block shift-invert Lanczos for K φ = λ M φ.
+#pragma once
+
+#include "base/progress.h"
+#include "fem/factorization.h"
+#include "fem/system.h"
+
+namespace chladni::fem {
+
+struct LanczosOptions {
+  int wanted = 20;
+  int block = 4;
+  double tolerance = 1e-10;  ///< on ‖r‖ of (K − λM)φ after purification, relative to λ
+  unsigned seed = 1;
+};
+
+struct LanczosResult {
+  Eigen::VectorXd lambda;   ///< ascending; the wanted ones and whatever else converged
+  Eigen::MatrixXd shapes;   ///< n×m, M-orthonormal, M-orthogonal to `known`
+  int block_steps = 0, solves = 0;
+};
+
+/// Vectors of the basis that `wanted` modes usually need.
+[[nodiscard]] double lanczos_basis_size(int wanted, int block);
+
+/// The `wanted` smallest eigenvalues of K φ = λ M φ besides those of `known`, and one more (or its
+/// whole cluster), so that the gap above the last one is seen.
+///
+/// Block Lanczos on (K + sM)⁻¹M in the M inner product, orthogonalised twice against all earlier
+/// vectors and against `known`, which are eigenvectors already and stay out exactly. Ritz vectors
+/// are purified by one more application (Nour-Omid, Parlett, Ericsson and Jensen 1987).
+///
+/// @param factor  of K + sM
+/// @param known   n×r, M-orthonormal eigenvectors; r may be 0
+/// @throws NumericalFailure  the basis filled the space, or 600 vectors beyond need, unconverged
+/// Source: Grimes, Lewis and Simon (1994), SIAM J. Matrix Anal. 15, 228-272.
+[[nodiscard]] LanczosResult lanczos(const System& system, const Factorization& factor, double s,
+                                    const Eigen::MatrixXd& known, const LanczosOptions& options,
+                                    const Progress& progress = {});
+
+}  // namespace chladni::fem

@@ -1,0 +1,244 @@
+#include "fem/modes.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "fem/canonical.h"
+#include "fem/factorization.h"
+#include "fem/lanczos.h"
+
+namespace chladni::fem {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr int kRestarts = 4;  // with new start blocks, where the count says that some are missing
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void check_input(const System& system, const ModesOptions& options) {
+  const auto n = system.mass.rows();
+  require(n > 0 && system.mass.cols() == n && system.stiffness.rows() == n &&
+              system.stiffness.cols() == n,
+          "modes: K and M must be square and of one size, found " +
+              std::to_string(system.stiffness.rows()) + " and " + std::to_string(n));
+  require(system.rigid.cols() == 0 || system.rigid.rows() == n,
+          "modes: the rigid-body motions have " + std::to_string(system.rigid.rows()) +
+              " rows, expected " + std::to_string(n));
+  const auto most = n - system.rigid.cols();
+  require(0 < options.count && options.count <= most,
+          "modes: " + std::to_string(options.count) + " flexible modes were asked for, expected 1 to " +
+              std::to_string(most));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double m = system.mass.coeff(i, i);
+    if (!(m > 0.0)) {
+      throw NumericalFailure("modes: the mass matrix is not positive definite (its diagonal is " +
+                             std::to_string(m) + " at degree of freedom " + std::to_string(i) + ")");
+    }
+  }
+}
+
+// s of K + s M: (2π shift)², or a square of about twice the first flexible frequency, which
+// conditions the factor well; any value from a tenth to a hundred times that does.
+double shift(const System& system, const ModesOptions& options) {
+  double hz = options.shift_hz > 0.0 ? options.shift_hz : 2.0 * system.frequency_scale_hz;
+  if (hz > 0.0) return std::pow(kTwoPi * hz, 2);
+  return 1e-5 * system.stiffness.diagonal().sum() / system.mass.diagonal().sum();
+}
+
+void refuse_what_does_not_fit(const Symbolic& symbolic, const System& system,
+                              const ModesOptions& options) {
+  const auto forecast = symbolic.forecast();
+  const auto n = static_cast<double>(system.mass.rows());
+  const double basis = 8.0 * n * lanczos_basis_size(options.count, options.block);
+  const double need = forecast.factor_bytes + forecast.work_bytes + basis;
+  const double have = options.memory_limit_bytes > 0
+                          ? static_cast<double>(options.memory_limit_bytes)
+                          : static_cast<double>(available_memory());
+  if (need <= have) return;
+  const auto gib = [](double bytes) { return std::to_string(bytes / (1 << 30)).substr(0, 5) + " GiB"; };
+  throw OutOfResources("modes: " + std::to_string(system.mass.rows()) + " degrees of freedom need " +
+                       gib(need) + " (factor " + gib(forecast.factor_bytes) + ", work " +
+                       gib(forecast.work_bytes) + ", vectors " + gib(basis) + ") and there is " +
+                       gib(have) + "; use a coarser mesh: edge_length times " +
+                       std::to_string(std::sqrt(need / have)).substr(0, 4));
+}
+
+// ‖Kφ − λMφ‖ / (λ‖Mφ‖), for the rigid ones ‖Kφ‖ / (‖K‖₁ ‖φ‖).
+Eigen::VectorXd residuals(const System& system, const Eigen::VectorXd& lambda,
+                          const Eigen::MatrixXd& shapes, Eigen::Index rigid) {
+  double norm = 0.0;  // of K: largest diagonal entry, a lower bound of ‖K‖₁
+  for (Eigen::Index i = 0; i < system.stiffness.cols(); ++i) {
+    norm = std::max(norm, system.stiffness.coeff(i, i));
+  }
+  const Eigen::MatrixXd k = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+  const Eigen::MatrixXd m = system.mass.selfadjointView<Eigen::Lower>() * shapes;
+  Eigen::VectorXd result(lambda.size());
+  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+    result(i) = i < rigid ? k.col(i).norm() / (norm * shapes.col(i).norm())
+                          : (k.col(i) - lambda(i) * m.col(i)).norm() / (lambda(i) * m.col(i).norm());
+  }
+  return result;
+}
+
+// The first `count` and all that belong to the cluster of the last of them.
+Eigen::Index uncut(const Eigen::VectorXd& lambda, Eigen::Index count) {
+  while (count < lambda.size() &&
+         lambda(count) - lambda(count - 1) < 2.0 * kClusterTolerance * lambda(count)) {
+    ++count;
+  }
+  return count;
+}
+
+std::string hz_text(double hz) {
+  std::string text = std::to_string(hz);
+  return text.substr(0, text.find('.') + 3);
+}
+
+// Where to count: in the gap above the last mode kept, away from the next one that was seen.
+double count_at(const Eigen::VectorXd& lambda, Eigen::Index kept) {
+  const double last = lambda(kept - 1);
+  const double next = kept < lambda.size() ? lambda(kept) : 1.02 * last;
+  return std::min(0.5 * (last + next), 1.01 * last);
+}
+
+struct Search {
+  const System& system;
+  const ModesOptions& options;
+  const Progress& progress;
+  ModesSummary& summary;
+
+  LanczosResult find(const Symbolic& symbolic, double s, const Eigen::MatrixXd& known, int wanted,
+                     unsigned seed) {
+    auto start = Clock::now();
+    tell(progress, "factorise");
+    const Factorization factor(symbolic, system.stiffness, s, system.mass);
+    summary.factor_seconds += seconds_since(start);
+    start = Clock::now();
+    auto found = lanczos(system, factor, s, known,
+                         {.wanted = wanted, .block = options.block, .tolerance = options.tolerance,
+                          .seed = seed},
+                         progress);
+    summary.iterate_seconds += seconds_since(start);
+    summary.block_steps += found.block_steps;
+    summary.solves += found.solves;
+    return found;
+  }
+
+  // Eigenvalues below `lambda`, by the signs of the pivots of K − λM.
+  int counted_below(const Symbolic& symbolic, double lambda) {
+    const auto start = Clock::now();
+    tell(progress, "certify");
+    Inertia result;
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      result = inertia(symbolic, system.stiffness, -lambda * (1.0 + 1e-5 * attempt), system.mass);
+      if (result.smallest_pivot > 1e-11) break;
+    }
+    summary.certify_seconds += seconds_since(start);
+    if (result.smallest_pivot <= 1e-13) {
+      throw NumericalFailure("modes: the inertia count at " + hz_text(std::sqrt(lambda) / kTwoPi) +
+                             " Hz met a pivot of relative size " +
+                             std::to_string(result.smallest_pivot) +
+                             "; ask for another count of modes, or no certificate");
+    }
+    return static_cast<int>(result.negative);
+  }
+};
+
+// Both lists in one, ascending in λ.
+void merge(LanczosResult& into, LanczosResult more) {
+  Eigen::VectorXd lambda(into.lambda.size() + more.lambda.size());
+  lambda << into.lambda, more.lambda;
+  Eigen::MatrixXd shapes(into.shapes.rows(), lambda.size());
+  shapes << into.shapes, more.shapes;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(lambda.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return lambda(a) < lambda(b); });
+  into.lambda = lambda(order);
+  into.shapes = shapes(Eigen::all, order);
+}
+
+Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
+  Eigen::MatrixXd both(left.rows(), left.cols() + right.cols());
+  both << left, right;
+  return both;
+}
+
+ModesResult assembled(const System& system, LanczosResult found, Eigen::Index kept,
+                      ModesSummary summary) {
+  const auto rigid = system.rigid.cols();
+  ModesResult result;
+  result.summary = std::move(summary);
+  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(rigid + kept);
+  lambda.tail(kept) = found.lambda.head(kept);
+  result.modes.rigid_count = rigid;
+  result.modes.shapes = beside(rigid > 0 ? system.rigid : Eigen::MatrixXd(found.shapes.rows(), 0),
+                               found.shapes.leftCols(kept));
+  result.summary.clusters = orient(system, lambda, result.modes.shapes, rigid);
+  result.modes.frequency_hz = lambda.cwiseMax(0.0).cwiseSqrt() / kTwoPi;
+  result.modes.damping_ratio = Eigen::VectorXd::Zero(lambda.size());
+  result.summary.residual = residuals(system, lambda, result.modes.shapes, rigid);
+  const Eigen::MatrixXd gram =
+      result.modes.shapes.transpose() *
+      (system.mass.selfadjointView<Eigen::Lower>() * result.modes.shapes);
+  result.summary.orthogonality =
+      (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
+  if (!(result.summary.orthogonality < 1e-8)) {
+    throw NumericalFailure("modes: the shapes lost their orthogonality: max |ΦᵀMΦ − I| = " +
+                           std::to_string(result.summary.orthogonality));
+  }
+  return result;
+}
+
+}  // namespace
+
+ModesResult modes(const System& system, const ModesOptions& options, const Progress& progress) {
+  check_input(system, options);
+  ModesSummary summary;
+  const auto start = Clock::now();
+  tell(progress, "order");
+  const Symbolic symbolic(system.stiffness);
+  refuse_what_does_not_fit(symbolic, system, options);
+  summary.factor_bytes = symbolic.forecast().factor_bytes;
+  summary.factor_seconds = seconds_since(start);
+
+  Search search{system, options, progress, summary};
+  const double s = shift(system, options);
+  const auto rigid = static_cast<int>(system.rigid.cols());
+  auto found = search.find(symbolic, s, system.rigid, options.count, options.seed);
+  auto kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
+  for (int attempt = 0; options.certificate; ++attempt) {
+    const double lambda = count_at(found.lambda, kept);
+    summary.counted = search.counted_below(symbolic, lambda);
+    summary.found = rigid + static_cast<int>((found.lambda.array() < lambda).count());
+    summary.counted_below_hz = std::sqrt(lambda) / kTwoPi;
+    summary.complete = summary.counted == summary.found;
+    if (summary.complete || attempt == kRestarts) break;
+    const int missing = summary.counted - summary.found;
+    merge(found, search.find(symbolic, s, beside(system.rigid, found.shapes), std::max(missing, 1),
+                             options.seed + 1U + static_cast<unsigned>(attempt)));
+    kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
+  }
+  if (options.certificate && !summary.complete) {
+    throw NumericalFailure("modes: below " + hz_text(summary.counted_below_hz) + " Hz " +
+                           std::to_string(summary.counted) + " modes were counted but " +
+                           std::to_string(summary.found) + " found");
+  }
+  summary.text = options.certificate
+                     ? "modes below " + hz_text(summary.counted_below_hz) + " Hz: " +
+                           std::to_string(summary.found) + " found, " +
+                           std::to_string(summary.counted) + " counted"
+                     : "modes: " + std::to_string(rigid + kept) + " found, not counted";
+  return assembled(system, std::move(found), kept, std::move(summary));
+}
+
+}  // namespace chladni::fem

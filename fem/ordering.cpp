@@ -1,0 +1,93 @@
+// The only file that knows METIS.
+#include <metis.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/error.h"
+#include "fem/elimination_tree.h"
+
+namespace chladni::fem {
+namespace {
+
+// Column c + 1 has the rows of column c without itself: eliminated together at no loss.
+bool same_structure(const SparseMatrix& pattern, Eigen::Index c) {
+  const auto* outer = pattern.outerIndexPtr();
+  const auto* inner = pattern.innerIndexPtr();
+  const auto* a = inner + outer[c];
+  const auto* a_end = inner + outer[c + 1];
+  const auto* b = inner + outer[c + 1];
+  const auto* b_end = inner + outer[c + 2];
+  return a_end - a == b_end - b + 1 && a[0] == c && a_end - a > 1 && a[1] == c + 1 &&
+         std::equal(a + 1, a_end, b, b_end);
+}
+
+}  // namespace
+
+QuotientGraph quotient_graph(const SparseMatrix& pattern) {
+  const auto n = pattern.cols();
+  QuotientGraph graph;
+  std::vector<std::int32_t> group(static_cast<std::size_t>(n));
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const bool joins = c > 0 && c - graph.first.back() < 3 && same_structure(pattern, c - 1);
+    if (!joins) graph.first.push_back(static_cast<std::int32_t>(c));
+    group[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(graph.first.size()) - 1;
+  }
+  const auto groups = graph.first.size();
+  graph.first.push_back(static_cast<std::int32_t>(n));
+
+  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  std::vector<std::int32_t> seen(groups, -1);
+  for (std::size_t g = 0; g < groups; ++g) {
+    for (auto c = graph.first[g]; c < graph.first[g + 1]; ++c) {
+      for (SparseMatrix::InnerIterator entry(pattern, c); entry; ++entry) {
+        const auto other = group[static_cast<std::size_t>(entry.row())];
+        if (other == static_cast<std::int32_t>(g)) continue;
+        auto& mark = seen[static_cast<std::size_t>(other)];
+        if (mark == static_cast<std::int32_t>(g)) continue;
+        mark = static_cast<std::int32_t>(g);
+        edges.emplace_back(static_cast<std::int32_t>(g), other);
+      }
+    }
+  }
+  graph.start.assign(groups + 1, 0);
+  for (const auto& [a, b] : edges) {
+    ++graph.start[static_cast<std::size_t>(a) + 1];
+    ++graph.start[static_cast<std::size_t>(b) + 1];
+  }
+  for (std::size_t g = 0; g < groups; ++g) graph.start[g + 1] += graph.start[g];
+  graph.neighbour.resize(2 * edges.size());
+  auto next = graph.start;
+  for (const auto& [a, b] : edges) {
+    graph.neighbour[static_cast<std::size_t>(next[static_cast<std::size_t>(a)]++)] = b;
+    graph.neighbour[static_cast<std::size_t>(next[static_cast<std::size_t>(b)]++)] = a;
+  }
+  return graph;
+}
+
+std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph) {
+  static_assert(sizeof(idx_t) == sizeof(std::int32_t), "METIS with 32-bit indices");
+  auto count = static_cast<idx_t>(graph.first.size() - 1);
+  std::vector<std::int32_t> order(static_cast<std::size_t>(count));
+  std::vector<std::int32_t> position(order.size());
+  if (graph.neighbour.empty()) {
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
+    return order;
+  }
+  std::vector<idx_t> weight(order.size());
+  for (std::size_t g = 0; g < order.size(); ++g) weight[g] = graph.first[g + 1] - graph.first[g];
+  auto start = graph.start;  // METIS takes pointers to non-const and may renumber in place
+  auto neighbour = graph.neighbour;
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
+                                  order.data(), position.data());
+  if (status != METIS_OK) {
+    throw OutOfResources("ordering: METIS failed with status " + std::to_string(status) + " on " +
+                         std::to_string(count) + " nodes");
+  }
+  return order;
+}
+
+}  // namespace chladni::fem

@@ -1,0 +1,176 @@
+#include "fem/rigid_body.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "fem/assemble.h"
+#include "fem/element_matrices.h"
+
+namespace chladni::fem {
+namespace {
+
+using Motions = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+
+// Translations and rotations about `centre` on all degrees of freedom.
+Motions about(const mesh::TetMesh& body, const AttachmentTerms& attachments,
+              const Eigen::Vector3d& centre) {
+  const auto nodes = body.node_count();
+  Motions motions(3 * nodes + attachments.extra_count(), 6);
+  const auto field = [&](const Eigen::Vector3d& point) {
+    Eigen::Matrix<double, 3, 6> u;
+    u.leftCols<3>().setIdentity();
+    for (int axis = 0; axis < 3; ++axis) {
+      u.col(3 + axis) = Eigen::Vector3d::Unit(axis).cross(Eigen::Vector3d(point - centre));
+    }
+    return u;
+  };
+  for (Eigen::Index i = 0; i < nodes; ++i) {
+    motions.middleRows<3>(3 * i) = field(body.points.row(i).transpose());
+  }
+  for (Eigen::Index i = 0; i < attachments.extra_count(); ++i) {
+    const auto& extra = attachments.extras[static_cast<std::size_t>(i)];
+    motions.row(3 * nodes + i) = extra.direction.transpose() * field(extra.position);
+  }
+  return motions;
+}
+
+Eigen::MatrixXd free_rows(const Motions& all, const DofMap& dofs) {
+  Eigen::MatrixXd free(dofs.free_count, all.cols());
+  for (Eigen::Index i = 0; i < dofs.free_dof.size(); ++i) {
+    if (dofs.free_dof(i) >= 0) free.row(dofs.free_dof(i)) = all.row(i);
+  }
+  return free;
+}
+
+// Axes of a symmetric matrix, each matched to the coordinate axis it is nearest to; where two or
+// three moments are equal the axes within their plane are those nearest to x, y, z.
+Eigen::Matrix3d principal_axes(const Eigen::Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+  const double tolerance = 1e-6 * solver.eigenvalues().cwiseAbs().maxCoeff();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  std::array<bool, 3> taken{};
+  for (int first = 0; first < 3;) {
+    int size = 1;
+    while (first + size < 3 &&
+           solver.eigenvalues()(first + size) - solver.eigenvalues()(first) < tolerance) {
+      ++size;
+    }
+    const Eigen::MatrixXd space = solver.eigenvectors().middleCols(first, size);
+    Eigen::MatrixXd chosen(3, 0);
+    for (int k = 0; k < size; ++k) {
+      int best = -1;
+      Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        if (taken[static_cast<std::size_t>(axis)]) continue;
+        Eigen::Vector3d part = space * (space.transpose() * Eigen::Vector3d::Unit(axis));
+        part -= chosen * (chosen.transpose() * part);
+        if (part.norm() > direction.norm() + 1e-9) {
+          direction = part;
+          best = axis;
+        }
+      }
+      taken[static_cast<std::size_t>(best)] = true;
+      axes.col(best) = direction.normalized();
+      chosen.conservativeResize(3, k + 1);
+      chosen.col(k) = axes.col(best);
+    }
+    first += size;
+  }
+  return axes;
+}
+
+Eigen::MatrixXd gram(const SparseMatrix& mass, const Eigen::MatrixXd& motions) {
+  return motions.transpose() * (mass.selfadjointView<Eigen::Lower>() * motions);
+}
+
+// The six motions combined so that M is the identity on them: translations first, then rotations
+// about the principal axes through the centre of mass. Returns the 6×6 combination.
+Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
+  Eigen::MatrixXd c = Eigen::MatrixXd::Identity(6, 6);
+  for (int i = 0; i < 3; ++i) {
+    for (int pass = 0; pass < 2; ++pass) {
+      for (int j = 0; j < i; ++j) c.col(i) -= c.col(j) * (c.col(j).transpose() * g * c.col(i));
+    }
+    c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+  }
+  Eigen::MatrixXd rotations = c.rightCols(3);
+  rotations -= c.leftCols(3) * (c.leftCols(3).transpose() * g * rotations);
+  const Eigen::Matrix3d inertia = rotations.transpose() * g * rotations;
+  c.rightCols(3) = rotations * principal_axes(inertia);
+  for (int i = 3; i < 6; ++i) c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+  return c;
+}
+
+// What of the six orthonormal motions springs and supports let pass: the null space of their energy,
+// spanned by projections of the motions in their order.
+Eigen::MatrixXd costless(const Eigen::MatrixXd& energy) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(energy);
+  const double largest = solver.eigenvalues().maxCoeff();
+  const Eigen::Index count =
+      largest <= 0.0 ? energy.cols() : (solver.eigenvalues().array() <= 1e-12 * largest).count();
+  const Eigen::MatrixXd null = solver.eigenvectors().leftCols(count);
+  Eigen::MatrixXd chosen(energy.cols(), 0);
+  for (Eigen::Index k = 0; k < energy.cols() && chosen.cols() < count; ++k) {
+    Eigen::VectorXd part = null * null.row(k).transpose();
+    for (int pass = 0; pass < 2; ++pass) part -= chosen * (chosen.transpose() * part);
+    if (part.norm() < 1e-6) continue;
+    chosen.conservativeResize(energy.cols(), chosen.cols() + 1);
+    chosen.col(chosen.cols() - 1) = part.normalized();
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Eigen::MatrixXd rigid_motions(const mesh::TetMesh& body, const System& system,
+                              const AttachmentTerms& attachments) {
+  Eigen::Vector3d centre = body.points.colwise().mean().transpose();
+  const auto held = (system.dofs.free_dof.array() < 0).any();
+  Motions all = about(body, attachments, centre);
+  Eigen::MatrixXd free = free_rows(all, system.dofs);
+  const Eigen::MatrixXd combination = mass_orthonormal(gram(system.mass, free));
+  all *= combination;
+
+  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(6, 6);
+  for (const auto& term : attachments.stiffness) {
+    const Eigen::MatrixXd product = all.row(term.row()).transpose() * all.row(term.col());
+    energy += term.value() * product;
+    if (term.row() != term.col()) energy += term.value() * product.transpose();
+  }
+  // A support is a spring as stiff as the springs there are.
+  if (held) {
+    double stiff = 1.0;
+    for (const auto& term : attachments.stiffness) stiff = std::max(stiff, std::abs(term.value()));
+    for (Eigen::Index i = 0; i < system.dofs.free_dof.size(); ++i) {
+      if (system.dofs.free_dof(i) < 0) energy += stiff * all.row(i).transpose() * all.row(i);
+    }
+  }
+  const Eigen::MatrixXd passed = costless(energy);
+  if (passed.cols() == 6) return free * combination;
+  Eigen::MatrixXd left = free * combination * passed;
+  for (int pass = 0; pass < 2 && left.cols() > 0; ++pass) {
+    const Eigen::LLT<Eigen::MatrixXd> llt(gram(system.mass, left));
+    left = llt.matrixU().solve<Eigen::OnTheRight>(left);
+  }
+  return left;
+}
+
+double frequency_scale(const mesh::TetMesh& body, const std::vector<Material>& materials) {
+  double area = 0.0;
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    const Eigen::Vector3d a = body.points.row(body.faces(f, 0));
+    const Eigen::Vector3d b = body.points.row(body.faces(f, 1));
+    const Eigen::Vector3d c = body.points.row(body.faces(f, 2));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  const double longest =
+      (body.points.colwise().maxCoeff() - body.points.colwise().minCoeff()).maxCoeff();
+  if (area <= 0.0 || longest <= 0.0) return 0.0;
+  const double thickness = 2.0 * mesh::volume(body) / area;
+  const auto& material = materials.front();
+  const double speed = std::sqrt(material.stiffness.diagonal().head<3>().mean() / material.density);
+  return 0.65 * speed * thickness / (longest * longest);
+}
+
+}  // namespace chladni::fem
