@@ -15,10 +15,12 @@ struct Site {
   Eigen::Vector3d position;  ///< [m]
   Eigen::Vector3d normal;    ///< outward, unit
   Eigen::Index face = -1;    ///< row of TetMesh::faces
-  double distance = 0.0;     ///< from the point asked for [m]
+  double distance = 0.0;     ///< from the point, or the vertical line, asked for [m]
 };
 
-/// Finds sites; keeps a search tree of the faces. The mesh must outlive it.
+/// Finds sites; keeps a search tree of the faces. The mesh must outlive it. Curved faces (nodes off
+/// the flat of their corners) are met where they are, not on the flat.
+/// @throws InvalidInput  the mesh has no boundary faces; a point asked for is not finite
 class SiteFinder {
  public:
   explicit SiteFinder(const TetMesh& mesh);
@@ -32,7 +34,7 @@ class SiteFinder {
   [[nodiscard]] Site nearest(const Eigen::Vector3d& point) const;
 
   /// The highest point of the boundary on the vertical line through (x, y); none when the line
-  /// misses the body.
+  /// misses the body. Lines along edges and through corners hit. Cost: logarithmic in the faces.
   [[nodiscard]] std::optional<Site> from_above(double x, double y) const;
 
  private:
@@ -42,11 +44,13 @@ class SiteFinder {
 
 /// The row of a displacement field along `direction` (unit) at `site`: for shapes of 3·nodes rows,
 /// x0 y0 z0 x1 ..., the value is row · shapes.
+/// @throws InvalidInput  direction is not a unit vector, or a node of the site is not below
+/// node_count
 [[nodiscard]] Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& direction,
                                                  Eigen::Index node_count);
 
 /// Shape functions of a triangle of `order` 1, 2 or 3 at barycentric coordinates (l0, l1, l2), in
-/// VTK's order; they sum to 1.
+/// VTK's order; they sum to 1. @throws InvalidInput  another order
 [[nodiscard]] Eigen::VectorXd triangle_shape(int order, const Eigen::Vector3d& barycentric);
 
 }  // namespace chladni::mesh
