@@ -29,8 +29,10 @@ struct FileGeometry {
 };
 
 struct Geometry {
-  std::string kind;  ///< "plate", "beam", "disc", "wafer_table" or "file"
-  std::variant<mesh::Plate, mesh::Disc, mesh::WaferTable, FileGeometry> body;
+  std::string kind;  ///< "plate", "beam", "disc", "quadrilateral", "sphere", "wafer_table", "file"
+  std::variant<mesh::Plate, mesh::Disc, mesh::Quadrilateral, mesh::Sphere, mesh::WaferTable,
+               FileGeometry>
+      body;
 };
 
 struct StudyMaterial {
@@ -44,6 +46,7 @@ struct MeshPlan {
   double edge_length = 0.0;  ///< [m]; 0: from the geometry
   int order = 0;             ///< 1, 2, 3; 0: chosen
   int layers = 0;            ///< through the thickness of a layered mesh; 0: chosen
+  int across_ribs = 0;       ///< cells through a rib of a layered table; 0: chosen
   std::string mesher;        ///< "layered" or "tetgen"; empty: chosen
   bool remesh = true;        ///< of a file's surface, before TetGen
   bool fill_holes = false;   ///< repair = "fill"

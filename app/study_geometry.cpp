@@ -26,6 +26,37 @@ mesh::Disc disc_of(TableReader& table) {
   return disc;
 }
 
+mesh::Sphere sphere_of(TableReader& table) {
+  mesh::Sphere sphere;
+  sphere.diameter = table.required_quantity("diameter", "m", Sign::positive);
+  sphere.hole_diameter = table.quantity("hole_diameter", "m", Sign::not_negative).value_or(0.0);
+  return sphere;
+}
+
+mesh::Quadrilateral quadrilateral_of(TableReader& table) {
+  mesh::Quadrilateral plate;
+  plate.corners.setZero();
+  plate.thickness = table.required_quantity("thickness", "m", Sign::positive);
+  const TomlNode* corners = table.find("corners");
+  const std::string expected =
+      "four corners counter-clockwise, such as [[\"0 m\", \"0 m\"], [\"2 m\", \"0 m\"], ...]";
+  if (corners == nullptr) {
+    table.missing("corners", expected);
+    return plate;
+  }
+  bool good = corners->kind == TomlNode::Kind::array && corners->elements.size() == 4;
+  for (std::size_t k = 0; good && k < 4; ++k) {
+    const auto& corner = corners->elements[k].elements;
+    good = corner.size() == 2;
+    for (std::size_t i = 0; good && i < 2; ++i) {
+      plate.corners(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) =
+          table.value_of(corner[i], table.name("corners"), "m", Sign::any);
+    }
+  }
+  if (!good) table.wrong(*corners, table.name("corners") + " must be " + expected);
+  return plate;
+}
+
 void read_pockets(TableReader& table, mesh::WaferTable& wafer_table) {
   if (const auto pockets = table.quantities("pockets", "1", 2, Sign::not_negative)) {
     const bool whole = (pockets->array() == pockets->array().round()).all();
@@ -131,37 +162,43 @@ FileGeometry file_of(TableReader& table, const StudyFolder& folder) {
   return geometry;
 }
 
+constexpr std::array kKinds = {"plate",  "beam",        "disc", "quadrilateral",
+                               "sphere", "wafer_table", "file"};
+
+decltype(Geometry::body) parametric_of(const std::string& kind, TableReader& table) {
+  if (kind == "disc") return disc_of(table);
+  if (kind == "sphere") return sphere_of(table);
+  if (kind == "quadrilateral") return quadrilateral_of(table);
+  if (kind == "wafer_table") return wafer_table_of(table);
+  return plate_of(table);
+}
+
 }  // namespace
 
 void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& study) {
   const std::string expected =
-      "{ plate = { ... } }, { beam = { ... } }, { disc = { ... } }, { wafer_table = { ... } } or "
+      "{ plate = { ... } }, { beam = { ... } }, { disc = { ... } }, "
+      "{ wafer_table = { ... } } or "
       "{ file = \"table.step\" }";
   if (!root.has("geometry")) root.missing("geometry", expected);
   auto table = root.table("geometry");
   if (!table) return;
   int found = 0;
-  for (const auto& kind : {"plate", "beam", "disc", "wafer_table", "file"}) {
+  for (const auto& kind : kKinds) {
     if (!table->has(kind)) {
       table->find(kind);
       continue;
     }
     ++found;
     study.geometry.kind = kind;
-    if (kind == std::string("file")) {
+    if (study.geometry.kind == "file") {
       study.geometry.body = file_of(*table, folder);
       continue;
     }
-    auto body = table->table(kind);
-    if (!body) continue;
-    if (study.geometry.kind == "disc") {
-      study.geometry.body = disc_of(*body);
-    } else if (study.geometry.kind == "wafer_table") {
-      study.geometry.body = wafer_table_of(*body);
-    } else {
-      study.geometry.body = plate_of(*body);
+    if (auto body = table->table(kind)) {
+      study.geometry.body = parametric_of(study.geometry.kind, *body);
+      body->refuse_unknown();
     }
-    body->refuse_unknown();
   }
   table->refuse_unknown();
   if (found != 1) {
@@ -177,6 +214,7 @@ void read_mesh_part(TableReader& root, Study& study) {
   mesh.edge_length = table->quantity("edge_length", "m", Sign::positive).value_or(0.0);
   mesh.order = static_cast<int>(table->integer("order", 1, 3).value_or(0));
   mesh.layers = static_cast<int>(table->integer("layers", 1, 100).value_or(0));
+  mesh.across_ribs = static_cast<int>(table->integer("across_ribs", 1, 20).value_or(0));
   mesh.mesher = table->choice("mesher", {"layered", "tetgen"}).value_or("");
   mesh.remesh = table->truth("remesh").value_or(true);
   mesh.fill_holes = table->choice("repair", {"safe", "fill"}).value_or("safe") == "fill";

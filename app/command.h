@@ -1,0 +1,90 @@
+// What every verb of the command line is made of.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/output_folder.h"
+#include "app/study.h"
+#include "app/terminal.h"
+#include "io/json.h"
+
+namespace chladni::app {
+
+/// What the command line said beside the verb and the study.
+struct Options {
+  std::filesystem::path folder;                ///< -o; empty: out/<study name>
+  std::vector<std::filesystem::path> allowed;  ///< --allow-outside
+  int threads = 0;                             ///< 0: the physical cores
+  long long seed = -1;                         ///< −1: the study's, or 1
+  bool quiet = false, json = false;
+  bool certificate = true;  ///< the inertia count
+  bool pictures = true;
+  int animate = 0;            ///< mode, counted from 1, whose phase animation is wanted
+  bool expect = false;        ///< `check` computes the modes and compares
+  bool reproducible = false;  ///< no times in the results
+};
+
+/// One run of a verb: where it writes, whom it talks to, how long its steps took.
+class Run {
+ public:
+  /// @throws as OutputFolder
+  Run(const Study& study, Options options, std::ostream& results, Talk& talk);
+
+  [[nodiscard]] const Options& options() const { return options_; }
+  [[nodiscard]] unsigned seed() const { return seed_; }
+  [[nodiscard]] std::filesystem::path operator/(std::string_view name) const;
+  [[nodiscard]] Talk& talk() { return talk_; }
+
+  /// Text for a person, on stdout; not with --json.
+  void show(std::string_view text);
+  /// Does one step and keeps its wall time for the results.
+  template <typename Step>
+  auto timed(const std::string& name, Step step) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto keep = [&] {
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      seconds_.emplace_back(name, took.count());
+    };
+    auto result = step();
+    keep();
+    return result;
+  }
+  /// Writes `content` as a JSON file, headed by what every one carries (version, study, seed,
+  /// seconds); the one that `--json` prints is the verb's own `main_result`.
+  void leave(const std::string& file, io::JsonObject content, bool main_result);
+
+ private:
+  const Study& study_;
+  Options options_;
+  std::ostream& results_;
+  Talk& talk_;
+  OutputFolder folder_;
+  unsigned seed_;
+  std::vector<std::pair<std::string, double>> seconds_;
+};
+
+struct Command {
+  std::string_view name;     ///< the word typed
+  std::string_view summary;  ///< one line for --help
+  void (*run)(const Study& study, Run& run);
+};
+
+extern const Command check_command;
+extern const Command mesh_command;
+extern const Command modes_command;
+extern const Command study_command;
+
+/// The verbs that take no study. They return the exit code.
+[[nodiscard]] int doctor(std::ostream& results);
+[[nodiscard]] int list(std::string_view what, std::ostream& results);
+[[nodiscard]] std::vector<std::string> listable();
+[[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
+                          const std::string& unit, std::ostream& results);
+
+}  // namespace chladni::app

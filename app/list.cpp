@@ -1,0 +1,79 @@
+// chladni list WHAT: what there is to choose from, with its sources.
+#include <fmt/format.h>
+
+#include <array>
+#include <ostream>
+#include <utility>
+
+#include "app/command.h"
+#include "base/error.h"
+#include "fem/element.h"
+
+namespace chladni::app {
+namespace {
+
+using Row = std::pair<std::string_view, std::string_view>;
+
+constexpr std::array kBodies = std::to_array<Row>({
+    {"plate", "length, width, thickness"},
+    {"beam", "length, width, thickness: a plate that is long"},
+    {"disc", "diameter, thickness, hole_diameter"},
+    {"quadrilateral", "corners (four, counter-clockwise), thickness"},
+    {"sphere", "diameter, hole_diameter; centred at the origin"},
+    {"wafer_table",
+     "length, width, height, face_sheet, pockets, rib, rim, edge_cutout, "
+     "corner_cutout, bores, wafer"},
+    {"file", "a surface or tetrahedra, see `chladni list formats`"},
+});
+constexpr std::array kFormats = std::to_array<Row>({
+    {".step .stp", "read: a solid; its faces become patches; carries its unit"},
+    {".stl", "read (ASCII, binary), written (binary): a closed surface"},
+    {".off .ply .obj", "read: a closed surface"},
+    {".msh", "read: tetrahedra of Gmsh 2.2 and 4.1"},
+    {".inp", "read: C3D4 and C3D10 of Abaqus and CalculiX; sets become regions and patches"},
+    {".vtu", "read and written: tetrahedra of VTK, modes for ParaView"},
+    {".json .csv", "written: results"},
+});
+constexpr std::array kMaterials = std::to_array<Row>({
+    {"isotropic", "youngs_modulus, poissons_ratio, density"},
+    {"cubic", "c11, c12, c44, density; silicon: 165.7, 63.9, 79.6 GPa (Hopcroft et al. 2010)"},
+    {"orthotropic",
+     "youngs_modulus [E1, E2, E3], poissons_ratio [nu23, nu13, nu12], "
+     "shear_modulus [G23, G13, G12], density"},
+});
+constexpr std::array kAttachments = std::to_array<Row>({
+    {"mass", "mass, inertia (three about x, y, z)"},
+    {"spring", "to the ground: direction, stiffness, damping"},
+    {"damper", "to the ground: direction, damping"},
+    {"torsion_spring", "to the ground: axis, stiffness, damping"},
+    {"link", "between at and to: stiffness, damping, direction"},
+    {"resonator",
+     "a mass on a spring: direction, mass, frequency or stiffness, damping or "
+     "damping_ratio"},
+});
+
+template <std::size_t N>
+void print(const std::array<Row, N>& rows, std::ostream& results) {
+  for (const auto& [name, summary] : rows) results << fmt::format("{:<16} {}\n", name, summary);
+}
+
+}  // namespace
+
+std::vector<std::string> listable() {
+  return {"attachments", "bodies", "elements", "formats", "materials"};
+}
+
+int list(std::string_view what, std::ostream& results) {
+  if (what == "attachments") print(kAttachments, results);
+  if (what == "bodies") print(kBodies, results);
+  if (what == "formats") print(kFormats, results);
+  if (what == "materials") print(kMaterials, results);
+  if (what != "elements") return 0;
+  for (const auto* element : fem::elements()) {
+    results << fmt::format("{:<16} {} nodes, order {}: {} [{}]\n", element->name, element->nodes,
+                           element->order, element->summary, element->source);
+  }
+  return 0;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,144 @@
+// The command line: one verb per step of the flow, one study file, one output folder.
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+#include <new>
+
+#include "app/command.h"
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "base/parallel.h"
+#include "fem/blas.h"
+
+namespace {
+
+namespace app = chladni::app;
+
+// In the order of the flow; a new verb is one line here.
+constexpr const app::Command* kCommands[] = {
+    &app::check_command,
+    &app::mesh_command,
+    &app::modes_command,
+    &app::study_command,
+};
+
+enum ExitCode {
+  kDone = 0,
+  kUsage = 2,
+  kInvalidInput = 3,
+  kNumericalFailure = 4,
+  kOutOfResources = 5,
+  kWorkerDied = 6,
+  kInterrupted = 130
+};
+
+/// Runs `work` and turns what it throws into a message and an exit code.
+int guarded(app::Talk& talk, const std::function<int()>& work) {
+  const auto failed = [&](const std::exception& e, ExitCode code) {
+    talk.error(e.what());
+    return code;
+  };
+  try {
+    return work();
+  } catch (const chladni::InvalidInput& e) {
+    return failed(e, kInvalidInput);
+  } catch (const chladni::Interrupted& e) {
+    return failed(e, kInterrupted);
+  } catch (const chladni::WorkerDied& e) {
+    return failed(e, kWorkerDied);
+  } catch (const chladni::OutOfResources& e) {
+    return failed(e, kOutOfResources);
+  } catch (const chladni::NumericalFailure& e) {
+    return failed(e, kNumericalFailure);
+  } catch (const std::bad_alloc&) {
+    talk.error("out of memory; choose a longer mesh.edge_length or a lower mesh.order");
+    return kOutOfResources;
+  }
+}
+
+int run(const app::Command& command, const std::filesystem::path& file, app::Options options) {
+  app::Talk talk(std::cerr, app::manner_of_stderr(options.quiet));
+  return guarded(talk, [&] {
+    if (options.threads > 0) chladni::set_thread_count(options.threads);
+    const auto study = app::read_study(file, options.allowed);
+    app::Run run(study, std::move(options), std::cout, talk);
+    command.run(study, run);
+    std::cout.flush();
+    if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
+    return kDone;
+  });
+}
+
+void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
+                 app::Options& options) {
+  verb.add_option("STUDY", file, "the study, a .toml file")->required();
+  verb.add_option("-o,--output", options.folder, "folder for the results [out/<study name>]");
+  verb.add_option("--threads", options.threads, "threads [physical cores]")
+      ->check(CLI::Range(1, 1024));
+  verb.add_option("--seed", options.seed, "seed of everything random [the study's, or 1]")
+      ->check(CLI::Range(0LL, 4294967295LL));
+  verb.add_option("--allow-outside", options.allowed,
+                  "absolute folder from which the study may read files")
+      ->check(CLI::ExistingDirectory);
+  verb.add_flag("--quiet", options.quiet, "no notes and no progress; warnings and errors still");
+  verb.add_flag("--json", options.json, "the result as JSON on the standard output");
+  verb.add_flag("--reproducible", options.reproducible, "no wall times in the results");
+  if (command.name == "mesh") return;
+  verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
+  if (command.name == "check") {
+    verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");
+    return;
+  }
+  verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
+  verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
+      ->check(CLI::PositiveNumber);
+}
+
+struct OtherVerbs {
+  std::string what, unit;
+  std::filesystem::path from, to;
+};
+
+void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& status) {
+  auto* convert = cli.add_subcommand("convert", "geometry from one format to another");
+  convert->add_option("IN", other.from, "file to read")->required();
+  convert->add_option("OUT", other.to, "file to write: .stl, .vtu")->required();
+  convert->add_option("--unit", other.unit, "length unit of IN, where its format has none");
+  convert->callback([&] {
+    status =
+        guarded(talk, [&] { return app::convert(other.from, other.to, other.unit, std::cout); });
+  });
+  auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");
+  list->add_option("WHAT", other.what, "what")->required()->check(CLI::IsMember(app::listable()));
+  list->callback([&] { status = guarded(talk, [&] { return app::list(other.what, std::cout); }); });
+  auto* doctor = cli.add_subcommand("doctor", "checks the installation");
+  doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  chladni::fem::use_best_blas_kernel(argv);
+  chladni::catch_interrupts();
+  CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
+  cli.name("chladni");
+  cli.require_subcommand(1);
+  cli.set_version_flag("--version", std::string("chladni ") + CHLADNI_VERSION);
+  app::Talk talk(std::cerr, app::manner_of_stderr(false));
+  std::filesystem::path file;
+  app::Options options;
+  OtherVerbs other;
+  int status = kDone;
+  for (const auto* command : kCommands) {
+    auto* verb = cli.add_subcommand(std::string(command->name), std::string(command->summary));
+    add_options(*verb, *command, file, options);
+    verb->callback([&, command] { status = run(*command, file, options); });
+  }
+  add_other_verbs(cli, other, talk, status);
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return cli.exit(e, std::cout, std::cerr) == 0 ? kDone : kUsage;
+  }
+  return status;
+}

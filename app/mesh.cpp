@@ -1,0 +1,30 @@
+// chladni mesh STUDY: the body's surface checked and filled with tetrahedra.
+#include "app/solution.h"
+#include "io/vtu.h"
+
+namespace chladni::app {
+
+void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result) {
+  io::write_vtu(run / "mesh.vtu", body, {});
+  run.leave("mesh.json", mesh_json(body), main_result);
+}
+
+namespace {
+
+void run(const Study& study, Run& run) {
+  const Outline outline = introduced(study, run);
+  const auto body =
+      run.timed("mesh", [&] { return body_of(study, outline, run.talk().progress()); });
+  run.show(mesh_text(body));
+  leave_mesh(body, run, true);
+}
+
+}  // namespace
+
+constinit const Command mesh_command{
+    .name = "mesh",
+    .summary = "surface checks and repair, tetrahedra and their quality",
+    .run = run,
+};
+
+}  // namespace chladni::app

@@ -1,0 +1,42 @@
+// chladni modes STUDY: natural frequencies and mode shapes of the body in the study.
+#include "app/solution.h"
+#include "base/error.h"
+#include "io/picture.h"
+#include "io/vtu.h"
+
+namespace chladni::app {
+
+void leave_modes(const Study& study, const Solution& solution, Run& run) {
+  const auto& [model, modes, error, summary, size] = solution;
+  const auto markers = markers_of(study, model);
+  run.leave("modes.json", modes_json(study, solution), true);
+  io::write_csv(run / "modes.csv", modes_columns(solution));
+  io::write_modes_vtu(run / "modes.vtu", model.body, modes, study.title);
+  if (!markers.empty()) io::write_markers_vtu(run / "channels.vtu", markers);
+  if (const int mode = run.options().animate; mode > 0) {
+    require(mode <= modes.mode_count(), "--animate " + std::to_string(mode) + ": there are " +
+                                            std::to_string(modes.mode_count()) + " modes");
+    io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
+  }
+  if (!run.options().pictures) return;
+  tell(run.talk().progress(), "painting the modes");
+  io::draw_modes(run / "modes.png", model.body, modes, study.title, markers);
+}
+
+namespace {
+
+void run(const Study& study, Run& run) {
+  const Solution solution = solved(study, run);
+  run.show(modes_table(solution));
+  leave_modes(study, solution, run);
+}
+
+}  // namespace
+
+constinit const Command modes_command{
+    .name = "modes",
+    .summary = "natural frequencies and mode shapes of the body",
+    .run = run,
+};
+
+}  // namespace chladni::app

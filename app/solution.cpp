@@ -1,0 +1,121 @@
+#include "app/solution.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "fem/error_estimate.h"
+
+namespace chladni::app {
+namespace {
+
+/// Flexible modes to ask for so that the highest that is expected is there.
+int wanted_count(const Study& study) {
+  int count = study.modes.count;
+  for (const auto& expectation : study.expectations) {
+    if (!expectation.key.starts_with("frequency_")) continue;
+    count = std::max(count, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
+  }
+  return count;
+}
+
+fem::ModesOptions modes_options(const Study& study, const Run& run) {
+  fem::ModesOptions options;
+  options.count = wanted_count(study);
+  options.certificate = run.options().certificate;
+  options.seed = run.seed();
+  return options;
+}
+
+bool reaches(const modal::Modes& modes, double up_to_hz) {
+  return modes.frequency_hz.size() > 0 && modes.frequency_hz.tail<1>()(0) >= up_to_hz;
+}
+
+/// Modes up to a frequency: asks for more until one lies above it, then leaves those above out.
+fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::ModesOptions options,
+                             const Progress& progress) {
+  auto result = fem::modes(system, options, progress);
+  const auto most = static_cast<int>(system.dofs.free_count / 4);
+  while (!reaches(result.modes, up_to_hz) && options.count < most) {
+    const double ratio = up_to_hz / result.modes.frequency_hz.tail<1>()(0);
+    options.count =
+        std::min(most, static_cast<int>(options.count * std::clamp(1.2 * ratio, 1.3, 4.0)) + 2);
+    result = fem::modes(system, options, progress);
+  }
+  Eigen::Index below = 0;
+  while (below < result.modes.mode_count() && result.modes.frequency_hz(below) <= up_to_hz) ++below;
+  result.modes.frequency_hz.conservativeResize(below);
+  result.modes.damping_ratio.conservativeResize(below);
+  result.modes.shapes.conservativeResize(Eigen::NoChange, below);
+  result.summary.residual.conservativeResize(below);
+  std::erase_if(result.summary.clusters,
+                [&](const fem::Cluster& cluster) { return cluster.first + cluster.size > below; });
+  return result;
+}
+
+fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& run) {
+  const auto options = modes_options(study, run);
+  const auto progress = run.talk().progress();
+  auto result = study.modes.up_to_hz > 0.0
+                    ? modes_up_to(system, study.modes.up_to_hz, options, progress)
+                    : fem::modes(system, options, progress);
+  const Eigen::Index flexible = result.modes.mode_count() - result.modes.rigid_count;
+  result.modes.damping_ratio.tail(flexible).setConstant(study.modes.damping_ratio);
+  return result;
+}
+
+}  // namespace
+
+Outline introduced(const Study& study, Run& run) {
+  for (const auto& warning : study.warnings) run.talk().warn(warning);
+  const Outline outline = outline_of(study, run.talk().progress());
+  const auto body = understood(study, outline);
+  run.show(body.line() + "\n");
+  for (const auto& note : outline.notes) run.talk().note(note);
+  for (const auto& warning : implausible(body))
+    run.talk().warn(study.file.string() + ": " + warning);
+  return outline;
+}
+
+Solution solved(const Study& study, Run& run) {
+  const auto progress = run.talk().progress();
+  const auto outline = run.timed("geometry", [&] { return introduced(study, run); });
+  run.talk().note(forecast(study, outline).line());
+  throw_if_interrupted();
+
+  Solution solution;
+  auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
+  solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
+  for (const auto& note : solution.model.notes) run.talk().note(note);
+  throw_if_interrupted();
+
+  const auto& model = solution.model;
+  tell(progress, "assembling");
+  const auto system = run.timed("assembly", [&] {
+    return fem::assemble(model.body, model.materials, study.supports, model.attachments);
+  });
+  auto result = run.timed("modes", [&] { return modes_of(study, system, run); });
+  solution.degrees_of_freedom = system.dofs.free_count;
+  tell(progress, "estimating the error of the mesh");
+  solution.frequency_error = run.timed("error_estimate", [&] {
+    return fem::frequency_error(model.body, model.materials, system, result.modes);
+  });
+  solution.summary = result.summary;
+  solution.modes = std::move(result.modes);
+  solution.modes.shapes = fem::on_nodes(system.dofs, solution.modes.shapes);
+  return solution;
+}
+
+Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
+                          const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(channels.size()), modes.mode_count());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const auto row = mesh::row_at(sites[i], channels[i].direction, modes.dof_count() / 3);
+    values.row(static_cast<Eigen::Index>(i)) = row.transpose() * modes.shapes;
+  }
+  return values;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,216 @@
+// A study in SI: what `chladni check` leaves.
+#include "app/solution.h"
+#include "mesh/tetrahedralize.h"
+
+namespace chladni::app {
+namespace {
+
+io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
+
+io::Json texts(const std::vector<std::string>& lines) {
+  io::JsonArray array;
+  for (const auto& line : lines) array.emplace_back(line);
+  return array;
+}
+
+io::Json body_json(const mesh::Plate& plate) {
+  return io::JsonObject{
+      {"length_m", plate.length}, {"width_m", plate.width}, {"thickness_m", plate.thickness}};
+}
+
+io::Json body_json(const mesh::Disc& disc) {
+  return io::JsonObject{{"diameter_m", disc.diameter},
+                        {"thickness_m", disc.thickness},
+                        {"hole_diameter_m", disc.hole_diameter}};
+}
+
+io::Json body_json(const mesh::Quadrilateral& plate) {
+  return io::JsonObject{{"corners_m", io::Json::rows(Eigen::MatrixXd(plate.corners))},
+                        {"thickness_m", plate.thickness}};
+}
+
+io::Json body_json(const mesh::Sphere& sphere) {
+  return io::JsonObject{{"diameter_m", sphere.diameter}, {"hole_diameter_m", sphere.hole_diameter}};
+}
+
+io::Json body_json(const mesh::WaferTable& table) {
+  io::JsonArray bores;
+  for (const auto& bore : table.bores) {
+    bores.push_back(io::JsonObject{
+        {"at_m", vector(bore.centre)}, {"diameter_m", bore.diameter}, {"depth_m", bore.depth}});
+  }
+  return io::JsonObject{{"length_m", table.length},
+                        {"width_m", table.width},
+                        {"height_m", table.height},
+                        {"face_sheet_m", table.face_sheet},
+                        {"pockets", io::JsonArray{table.pockets_x, table.pockets_y}},
+                        {"rib_m", table.rib},
+                        {"rim_m", table.rim},
+                        {"edge_cutout_length_m", table.edge_cutout_length},
+                        {"edge_cutout_depth_m", table.edge_cutout_depth},
+                        {"corner_cutout_m", table.corner_cutout},
+                        {"bores", bores},
+                        {"wafer_diameter_m", table.wafer_diameter},
+                        {"wafer_thickness_m", table.wafer_thickness}};
+}
+
+io::Json body_json(const FileGeometry& geometry) {
+  return io::JsonObject{{"file", geometry.file.filename().string()}, {"unit", geometry.unit}};
+}
+
+io::Json material_json(const StudyMaterial& material) {
+  io::JsonObject object = {{"region", material.region}, {"symmetry", material.symmetry}};
+  for (const auto& [name, value] : material.constants) object.emplace_back(name, value);
+  object.emplace_back("stiffness_pa", io::Json::rows(Eigen::MatrixXd(material.material.stiffness)));
+  return object;
+}
+
+io::Json place_json(const Place& place) {
+  return vector(place.point.head(place.from_above ? 2 : 3));
+}
+
+io::Json channels_json(const std::vector<Channel>& channels) {
+  io::JsonArray array;
+  for (const auto& channel : channels) {
+    io::JsonObject object = {{"name", channel.name},
+                             {"at_m", place_json(channel.at)},
+                             {"direction", vector(channel.direction)},
+                             {"quantity", channel.quantity}};
+    if (channel.node) object.emplace_back("node", *channel.node);
+    array.emplace_back(object);
+  }
+  return array;
+}
+
+void add(io::JsonObject& object, const fem::PointMass& mass) {
+  object.emplace_back("mass_kg", mass.mass);
+  object.emplace_back("inertia_kg_m2", vector(mass.inertia.diagonal()));
+}
+
+void add(io::JsonObject& object, const fem::GroundTorsionSpring& spring) {
+  object.emplace_back("axis", vector(spring.axis));
+  object.emplace_back("stiffness_n_m_per_rad", spring.stiffness);
+  object.emplace_back("damping_n_m_s_per_rad", spring.damping);
+}
+
+void add(io::JsonObject& object, const fem::Resonator& resonator) {
+  object.emplace_back("direction", vector(resonator.direction));
+  object.emplace_back("mass_kg", resonator.mass);
+  object.emplace_back("stiffness_n_per_m", resonator.stiffness);
+  object.emplace_back("damping_n_s_per_m", resonator.damping);
+}
+
+template <typename Spring>
+void add(io::JsonObject& object, const Spring& spring) {
+  object.emplace_back("direction", vector(spring.direction));
+  object.emplace_back("stiffness_n_per_m", spring.stiffness);
+  object.emplace_back("damping_n_s_per_m", spring.damping);
+}
+
+io::Json attachments_json(const std::vector<AttachmentPlan>& plans) {
+  io::JsonArray array;
+  for (const auto& plan : plans) {
+    io::JsonObject object = {{"kind", plan.kind},
+                             {"name", plan.name},
+                             {"at_m", place_json(plan.at)},
+                             {"footprint_m", plan.footprint}};
+    if (plan.to) object.emplace_back("to_m", place_json(*plan.to));
+    std::visit([&](const auto& what) { add(object, what); }, plan.what);
+    array.emplace_back(object);
+  }
+  return array;
+}
+
+io::Json supports_json(const std::vector<fem::Support>& supports) {
+  io::JsonArray array;
+  for (const auto& support : supports) {
+    const std::string fixed =
+        std::string(support.x ? "x" : "") + (support.y ? "y" : "") + (support.z ? "z" : "");
+    array.push_back(io::JsonObject{{"patch", support.patch}, {"fixed", fixed}});
+  }
+  return array;
+}
+
+io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
+  io::JsonArray array;
+  for (const auto& layout : layouts) {
+    array.push_back(io::JsonObject{{"name", layout.name},
+                                   {"sensors", texts(layout.sensors)},
+                                   {"actuators", texts(layout.actuators)}});
+  }
+  return array;
+}
+
+io::Json placement_json(const PlacementPlan& plan) {
+  io::JsonArray modes;
+  for (const int mode : plan.modes) modes.emplace_back(mode);
+  io::JsonArray zones;
+  for (const auto& zone : plan.keep_out) {
+    zones.push_back(io::JsonObject{{"shape", zone.shape},
+                                   {"from_m", vector(zone.from)},
+                                   {"to_m", vector(zone.to)},
+                                   {"diameter_m", zone.diameter},
+                                   {"patch", zone.patch}});
+  }
+  return io::JsonObject{{"modes", modes}, {"up_to_hz", plan.up_to_hz}, {"keep_out", zones}};
+}
+
+io::Json expectations_json(const std::vector<Expectation>& expectations) {
+  io::JsonObject object;
+  for (const auto& one : expectations) {
+    object.emplace_back(
+        one.key, io::JsonObject{{"value", one.value}, {"within", one.within}, {"unit", one.unit}});
+  }
+  return object;
+}
+
+io::Json mesh_plan_json(const MeshPlan& plan) {
+  return io::JsonObject{{"edge_length_m", plan.edge_length},
+                        {"order", plan.order},
+                        {"layers", plan.layers},
+                        {"across_ribs", plan.across_ribs},
+                        {"mesher", plan.mesher},
+                        {"remesh", plan.remesh},
+                        {"repair", plan.fill_holes ? "fill" : "safe"}};
+}
+
+io::Json estimate_json(const Understood& body, const Cost& cost) {
+  return io::JsonObject{
+      {"extent_m", vector(body.extent_m)}, {"volume_m3", body.volume_m3},
+      {"mass_kg", body.mass_kg},           {"first_frequency_hz", body.first_frequency_hz},
+      {"taken_for", body.estimate_name},   {"degrees_of_freedom", cost.degrees_of_freedom},
+      {"memory_bytes", cost.memory_bytes}, {"seconds", cost.seconds}};
+}
+
+}  // namespace
+
+io::JsonObject study_json(const Study& study, const Understood& body, const Cost& cost) {
+  io::JsonArray materials;
+  for (const auto& material : study.materials) materials.push_back(material_json(material));
+  io::JsonObject object = {
+      {"geometry",
+       io::JsonObject{{study.geometry.kind, std::visit([](const auto& b) { return body_json(b); },
+                                                       study.geometry.body)}}},
+      {"materials", materials},
+      {"mesh", mesh_plan_json(study.mesh)},
+      {"modes", io::JsonObject{{"count", study.modes.count},
+                               {"up_to_hz", study.modes.up_to_hz},
+                               {"damping_ratio", study.modes.damping_ratio}}},
+      {"supports", supports_json(study.supports)},
+      {"attachments", attachments_json(study.attachments)},
+      {"sensors", channels_json(study.sensors)},
+      {"actuators", channels_json(study.actuators)},
+      {"layouts", layouts_json(study.layouts)}};
+  if (study.placement) object.emplace_back("placement", placement_json(*study.placement));
+  if (study.measurement) {
+    object.emplace_back("measurement",
+                        io::JsonObject{{"frf", study.measurement->frf.filename().string()},
+                                       {"hold_out", texts(study.measurement->hold_out)}});
+  }
+  object.emplace_back("expect", expectations_json(study.expectations));
+  object.emplace_back("estimate", estimate_json(body, cost));
+  object.emplace_back("warnings", texts(study.warnings));
+  return object;
+}
+
+}  // namespace chladni::app
