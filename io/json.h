@@ -31,14 +31,14 @@ class Json {
   Json(const Eigen::Ref<const Eigen::VectorXd>& vector);
   [[nodiscard]] static Json rows(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-  using Value = std::variant<std::monostate, bool, long long, double, std::string, JsonArray,
-                             JsonObject>;
+  using Value =
+      std::variant<std::monostate, bool, long long, double, std::string, JsonArray, JsonObject>;
   [[nodiscard]] const Value& value() const { return value_; }
   /// The member of an object. @throws InvalidInput  not an object, or no such key (lists them)
   [[nodiscard]] const Json& at(const std::string& key) const;
-  [[nodiscard]] double number() const;             ///< @throws InvalidInput  not a number
-  [[nodiscard]] const std::string& string() const; ///< @throws InvalidInput  not a string
-  [[nodiscard]] const JsonArray& array() const;    ///< @throws InvalidInput  not an array
+  [[nodiscard]] double number() const;              ///< @throws InvalidInput  not a number
+  [[nodiscard]] const std::string& string() const;  ///< @throws InvalidInput  not a string
+  [[nodiscard]] const JsonArray& array() const;     ///< @throws InvalidInput  not an array
 
  private:
   Value value_;

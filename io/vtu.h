@@ -24,28 +24,41 @@ struct Marker {
   Eigen::Vector3d direction;
 };
 
+/// What a file says of itself, as the string arrays "title" and "units" of its field data.
+struct Units {
+  std::string title;
+  std::vector<std::string> lines{"length: m"};  ///< "displacement: m"
+};
+
 /// The name of a mode's array: mode_007_178.92Hz, counted from 1 with the rigid-body modes.
 [[nodiscard]] std::string mode_name(Eigen::Index index, double frequency_hz);
 
 /// The mesh with quadratic cells (linear where the mesh is), cell arrays "region" and, for each
 /// field, a point array. A cubic mesh is written as quadratic cells with the cubic fields
-/// evaluated at the mid-edge nodes. @throws as write_atomically
+/// evaluated at the mid-edge nodes. 64-bit floats: a shape read back gives the same MAC and mass.
+/// The same input gives the same bytes. @throws as write_atomically
+/// @throws InvalidInput  a field has neither nodes nor 3·nodes rows (names it)
 void write_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
-               const std::vector<NodeField>& fields);
+               const std::vector<NodeField>& fields, const Units& units = {});
 
-/// write_vtu with one vector array per mode; shapes are on all nodes (3·nodes rows).
+/// write_vtu with one vector array per mode; shapes are on all nodes (3·nodes rows). Field data:
+/// "title" where there is one, "units", "frequency_hz" (one value per mode), "region_names".
 void write_modes_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
-                     const modal::Modes& modes);
+                     const modal::Modes& modes, const std::string& title = {});
 
-/// One `frames`-step phase animation of mode `index` as `<stem>_NN.vtu` beside `file` (.pvd).
+/// One `frames`-step phase animation of mode `index` as `<stem>_NN.vtu` beside `file` (.pvd): the
+/// nodes themselves move, by 6 % of the body's diagonal where the shape is largest.
 void write_animation(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                      const modal::Modes& modes, Eigen::Index index, int frames = 24);
 
 /// Vertices with the names as string array "name", "kind", and the vectors "direction".
 void write_markers_vtu(const std::filesystem::path& file, const std::vector<Marker>& markers);
 
-/// Tetrahedra (4, 10 or 20 nodes; other cells are refused) of an .vtu, read by VTK in a worker.
-/// @throws InvalidInput  not such a file; names what was found
+/// Tetrahedra (4, 10 or 20 nodes; other cells are refused) of an .vtu, read by VTK in a worker:
+/// its reader returns an empty grid without an error, or crashes, on broken files. Regions follow
+/// the cell array "region" where there is one; the boundary is found and its patches named.
+/// @throws InvalidInput  not such a file, or one that is damaged; names what was found
+/// @throws WorkerDied    the program chladni-vtu is missing
 [[nodiscard]] mesh::TetMesh read_vtu(const std::filesystem::path& file);
 
 }  // namespace chladni::io
