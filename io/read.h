@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -11,10 +12,17 @@
 
 namespace chladni::io {
 
+/// What a reader dropped, guessed or converted, one line each.
+using Notes = std::vector<std::string>;
+
+inline void add_note(Notes* notes, std::string note) {
+  if (notes != nullptr) notes->push_back(std::move(note));
+}
+
 /// A surface as it stands in the file, not yet checked, or tetrahedra.
 struct Geometry {
   std::variant<mesh::Surface, mesh::TetMesh> body;
-  std::vector<std::string> notes;  ///< what was dropped, guessed or converted, one line each
+  Notes notes;
 };
 
 /// .stl (ASCII or binary, told apart by size), .off, .ply, .obj, .step/.stp: a Surface (a STEP
@@ -27,11 +35,14 @@ struct Geometry {
 [[nodiscard]] Geometry read_geometry(const std::filesystem::path& file, const std::string& unit);
 
 /// One reader per ending, for the tests and fuzzers: bytes in, geometry out, in the file's unit.
-[[nodiscard]] mesh::Surface parse_stl(std::string_view bytes);
-[[nodiscard]] mesh::Surface parse_off(std::string_view bytes);
-[[nodiscard]] mesh::Surface parse_ply(std::string_view bytes);
-[[nodiscard]] mesh::Surface parse_obj(std::string_view bytes);
-[[nodiscard]] mesh::TetMesh parse_msh(std::string_view bytes);
-[[nodiscard]] mesh::TetMesh parse_inp(std::string_view bytes);
+/// Notes, where given, are added to. No count of a file is believed: memory stays below 64 times
+/// the bytes. Cost: linear (tetrahedra: n log n).
+/// @throws InvalidInput  as read_geometry, without the file's name
+[[nodiscard]] mesh::Surface parse_stl(std::string_view bytes, Notes* notes = nullptr);
+[[nodiscard]] mesh::Surface parse_off(std::string_view bytes, Notes* notes = nullptr);
+[[nodiscard]] mesh::Surface parse_ply(std::string_view bytes, Notes* notes = nullptr);
+[[nodiscard]] mesh::Surface parse_obj(std::string_view bytes, Notes* notes = nullptr);
+[[nodiscard]] mesh::TetMesh parse_msh(std::string_view bytes, Notes* notes = nullptr);
+[[nodiscard]] mesh::TetMesh parse_inp(std::string_view bytes, Notes* notes = nullptr);
 
 }  // namespace chladni::io

@@ -1,0 +1,104 @@
+// Tetrahedra as a file lists them, in its own numbers, on their way to a TetMesh.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/read.h"
+
+namespace chladni::io {
+
+/// The rows of things that a file numbers as it likes.
+class Rows {
+ public:
+  void add(std::int64_t id) { ids_.emplace_back(id, static_cast<std::int32_t>(ids_.size())); }
+  /// Call once, after the last `add`. @param what  "node"
+  /// @throws InvalidInput  an id is there twice (names it), or there are 2^31 of them
+  void sort(const std::string& what);
+  /// The row of `id`, −1 where there is none. Cost: logarithmic.
+  [[nodiscard]] std::int32_t row(std::int64_t id) const;
+  /// Ids and rows by rising id, once sorted.
+  [[nodiscard]] std::span<const std::pair<std::int64_t, std::int32_t>> sorted() const {
+    return ids_;
+  }
+  [[nodiscard]] std::size_t size() const { return ids_.size(); }
+
+ private:
+  std::vector<std::pair<std::int64_t, std::int32_t>> ids_;
+};
+
+/// Names in the order they first came, each with its index.
+class Names {
+ public:
+  int index(const std::string& name);
+  [[nodiscard]] const std::vector<std::string>& all() const { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::string, int> index_;
+};
+
+/// A set of nodes with a name; boundary faces inside it become its patch.
+struct NodeSet {
+  std::string name;
+  std::vector<std::int64_t> nodes;  ///< the file's ids; those that are no node are passed over
+};
+
+/// Filled by a reader; `mesh()` makes sense of it.
+class Tets {
+ public:
+  /// @throws InvalidInput  a coordinate is not finite (names the node)
+  void node(std::int64_t id, const Eigen::Vector3d& position);
+  /// 4, 10 or 20 node ids in VTK's order; all cells must have the same number.
+  void tet(std::int64_t id, std::span<const std::int64_t> nodes, int region);
+  /// A triangle of a patch by its three corners; where two claim it, the first keeps it.
+  void face(std::span<const std::int64_t, 3> corners, int patch);
+  void node_set(NodeSet set) { node_sets_.push_back(std::move(set)); }
+
+  Names regions;  ///< a tetrahedron's `region` indexes them
+  Names patches;  ///< a face's `patch` indexes them
+
+  [[nodiscard]] std::size_t tet_count() const { return region_.size(); }
+  [[nodiscard]] std::int64_t tet_id(std::size_t tet) const { return tet_ids_[tet]; }
+  void set_region(std::size_t tet, int region) { region_[tet] = region; }
+  /// The node ids of a tetrahedron.
+  [[nodiscard]] std::span<const std::int64_t> nodes(std::size_t tet) const;
+
+  /// The mesh: ids resolved, copies of a cell dropped, cells turned where all are inside out,
+  /// nodes that no cell uses dropped, boundary found and its patches named; a patch that the file
+  /// does not name is "other", or named by `name_patches` where the file names none.
+  /// Leaves the ids sorted; call it once.
+  /// @throws InvalidInput  no tetrahedron, an id that is missing or there twice, cells that are
+  ///                       flat or inside out (by the file's ids, the first ten), a curved cell
+  ///                       that folds over
+  [[nodiscard]] mesh::TetMesh mesh(Notes* notes);
+
+ private:
+  [[nodiscard]] Cells resolved_cells() const;
+  void drop_copies(Cells& cells, Notes* notes);
+  void turn_right_side_out(Cells& cells, Notes* notes) const;
+  [[nodiscard]] Points used_points(Cells& cells, Notes* notes);
+  void look_at_curved_cells(const mesh::TetMesh& mesh, Notes* notes) const;
+  [[nodiscard]] std::string with_ids(const std::string& what,
+                                     const std::vector<Eigen::Index>& rows) const;
+  [[nodiscard]] std::int32_t mesh_row(std::int64_t node_id) const;
+  [[nodiscard]] Eigen::VectorXi patches_by_faces(const Cells& faces, Notes* notes) const;
+  void claim_by_node_sets(const Cells& faces, Eigen::Index node_count, Eigen::VectorXi& patch);
+  void name_boundary(mesh::TetMesh& mesh, Notes* notes);
+
+  Rows nodes_;
+  std::vector<std::int32_t> mesh_row_;  // of a row of nodes_; −1: no cell uses it
+  std::vector<double> xyz_;
+  std::vector<std::int64_t> tet_ids_, tet_nodes_;
+  std::vector<int> region_;
+  std::size_t nodes_per_tet_ = 0;
+  std::vector<std::int64_t> face_corners_;
+  std::vector<int> face_patch_;
+  std::vector<NodeSet> node_sets_;
+};
+
+}  // namespace chladni::io
