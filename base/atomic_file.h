@@ -23,7 +23,9 @@ void write_atomically_at(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& fill);
 
 /// The whole of a regular file, as bytes.
-/// @throws InvalidInput  it does not exist, is not a regular file, cannot be read or exceeds `limit`
+/// @throws InvalidInput    it does not exist, is not a regular file, cannot be read or exceeds
+///                         `limit`
+/// @throws OutOfResources  no memory for it
 [[nodiscard]] std::string read_whole(const std::filesystem::path& file,
                                      std::size_t limit = std::size_t{4} << 30U);
 

@@ -10,7 +10,7 @@
 namespace chladni {
 
 struct WorkerLimits {
-  std::chrono::seconds time{120};            ///< wall time, then SIGKILL
+  std::chrono::seconds time{120};                    ///< wall time, then SIGKILL
   std::size_t memory_bytes = std::size_t{8} << 30U;  ///< RLIMIT_AS of the worker; 0: no limit
 };
 
@@ -23,8 +23,8 @@ struct WorkerResult {
 /// ends. Ctrl-C kills it within 0.2 s.
 /// @throws WorkerDied    it could not start, ended by a signal or with a status other than 0, or
 ///                       exceeded a limit; the message names the program's file name and how it
-///                       ended ("mesher died: signal 6 (Aborted)", "... after 120 s"), then the last
-///                       line of its stderr
+///                       ended ("mesher died: signal 6 (Aborted)", "... within 120 s"), then the
+///                       last line of its stderr
 /// @throws Interrupted   Ctrl-C
 [[nodiscard]] WorkerResult run_worker(const std::filesystem::path& program,
                                       const std::vector<std::string>& arguments,

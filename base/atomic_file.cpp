@@ -1,0 +1,217 @@
+#include "base/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <new>
+#include <streambuf>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "base/held_signal.h"
+
+namespace chladni {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+// A file descriptor that is closed with its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { static_cast<void>(close()); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&&) = delete;
+  Descriptor& operator=(Descriptor&&) = delete;
+
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] int close() {
+    const int closing = std::exchange(number_, -1);
+    return closing < 0 ? 0 : ::close(closing);
+  }
+
+ private:
+  int number_;
+};
+
+// Writes through to a descriptor and keeps the first error, which a std::ofstream would lose.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  explicit DescriptorBuffer(int descriptor) : descriptor_(descriptor) {
+    setp(block_.data(), block_.data() + block_.size());
+  }
+  [[nodiscard]] int error() const { return error_; }
+
+ protected:
+  int_type overflow(int_type next) override {
+    if (sync() != 0) return traits_type::eof();
+    if (!traits_type::eq_int_type(next, traits_type::eof())) sputc(traits_type::to_char_type(next));
+    return traits_type::not_eof(next);
+  }
+  int sync() override {
+    const bool whole = write_whole(pbase(), pptr() - pbase());
+    setp(block_.data(), block_.data() + block_.size());
+    return whole ? 0 : -1;
+  }
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    if (count < epptr() - pptr()) return std::streambuf::xsputn(bytes, count);
+    return sync() == 0 && write_whole(bytes, count) ? count : 0;
+  }
+
+ private:
+  bool write_whole(const char* bytes, std::streamsize count) {
+    while (count > 0 && error_ == 0) {
+      const auto written = ::write(descriptor_, bytes, static_cast<std::size_t>(count));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) error_ = errno;
+      bytes += written;
+      count -= written;
+    }
+    return error_ == 0;
+  }
+
+  int descriptor_;
+  int error_ = 0;
+  std::array<char, 65536> block_;
+};
+
+// Whether the machine ran out of something, rather than the caller naming a bad place.
+bool is_shortage(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO || error == EMFILE ||
+         error == ENFILE || error == ENOMEM;
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+[[noreturn]] void refuse(const fs::path& file, int error) {
+  const std::string text = file.string() + ": cannot be written: " + reason(error);
+  if (is_shortage(error)) throw OutOfResources(text + "; the old file, if any, is untouched");
+  std::error_code ignored;
+  if (!fs::exists(folder_of(file), ignored)) {
+    throw InvalidInput(file.string() + ": the folder " + folder_of(file).string() +
+                       " does not exist; expected one that does");
+  }
+  throw InvalidInput(text + "; expected a name in a folder that exists and can be written");
+}
+
+// The new file under its temporary name; gone with its scope unless it was moved into place.
+class NewFile {
+ public:
+  explicit NewFile(const fs::path& file) : file_(file) {
+    std::error_code ignored;
+    const auto status = fs::status(file, ignored);
+    require(file.has_filename() && (!fs::exists(status) || fs::is_regular_file(status)),
+            file.string() + ": not a regular file, so it cannot be replaced by one");
+    static std::atomic<unsigned> made = 0;
+    do {
+      temporary_ = folder_of(file) / ("." + file.stem().string() + "." + std::to_string(getpid()) +
+                                      "-" + std::to_string(made++) + file.extension().string());
+      const int number =
+          open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+      if (number >= 0) {
+        ::close(number);
+        return;
+      }
+    } while (errno == EEXIST);
+    refuse(file, errno);
+  }
+  ~NewFile() {
+    if (!moved_) unlink(temporary_.c_str());
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+  NewFile(NewFile&&) = delete;
+  NewFile& operator=(NewFile&&) = delete;
+
+  [[nodiscard]] const fs::path& temporary() const { return temporary_; }
+
+  // The bytes are on the disk before the name is, and the name before this returns.
+  void move_into_place() {
+    Descriptor content(open(temporary_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (content.number() < 0 || fsync(content.number()) != 0 || content.close() != 0) {
+      refuse(file_, errno);
+    }
+    if (std::rename(temporary_.c_str(), file_.c_str()) != 0) refuse(file_, errno);
+    moved_ = true;
+    const Descriptor folder(open(folder_of(file_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.number() >= 0) fsync(folder.number());
+  }
+
+ private:
+  fs::path file_;
+  fs::path temporary_;
+  bool moved_ = false;
+};
+
+}  // namespace
+
+void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& fill) {
+  const HeldSignal held(SIGXFSZ);
+  NewFile made(file);
+  Descriptor content(open(made.temporary().c_str(), O_WRONLY | O_CLOEXEC));
+  if (content.number() < 0) refuse(file, errno);
+  DescriptorBuffer buffer(content.number());
+  std::ostream stream(&buffer);
+  fill(stream);
+  stream.flush();
+  if (buffer.error() != 0) refuse(file, buffer.error());
+  if (!stream) throw OutOfResources(file.string() + ": its content could not be written whole");
+  if (content.close() != 0) refuse(file, errno);
+  made.move_into_place();
+}
+
+void write_atomically(const fs::path& file, std::string_view content) {
+  write_atomically(file, [content](std::ostream& stream) { stream << content; });
+}
+
+void write_atomically_at(const fs::path& file, const std::function<void(const fs::path&)>& fill) {
+  const HeldSignal held(SIGXFSZ);
+  NewFile made(file);
+  fill(made.temporary());
+  made.move_into_place();
+}
+
+std::string read_whole(const fs::path& file, std::size_t limit) {
+  const auto refused = [&file](const std::string& why) {
+    return InvalidInput(file.string() + ": " + why + "; expected a file that can be read");
+  };
+  // O_NONBLOCK: opening a pipe nobody writes to must not wait.
+  const Descriptor source(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  struct stat status = {};
+  if (source.number() < 0 || fstat(source.number(), &status) != 0) throw refused(reason(errno));
+  if (S_ISDIR(status.st_mode)) throw refused("is a folder");
+  if (!S_ISREG(status.st_mode)) throw refused("is not a regular file");
+  const auto too_long = [&] { return refused("more than " + std::to_string(limit) + " bytes"); };
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size > limit) throw too_long();
+  std::string content;
+  try {
+    content.resize(size + 1);  // one more: a read of nothing is how the end shows
+    std::size_t used = 0;
+    for (;;) {
+      const auto count = ::read(source.number(), content.data() + used, content.size() - used);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) throw refused(reason(errno));
+      if (count == 0) break;
+      used += static_cast<std::size_t>(count);
+      if (used > limit) throw too_long();
+      if (used == content.size()) content.resize(2 * used);
+    }
+    content.resize(used);
+  } catch (const std::bad_alloc&) {
+    throw OutOfResources(file.string() + ": no memory for its " + std::to_string(size) + " bytes");
+  }
+  return content;
+}
+
+}  // namespace chladni

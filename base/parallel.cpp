@@ -1,0 +1,105 @@
+#include "base/parallel.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <fstream>
+#include <set>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+
+namespace chladni {
+namespace {
+
+int number_in(const std::string& file) {
+  std::ifstream in(file);
+  int number = -1;
+  in >> number;
+  return number;
+}
+
+// Two hardware threads of one core share its arithmetic units: the second adds nothing here.
+int physical_cores() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) {
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  }
+  std::set<std::pair<int, int>> cores;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (!CPU_ISSET(cpu, &allowed)) continue;
+    const std::string folder = "/sys/devices/system/cpu/cpu" + std::to_string(cpu) + "/topology/";
+    const int core = number_in(folder + "core_id");
+    cores.emplace(number_in(folder + "physical_package_id"), core < 0 ? -1 - cpu : core);
+  }
+  return std::max(1, static_cast<int>(cores.size()));
+}
+
+std::atomic<int>& chosen_count() {
+  static std::atomic<int> count = physical_cores();
+  return count;
+}
+
+// Runs every call, the first here and the others in threads of their own (here as well where the
+// system grants no thread), then rethrows the exception of the lowest one that threw.
+void run_all(const std::vector<std::function<void()>>& calls) {
+  std::vector<std::exception_ptr> thrown(calls.size());
+  const auto run = [&](std::size_t i) {
+    try {
+      calls[i]();
+    } catch (...) {
+      thrown[i] = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  threads.reserve(calls.size());
+  std::size_t started = 1;
+  try {
+    for (; started < calls.size(); ++started) threads.emplace_back(run, started);
+  } catch (const std::system_error&) {
+    for (std::size_t i = started; i < calls.size(); ++i) run(i);
+  }
+  run(0);
+  for (auto& thread : threads) thread.join();
+  for (const auto& one : thrown) {
+    if (one) std::rethrow_exception(one);
+  }
+}
+
+}  // namespace
+
+int thread_count() { return chosen_count(); }
+
+void set_thread_count(int count) {
+  require(count >= 1, "thread count: found " + std::to_string(count) + ", expected 1 or more");
+  chosen_count() = count;
+}
+
+void parallel_ranges(std::size_t size,
+                     const std::function<void(std::size_t begin, std::size_t end)>& body) {
+  if (size == 0) return;
+  const std::size_t count = std::min(size, static_cast<std::size_t>(thread_count()));
+  if (count == 1) return body(0, size);
+  std::vector<std::function<void()>> calls;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t begin = size / count * i + std::min(i, size % count);
+    const std::size_t end = begin + size / count + (i < size % count ? 1 : 0);
+    calls.emplace_back([&body, begin, end] { body(begin, end); });
+  }
+  run_all(calls);
+}
+
+void in_parallel(const std::function<void()>& first, const std::function<void()>& second) {
+  if (thread_count() > 1) return run_all({first, second});
+  first();
+  second();
+}
+
+}  // namespace chladni

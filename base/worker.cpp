@@ -1,0 +1,282 @@
+#include "base/worker.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "base/held_signal.h"
+#include "base/interrupt.h"
+
+namespace chladni {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kErrorsKept = std::size_t{64} << 10U;
+
+struct Pipe {
+  int read_end = -1;
+  int write_end = -1;
+
+  Pipe() {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+      throw OutOfResources("no pipe to a worker: " + std::generic_category().message(errno));
+    }
+    read_end = ends[0];
+    write_end = ends[1];
+  }
+  ~Pipe() {
+    close_end(read_end);
+    close_end(write_end);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  Pipe(Pipe&&) = delete;
+  Pipe& operator=(Pipe&&) = delete;
+
+  static void close_end(int& end) {
+    if (end >= 0) ::close(std::exchange(end, -1));
+  }
+};
+
+struct Pipes {
+  Pipe input, output, errors;
+  Pipe start;  // carries the error number of an exec that failed; closed by one that did not
+};
+
+// Between fork and exec only calls that are safe in a signal handler are allowed.
+[[noreturn]] void become(char* const* arguments, const Pipes& pipes, const WorkerLimits& limits,
+                         pid_t parent) {
+  setpgid(0, 0);  // so that what it starts itself can be ended with it
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
+  const rlimit no_core = {0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  const rlimit memory = {limits.memory_bytes, limits.memory_bytes};
+  if (limits.memory_bytes > 0) setrlimit(RLIMIT_AS, &memory);
+  dup2(pipes.input.read_end, STDIN_FILENO);
+  dup2(pipes.output.write_end, STDOUT_FILENO);
+  dup2(pipes.errors.write_end, STDERR_FILENO);
+  execv(arguments[0], arguments);
+  const int error = errno;
+  static_cast<void>(!write(pipes.start.write_end, &error, sizeof error));
+  _exit(127);
+}
+
+// The process; killed with all it started, and waited for, when its scope ends.
+class Worker {
+ public:
+  Worker(const fs::path& program, const std::vector<std::string>& arguments, Pipes& pipes,
+         const WorkerLimits& limits) {
+    std::string name = program.string();
+    std::vector<std::string> copies = arguments;
+    std::vector<char*> pointers = {name.data()};
+    for (auto& copy : copies) pointers.push_back(copy.data());
+    pointers.push_back(nullptr);
+    const pid_t parent = getpid();
+    process_ = fork();
+    if (process_ == 0) become(pointers.data(), pipes, limits, parent);
+    if (process_ < 0) {
+      throw WorkerDied(program.filename().string() +
+                       " could not start: " + std::generic_category().message(errno));
+    }
+    Pipe::close_end(pipes.input.read_end);
+    Pipe::close_end(pipes.output.write_end);
+    Pipe::close_end(pipes.errors.write_end);
+    Pipe::close_end(pipes.start.write_end);
+    setpgid(process_, process_);  // here as well: whoever comes first
+  }
+  ~Worker() {
+    kill(-process_, SIGKILL);
+    if (!status_) waitpid(process_, nullptr, 0);
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+  Worker(Worker&&) = delete;
+  Worker& operator=(Worker&&) = delete;
+
+  // Its wait status once it has ended.
+  std::optional<int> status() {
+    int status = 0;
+    if (!status_ && waitpid(process_, &status, WNOHANG) == process_) status_ = status;
+    return status_;
+  }
+
+ private:
+  pid_t process_ = -1;
+  std::optional<int> status_;
+};
+
+void refuse_failed_start(const fs::path& program, int start) {
+  int error = 0;
+  ssize_t count = 0;
+  do count = read(start, &error, sizeof error);
+  while (count < 0 && errno == EINTR);
+  if (count != sizeof error) return;
+  throw WorkerDied(program.filename().string() + " could not start (" + program.string() +
+                   "): " + std::generic_category().message(error));
+}
+
+// Moves what the pipes take and give without waiting.
+class Talk {
+ public:
+  Talk(Pipes& pipes, std::string_view input) : pipes_(pipes), left_(input) {
+    for (const int end : {pipes.input.write_end, pipes.output.read_end, pipes.errors.read_end}) {
+      fcntl(end, F_SETFL, O_NONBLOCK);
+    }
+    if (left_.empty()) Pipe::close_end(pipes_.input.write_end);
+  }
+
+  void wait(int milliseconds) {
+    std::array<pollfd, 3> ends = {pollfd{pipes_.input.write_end, POLLOUT, 0},
+                                  pollfd{pipes_.output.read_end, POLLIN, 0},
+                                  pollfd{pipes_.errors.read_end, POLLIN, 0}};
+    poll(ends.data(), ends.size(), milliseconds);
+  }
+
+  // Whether anything moved.
+  bool exchange() {
+    const bool wrote = give();
+    const bool read_output = take(pipes_.output.read_end, result_.output);
+    const bool read_errors = take(pipes_.errors.read_end, result_.errors);
+    if (result_.errors.size() > 2 * kErrorsKept) trim_errors();
+    return wrote || read_output || read_errors;
+  }
+
+  [[nodiscard]] bool over() const {
+    return pipes_.output.read_end < 0 && pipes_.errors.read_end < 0;
+  }
+  WorkerResult result() {
+    trim_errors();
+    return std::move(result_);
+  }
+
+ private:
+  void trim_errors() {
+    if (result_.errors.size() > kErrorsKept) {
+      result_.errors.erase(0, result_.errors.size() - kErrorsKept);
+    }
+  }
+
+  bool give() {
+    if (pipes_.input.write_end < 0) return false;
+    const auto count = ::write(pipes_.input.write_end, left_.data(), left_.size());
+    if (count > 0) left_.remove_prefix(static_cast<std::size_t>(count));
+    // EPIPE: it does not want the rest; how it ends will say whether that is a fault.
+    if (left_.empty() || (count < 0 && errno != EAGAIN && errno != EINTR)) {
+      Pipe::close_end(pipes_.input.write_end);
+    }
+    return count > 0;
+  }
+
+  bool take(int& end, std::string& into) {
+    if (end < 0) return false;
+    const auto count = ::read(end, block_.data(), block_.size());
+    if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
+    if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) Pipe::close_end(end);
+    return count > 0;
+  }
+
+  Pipes& pipes_;
+  std::string_view left_;
+  WorkerResult result_;
+  std::array<char, 65536> block_;
+};
+
+std::string last_line(std::string_view text) {
+  const auto end = text.find_last_not_of(" \t\r\n");
+  if (end == std::string_view::npos) return {};
+  text = text.substr(0, end + 1);
+  return ": " + std::string(text.substr(text.find_last_of('\n') + 1));
+}
+
+void refuse_bad_end(const std::string& name, int status, const std::string& errors) {
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    throw WorkerDied(name + " died: signal " + std::to_string(signal) + " (" + strsignal(signal) +
+                     ")" + last_line(errors));
+  }
+  if (WEXITSTATUS(status) != 0) {
+    throw WorkerDied(name + " failed: exit status " + std::to_string(WEXITSTATUS(status)) +
+                     last_line(errors));
+  }
+}
+
+// The folders a worker may live in, in the order they are tried.
+std::vector<fs::path> worker_folders() {
+  std::vector<fs::path> folders;
+  if (const char* chosen = std::getenv("CHLADNI_LIBEXEC"); chosen != nullptr && *chosen != '\0') {
+    folders.emplace_back(chosen);
+  }
+  std::error_code ignored;
+  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  if (!here.empty()) {
+    folders.push_back(here);
+    folders.push_back(here.parent_path() / "libexec" / "chladni");
+    folders.push_back(here.parent_path().parent_path() / "bin");  // a test in tests/<room>/
+  }
+  folders.emplace_back(CHLADNI_INSTALLED_LIBEXEC);
+  return folders;
+}
+
+}  // namespace
+
+WorkerResult run_worker(const fs::path& program, const std::vector<std::string>& arguments,
+                        std::string_view input, const WorkerLimits& limits) {
+  const HeldSignal held(SIGPIPE);
+  const auto deadline = Clock::now() + limits.time;
+  const std::string name = program.filename().string();
+  Pipes pipes;
+  Worker worker(program, arguments, pipes, limits);
+  refuse_failed_start(program, pipes.start.read_end);
+  Talk talk(pipes, input);
+  std::optional<int> status;
+  while (!status) {
+    throw_if_interrupted();
+    if (Clock::now() >= deadline) {
+      throw WorkerDied(name + " was stopped: not done within " +
+                       std::to_string(limits.time.count()) + " s" +
+                       last_line(talk.result().errors));
+    }
+    // Closed pipes cannot wake us: then it is about to end, so look often.
+    talk.wait(talk.over() ? 1 : 50);
+    talk.exchange();
+    status = worker.status();
+  }
+  while (talk.exchange()) continue;  // what it wrote just before its end
+  auto result = talk.result();
+  refuse_bad_end(name, *status, result.errors);
+  return result;
+}
+
+fs::path worker_path(std::string_view name) {
+  std::string tried;
+  for (const auto& folder : worker_folders()) {
+    const fs::path candidate = folder / name;
+    if (access(candidate.c_str(), X_OK) == 0) return candidate;
+    tried += (tried.empty() ? "" : ", ") + folder.string();
+  }
+  throw WorkerDied(std::string(name) + " was not found in " + tried +
+                   "; build it, or set CHLADNI_LIBEXEC to its folder");
+}
+
+}  // namespace chladni
