@@ -16,8 +16,8 @@ namespace {
 // For each node the nodes above it in number that share a cell with it, ascending: the lower
 // triangle of the node graph, by columns.
 struct NodeGraph {
-  std::vector<std::int64_t> start;   // node_count + 1
-  std::vector<std::int32_t> below;   // row indices
+  std::vector<std::int64_t> start;  // node_count + 1
+  std::vector<std::int32_t> below;  // row indices
 };
 
 // For each node the cells it belongs to, ascending.
@@ -151,7 +151,8 @@ class Scatter {
   void add_diagonal(std::int32_t node, const ElementMatrices& cell, Eigen::Index pair) {
     for (int column = 0; column < 3; ++column) {
       double* k = into_.stiffness.valuePtr() + into_.stiffness.outerIndexPtr()[3 * node + column];
-      for (int row = column; row < 3; ++row) k[row - column] += cell.stiffness(pair, 3 * row + column);
+      for (int row = column; row < 3; ++row)
+        k[row - column] += cell.stiffness(pair, 3 * row + column);
       into_.mass.valuePtr()[into_.mass.outerIndexPtr()[3 * node + column]] += cell.mass(pair);
     }
   }
@@ -164,8 +165,8 @@ class Scatter {
     const auto place = std::lower_bound(begin, end, row_node) - begin;
     for (int column = 0; column < 3; ++column) {
       const Eigen::Index c = 3 * Eigen::Index{column_node} + column;
-      double* k =
-          into_.stiffness.valuePtr() + into_.stiffness.outerIndexPtr()[c] + (3 - column) + 3 * place;
+      double* k = into_.stiffness.valuePtr() + into_.stiffness.outerIndexPtr()[c] + (3 - column) +
+                  3 * place;
       for (int row = 0; row < 3; ++row) {
         k[row] += cell.stiffness(pair, transposed ? 3 * column + row : 3 * row + column);
       }
@@ -185,23 +186,25 @@ void sum_cells(const mesh::TetMesh& body, const std::vector<Material>& materials
   const auto first_cell = [&](std::int32_t node) {
     return cells.cell[static_cast<std::size_t>(cells.start[static_cast<std::size_t>(node)])];
   };
-  parallel_ranges(static_cast<std::size_t>(body.tet_count()), [&](std::size_t begin, std::size_t end) {
-    const auto mine = [&](std::int32_t node) {
-      const auto cell = static_cast<std::size_t>(first_cell(node));
-      return begin <= cell && cell < end;
-    };
-    ElementIntegrator integrator(body, materials);
-    Scatter scatter(graph, into);
-    // A cell before `begin` cannot hold a node whose first cell is in [begin, end).
-    for (auto t = begin; t < static_cast<std::size_t>(body.tet_count()); ++t) {
-      const auto* nodes = body.tets.data() + t * static_cast<std::size_t>(count);
-      if (t >= end && std::none_of(nodes, nodes + count, mine)) continue;
-      scatter.add(nodes, count, integrator.matrices(static_cast<Eigen::Index>(t)), mine);
-    }
-  });
+  parallel_ranges(
+      static_cast<std::size_t>(body.tet_count()), [&](std::size_t begin, std::size_t end) {
+        const auto mine = [&](std::int32_t node) {
+          const auto cell = static_cast<std::size_t>(first_cell(node));
+          return begin <= cell && cell < end;
+        };
+        ElementIntegrator integrator(body, materials);
+        Scatter scatter(graph, into);
+        // A cell before `begin` cannot hold a node whose first cell is in [begin, end).
+        for (auto t = begin; t < static_cast<std::size_t>(body.tet_count()); ++t) {
+          const auto* nodes = body.tets.data() + t * static_cast<std::size_t>(count);
+          if (t >= end && std::none_of(nodes, nodes + count, mine)) continue;
+          scatter.add(nodes, count, integrator.matrices(static_cast<Eigen::Index>(t)), mine);
+        }
+      });
 }
 
-DofMap dof_map(const mesh::TetMesh& body, const std::vector<Support>& supports, Eigen::Index extras) {
+DofMap dof_map(const mesh::TetMesh& body, const std::vector<Support>& supports,
+               Eigen::Index extras) {
   DofMap map{.free_dof = Eigen::VectorXi::Zero(3 * body.node_count() + extras),
              .node_count = body.node_count()};
   for (const auto& support : supports) {

@@ -104,8 +104,8 @@ std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen
                             Eigen::Index rigid) {
   for (const auto& cluster : runs(lambda, rigid, kRepeatedTolerance)) {
     refine(system, shapes.middleCols(cluster.first, cluster.size), 0);
-    lambda.segment(cluster.first, cluster.size).setConstant(
-        lambda.segment(cluster.first, cluster.size).mean());
+    lambda.segment(cluster.first, cluster.size)
+        .setConstant(lambda.segment(cluster.first, cluster.size).mean());
   }
   for (Eigen::Index i = rigid; i < shapes.cols(); ++i) fix_sign(shapes.col(i));
   return runs(lambda, rigid, 2.0 * kClusterTolerance);

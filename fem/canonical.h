@@ -21,7 +21,8 @@ inline constexpr double kRepeatedTolerance = 1e-7;
 /// moves, Φᵀ(M x²)Φ, then with y², xy, xz, yz, z³, x³ ... for what is left, are diagonal, the
 /// largest first; then gives every flexible shape its sign: the first of its largest entries (to
 /// 1e-6) is positive. Columns before `rigid` stay. Returns the clusters of two and more.
-/// @param lambda  ascending; the values of a turned cluster are replaced by their Rayleigh quotients
+/// @param lambda  ascending; the values of a turned cluster are replaced by their Rayleigh
+/// quotients
 std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
                             Eigen::Index rigid);
 

@@ -1,6 +1,8 @@
 // The dense kernels under the sparse factorisation: BLAS and LAPACK on column-major blocks.
 #pragma once
 
+#include <Eigen/Core>
+
 namespace chladni::fem::dense {
 
 /// A block of a column-major array: entry (i, j) at data[i + j * stride].
@@ -33,5 +35,9 @@ void subtract_symmetric(Block a, Block b, Block c);
 void subtract_product(Block a, Block b, Block c);
 void subtract_transposed_product(Block a, Block b, Block c);
 void subtract_product_transposed(Block a, Block b, Block c);
+
+/// W := W − V H with H = Vᵀ X; returns H.
+Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
+                         Eigen::MatrixXd& w);
 
 }  // namespace chladni::fem::dense

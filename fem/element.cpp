@@ -86,8 +86,7 @@ std::vector<Polynomial> basis(const Eigen::MatrixXd& barycentric, int order) {
   for (Eigen::Index a = 0; a < barycentric.rows(); ++a) {
     Exponents node{};
     for (std::size_t i = 0; i < 4; ++i) {
-      node[i] =
-          static_cast<int>(std::lround(order * barycentric(a, static_cast<Eigen::Index>(i))));
+      node[i] = static_cast<int>(std::lround(order * barycentric(a, static_cast<Eigen::Index>(i))));
     }
     functions.push_back(lagrange(node, order));
   }
@@ -134,11 +133,13 @@ Element build(std::string_view name, std::string_view summary, std::string_view 
   return e;
 }
 
-constexpr std::string_view kSource = "Zienkiewicz, Taylor and Zhu (2013), The Finite Element Method";
+constexpr std::string_view kSource =
+    "Zienkiewicz, Taylor and Zhu (2013), The Finite Element Method";
 
 // To add one: a line here; the property suite in tests/fem/element_test.cpp tests it unasked.
 const Element& tet4() {
-  static const Element e = build("tet4", "linear tetrahedron, far too stiff: for comparison", kSource, 1);
+  static const Element e =
+      build("tet4", "linear tetrahedron, far too stiff: for comparison", kSource, 1);
   return e;
 }
 const Element& tet10() {
@@ -190,10 +191,14 @@ std::pair<Eigen::VectorXd, Eigen::VectorXd> gauss_jacobi(int points, int k) {
 
 const Element& element(int order) {
   switch (order) {
-    case 1: return tet4();
-    case 2: return tet10();
-    case 3: return tet20();
-    case 4: return tet35();
+    case 1:
+      return tet4();
+    case 2:
+      return tet10();
+    case 3:
+      return tet20();
+    case 4:
+      return tet35();
     default:
       throw InvalidInput("element: order is " + std::to_string(order) + ", expected 1, 2 or 3");
   }

@@ -14,8 +14,8 @@ struct Element {
   std::string_view name;     ///< as `chladni list elements` and a study show it: "tet10"
   std::string_view summary;  ///< one line
   std::string_view source;
-  int order = 0;             ///< polynomial degree
-  int nodes = 0;             ///< n
+  int order = 0;                ///< polynomial degree
+  int nodes = 0;                ///< n
   Eigen::MatrixXd barycentric;  ///< n×4, node positions, in VTK's order
   /// Row of a pair (a, b), a >= b, at a(a+1)/2 + b; columns 3i + j: the mean over the element of
   /// ∂N_a/∂ξ_i ∂N_b/∂ξ_j, where ξ = (λ1, λ2, λ3).

@@ -23,8 +23,10 @@ Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
 }
 
 // out = in · factorsᵀ, both pairs×9 and column-major: 81 long vector operations.
-__attribute__((target_clones("avx512f", "avx2,fma", "default"))) void combine(
-    const double* in, const double* factors, double* out, Eigen::Index pairs) {
+__attribute__((target_clones("avx512f", "avx2,fma", "default"))) void combine(const double* in,
+                                                                              const double* factors,
+                                                                              double* out,
+                                                                              Eigen::Index pairs) {
   for (Eigen::Index p = 0; p < 9; ++p) {
     double* to = out + p * pairs;
     for (Eigen::Index r = 0; r < pairs; ++r) to[r] = 0.0;
@@ -95,7 +97,7 @@ void ElementIntegrator::integrate_straight(Eigen::Index tet) {
   }
   const double volume = edges.determinant() / 6.0;
   const Eigen::Matrix3d gradient = edges.inverse();  // row m: ∇ξ_m
-  Tensor to_physical;  // D_kl = Σ_mn ∂_k ξ_m ∂_l ξ_n G_mn
+  Tensor to_physical;                                // D_kl = Σ_mn ∂_k ξ_m ∂_l ξ_n G_mn
   for (int k = 0; k < 3; ++k) {
     for (int l = 0; l < 3; ++l) {
       for (int m = 0; m < 3; ++m) {
@@ -114,7 +116,8 @@ void ElementIntegrator::integrate_straight(Eigen::Index tet) {
 
 void ElementIntegrator::integrate_curved(Eigen::Index tet) {
   Eigen::Matrix<double, Eigen::Dynamic, 3> nodes(element_.nodes, 3);
-  for (Eigen::Index a = 0; a < element_.nodes; ++a) nodes.row(a) = body_.points.row(body_.tets(tet, a));
+  for (Eigen::Index a = 0; a < element_.nodes; ++a)
+    nodes.row(a) = body_.points.row(body_.tets(tet, a));
   const auto region = static_cast<std::size_t>(body_.region(tet));
   gradients_.setZero();
   result_.mass.setZero();

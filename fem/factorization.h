@@ -9,14 +9,14 @@ namespace chladni::fem {
 
 /// What a factorisation will need, known from the pattern alone.
 struct FactorForecast {
-  double entries = 0.0;       ///< of L
+  double entries = 0.0;  ///< of L
   double flops = 0.0;
   double factor_bytes = 0.0;  ///< L itself
   double work_bytes = 0.0;    ///< the most there is besides L at one time
 };
 
-/// A fill-reducing order and the tree of dense blocks that follows from it: what all matrices of one
-/// pattern share. Nested dissection (METIS) of the node graph.
+/// A fill-reducing order and the tree of dense blocks that follows from it: what all matrices of
+/// one pattern share. Nested dissection (METIS) of the node graph.
 class Symbolic {
  public:
   /// @param pattern  n×n, lower triangle; values are not looked at
@@ -53,8 +53,8 @@ class Factorization {
   std::unique_ptr<Numeric> numeric_;
 };
 
-/// How the eigenvalues of A + s B lie about zero, by Sylvester's law from the signs of the pivots of
-/// LDLᵀ; the factor is not kept.
+/// How the eigenvalues of A + s B lie about zero, by Sylvester's law from the signs of the pivots
+/// of LDLᵀ; the factor is not kept.
 struct Inertia {
   Eigen::Index negative = 0, positive = 0;
   double smallest_pivot = 0.0;  ///< |d| relative to its row's largest entry: near 1e-15 means that

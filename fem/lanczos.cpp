@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "fem/canonical.h"
+#include "fem/dense.h"
 
 namespace chladni::fem {
 namespace {
@@ -32,10 +33,8 @@ class Basis {
     Matrix along = Matrix::Zero(size_, w.cols());
     for (int pass = 0; pass < 2; ++pass) {
       const Matrix mw = mass_times(w);
-      if (known_.cols() > 0) w.noalias() -= known_ * (known_.transpose() * mw);
-      const Matrix h = vectors().transpose() * mw;
-      w.noalias() -= vectors() * h;
-      along += h;
+      if (known_.cols() > 0) dense::take_out(known_, mw, w);
+      along += dense::take_out(vectors(), mw, w);
     }
     return along;
   }
@@ -131,9 +130,9 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
   const Eigen::Index limit =
       std::min<Eigen::Index>(n - known.cols(), 600 + 8 * Eigen::Index{options.wanted});
   Basis basis(system, known,
-              std::min<Eigen::Index>(limit + options.block,
-                                     static_cast<Eigen::Index>(
-                                         lanczos_basis_size(options.wanted, options.block))));
+              std::min<Eigen::Index>(
+                  limit + options.block,
+                  static_cast<Eigen::Index>(lanczos_basis_size(options.wanted, options.block))));
   LanczosResult result;
   Matrix q = random_block(n, std::min<Eigen::Index>(options.block, limit), options.seed);
   // One application first: what the start block has of the highest modes only costs accuracy.
@@ -163,7 +162,8 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
     tell(progress, "iterate", std::min(1.0, double(converged) / options.wanted));
     const bool exhausted = next.cols() == 0 || basis.size() >= n - known.cols();
     if (done || exhausted) {
-      if (!done) converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
+      if (!done)
+        converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
       // φ + r/θ: the Ritz vector after one more application of the operator.
       const Eigen::VectorXd theta = r.theta.head(converged);
       Matrix shapes = basis.vectors() * r.vectors.leftCols(converged);
@@ -171,9 +171,9 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
         const Matrix tail = last * r.vectors.bottomRows(last.cols()).leftCols(converged);
         shapes.noalias() += next * (tail * theta.cwiseInverse().asDiagonal());
       }
-      const Matrix ms = basis.mass_times(shapes);
-      shapes = shapes * (shapes.cwiseProduct(ms).colwise().sum().cwiseSqrt().cwiseInverse()
-                             .asDiagonal());
+      const Eigen::VectorXd norm =
+          shapes.cwiseProduct(basis.mass_times(shapes)).colwise().sum().cwiseSqrt();
+      shapes = shapes * norm.cwiseInverse().asDiagonal();
       result.shapes = std::move(shapes);
       result.lambda = theta.cwiseInverse().array() - s;
       return result;

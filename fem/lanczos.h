@@ -15,8 +15,8 @@ struct LanczosOptions {
 };
 
 struct LanczosResult {
-  Eigen::VectorXd lambda;   ///< ascending; the wanted ones and whatever else converged
-  Eigen::MatrixXd shapes;   ///< n×m, M-orthonormal, M-orthogonal to `known`
+  Eigen::VectorXd lambda;  ///< ascending; the wanted ones and whatever else converged
+  Eigen::MatrixXd shapes;  ///< n×m, M-orthonormal, M-orthogonal to `known`
   int block_steps = 0, solves = 0;
 };
 

@@ -35,13 +35,14 @@ void check_input(const System& system, const ModesOptions& options) {
               " rows, expected " + std::to_string(n));
   const auto most = n - system.rigid.cols();
   require(0 < options.count && options.count <= most,
-          "modes: " + std::to_string(options.count) + " flexible modes were asked for, expected 1 to " +
-              std::to_string(most));
+          "modes: " + std::to_string(options.count) +
+              " flexible modes were asked for, expected 1 to " + std::to_string(most));
   for (Eigen::Index i = 0; i < n; ++i) {
     const double m = system.mass.coeff(i, i);
     if (!(m > 0.0)) {
       throw NumericalFailure("modes: the mass matrix is not positive definite (its diagonal is " +
-                             std::to_string(m) + " at degree of freedom " + std::to_string(i) + ")");
+                             std::to_string(m) + " at degree of freedom " + std::to_string(i) +
+                             ")");
     }
   }
 }
@@ -64,11 +65,14 @@ void refuse_what_does_not_fit(const Symbolic& symbolic, const System& system,
                           ? static_cast<double>(options.memory_limit_bytes)
                           : static_cast<double>(available_memory());
   if (need <= have) return;
-  const auto gib = [](double bytes) { return std::to_string(bytes / (1 << 30)).substr(0, 5) + " GiB"; };
-  throw OutOfResources("modes: " + std::to_string(system.mass.rows()) + " degrees of freedom need " +
-                       gib(need) + " (factor " + gib(forecast.factor_bytes) + ", work " +
-                       gib(forecast.work_bytes) + ", vectors " + gib(basis) + ") and there is " +
-                       gib(have) + "; use a coarser mesh: edge_length times " +
+  const auto gib = [](double bytes) {
+    return std::to_string(bytes / (1 << 30)).substr(0, 5) + " GiB";
+  };
+  throw OutOfResources("modes: " + std::to_string(system.mass.rows()) +
+                       " degrees of freedom need " + gib(need) + " (factor " +
+                       gib(forecast.factor_bytes) + ", work " + gib(forecast.work_bytes) +
+                       ", vectors " + gib(basis) + ") and there is " + gib(have) +
+                       "; use a coarser mesh: edge_length times " +
                        std::to_string(std::sqrt(need / have)).substr(0, 4));
 }
 
@@ -83,8 +87,9 @@ Eigen::VectorXd residuals(const System& system, const Eigen::VectorXd& lambda,
   const Eigen::MatrixXd m = system.mass.selfadjointView<Eigen::Lower>() * shapes;
   Eigen::VectorXd result(lambda.size());
   for (Eigen::Index i = 0; i < lambda.size(); ++i) {
-    result(i) = i < rigid ? k.col(i).norm() / (norm * shapes.col(i).norm())
-                          : (k.col(i) - lambda(i) * m.col(i)).norm() / (lambda(i) * m.col(i).norm());
+    result(i) = i < rigid
+                    ? k.col(i).norm() / (norm * shapes.col(i).norm())
+                    : (k.col(i) - lambda(i) * m.col(i)).norm() / (lambda(i) * m.col(i).norm());
   }
   return result;
 }
@@ -123,10 +128,10 @@ struct Search {
     const Factorization factor(symbolic, system.stiffness, s, system.mass);
     summary.factor_seconds += seconds_since(start);
     start = Clock::now();
-    auto found = lanczos(system, factor, s, known,
-                         {.wanted = wanted, .block = options.block, .tolerance = options.tolerance,
-                          .seed = seed},
-                         progress);
+    auto found = lanczos(
+        system, factor, s, known,
+        {.wanted = wanted, .block = options.block, .tolerance = options.tolerance, .seed = seed},
+        progress);
     summary.iterate_seconds += seconds_since(start);
     summary.block_steps += found.block_steps;
     summary.solves += found.solves;
@@ -187,9 +192,8 @@ ModesResult assembled(const System& system, LanczosResult found, Eigen::Index ke
   result.modes.frequency_hz = lambda.cwiseMax(0.0).cwiseSqrt() / kTwoPi;
   result.modes.damping_ratio = Eigen::VectorXd::Zero(lambda.size());
   result.summary.residual = residuals(system, lambda, result.modes.shapes, rigid);
-  const Eigen::MatrixXd gram =
-      result.modes.shapes.transpose() *
-      (system.mass.selfadjointView<Eigen::Lower>() * result.modes.shapes);
+  const Eigen::MatrixXd gram = result.modes.shapes.transpose() *
+                               (system.mass.selfadjointView<Eigen::Lower>() * result.modes.shapes);
   result.summary.orthogonality =
       (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
   if (!(result.summary.orthogonality < 1e-8)) {
@@ -234,8 +238,8 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
                            std::to_string(summary.found) + " found");
   }
   summary.text = options.certificate
-                     ? "modes below " + hz_text(summary.counted_below_hz) + " Hz: " +
-                           std::to_string(summary.found) + " found, " +
+                     ? "modes below " + hz_text(summary.counted_below_hz) +
+                           " Hz: " + std::to_string(summary.found) + " found, " +
                            std::to_string(summary.counted) + " counted"
                      : "modes: " + std::to_string(rigid + kept) + " found, not counted";
   return assembled(system, std::move(found), kept, std::move(summary));

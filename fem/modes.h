@@ -11,13 +11,13 @@
 namespace chladni::fem {
 
 struct ModesOptions {
-  int count = 20;            ///< flexible modes; a repeated one is never cut, so there may be more
-  double shift_hz = 0.0;     ///< K + (2π shift)² M is factorised; 0: chosen from the system
-  double tolerance = 1e-10;  ///< scaled residual ‖Kφ − λMφ‖ / (λ ‖Mφ‖) asked of the iteration
-  int block = 4;             ///< vectors per Lanczos step
-  bool certificate = true;   ///< count the eigenvalues by inertia
+  int count = 20;         ///< flexible modes; a repeated one is never cut, so there may be more
+  double shift_hz = 0.0;  ///< K + (2π shift)² M is factorised; 0: chosen from the system
+  double tolerance = 1e-9;  ///< scaled residual ‖Kφ − λMφ‖ / (λ ‖Mφ‖) asked of the iteration
+  int block = 4;            ///< vectors per Lanczos step
+  bool certificate = true;             ///< count the eigenvalues by inertia
   std::size_t memory_limit_bytes = 0;  ///< 0: what the machine has free
-  unsigned seed = 1;         ///< of the start block
+  unsigned seed = 1;                   ///< of the start block
 };
 
 /// Modes found in one cluster: repeated to within the solver's or the mesh's error.
@@ -27,19 +27,19 @@ struct Cluster {
 
 /// How well it went.
 struct ModesSummary {
-  Eigen::VectorXd residual;       ///< per mode, scaled; rigid ones ‖Kφ‖ / (‖K‖₁ ‖φ‖)
-  double orthogonality = 0.0;     ///< max |ΦᵀMΦ − I|
-  bool complete = false;          ///< an inertia count proves that none below counted_below_hz is missed
+  Eigen::VectorXd residual;    ///< per mode, scaled; rigid ones ‖Kφ‖ / (‖K‖₁ ‖φ‖)
+  double orthogonality = 0.0;  ///< max |ΦᵀMΦ − I|
+  bool complete = false;  ///< an inertia count proves that none below counted_below_hz is missed
   double counted_below_hz = 0.0;
   int counted = 0, found = 0;     ///< eigenvalues below it, rigid ones included
   std::vector<Cluster> clusters;  ///< of two and more
   int block_steps = 0, solves = 0;
   double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
-  std::string text;               ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
+  std::string text;  ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
 };
 
 struct ModesResult {
-  modal::Modes modes;             ///< shapes on the free degrees of freedom, n×m
+  modal::Modes modes;  ///< shapes on the free degrees of freedom, n×m
   ModesSummary summary;
 };
 

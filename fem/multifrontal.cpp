@@ -65,67 +65,83 @@ Permuted permuted(const Tree& tree, const SparseMatrix& a, double s, const Spars
   return p;
 }
 
-// Doubles straight from the system, returned whole; pages come zeroed.
+// Doubles straight from the system, in pages of 2 MiB where it has them: a fault per 4 KiB costs
+// more than the arithmetic. Zero at first.
 class Storage {
  public:
-  explicit Storage(std::int64_t doubles) : bytes_(at(std::max<std::int64_t>(doubles, 1)) * 8) {
+  Storage() = default;
+  explicit Storage(std::int64_t doubles)
+      : size_(at(doubles)), bytes_(std::max<std::size_t>(size_ * sizeof(double), 1)) {
     void* p = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (p == MAP_FAILED) {
       throw OutOfResources("factorization: no " + std::to_string(bytes_ >> 20U) + " MiB to be had");
     }
+    if (bytes_ > (std::size_t{4} << 20U)) madvise(p, bytes_, MADV_HUGEPAGE);
     data_ = static_cast<double*>(p);
   }
-  ~Storage() { munmap(data_, bytes_); }
+  ~Storage() {
+    if (data_ != nullptr) munmap(data_, bytes_);
+  }
   Storage(const Storage&) = delete;
   Storage& operator=(const Storage&) = delete;
-  Storage(Storage&&) = delete;
-  Storage& operator=(Storage&&) = delete;
+  Storage(Storage&& other) noexcept { swap(other); }
+  Storage& operator=(Storage&& other) noexcept {
+    swap(other);
+    return *this;
+  }
   [[nodiscard]] double* data() const { return data_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
-  std::size_t bytes_;
+  void swap(Storage& other) {
+    std::swap(size_, other.size_);
+    std::swap(bytes_, other.bytes_);
+    std::swap(data_, other.data_);
+  }
+  std::size_t size_ = 0;
+  std::size_t bytes_ = 0;
   double* data_ = nullptr;
 };
 
-// Buffers that are used again: a fresh page costs more than the arithmetic of a small front.
+// Square blocks whose storage is used again, since fresh pages are dear.
 class Pool {
  public:
-  using Buffer = std::vector<double>;
-  Buffer take(std::size_t size) {
+  /// At least rows·columns doubles, not cleared.
+  Storage take(long rows, long columns) {
+    const auto size = at(rows * columns);
     auto best = free_.end();
     for (auto it = free_.begin(); it != free_.end(); ++it) {
-      if (it->capacity() >= size && it->capacity() <= 2 * size + 4096 &&
-          (best == free_.end() || it->capacity() < best->capacity())) {
-        best = it;
-      }
+      if (it->size() >= size && (best == free_.end() || it->size() < best->size())) best = it;
     }
-    Buffer buffer;
-    if (best != free_.end()) {
-      buffer = std::move(*best);
-      free_.erase(best);
+    if (best == free_.end() || best->size() > 4 * size + 65536) {
+      return Storage(static_cast<std::int64_t>(size + size / 8 + 512));
     }
-    buffer.assign(size, 0.0);
-    return buffer;
+    Storage found = std::move(*best);
+    free_.erase(best);
+    return found;
   }
-  void give(Buffer buffer) {
-    if (free_.size() >= 24) {
+  void give(Storage storage) {
+    if (free_.size() >= 16) {
       free_.erase(std::min_element(free_.begin(), free_.end(), [](const auto& x, const auto& y) {
-        return x.capacity() < y.capacity();
+        return x.size() < y.size();
       }));
     }
-    free_.push_back(std::move(buffer));
+    free_.push_back(std::move(storage));
   }
 
  private:
-  std::vector<Buffer> free_;
+  std::vector<Storage> free_;
 };
+
+void clear_lower(Block block) {
+  for (long j = 0; j < block.columns; ++j) std::fill_n(&block(j, j), block.rows - j, 0.0);
+}
 
 // What one thread needs besides the tree.
 struct Worker {
   explicit Worker(std::size_t n) : local(n, -1) {}
   std::vector<std::int32_t> local;  // row in the order of elimination -> row of the front
   Pool pool;
-  Pool::Buffer panel;               // where the factor is not kept
 };
 
 // Runs node by node: the subtrees on all threads, then the top with threads inside BLAS.
@@ -172,18 +188,18 @@ class Fronts {
         panel(worker.local[at(matrix_.row[at(k)])], j) += matrix_.value[at(k)];
       }
     }
-    update_[at(s)] = worker.pool.take(at(r * r));
+    update_[at(s)] = worker.pool.take(r, r);
     const Block update{update_[at(s)].data(), r, r, std::max(r, 1L)};
+    clear_lower(update);
     for (const auto child : node.children) {
       add_child(tree_.nodes[at(child)], update_[at(child)], panel, update, node.width, worker);
       worker.pool.give(std::move(update_[at(child)]));
-      update_[at(child)] = {};
     }
     return update;
   }
 
  private:
-  static void add_child(const Supernode& child, const Pool::Buffer& from, Block panel, Block update,
+  static void add_child(const Supernode& child, const Storage& from, Block panel, Block update,
                         long width, const Worker& worker) {
     const auto rows = static_cast<long>(child.rows.size());
     std::vector<std::int32_t> to(at(rows));
@@ -198,11 +214,13 @@ class Fronts {
 
   const Tree& tree_;
   const Permuted& matrix_;
-  std::vector<Pool::Buffer> update_;
+  std::vector<Storage> update_;
 };
 
 std::vector<Worker> workers_for(const Tree& tree) {
-  return std::vector<Worker>(at(thread_count()), Worker(tree.order.size()));
+  std::vector<Worker> workers;
+  for (int i = 0; i < thread_count(); ++i) workers.emplace_back(tree.order.size());
+  return workers;
 }
 
 Block panel_of(const Supernode& node, double* data) {
@@ -232,7 +250,7 @@ struct Factorization::Numeric {
       const Block below = panel.part(node.width, 0, update.rows, node.width);
       if (!dense::cholesky(top)) definite = false;
       dense::solve_right(top, below, false);
-      dense::subtract_square(below, update);
+      dense::subtract_symmetric(below, below, update);
     });
     if (!definite) {
       throw NumericalFailure("factorization: the matrix is not positive definite");
@@ -344,14 +362,15 @@ Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s, const
     const auto& node = tree.nodes[at(k)];
     const long r = static_cast<long>(node.rows.size());
     const long rows = node.width + r;
-    worker.panel.assign(at(rows * node.width), 0.0);
-    const Block panel = panel_of(node, worker.panel.data());
+    Storage own_panel = worker.pool.take(rows, node.width);
+    const Block panel = panel_of(node, own_panel.data());
+    clear_lower(panel);
     const Block update = fronts.assemble(k, panel, worker);
     const Block top = panel.part(0, 0, node.width, node.width);
     const Block below = panel.part(node.width, 0, r, node.width);
     smallest[at(k)] = dense::ldlt(top);
     dense::solve_right(top, below, true);  // L D
-    auto scaled = worker.pool.take(at(r * node.width));
+    Storage scaled = worker.pool.take(r, node.width);
     const Block with_d{scaled.data(), r, node.width, std::max(r, 1L)};
     for (long j = 0; j < node.width; ++j) {
       if (top(j, j) < 0.0) ++negative[at(k)];
@@ -362,6 +381,7 @@ Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s, const
     }
     dense::subtract_symmetric(with_d, below, update);
     worker.pool.give(std::move(scaled));
+    worker.pool.give(std::move(own_panel));
   });
   Inertia result{.smallest_pivot = *std::min_element(smallest.begin(), smallest.end())};
   for (const auto count : negative) result.negative += count;

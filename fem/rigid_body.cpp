@@ -102,8 +102,8 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   return c;
 }
 
-// What of the six orthonormal motions springs and supports let pass: the null space of their energy,
-// spanned by projections of the motions in their order.
+// What of the six orthonormal motions springs and supports let pass: the null space of their
+// energy, spanned by projections of the motions in their order.
 Eigen::MatrixXd costless(const Eigen::MatrixXd& energy) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(energy);
   const double largest = solver.eigenvalues().maxCoeff();

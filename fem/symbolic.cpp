@@ -120,8 +120,8 @@ bool worth_joining(const Run& child, const Run& parent, double& zeros) {
           child.width * std::max(0.0, parent.width + parent.below - child.below);
   const double entries = width * (width + 1.0) / 2.0 + width * parent.below;
   const double share = zeros / entries;
-  return width <= 16.0 || (width <= 48.0 && share < 0.6) || (width <= 120.0 && share < 0.15) ||
-         share < 0.05;
+  return width <= 12.0 || (width <= 32.0 && share < 0.8) || (width <= 96.0 && share < 0.1) ||
+         share < 0.03;
 }
 
 std::vector<Run> runs(const QuotientGraph& graph, const Ordered& o) {
@@ -192,9 +192,7 @@ std::vector<std::vector<Index>> structures(const QuotientGraph& graph, const Ord
   return below;
 }
 
-double front_flops(double w, double r) {
-  return w * w * w / 3.0 + w * w * r + w * r * r;
-}
+double front_flops(double w, double r) { return w * w * w / 3.0 + w * w * r + w * r * r; }
 
 // Subtrees of nearly equal work for all threads; what is above them is worked on together.
 void choose_subtrees(Symbolic::Tree& tree, int threads) {
