@@ -140,16 +140,24 @@ Anatomy anatomy_of(const ut_unit* unit) {
   return anatomy;
 }
 
+// UDUNITS-2 converts reciprocals as well (2 ms into 500 Hz, a compliance into a stiffness): twice
+// as much has to stay twice as much.
+bool is_factor(ut_unit* from, ut_unit* into) {
+  const Converter converter(ut_get_converter(from, into));
+  const double one = cv_convert_double(converter.get(), 1.0);
+  return std::abs(cv_convert_double(converter.get(), 2.0) - 2.0 * one) <= 1e-9 * std::abs(one);
+}
+
 // For UDUNITS-2 a radian is 1, so 10 rad/s would pass for 10 Hz. Where a unit is nothing but
 // angle and time, its angle has to agree; elsewhere (N m/rad for N m) no factor is at stake.
-bool converts(const ut_unit* from, const ut_unit* into) {
-  if (ut_are_convertible(from, into) == 0) return false;
+bool converts(ut_unit* from, ut_unit* into) {
+  if (ut_are_convertible(from, into) == 0 || !is_factor(from, into)) return false;
   const Anatomy a = anatomy_of(from);
   const Anatomy b = anatomy_of(into);
   return a.angle == b.angle || (a.other && b.other);
 }
 
-const Kind* kind_of(const ut_unit* unit) {
+const Kind* kind_of(ut_unit* unit) {
   for (const auto& kind : kKinds) {
     const Unit known = parsed(kind.si_unit);
     const bool same = known && converts(unit, known.get());
@@ -158,7 +166,7 @@ const Kind* kind_of(const ut_unit* unit) {
   return nullptr;
 }
 
-std::string expected(std::string_view si_unit, const ut_unit* into) {
+std::string expected(std::string_view si_unit, ut_unit* into) {
   if (const Kind* kind = kind_of(into)) {
     return std::string("expected ") + kind->noun + " such as \"" + kind->example + "\"";
   }
@@ -173,10 +181,7 @@ bool has_stray_number(std::string_view unit) {
     const char c = unit[i];
     const bool number = c >= '0' && c <= '9';
     const char before = i == 0 ? ' ' : unit[i - 1];
-    if (number &&
-        (c == ',' || std::string_view(" \t.*/(").find(before) != std::string_view::npos)) {
-      return true;
-    }
+    if (number && std::string_view(" \t.,*/(").find(before) != std::string_view::npos) return true;
   }
   return false;
 }

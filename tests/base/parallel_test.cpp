@@ -1,0 +1,89 @@
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace chladni {
+namespace {
+
+TEST(ParallelRanges, CoverEveryIndexOnce) {
+  for (const int threads : {1, 2, 3, 7}) {
+    set_thread_count(threads);
+    for (const std::size_t size : {0UL, 1UL, 2UL, 5UL, 1000UL}) {
+      std::vector<std::atomic<int>> visits(size);
+      parallel_ranges(size, [&](std::size_t begin, std::size_t end) {
+        for (auto i = begin; i < end; ++i) ++visits[i];
+      });
+      for (const auto& count : visits) EXPECT_EQ(count, 1);
+    }
+  }
+}
+
+TEST(ParallelRanges, ThrowTheFirstExceptionAfterAllEnded) {
+  set_thread_count(2);
+  std::atomic<int> ended{0};
+  EXPECT_THROW(parallel_ranges(2,
+                               [&](std::size_t begin, std::size_t) {
+                                 ++ended;
+                                 if (begin == 0) throw std::runtime_error("first");
+                               }),
+               std::runtime_error);
+  EXPECT_EQ(ended, 2);
+}
+
+TEST(ParallelRanges, GiveTheSameBitsForAnyNumberOfThreads) {
+  const auto roots = [](int threads) {
+    set_thread_count(threads);
+    std::vector<double> values(10007);
+    parallel_ranges(values.size(), [&](std::size_t begin, std::size_t end) {
+      for (auto i = begin; i < end; ++i) values[i] = std::sqrt(static_cast<double>(i)) / 3.0;
+    });
+    return values;
+  };
+  EXPECT_EQ(roots(1), roots(2));
+  EXPECT_EQ(roots(1), roots(5));
+}
+
+TEST(ParallelRanges, ThrowTheExceptionOfTheLowestRange) {
+  set_thread_count(4);
+  for (int repeat = 0; repeat < 50; ++repeat) {
+    try {
+      parallel_ranges(
+          4, [](std::size_t begin, std::size_t) { throw InvalidInput(std::to_string(begin)); });
+      FAIL();
+    } catch (const InvalidInput& e) {
+      EXPECT_STREQ(e.what(), "0");
+    }
+  }
+}
+
+TEST(InParallel, RethrowsFromEitherSide) {
+  const auto fail = [] { throw NumericalFailure("x"); };
+  const auto pass = [] {};
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    EXPECT_THROW(in_parallel(fail, pass), NumericalFailure);
+    EXPECT_THROW(in_parallel(pass, fail), NumericalFailure);
+  }
+}
+
+TEST(InParallel, RunsBoth) {
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    std::atomic<int> sum{0};
+    in_parallel([&] { sum += 1; }, [&] { sum += 10; });
+    EXPECT_EQ(sum, 11);
+  }
+}
+
+TEST(ThreadCount, MustBePositive) { EXPECT_THROW(set_thread_count(0), InvalidInput); }
+
+}  // namespace
+}  // namespace chladni
