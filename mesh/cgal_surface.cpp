@@ -1,0 +1,258 @@
+// One of the two files that include CGAL: what triangles cross, how a hole is filled, and isotropic
+// triangles.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/box_intersection_d.h>
+#include <CGAL/intersections.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <unordered_map>
+
+#include "mesh/cgal_quiet.h"
+#include "mesh/defects.h"
+#include "mesh/disjoint_sets.h"
+#include "mesh/shells.h"
+
+namespace chladni::mesh {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Mesh = CGAL::Surface_mesh<Point>;
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, int>;
+namespace pmp = CGAL::Polygon_mesh_processing;
+
+Point point(const Surface& surface, int i) {
+  return {surface.points(i, 0), surface.points(i, 1), surface.points(i, 2)};
+}
+
+std::vector<Box> boxes_of(const Surface& surface) {
+  std::vector<Box> boxes;
+  for (int t = 0; t < static_cast<int>(surface.triangles.rows()); ++t) {
+    CGAL::Bbox_3 box;
+    for (int k = 0; k < 3; ++k) box += point(surface, surface.triangles(t, k)).bbox();
+    boxes.emplace_back(box, t);
+  }
+  return boxes;
+}
+
+// Corners of a and b, those they share first and in the same order.
+struct Pair {
+  std::array<int, 3> a, b;
+  int shared = 0;
+};
+Pair pair_of(const Surface& surface, int first, int second) {
+  Pair pair;
+  for (std::size_t k = 0; k < 3; ++k) {
+    pair.a[k] = surface.triangles(first, static_cast<Eigen::Index>(k));
+    pair.b[k] = surface.triangles(second, static_cast<Eigen::Index>(k));
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto free = static_cast<std::size_t>(pair.shared);
+    const auto same = std::find(pair.b.begin() + pair.shared, pair.b.end(), pair.a[k]);
+    if (same == pair.b.end()) continue;
+    std::swap(pair.a[free], pair.a[k]);
+    std::swap(pair.b[free], *same);
+    ++pair.shared;
+  }
+  return pair;
+}
+
+bool cross(const Surface& surface, int first, int second) {
+  const Pair pair = pair_of(surface, first, second);
+  std::array<Point, 3> a;
+  std::array<Point, 3> b;
+  for (std::size_t k = 0; k < 3; ++k) {
+    a[k] = point(surface, pair.a[k]);
+    b[k] = point(surface, pair.b[k]);
+  }
+  const Kernel::Triangle_3 triangle_a(a[0], a[1], a[2]);
+  const Kernel::Triangle_3 triangle_b(b[0], b[1], b[2]);
+  if (triangle_a.is_degenerate() || triangle_b.is_degenerate()) return false;
+  switch (pair.shared) {
+    case 0:
+      return CGAL::do_intersect(triangle_a, triangle_b);
+    case 1:
+      return CGAL::do_intersect(Kernel::Segment_3(a[1], a[2]), triangle_b) ||
+             CGAL::do_intersect(Kernel::Segment_3(b[1], b[2]), triangle_a);
+    case 2:  // folded flat onto each other
+      return CGAL::coplanar(a[0], a[1], a[2], b[2]) &&
+             CGAL::coplanar_orientation(a[0], a[1], a[2], b[2]) == CGAL::POSITIVE;
+    default:
+      return true;
+  }
+}
+
+Eigen::Vector3d middle_of_overlap(const Box& a, const Box& b) {
+  Eigen::Vector3d middle;
+  for (int k = 0; k < 3; ++k) {
+    middle[k] =
+        0.5 * (std::max(a.min_coord(k), b.min_coord(k)) + std::min(a.max_coord(k), b.max_coord(k)));
+  }
+  return middle;
+}
+
+// A mesh whose points are the fans of the surface: what hangs together by edges of two triangles.
+struct FanMesh {
+  Mesh mesh;
+  Mesh::Property_map<Mesh::Face_index, int> patch;
+  Mesh::Property_map<Mesh::Edge_index, bool> kept;
+  Mesh::Property_map<Mesh::Vertex_index, int> origin;  // the surface's point, −1 for new ones
+};
+
+std::vector<std::int32_t> fans_of(const Surface& surface) {
+  DisjointSets corners(static_cast<std::size_t>(surface.triangles.size()));
+  const auto corner = [&](int t, int i) {
+    int k = 0;
+    while (surface.triangles(t, k) != i) ++k;
+    return static_cast<std::size_t>(3 * t + k);
+  };
+  const std::vector<EdgeUse> uses = edge_uses(surface.triangles);
+  for (std::size_t first = 0; first < uses.size();) {
+    const std::size_t end = end_of_edge(uses, first);
+    if (end - first == 2) {
+      const EdgeUse& a = uses[first];
+      const EdgeUse& b = uses[first + 1];
+      corners.join(corner(a.triangle, a.low), corner(b.triangle, a.low));
+      corners.join(corner(a.triangle, a.high), corner(b.triangle, a.high));
+    }
+    first = end;
+  }
+  return corners.numbers();
+}
+
+void keep_edges(FanMesh& fans, const std::vector<Eigen::Vector2i>& kept) {
+  std::vector<std::pair<int, int>> wanted;
+  for (const Eigen::Vector2i& edge : kept) wanted.emplace_back(edge.minCoeff(), edge.maxCoeff());
+  std::sort(wanted.begin(), wanted.end());
+  for (const Mesh::Edge_index edge : fans.mesh.edges()) {
+    const int a = fans.origin[fans.mesh.vertex(edge, 0)];
+    const int b = fans.origin[fans.mesh.vertex(edge, 1)];
+    fans.kept[edge] =
+        fans.mesh.is_border(edge) ||
+        std::binary_search(wanted.begin(), wanted.end(), std::pair(std::min(a, b), std::max(a, b)));
+  }
+}
+
+std::optional<FanMesh> fan_mesh(const Surface& surface, const std::vector<Eigen::Vector2i>& kept) {
+  FanMesh fans;
+  fans.patch = fans.mesh.add_property_map<Mesh::Face_index, int>("f:of", 0).first;
+  fans.kept = fans.mesh.add_property_map<Mesh::Edge_index, bool>("e:kept", false).first;
+  fans.origin = fans.mesh.add_property_map<Mesh::Vertex_index, int>("v:origin", -1).first;
+  const std::vector<std::int32_t> fan = fans_of(surface);
+  std::map<std::int32_t, Mesh::Vertex_index> vertex_of_fan;
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    std::array<Mesh::Vertex_index, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      const auto [at, is_new] = vertex_of_fan.try_emplace(fan[static_cast<std::size_t>(3 * t + k)]);
+      const int i = surface.triangles(t, k);
+      if (is_new) {
+        at->second = fans.mesh.add_vertex(point(surface, i));
+        fans.origin[at->second] = i;
+      }
+      corners[static_cast<std::size_t>(k)] = at->second;
+    }
+    const Mesh::Face_index face = fans.mesh.add_face(corners[0], corners[1], corners[2]);
+    if (face == Mesh::null_face()) return std::nullopt;
+    fans.patch[face] = surface.patch[t];
+  }
+  keep_edges(fans, kept);
+  return fans;
+}
+
+// Points on kept edges are the surface's own again, shared by all their fans.
+Surface surface_of(const FanMesh& fans, const Surface& before) {
+  Surface after;
+  after.patch_names = before.patch_names;
+  after.regions = before.regions;
+  std::vector<char> fixed(fans.mesh.number_of_vertices() + fans.mesh.number_of_removed_vertices());
+  for (const Mesh::Edge_index edge : fans.mesh.edges()) {
+    if (!fans.kept[edge]) continue;
+    fixed[fans.mesh.vertex(edge, 0)] = fixed[fans.mesh.vertex(edge, 1)] = 1;
+  }
+  std::map<int, int> number_of_fixed;
+  std::vector<int> number(fixed.size(), -1);
+  std::vector<Eigen::RowVector3d> points;
+  for (const Mesh::Vertex_index v : fans.mesh.vertices()) {
+    if (fans.mesh.is_isolated(v)) continue;
+    number[v] = static_cast<int>(points.size());
+    if (fixed[v] == 1 && fans.origin[v] >= 0) {
+      const auto [known, is_new] = number_of_fixed.try_emplace(fans.origin[v], number[v]);
+      number[v] = known->second;
+      if (!is_new) continue;
+    }
+    const Point& p = fans.mesh.point(v);
+    points.emplace_back(p.x(), p.y(), p.z());
+  }
+  after.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    after.points.row(static_cast<Eigen::Index>(i)) = points[i];
+  }
+  after.triangles.resize(static_cast<Eigen::Index>(fans.mesh.number_of_faces()), 3);
+  after.patch.resize(after.triangles.rows());
+  Eigen::Index t = 0;
+  for (const Mesh::Face_index face : fans.mesh.faces()) {
+    int k = 0;
+    for (const Mesh::Vertex_index v : fans.mesh.vertices_around_face(fans.mesh.halfedge(face))) {
+      after.triangles(t, k++) = number[v];
+    }
+    after.patch[t++] = fans.patch[face];
+  }
+  return after;
+}
+
+}  // namespace
+
+std::vector<Crossing> crossings(const Surface& surface) {
+  const CgalQuiet quiet;
+  std::vector<Crossing> found;
+  const std::vector<Box> boxes = boxes_of(surface);
+  std::vector<const Box*> pointers;
+  for (const Box& box : boxes) pointers.push_back(&box);
+  CGAL::box_self_intersection_d(pointers.begin(), pointers.end(), [&](const Box* a, const Box* b) {
+    const auto [first, second] = std::minmax(a->info(), b->info());
+    if (cross(surface, first, second)) found.push_back({first, second, middle_of_overlap(*a, *b)});
+  });
+  std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {
+    return std::tie(a.first, a.second) < std::tie(b.first, b.second);
+  });
+  return found;
+}
+
+std::vector<Eigen::Vector3i> filling(const Surface& surface, const std::vector<int>& loop) {
+  const CgalQuiet quiet;
+  std::vector<Point> polyline;
+  for (const int i : loop) polyline.push_back(point(surface, i));
+  std::vector<CGAL::Triple<int, int, int>> patch;
+  pmp::triangulate_hole_polyline(polyline, std::back_inserter(patch));
+  std::vector<Eigen::Vector3i> triangles;
+  for (const auto& t : patch) {
+    const auto at = [&](int i) { return loop[static_cast<std::size_t>(i)]; };
+    triangles.emplace_back(at(t.first), at(t.second), at(t.third));
+  }
+  return triangles;
+}
+
+std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen::Vector2i>& kept,
+                                 double edge_length) {
+  const CgalQuiet quiet;
+  std::optional<FanMesh> fans = fan_mesh(surface, kept);
+  if (!fans) return std::nullopt;
+  try {
+    pmp::isotropic_remeshing(fans->mesh.faces(), edge_length, fans->mesh,
+                             CGAL::parameters::number_of_iterations(5)
+                                 .number_of_relaxation_steps(3)
+                                 .protect_constraints(true)
+                                 .edge_is_constrained_map(fans->kept)
+                                 .face_patch_map(fans->patch));
+  } catch (const CGAL::Failure_exception&) {
+    return std::nullopt;
+  }
+  return surface_of(*fans, surface);
+}
+
+}  // namespace chladni::mesh
