@@ -58,12 +58,15 @@ struct Layering {
   double edge_length = 0.0;  ///< in the plane [m]
   int layers = 1;            ///< through the thickness (of the face sheet for a table)
   int across_ribs = 1;       ///< cells through the thickness of a rib
-  /// Width of a row of cells along the outline [m], 0: none. Twist bends the edges of a thin plate
-  /// within a strip about as wide as the thickness.
+  /// Width of a row of cells along the outline (of a table: along the walls of every pocket; not of
+  /// a disc) [m]; 0: none. Twist bends the edges of a thin plate within a strip about as wide as
+  /// its thickness.
   double edge_strip = 0.0;
 };
 
-/// Layers fine enough for the first 20 frequencies to be within 1 % of the converged ones.
+/// Layers for the first 20 frequencies to be within 1 % of the converged ones (order 3 and plates
+/// of order 2; tables of order 2: but for the twist of open ribs). Order 1 is for comparison only.
+/// @throws InvalidInput  order is not 1, 2 or 3, or a dimension does not fit
 [[nodiscard]] Layering default_layering(const Plate& plate, int order);
 [[nodiscard]] Layering default_layering(const Disc& disc, int order);
 [[nodiscard]] Layering default_layering(const WaferTable& table, int order);

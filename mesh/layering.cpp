@@ -1,5 +1,15 @@
-// How fine is fine enough: one rule per kind of body, measured with free bodies of every kind.
+// How fine is fine enough: one rule per kind of body.
+//
+// Measured on free bodies, 20 flexible modes against the exact ones, largest error at the default:
+// plate 600 x 600 x 20 mm, order 3: 16 k degrees of freedom, 1.1e-3 (4.7e-3 without the strip:
+// twist bends the edges of a plate within a layer as wide as its thickness); order 2: 48 k, 7e-3.
+// Beam 2 x 20 x 500 mm, order 3: 12 k, 3.4e-3; order 2: 20 k, 8e-3.
+// Table 600 x 600 x 50 mm with 9 x 9 pockets, order 3: 36 mm and strips of two ribs along the
+// walls, 296 k, twist of the open ribs 4e-3 below what as many equal cells give; with one cell in
+// the depth of the pockets instead of two: 227 k, twist 8e-3 higher.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "base/error.h"
 #include "mesh/bodies.h"
@@ -8,30 +18,29 @@
 namespace chladni::mesh {
 namespace {
 
-// Cells per longest side; the 20th mode of a square plate has about three waves along it.
-double cells_along(int order) {
-  switch (order) {
-    case 1:
-      return 60.0;
-    case 2:
-      return 24.0;
-    default:
-      return 12.0;
-  }
+void require_order(int order) {
+  require(order >= 1 && order <= 3,
+          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
+}
+
+// Cells per half wave of the 20th mode.
+double cells_per_half_wave(int order) { return order == 1 ? 12.0 : order == 2 ? 7.0 : 2.0; }
+
+// Half a wave of the 20th mode. Of a plate of area A, N modes lie below the wave number k with
+// N = A k^2 / 4 pi (Courant and Hilbert 1953); a beam has about 12 bending waves among them.
+double half_wave(double longest, double middle) {
+  constexpr double kPlate = 0.198;  // sqrt(pi / (4 N)), N = 20
+  return std::max(kPlate * std::sqrt(longest * middle), longest / 12.0);
 }
 
 Layering of_plate(double length, double width, double thickness, int order) {
-  require(order >= 1 && order <= 3,
-          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
-  const double longest = std::max(length, width);
-  const double shortest = std::min(length, width);
+  require_order(order);
+  std::array<double, 3> extent{length, width, thickness};
+  std::sort(extent.begin(), extent.end());
   Layering result;
-  // A narrow strip has many waves along it for each across.
-  const double slender = std::min(longest / shortest, 4.0);
-  result.edge_length = std::min(longest / (cells_along(order) * std::sqrt(slender)),
-                                std::max(shortest / 2.0, thickness));
-  result.layers = std::clamp(cells_in(thickness, 1.5 * result.edge_length), 1, 1000);
-  if (thickness < 0.5 * result.edge_length) result.edge_strip = thickness;
+  result.edge_length = half_wave(extent[2], extent[1]) / cells_per_half_wave(order);
+  result.layers = std::min(cells_in(thickness, 1.2 * result.edge_length), 1000);
+  if (thickness < 0.5 * result.edge_length) result.edge_strip = 0.6 * thickness;
   return result;
 }
 
@@ -52,15 +61,14 @@ Layering default_layering(const Disc& disc, int order) {
 Layering default_layering(const WaferTable& table, int order) {
   require_fit(table);
   Layering result = of_plate(table.length, table.width, table.height, order);
-  result.edge_strip = 0.0;
   if (table.pockets_x == 0) return result;
-  result.layers = 1;
-  result.across_ribs = order == 1 ? 4 : order == 2 ? 2 : 1;
   const double rim = rim_of(table);
   const double pocket = std::min(pocket_width(table.length, table.pockets_x, table.rib, rim),
                                  pocket_width(table.width, table.pockets_y, table.rib, rim));
-  const double cells_per_pocket = order == 1 ? 6.0 : order == 2 ? 3.0 : 2.0;
-  result.edge_length = std::min(result.edge_length, pocket / cells_per_pocket);
+  result.layers = 1;
+  result.across_ribs = order == 3 ? 1 : 2;
+  result.edge_strip = 2.0 * table.rib;  // walls bend and twist most near where they meet
+  result.edge_length = std::min(result.edge_length, pocket * (order == 3 ? 0.6 : 0.25));
   return result;
 }
 

@@ -82,23 +82,67 @@ std::vector<double> breaks(double length, const std::vector<Interval>& pockets,
   return merged;
 }
 
+// A pocket's stretch, with a row of cells of width `strip` along both walls where there is room.
+void add_pocket(std::vector<Stretch>& stretches, double from, double to, const Layering& layering) {
+  const double strip = layering.edge_strip;
+  if (strip > 0.0 && to - from > 3.0 * strip) {
+    stretches.push_back({from + strip, 1});
+    stretches.push_back({to - strip, cells_in(to - from - 2.0 * strip, layering.edge_length)});
+    stretches.push_back({to, 1});
+  } else {
+    stretches.push_back({to, cells_in(to - from, layering.edge_length)});
+  }
+}
+
 std::vector<double> lines_along(double length, const std::vector<Interval>& pockets,
                                 const std::vector<Interval>& cutouts, const WaferTable& table,
                                 const Layering& layering) {
   const std::vector<double> ends = breaks(length, pockets, cutouts, rim_of(table));
   std::vector<Stretch> stretches;
   for (std::size_t i = 1; i < ends.size(); ++i) {
-    const double middle = (ends[i - 1] + ends[i]) / 2.0;
     const double span = ends[i] - ends[i - 1];
-    int cells = cells_in(span, layering.edge_length);
-    const bool in_pocket = std::any_of(pockets.begin(), pockets.end(),
-                                       [&](const Interval& p) { return p.holds(middle); });
-    if (!pockets.empty() && !in_pocket) {
-      cells = std::max(cells, cells_in(span * layering.across_ribs, table.rib));
+    const double middle = (ends[i - 1] + ends[i]) / 2.0;
+    if (std::any_of(pockets.begin(), pockets.end(),
+                    [&](const Interval& p) { return p.holds(middle); })) {
+      add_pocket(stretches, ends[i - 1], ends[i], layering);
+      continue;
     }
+    int cells = cells_in(span, layering.edge_length);
+    if (!pockets.empty()) cells = std::max(cells, cells_in(span * layering.across_ribs, table.rib));
     stretches.push_back({ends[i], cells});
   }
   return mirrored_lines(-length / 2.0, stretches);
+}
+
+// Marks the bricks of pockets (1) and cut-outs (2).
+void cut_voids(BrickGrid& grid, const WaferTable& table,
+               const std::array<std::vector<Interval>, 2>& pockets,
+               const std::vector<Cutout>& cutouts) {
+  const auto middle = [](const std::vector<double>& line, int i) {
+    return (line[static_cast<std::size_t>(i)] + line[static_cast<std::size_t>(i) + 1]) / 2.0;
+  };
+  const auto inside = [](const std::vector<Interval>& intervals, double at) {
+    return std::any_of(intervals.begin(), intervals.end(),
+                       [&](const Interval& i) { return i.holds(at); });
+  };
+  for (int j = 0; j + 1 < static_cast<int>(grid.y.size()); ++j) {
+    const double y = middle(grid.y, j);
+    for (int i = 0; i + 1 < static_cast<int>(grid.x.size()); ++i) {
+      const double x = middle(grid.x, i);
+      const auto cut = [&](double wall) {
+        return std::any_of(cutouts.begin(), cutouts.end(),
+                           [&](const Cutout& c) { return c.holds(x, y, wall); });
+      };
+      const bool pocket = inside(pockets[0], x) && inside(pockets[1], y) && !cut(rim_of(table));
+      const bool hole = cut(0.0);
+      for (int k = 0; k + 1 < static_cast<int>(grid.z.size()); ++k) {
+        const bool below = middle(grid.z, k) < -table.face_sheet;
+        grid.kind[grid.brick(i, j, k)] = static_cast<std::int8_t>(hole              ? 2
+                                                                  : pocket && below ? 1
+                                                                                    : 0);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -123,31 +167,7 @@ BrickGrid grid_of(const WaferTable& table, const Layering& layering) {
                                     lines_along(table.width, in_y, cut_y, table, layering),
                                     lines(-table.height, up));
   grid.void_patch = {"pockets", "cutouts"};
-  const auto middle = [](const std::vector<double>& line, int i) {
-    return (line[static_cast<std::size_t>(i)] + line[static_cast<std::size_t>(i) + 1]) / 2.0;
-  };
-  const auto inside = [](const std::vector<Interval>& intervals, double at) {
-    return std::any_of(intervals.begin(), intervals.end(),
-                       [&](const Interval& i) { return i.holds(at); });
-  };
-  const int below = in_x.empty() ? 0 : up.front().cells;  // layers of bricks that pockets cut
-  for (int j = 0; j + 1 < static_cast<int>(grid.y.size()); ++j) {
-    const double y = middle(grid.y, j);
-    for (int i = 0; i + 1 < static_cast<int>(grid.x.size()); ++i) {
-      const double x = middle(grid.x, i);
-      const auto cut = [&](double wall) {
-        return std::any_of(cutouts.begin(), cutouts.end(),
-                           [&](const Cutout& c) { return c.holds(x, y, wall); });
-      };
-      const bool pocket = inside(in_x, x) && inside(in_y, y) && !cut(rim);
-      const bool hole = cut(0.0);
-      for (int k = 0; k + 1 < static_cast<int>(grid.z.size()); ++k) {
-        grid.kind[grid.brick(i, j, k)] = static_cast<std::int8_t>(hole                  ? 2
-                                                                  : pocket && k < below ? 1
-                                                                                        : 0);
-      }
-    }
-  }
+  cut_voids(grid, table, {in_x, in_y}, cutouts);
   return grid;
 }
 
