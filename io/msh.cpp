@@ -58,7 +58,7 @@ void MshReader::read_format() {
   const std::string version(scanner_.word());
   is_4_ = version == "4.1";
   if (!is_4_ && !version.starts_with("2")) {
-    scanner_.fail("MSH version " + quoted(std::string_view(version)) +
+    scanner_.fail("MSH version " + shown(version) +
                   ", expected 4.1 or 2.2 (in Gmsh: File, Export, or -format msh41)");
   }
   const std::int64_t binary = scanner_.integer("the file type");
@@ -280,7 +280,7 @@ mesh::TetMesh MshReader::mesh(Notes* notes) {
   read_format();
   for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
     if (word[0] != '$' || word.size() < 2)
-      scanner_.fail("found " + quoted(word) + ", expected a section such as '$Nodes'");
+      scanner_.fail("found " + shown(word) + ", expected a section such as '$Nodes'");
     const std::string name(word.substr(1));
     read_section(name);
     scanner_.expect("$End" + name);

@@ -36,11 +36,11 @@ std::optional<double> plain_number(std::string_view word) {
 
 }  // namespace
 
-std::string quoted(std::string_view word) {
+std::string shown(std::string_view word) {
   constexpr std::size_t kLongest = 40;
-  std::string shown = "'";
-  for (const char c : word.substr(0, kLongest)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return shown + (word.size() > kLongest ? "...'" : "'");
+  std::string text = "'";
+  for (const char c : word.substr(0, kLongest)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + (word.size() > kLongest ? "...'" : "'");
 }
 
 std::string upper(std::string_view word) {
@@ -75,7 +75,7 @@ std::optional<std::int64_t> integer_in(std::string_view word) {
 }
 
 std::string not_a_number(std::string_view word) {
-  const std::string found = "found " + quoted(word) + ", expected a ";
+  const std::string found = "found " + shown(word) + ", expected a ";
   const std::size_t comma = word.find(',');
   if (comma != word.npos && word.size() <= 64) {
     std::string with_point(word);
@@ -144,7 +144,7 @@ std::int64_t Scanner::integer(std::string_view what) {
   const std::string_view found = word();
   if (found.empty()) fail_truncated(what);
   const auto value = integer_in(found);
-  if (!value) fail(std::string(what) + ": found " + quoted(found) + ", expected a whole number");
+  if (!value) fail(std::string(what) + ": found " + shown(found) + ", expected a whole number");
   return *value;
 }
 
@@ -169,7 +169,7 @@ void Scanner::expect(std::string_view expected) {
   const std::string_view found = word();
   if (found.empty()) fail_truncated("'" + std::string(expected) + "'");
   if (upper(found) != upper(expected)) {
-    fail("found " + quoted(found) + ", expected '" + std::string(expected) + "'");
+    fail("found " + shown(found) + ", expected '" + std::string(expected) + "'");
   }
 }
 

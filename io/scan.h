@@ -15,7 +15,7 @@
 namespace chladni::io {
 
 /// `word` as a message may show it: in quotes, at most 40 characters, unprintable ones as '?'.
-[[nodiscard]] std::string quoted(std::string_view word);
+[[nodiscard]] std::string shown(std::string_view word);
 
 /// Upper case, ASCII letters only: keywords are compared so.
 [[nodiscard]] std::string upper(std::string_view word);
@@ -71,6 +71,12 @@ class Scanner {
   /// Places are told as bytes, not lines, from now on.
   void tell_bytes() { tells_bytes_ = true; }
   [[nodiscard]] std::size_t line() const { return line_; }
+  /// For failures only: this scanner as it stood at that line.
+  [[nodiscard]] Scanner at_line(std::size_t line) const {
+    Scanner there = *this;
+    there.line_ = line;
+    return there;
+  }
   [[noreturn]] void fail(const std::string& message) const;
   [[noreturn]] void fail_truncated(std::string_view what) const;
 

@@ -78,7 +78,7 @@ void parse_facet(Scanner& scanner, Triangles& triangles, int patch) {
   }
   if (const auto word = scanner.word(); upper(word) != "ENDLOOP") {
     scanner.fail("facet " + std::to_string(triangles.triangle_count() + 1) +
-                 " has more than three vertices or is cut off: found " + quoted(word) +
+                 " has more than three vertices or is cut off: found " + shown(word) +
                  ", expected 'endloop'");
   }
   scanner.expect("endfacet");
@@ -97,7 +97,7 @@ mesh::Surface parse_text(std::string_view bytes, Notes* notes) {
     const std::string_view word = scanner.word();
     if (word.empty()) break;
     if (upper(word) != "SOLID") {
-      scanner.fail("found " + quoted(word) + ", expected 'solid' or the end of the file");
+      scanner.fail("found " + shown(word) + ", expected 'solid' or the end of the file");
     }
     const std::string name = solid_name(scanner.rest_of_line(), ++solids);
     int patch = -1;
@@ -106,7 +106,7 @@ mesh::Surface parse_text(std::string_view bytes, Notes* notes) {
       if (key.empty()) scanner.fail_truncated("'facet' or 'endsolid'");
       if (upper(key) == "ENDSOLID") break;
       if (upper(key) != "FACET") {
-        scanner.fail("found " + quoted(key) + ", expected 'facet' or 'endsolid'");
+        scanner.fail("found " + shown(key) + ", expected 'facet' or 'endsolid'");
       }
       if (patch < 0) patch = triangles.patch(name);
       parse_facet(scanner, triangles, patch);

@@ -76,9 +76,15 @@ void Tets::tet(std::int64_t id, std::span<const std::int64_t> nodes, int region)
   region_.push_back(region);
 }
 
-void Tets::face(std::span<const std::int64_t, 3> corners, int patch) {
+void Tets::face(std::span<const std::int64_t, 3> corners, int patch, bool outside) {
   face_corners_.insert(face_corners_.end(), corners.begin(), corners.end());
   face_patch_.push_back(patch);
+  face_outside_.push_back(outside);
+}
+
+const Rows& Tets::sorted_nodes() {
+  nodes_.sort("node");
+  return nodes_;
 }
 
 std::span<const std::int64_t> Tets::nodes(std::size_t tet) const {
@@ -219,14 +225,15 @@ Eigen::VectorXi Tets::patches_by_faces(const Cells& faces, Notes* notes) const {
     claims.emplace_back(sorted_corners(mesh_row(id[0]), mesh_row(id[1]), mesh_row(id[2])), f);
   }
   std::sort(claims.begin(), claims.end());
-  std::vector<bool> met(claims.size(), false);
+  std::vector<bool> met = face_outside_;
+  met.flip();
   Eigen::VectorXi patch = Eigen::VectorXi::Constant(faces.rows(), -1);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const Corners3 key = sorted_corners(faces(f, 0), faces(f, 1), faces(f, 2));
     auto claim = std::lower_bound(claims.begin(), claims.end(), std::pair(key, std::size_t{0}));
     for (bool first = true; claim != claims.end() && claim->first == key; ++claim, first = false) {
       if (first) patch[f] = face_patch_[claim->second];
-      met[static_cast<std::size_t>(claim - claims.begin())] = true;
+      met[claim->second] = true;
     }
   }
   const auto inside = static_cast<std::size_t>(std::count(met.begin(), met.end(), false));
@@ -281,7 +288,7 @@ void Tets::name_boundary(mesh::TetMesh& mesh, Notes* notes) {
 
 mesh::TetMesh Tets::mesh(Notes* notes) {
   require(tet_count() > 0, "no tetrahedron in the file, expected a body meshed in the volume");
-  nodes_.sort("node");
+  static_cast<void>(sorted_nodes());
   mesh::TetMesh result;
   result.tets = resolved_cells();
   drop_copies(result.tets, notes);

@@ -56,7 +56,8 @@ class Tets {
   /// 4, 10 or 20 node ids in VTK's order; all cells must have the same number.
   void tet(std::int64_t id, std::span<const std::int64_t> nodes, int region);
   /// A triangle of a patch by its three corners; where two claim it, the first keeps it.
-  void face(std::span<const std::int64_t, 3> corners, int patch);
+  /// @param outside  it is meant to lie on the boundary: told of where it does not
+  void face(std::span<const std::int64_t, 3> corners, int patch, bool outside = true);
   void node_set(NodeSet set) { node_sets_.push_back(std::move(set)); }
 
   Names regions;  ///< a tetrahedron's `region` indexes them
@@ -65,6 +66,8 @@ class Tets {
   [[nodiscard]] std::size_t tet_count() const { return region_.size(); }
   [[nodiscard]] std::int64_t tet_id(std::size_t tet) const { return tet_ids_[tet]; }
   void set_region(std::size_t tet, int region) { region_[tet] = region; }
+  /// The nodes by their ids. @throws InvalidInput  one is there twice
+  [[nodiscard]] const Rows& sorted_nodes();
   /// The node ids of a tetrahedron.
   [[nodiscard]] std::span<const std::int64_t> nodes(std::size_t tet) const;
 
@@ -98,6 +101,7 @@ class Tets {
   std::size_t nodes_per_tet_ = 0;
   std::vector<std::int64_t> face_corners_;
   std::vector<int> face_patch_;
+  std::vector<bool> face_outside_;
   std::vector<NodeSet> node_sets_;
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "io/tet_shape.h"
 
 namespace chladni::io {
 namespace {
@@ -38,6 +39,8 @@ Eigen::Vector3d Triangles::at(std::int32_t point) const {
 }
 
 std::int32_t Triangles::point(const Eigen::Vector3d& position) {
+  require(position.cwiseAbs().maxCoeff() < kLargestCoordinate,
+          "point " + std::to_string(point_count() + 1) + " has a coordinate above 1e50");
   require(point_count() < std::numeric_limits<std::int32_t>::max(),
           "more than 2147483647 points: coarsen the surface in the program that wrote it");
   for (int i = 0; i < 3; ++i) xyz_.push_back(position[i] + 0.0);  // −0 becomes 0
@@ -77,12 +80,30 @@ void Triangles::triangle(std::int32_t a, std::int32_t b, std::int32_t c, int pat
   patch_.push_back(patch);
 }
 
+std::int32_t Triangles::corner(std::int64_t index, const Scanner& scanner) const {
+  if (index < 0 || index >= point_count()) {
+    scanner.fail("a face names point " + std::to_string(index) + ", expected 0 to " +
+                 std::to_string(point_count() - 1));
+  }
+  return static_cast<std::int32_t>(index);
+}
+
+void Triangles::face(std::span<const std::int32_t> corners, int patch, const Scanner& scanner) {
+  constexpr std::size_t kMostCorners = 1000;
+  if (corners.size() > kMostCorners) {
+    scanner.fail("a face has " + std::to_string(corners.size()) + " corners, expected at most " +
+                 std::to_string(kMostCorners) + ": triangulate it where it was made");
+  }
+  if (corners.size() < 3) {
+    ++cornerless_;
+  } else if (corners.size() == 3) {
+    triangle(corners[0], corners[1], corners[2], patch);
+  } else {
+    polygon(corners, patch);
+  }
+}
+
 void Triangles::polygon(std::span<const std::int32_t> corners, int patch) {
-  require(corners.size() >= 3,
-          "a face has " + std::to_string(corners.size()) + " corners, expected at least 3");
-  require(corners.size() <= 1000, "a face has " + std::to_string(corners.size()) +
-                                      " corners, expected at most 1000: triangulate it first");
-  if (corners.size() == 3) return triangle(corners[0], corners[1], corners[2], patch);
   const std::size_t n = corners.size();
   const Eigen::Vector3d origin = at(corners[0]);
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // Newell's: twice the area vector
@@ -141,6 +162,9 @@ mesh::Surface Triangles::surface(Notes* notes) const {
   if (warped_ > 0) {
     add_note(notes,
              std::to_string(warped_) + " polygons are not flat: cut into triangles as they are");
+  }
+  if (cornerless_ > 0) {
+    add_note(notes, std::to_string(cornerless_) + " faces of fewer than three corners left out");
   }
   if (concave_ > 0)
     add_note(notes, std::to_string(concave_) + " concave polygons cut into triangles");
