@@ -20,4 +20,5 @@ write_basic_package_version_file(chladniConfigVersion.cmake COMPATIBILITY SameMi
 install(FILES ${PROJECT_BINARY_DIR}/chladniConfig.cmake
               ${PROJECT_BINARY_DIR}/chladniConfigVersion.cmake
         DESTINATION ${CHLADNI_PACKAGE_DIR})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md TYPE DOC)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE TYPE DOC)
+install(FILES ${PROJECT_SOURCE_DIR}/mesh/mesher/LICENSE TYPE DOC RENAME LICENSE.chladni-tetgen)
