@@ -1,0 +1,189 @@
+#include "modal/pairing.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "modal/mac.h"
+
+namespace chladni::modal {
+namespace {
+
+constexpr double kForbidden = 1e6;
+
+struct Group {
+  Eigen::Index first = 0, size = 1;
+};
+
+// Rigid-body modes form one group; flexible ones as long as the group's band stays within the gap.
+std::vector<Group> groups(const Modes& modes, double gap) {
+  std::vector<Group> result;
+  if (modes.rigid_count > 0) result.push_back({0, modes.rigid_count});
+  for (auto k = modes.rigid_count; k < modes.mode_count();) {
+    auto end = k + 1;
+    while (end < modes.mode_count() &&
+           modes.frequency_hz(end) <= (1.0 + gap) * modes.frequency_hz(k)) {
+      ++end;
+    }
+    result.push_back({k, end - k});
+    k = end;
+  }
+  return result;
+}
+
+// Per mode of `of` (rows) and column of `shapes`: the share of the column that lies in the span of
+// the mode's group.
+Eigen::MatrixXd share_in_groups(const Modes& of, const Eigen::MatrixXd& shapes, double gap) {
+  Eigen::MatrixXd share(of.mode_count(), shapes.cols());
+  const Eigen::MatrixXd unit = shapes.colwise().normalized();
+  for (const auto& group : groups(of, gap)) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(
+        of.shapes.middleCols(group.first, group.size).colwise().normalized());
+    const Eigen::MatrixXd basis =
+        qr.householderQ() * Eigen::MatrixXd::Identity(of.dof_count(), qr.rank());
+    const Eigen::RowVectorXd part = (basis.transpose() * unit).colwise().squaredNorm();
+    share.middleRows(group.first, group.size) = part.cwiseMin(1.0).replicate(group.size, 1);
+  }
+  return share;
+}
+
+// Shortest augmenting paths with potentials (Jonker and Volgenant's form of the Hungarian method).
+// Rows and columns count from 1; column 0 is where a path begins, row 0 is no row.
+class Assignment {
+ public:
+  explicit Assignment(const Eigen::MatrixXd& cost)
+      : cost_(cost),
+        row_potential_(static_cast<std::size_t>(cost.rows()) + 1, 0.0),
+        column_potential_(static_cast<std::size_t>(cost.cols()) + 1, 0.0),
+        row_of_(column_potential_.size(), 0) {
+    for (std::size_t row = 1; row < row_potential_.size(); ++row) give_column(row);
+  }
+
+  [[nodiscard]] const std::vector<std::size_t>& row_of() const { return row_of_; }
+
+ private:
+  // Changes the assignment along the cheapest path from `row` to a free column.
+  void give_column(std::size_t row) {
+    least_.assign(row_of_.size(), std::numeric_limits<double>::infinity());
+    before_.assign(row_of_.size(), 0);
+    seen_.assign(row_of_.size(), 0);
+    row_of_[0] = row;
+    std::size_t column = 0;
+    do {
+      column = next_column(column);
+    } while (row_of_[column] != 0);
+    for (; column != 0; column = before_[column]) row_of_[column] = row_of_[before_[column]];
+  }
+
+  // The nearest column not seen yet, after looking from `column`'s row; it becomes as near as
+  // those that were.
+  std::size_t next_column(std::size_t column) {
+    seen_[column] = 1;
+    const auto row = row_of_[column];
+    std::size_t nearest = 0;
+    for (std::size_t j = 1; j < row_of_.size(); ++j) {
+      if (seen_[j] != 0) continue;
+      const double reduced =
+          cost_(static_cast<Eigen::Index>(row) - 1, static_cast<Eigen::Index>(j) - 1) -
+          row_potential_[row] - column_potential_[j];
+      if (reduced < least_[j]) {
+        least_[j] = reduced;
+        before_[j] = column;
+      }
+      if (nearest == 0 || least_[j] < least_[nearest]) nearest = j;
+    }
+    const double step = least_[nearest];
+    for (std::size_t j = 0; j < row_of_.size(); ++j) {
+      if (seen_[j] != 0) {
+        row_potential_[row_of_[j]] += step;
+        column_potential_[j] -= step;
+      } else {
+        least_[j] -= step;
+      }
+    }
+    return nearest;
+  }
+
+  const Eigen::MatrixXd& cost_;
+  std::vector<double> row_potential_, column_potential_;
+  std::vector<std::size_t> row_of_;  // of each column
+  std::vector<double> least_;        // distance of each column from the path's begin
+  std::vector<std::size_t> before_;
+  std::vector<char> seen_;
+};
+
+// For each row the column it is given; rows <= columns.
+std::vector<Eigen::Index> assigned_columns(const Eigen::MatrixXd& cost) {
+  const Assignment assignment(cost);
+  std::vector<Eigen::Index> result(static_cast<std::size_t>(cost.rows()), -1);
+  for (std::size_t j = 1; j < assignment.row_of().size(); ++j) {
+    const auto row = assignment.row_of()[j];
+    if (row != 0) result[row - 1] = static_cast<Eigen::Index>(j) - 1;
+  }
+  return result;
+}
+
+Eigen::MatrixXd costs(const Modes& a, const Modes& b, const Eigen::MatrixXd& alike, double weight) {
+  Eigen::MatrixXd cost(a.mode_count(), b.mode_count());
+  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const bool rigid = i < a.rigid_count;
+      // Among equals (repeated modes) the order is kept: the last term is convex in i − j.
+      cost(i, j) = 1.0 - alike(i, j) + 1e-9 * std::pow(static_cast<double>(i - j), 2);
+      if (rigid != (j < b.rigid_count)) {
+        cost(i, j) = kForbidden;
+      } else if (!rigid) {
+        const double ratio = std::log(b.frequency_hz(j) / a.frequency_hz(i));
+        cost(i, j) += weight * ratio * ratio;
+      }
+    }
+  }
+  return cost;
+}
+
+std::vector<Eigen::Index> without(Eigen::Index count, const std::vector<Eigen::Index>& taken) {
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (std::find(taken.begin(), taken.end(), k) == taken.end()) rest.push_back(k);
+  }
+  return rest;
+}
+
+}  // namespace
+
+Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
+  const Eigen::MatrixXd alike =
+      mac(a.shapes, b.shapes)
+          .cwiseMax(share_in_groups(a, b.shapes, options.repeated_gap))
+          .cwiseMax(share_in_groups(b, a.shapes, options.repeated_gap).transpose());
+  const auto cost = costs(a, b, alike, options.frequency_weight);
+  const bool wide = cost.rows() <= cost.cols();
+  const auto partner = assigned_columns(wide ? cost : Eigen::MatrixXd(cost.transpose()));
+  Pairing result;
+  for (std::size_t k = 0; k < partner.size(); ++k) {
+    const auto i = wide ? static_cast<Eigen::Index>(k) : partner[k];
+    const auto j = wide ? partner[k] : static_cast<Eigen::Index>(k);
+    if (cost(i, j) >= kForbidden || alike(i, j) < options.least_mac) continue;
+    result.pairs.push_back({.a = i,
+                            .b = j,
+                            .mac = alike(i, j),
+                            .frequency_change = i < a.rigid_count
+                                                    ? 0.0
+                                                    : b.frequency_hz(j) / a.frequency_hz(i) - 1.0});
+  }
+  std::sort(result.pairs.begin(), result.pairs.end(),
+            [](const ModePair& p, const ModePair& q) { return p.a < q.a; });
+  std::vector<Eigen::Index> taken_a;
+  std::vector<Eigen::Index> taken_b;
+  for (const auto& pair : result.pairs) {
+    taken_a.push_back(pair.a);
+    taken_b.push_back(pair.b);
+  }
+  result.alone_a = without(a.mode_count(), taken_a);
+  result.alone_b = without(b.mode_count(), taken_b);
+  return result;
+}
+
+}  // namespace chladni::modal

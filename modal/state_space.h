@@ -1,0 +1,34 @@
+// A reduced model as ẋ = A x + B u, y = C x + D u.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "modal/frf.h"
+#include "modal/reduced_model.h"
+
+namespace chladni::modal {
+
+/// u: forces [N]; y: displacements, velocities or accelerations.
+struct StateSpace {
+  Eigen::MatrixXd a, b, c, d;
+  double sample_time_s = 0.0;  ///< 0: continuous; else x[k+1] = A x[k] + B u[k]
+};
+
+/// States: ω_k q_k of each mode (q_k of a rigid-body mode: a double integrator), then q̇_k, then the
+/// force of each dashpot whose place has residual flexibility, d(residual)/dt being its speed too.
+/// For displacements the residual flexibility is in D. It has no place in a proper model of
+/// velocities or accelerations: there its own path to the outputs is left out.
+/// The response equals frf() with viscous damping.
+/// @throws InvalidInput  the model does not fit together
+[[nodiscard]] StateSpace state_space(const ReducedModel& model,
+                                     FrfKind output = FrfKind::receptance);
+
+/// Exact for inputs that are constant between samples (zero-order hold, through the matrix
+/// exponential; Van Loan 1978).
+/// @throws InvalidInput  the sample time is not positive, or the model is discrete already
+[[nodiscard]] StateSpace discretised(const StateSpace& model, double sample_time_s);
+
+/// C (z − A)⁻¹ B + D at z = jω, or e^{jωT} of a discrete model. @throws InvalidInput  f < 0
+[[nodiscard]] Eigen::MatrixXcd response(const StateSpace& model, double frequency_hz);
+
+}  // namespace chladni::modal
