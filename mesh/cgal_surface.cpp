@@ -214,7 +214,8 @@ std::vector<Crossing> crossings(const Surface& surface) {
   std::vector<const Box*> pointers;
   for (const Box& box : boxes) pointers.push_back(&box);
   CGAL::box_self_intersection_d(pointers.begin(), pointers.end(), [&](const Box* a, const Box* b) {
-    const auto [first, second] = std::minmax(a->info(), b->info());
+    const int first = std::min(a->info(), b->info());
+    const int second = std::max(a->info(), b->info());
     if (cross(surface, first, second)) found.push_back({first, second, middle_of_overlap(*a, *b)});
   });
   std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {

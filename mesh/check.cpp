@@ -125,7 +125,7 @@ class Checker {
       add(Severity::note,
           text_of("the body lies %.3g m from the origin, %.0e times its size: the last %.0f of 16 "
                   "digits of its coordinates are lost; move it to the origin",
-                  away, away / extent, std::ceil(std::log10(away / extent))));
+                  away, away / extent, std::log10(away / extent)));
     }
   }
 

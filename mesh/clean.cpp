@@ -28,7 +28,9 @@ class PointGrid {
   PointGrid(const Points& points, double tolerance)
       : points_(points),
         tolerance_(tolerance),
-        cell_(std::max(8.0 * tolerance, std::numeric_limits<double>::min())),
+        cell_(std::max({8.0 * tolerance,
+                        1e-9 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(),
+                        std::numeric_limits<double>::min()})),
         origin_(points.colwise().minCoeff()) {}
 
   /// The first point added that lies within the tolerance of point i; i itself where there is none.
@@ -133,7 +135,7 @@ std::vector<int> triangles_of_edge(const std::vector<EdgeUse>& uses, int a, int 
 }
 
 // Removes the triangles lower than `tolerance` whose neighbours no other one has changed yet.
-bool cut_out_flat_triangles(Surface& surface, double tolerance) {
+int cut_out_flat_triangles(Surface& surface, double tolerance) {
   const Eigen::Index count = surface.triangles.rows();
   std::vector<int> flat_corner(static_cast<std::size_t>(count), -1);
   bool any = false;
@@ -142,7 +144,7 @@ bool cut_out_flat_triangles(Surface& surface, double tolerance) {
     flat_corner[static_cast<std::size_t>(t)] = corner;
     any = any || corner >= 0;
   }
-  if (!any) return false;
+  if (!any) return 0;
   const std::vector<EdgeUse> uses = edge_uses(surface.triangles);
   std::vector<char> kept(static_cast<std::size_t>(count), 1);
   std::vector<char> touched(static_cast<std::size_t>(count), 0);
@@ -167,9 +169,9 @@ bool cut_out_flat_triangles(Surface& surface, double tolerance) {
     }
     kept[static_cast<std::size_t>(t)] = 0;
   }
-  keep(surface, kept);
+  const int removed = keep(surface, kept);
   append_triangles(surface, halves, half_patches);
-  return true;
+  return removed;
 }
 
 }  // namespace
@@ -220,16 +222,18 @@ int remove_unused_points(Surface& surface) {
 
 int remove_degenerate_triangles(Surface& surface, double tolerance) {
   constexpr int largest_pass_count = 100;  // each pass shortens the longest edges of what is left
-  const Eigen::Index before = surface.triangles.rows();
+  int removed = 0;
   for (int pass = 0; pass < largest_pass_count; ++pass) {
     std::vector<char> kept(static_cast<std::size_t>(surface.triangles.rows()), 1);
     for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
       if (uses_a_point_twice(surface, t)) kept[static_cast<std::size_t>(t)] = 0;
     }
-    keep(surface, kept);
-    if (!cut_out_flat_triangles(surface, tolerance)) break;
+    removed += keep(surface, kept);
+    const int cut = cut_out_flat_triangles(surface, tolerance);
+    if (cut == 0) break;
+    removed += cut;
   }
-  return static_cast<int>(before - surface.triangles.rows());
+  return removed;
 }
 
 void append_triangles(Surface& surface, const std::vector<Eigen::Vector3i>& triangles,

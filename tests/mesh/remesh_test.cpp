@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+
+#include "base/error.h"
+#include "mesh/bodies.h"
+#include "mesh/check.h"
+#include "mesh/defects.h"
+#include "mesh/shells.h"
+#include "shapes.h"
+
+namespace chladni::mesh {
+namespace {
+
+using shapes::box;
+using shapes::cube;
+
+void expect_sound(const Surface& surface) {
+  Surface again = surface;
+  const SurfaceReport report = check_and_repair(again);
+  EXPECT_TRUE(report.findings.empty()) << report.text();
+}
+
+void expect_same_patches(const Surface& after, const Surface& before) {
+  ASSERT_EQ(after.patch_names, before.patch_names);
+  for (int p = 0; p < static_cast<int>(before.patch_names.size()); ++p) {
+    const double area = shapes::patch_area(before.points, before.triangles, before.patch, p);
+    EXPECT_NEAR(shapes::patch_area(after.points, after.triangles, after.patch, p), area,
+                1e-9 * area);
+  }
+}
+
+double longest_edge(const Surface& surface) {
+  double longest = 0.0;
+  for (const EdgeUse& use : edge_uses(surface.triangles)) {
+    longest =
+        std::max(longest, (surface.points.row(use.low) - surface.points.row(use.high)).norm());
+  }
+  return longest;
+}
+
+// 4 sqrt(3) area / sum of squared edges: 1 for an equilateral triangle.
+double worst_shape(const Surface& surface) {
+  double worst = 1.0;
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = surface.points.row(surface.triangles(t, 0));
+    const Eigen::RowVector3d b = surface.points.row(surface.triangles(t, 1));
+    const Eigen::RowVector3d c = surface.points.row(surface.triangles(t, 2));
+    const double area = 0.5 * Eigen::Vector3d(b - a).cross(Eigen::Vector3d(c - a)).norm();
+    const double squares = (b - a).squaredNorm() + (c - a).squaredNorm() + (c - b).squaredNorm();
+    worst = std::min(worst, 4.0 * std::sqrt(3.0) * area / squares);
+  }
+  return worst;
+}
+
+TEST(Remesh, KeepsVolumesAndPatches) {
+  for (const Surface& body : {cube(), box({0, 0, 0}, {0.6, 0.6, 0.02}), shapes::tetrahedron()}) {
+    const Surface after = remesh(body, 0.04);
+    EXPECT_NEAR(enclosed_volume(after), enclosed_volume(body), 1e-12 * enclosed_volume(body));
+    expect_same_patches(after, body);
+    expect_sound(after);
+    EXPECT_LT(longest_edge(after), 2.0 * 0.04);
+  }
+}
+
+TEST(Remesh, KeepsATorusToAThousandth) {
+  const Surface torus = shapes::torus(1.0, 0.3, 60, 30);
+  const Surface after = remesh(torus, 0.08);
+  EXPECT_NEAR(enclosed_volume(after), enclosed_volume(torus), 1e-3 * enclosed_volume(torus));
+  expect_sound(after);
+}
+
+TEST(Remesh, TurnsSliversIntoGoodTriangles) {
+  // A plate whose top is a fan of 400 slivers.
+  Surface body = shapes::prism(0.0, 0.0, 0.15, 0.0, 0.02, 400);
+  ASSERT_LT(worst_shape(body), 0.06);
+  const Surface after = remesh(body, 0.01);
+  EXPECT_GT(worst_shape(after), 0.1);
+  EXPECT_NEAR(enclosed_volume(after), enclosed_volume(body), 1e-3 * enclosed_volume(body));
+  expect_sound(after);
+}
+
+TEST(Remesh, KeepsADrilledHole) {
+  const Surface drilled = difference(cube(), shapes::prism(0.5, 0.5, 0.2, -0.1, 1.1, 24));
+  const Surface after = remesh(drilled, 0.06);
+  EXPECT_NEAR(enclosed_volume(after), enclosed_volume(drilled), 1e-3);
+  ASSERT_EQ(after.patch_names, drilled.patch_names);
+  expect_sound(after);
+}
+
+TEST(Remesh, KeepsTheInterfaceOfBondedBodies) {
+  const Surface body = bonded(box({0, 0, 0}, {1, 1, 0.3}), box({0.25, 0.2, 0.3}, {0.75, 0.9, 0.4}),
+                              "table", "wafer");
+  const Surface after = remesh(body, 0.07);
+  expect_same_patches(after, body);
+  Surface again = after;
+  const SurfaceReport report = check_and_repair(again);
+  EXPECT_TRUE(report.fit()) << report.text();
+  EXPECT_NEAR(report.volume, 0.335, 1e-12);
+  EXPECT_GT(after.triangles.rows(), 4 * body.triangles.rows());
+  ASSERT_EQ(after.regions.size(), 2U);
+}
+
+TEST(Remesh, RepeatsItsBits) {
+  const Surface torus = shapes::torus(1.0, 0.3, 40, 20);
+  const Surface first = remesh(torus, 0.1);
+  for (int run = 0; run < 2; ++run) {
+    const Surface again = remesh(torus, 0.1);
+    EXPECT_TRUE(first.points == again.points);
+    EXPECT_TRUE(first.triangles == again.triangles);
+  }
+}
+
+TEST(Remesh, RefusesAnEdgeLengthThatIsNone) {
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW((void)remesh(cube(), bad), InvalidInput);
+  }
+}
+
+}  // namespace
+}  // namespace chladni::mesh

@@ -1,0 +1,288 @@
+#include "mesh/tetrahedralize.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cstdlib>
+#include <limits>
+
+#include "base/error.h"
+#include "base/worker.h"
+#include "mesh/bodies.h"
+#include "mesh/mesher/wire.h"
+#include "shapes.h"
+
+namespace chladni::mesh {
+namespace {
+
+using shapes::box;
+using shapes::cube;
+
+class Tetrahedralize : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1); }
+};
+using Mesher = Tetrahedralize;
+
+template <typename Error, typename Call>
+std::string message_of(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "another exception: " << error.what();
+    return "";
+  }
+  ADD_FAILURE() << "no exception";
+  return "";
+}
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    EXPECT_NE(text.find(word), std::string::npos) << "\"" << word << "\" is not in: " << text;
+  }
+}
+
+void expect_same_patches(const TetMesh& mesh, const Surface& surface, double tolerance) {
+  ASSERT_EQ(mesh.patch_names, surface.patch_names);
+  for (int p = 0; p < static_cast<int>(surface.patch_names.size()); ++p) {
+    const double expected = shapes::patch_area(surface.points, surface.triangles, surface.patch, p);
+    EXPECT_NEAR(shapes::patch_area(mesh.points, mesh.faces, mesh.face_patch, p), expected,
+                tolerance * expected)
+        << surface.patch_names[static_cast<std::size_t>(p)];
+  }
+}
+
+// The boundary's area vectors sum to zero and its flux is the volume: closed and outward.
+void expect_outward_boundary(const TetMesh& mesh) {
+  Surface boundary;
+  boundary.points = mesh.points;
+  boundary.triangles = mesh.faces;
+  EXPECT_NEAR(enclosed_volume(boundary), volume(mesh), 1e-9 * volume(mesh));
+}
+
+TEST_F(Tetrahedralize, FillsPlatesExactly) {
+  for (const Plate& plate :
+       {Plate{0.6, 0.6, 0.02}, Plate{0.5, 0.02, 0.002}, Plate{0.3, 0.2, 0.1}}) {
+    const Surface body = surface(plate);
+    const TetMesh mesh = tetrahedralize(body, {});
+    const double exact = plate.length * plate.width * plate.thickness;
+    EXPECT_NEAR(volume(mesh), exact, 1e-9 * exact);
+    expect_same_patches(mesh, body, 1e-9);
+    expect_outward_boundary(mesh);
+    const Quality good = quality(mesh);
+    EXPECT_GT(good.smallest_dihedral_degrees, 8.0);
+    EXPECT_LT(good.largest_dihedral_degrees, 165.0);
+    EXPECT_GT(good.mean_radius_ratio, 0.6);
+    RecordProperty("cells", static_cast<int>(mesh.tet_count()));
+  }
+}
+
+TEST_F(Tetrahedralize, HasTheEdgeLengthAskedFor) {
+  for (const double edge : {0.05, 0.1, 0.2}) {
+    MesherOptions options;
+    options.edge_length = edge;
+    const TetMesh mesh = tetrahedralize(cube(), options);
+    double sum = 0.0;
+    for (Eigen::Index t = 0; t < mesh.tet_count(); ++t) {
+      for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}) {
+        sum += (mesh.points.row(mesh.tets(t, a)) - mesh.points.row(mesh.tets(t, b))).norm();
+      }
+    }
+    const double mean = sum / (6.0 * static_cast<double>(mesh.tet_count()));
+    EXPECT_NEAR(mean, edge, 0.2 * edge);
+    EXPECT_LT(quality(mesh).longest_edge, 2.2 * edge);
+  }
+}
+
+TEST_F(Tetrahedralize, RepeatsItsBits) {
+  const Surface body = surface(Plate{0.3, 0.2, 0.01});
+  const TetMesh first = tetrahedralize(body, {});
+  for (int run = 0; run < 2; ++run) {
+    const TetMesh again = tetrahedralize(body, {});
+    EXPECT_TRUE(first.points == again.points);
+    EXPECT_TRUE(first.tets == again.tets);
+    EXPECT_TRUE(first.faces == again.faces);
+  }
+}
+
+TEST_F(Tetrahedralize, IsBlindToTheUnitAndToDistance) {
+  const TetMesh metre = tetrahedralize(cube(), {});
+  const TetMesh small = tetrahedralize(shapes::scaled(cube(), 0.0009765625), {});  // 2^-10: exact
+  EXPECT_EQ(metre.tet_count(), small.tet_count());
+  const TetMesh far = tetrahedralize(shapes::moved(cube(), {1e5, 0, 0}), {});
+  EXPECT_NEAR(volume(far), 1.0, 1e-9);
+  EXPECT_EQ(far.points.col(0).minCoeff(), 1e5);
+}
+
+TEST_F(Tetrahedralize, KeepsTheRegionsOfBondedBodies) {
+  const Surface body =
+      bonded(box({0, 0, 0}, {1, 1, 0.3}), box({0.2, 0.2, 0.3}, {0.7, 0.9, 0.5}), "table", "wafer");
+  const TetMesh mesh = tetrahedralize(body, {});
+  ASSERT_EQ(mesh.region_names, (std::vector<std::string>{"table", "wafer"}));
+  std::array<double, 2> filled{};
+  for (Eigen::Index t = 0; t < mesh.tet_count(); ++t) {
+    Eigen::Matrix3d edges;
+    for (int k = 0; k < 3; ++k) {
+      edges.row(k) = mesh.points.row(mesh.tets(t, k + 1)) - mesh.points.row(mesh.tets(t, 0));
+    }
+    filled[static_cast<std::size_t>(mesh.region[t])] += edges.determinant() / 6.0;
+  }
+  EXPECT_NEAR(filled[0], 0.3, 1e-9);
+  EXPECT_NEAR(filled[1], 0.07, 1e-9);
+  expect_outward_boundary(mesh);
+  const auto& names = mesh.patch_names;
+  const auto common = std::find(names.begin(), names.end(), "interface_wafer") - names.begin();
+  ASSERT_LT(common, static_cast<std::ptrdiff_t>(names.size()));
+  EXPECT_EQ((mesh.face_patch.array() == static_cast<int>(common)).count(), 0);
+}
+
+TEST_F(Tetrahedralize, LeavesVoidsEmpty) {
+  const Surface hollow = shapes::both(cube(), box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}));
+  MesherOptions options;
+  options.edge_length = 0.15;
+  const TetMesh mesh = tetrahedralize(hollow, options);
+  EXPECT_NEAR(volume(mesh), 0.875, 1e-9);
+  expect_outward_boundary(mesh);
+}
+
+TEST_F(Tetrahedralize, RefusesARegionThatNoPointNames) {
+  Surface body = bonded(cube(), box({0, 0, 1}, {1, 1, 2}), "lower", "upper");
+  body.regions[1].inside = {0.5, 0.5, 0.5};
+  body.regions[0].inside = {0.4, 0.4, 0.4};
+  MesherOptions options;
+  options.edge_length = 0.3;
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(body, options); }),
+               {"region", "inside point"});
+}
+
+TEST_F(Tetrahedralize, NeverSeesASurfaceThatIntersectsItself) {
+  setenv("CHLADNI_LIBEXEC", "/nonexistent", 1);  // the worker must not even be looked for
+  const Surface crossed = shapes::both(cube(), box({0.3, 0.4, 0.5}, {0.6, 0.7, 1.5}));
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(crossed, {}); }),
+               {"intersects itself", "near (", "mm"});
+  setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1);
+}
+
+TEST_F(Tetrahedralize, RefusesOptionsThatCannotBeMeant) {
+  MesherOptions options;
+  options.edge_length = -0.1;
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(cube(), options); }),
+               {"edge_length", "-100 mm", "positive"});
+  options = {};
+  options.largest_radius_edge = 0.5;
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(cube(), options); }),
+               {"radius-edge", "0.5"});
+  options = {};
+  options.smallest_dihedral_degrees = 80.0;
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(cube(), options); }),
+               {"dihedral", "80"});
+}
+
+TEST_F(Tetrahedralize, SaysThatTheMesherRanOutOfMemory) {
+  MesherOptions options;
+  options.edge_length = 0.02;
+  options.memory_limit_bytes = std::size_t{24} << 20U;
+  expect_words(message_of<WorkerDied>([&] { (void)tetrahedralize(cube(), options); }),
+               {"mesher died", "edge_length 20 mm", "coarser edge_length", "remesh = true"});
+}
+
+TEST_F(Tetrahedralize, SaysThatTheMesherTookTooLong) {
+  MesherOptions options;
+  options.edge_length = 0.008;
+  options.remesh_surface = false;
+  options.time_limit = std::chrono::seconds(1);
+  expect_words(message_of<WorkerDied>([&] { (void)tetrahedralize(cube(), options); }),
+               {"mesher died", "1 s", "coarser edge_length"});
+}
+
+TEST(DefaultEdgeLength, ResolvesTheWall) {
+  EXPECT_NEAR(default_edge_length(surface(Plate{0.6, 0.6, 0.02})), 0.02, 1e-12);
+  const double wall = 2.0 * 2e-5 / (2.0 * (0.5 * 0.02 + 0.5 * 0.002 + 0.02 * 0.002));
+  EXPECT_NEAR(default_edge_length(surface(Plate{0.5, 0.02, 0.002})), 1.5 * wall, 1e-12);
+  EXPECT_NEAR(default_edge_length(shapes::scaled(cube(), 7.0)), 7.0 / 30.0, 1e-12);
+}
+
+TEST(DefaultEdgeLength, StaysAffordable) {
+  const double edge = default_edge_length(surface(Plate{1.0, 1.0, 0.0005}));
+  const double cells = 0.0005 * 6.0 * std::sqrt(2.0) / std::pow(edge, 3);
+  EXPECT_NEAR(cells, 1e6, 1.0);
+}
+
+wire::Request request_of(const Surface& surface) {
+  wire::Request request;
+  request.largest_radius_edge = 1.6;
+  request.smallest_dihedral_degrees = 10.0;
+  request.largest_volume = 0.1;
+  request.points.assign(surface.points.data(), surface.points.data() + surface.points.size());
+  request.triangles.assign(surface.triangles.data(),
+                           surface.triangles.data() + surface.triangles.size());
+  request.markers.assign(static_cast<std::size_t>(surface.triangles.rows()), 1);
+  return request;
+}
+
+std::string answer(const std::string& bytes) {
+  return run_worker(worker_path("chladni-tetgen"), {}, bytes, {std::chrono::seconds(20)}).output;
+}
+
+TEST_F(Mesher, DiesOnAnInputThatKillsTetGenAsAnException) {
+  const Surface crossed = shapes::both(cube(), box({0.3, 0.4, 0.5}, {0.6, 0.7, 1.5}));
+  EXPECT_THROW((void)answer(wire::bytes_of(request_of(crossed))), WorkerDied);
+  EXPECT_THROW((void)answer(wire::bytes_of(request_of(box({0, 0, 0}, {1, 1, 0})))), WorkerDied);
+}
+
+TEST_F(Mesher, RefusesGarbage) {
+  for (const std::string& bytes :
+       {std::string(), std::string("solid cube"), std::string(1000, 'x'), std::string("CHLplc01"),
+        "CHLplc01" + std::string(500, '\xff')}) {
+    EXPECT_THROW((void)answer(bytes), WorkerDied);
+  }
+  expect_words(message_of<WorkerDied>([] { (void)answer("solid cube"); }), {"CHLplc01"});
+}
+
+TEST_F(Mesher, RefusesCountsThatLie) {
+  const std::string sound = wire::bytes_of(request_of(cube()));
+  EXPECT_GT(wire::reply_from(answer(sound)).tets.size(), 0U);
+  std::string huge = sound;
+  huge.replace(32, 8, std::string("\xff\xff\xff\xff\xff\xff\xff\x0f", 8));  // the count of points
+  expect_words(message_of<WorkerDied>([&] { (void)answer(huge); }), {"bytes are left"});
+  expect_words(message_of<WorkerDied>([&] { (void)answer(sound + "x"); }), {"1 bytes too many"});
+  expect_words(message_of<WorkerDied>([&] { (void)answer(sound.substr(0, sound.size() - 3)); }),
+               {"number"});
+}
+
+TEST(Wire, ReadsWhatItWrote) {
+  wire::Request request = request_of(cube());
+  request.seeds = {{0.5, 0.25, 0.125, 1e-3}};
+  const wire::Request again = wire::request_from(wire::bytes_of(request));
+  EXPECT_EQ(again.points, request.points);
+  EXPECT_EQ(again.triangles, request.triangles);
+  EXPECT_EQ(again.markers, request.markers);
+  ASSERT_EQ(again.seeds.size(), 1U);
+  EXPECT_EQ(again.seeds[0].y, 0.25);
+}
+
+TEST(Wire, RefusesEveryTruncation) {
+  const std::string sound = wire::bytes_of(request_of(cube()));
+  for (std::size_t size = 0; size < sound.size(); ++size) {
+    EXPECT_THROW((void)wire::request_from(sound.substr(0, size)), std::runtime_error) << size;
+  }
+}
+
+TEST(Wire, RefusesIndicesAndNumbersThatCannotBe) {
+  wire::Request request = request_of(cube());
+  request.triangles[5] = 8;
+  EXPECT_THROW((void)wire::request_from(wire::bytes_of(request)), std::runtime_error);
+  request = request_of(cube());
+  request.points[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)wire::request_from(wire::bytes_of(request)), std::runtime_error);
+  wire::Reply reply;
+  reply.points = {0, 0, 0};
+  reply.tets = {0, 0, 0, 1};
+  reply.parts = {1};
+  EXPECT_THROW((void)wire::reply_from(wire::bytes_of(reply)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace chladni::mesh
