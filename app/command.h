@@ -40,6 +40,8 @@ class Run {
   [[nodiscard]] unsigned seed() const { return seed_; }
   [[nodiscard]] std::filesystem::path operator/(std::string_view name) const;
   [[nodiscard]] Talk& talk() { return talk_; }
+  /// Wall time of each step so far; none with --reproducible.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> seconds() const;
 
   /// Text for a person, on stdout; not with --json.
   void show(std::string_view text);

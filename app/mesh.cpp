@@ -12,7 +12,7 @@ void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result) {
 namespace {
 
 void run(const Study& study, Run& run) {
-  const Outline outline = introduced(study, run);
+  const Outline outline = introduced(study, run).outline;
   const auto body =
       run.timed("mesh", [&] { return body_of(study, outline, run.talk().progress()); });
   run.show(mesh_text(body));

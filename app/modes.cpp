@@ -7,7 +7,8 @@
 namespace chladni::app {
 
 void leave_modes(const Study& study, const Solution& solution, Run& run) {
-  const auto& [model, modes, error, summary, size] = solution;
+  const auto& model = solution.model;
+  const auto& modes = solution.modes;
   const auto markers = markers_of(study, model);
   run.leave("modes.json", modes_json(study, solution), true);
   io::write_csv(run / "modes.csv", modes_columns(solution));
@@ -20,7 +21,8 @@ void leave_modes(const Study& study, const Solution& solution, Run& run) {
   }
   if (!run.options().pictures) return;
   tell(run.talk().progress(), "painting the modes");
-  io::draw_modes(run / "modes.png", model.body, modes, study.title, markers);
+  io::draw_modes(run / "modes.png", model.body, modes, study.title, markers, 9,
+                 solution.summary.clusters);
 }
 
 namespace {

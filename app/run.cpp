@@ -30,11 +30,13 @@ void Run::show(std::string_view text) {
   if (!options_.json) results_ << text << std::flush;
 }
 
+std::vector<std::pair<std::string, double>> Run::seconds() const {
+  return options_.reproducible ? std::vector<std::pair<std::string, double>>() : seconds_;
+}
+
 void Run::leave(const std::string& file, io::JsonObject content, bool main_result) {
   io::JsonObject seconds;
-  if (!options_.reproducible) {
-    for (const auto& [step, time] : seconds_) seconds.emplace_back(step, time);
-  }
+  for (const auto& [step, time] : this->seconds()) seconds.emplace_back(step, time);
   io::JsonObject all = {
       {"chladni", CHLADNI_VERSION},
       {"study", io::JsonObject{{"title", study_.title}, {"sha256", study_.sha256}}},

@@ -68,24 +68,29 @@ fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& ru
 
 }  // namespace
 
-Outline introduced(const Study& study, Run& run) {
+Introduction introduced(const Study& study, Run& run) {
+  Introduction introduction;
+  introduction.warnings = study.warnings;
   for (const auto& warning : study.warnings) run.talk().warn(warning);
-  const Outline outline = outline_of(study, run.talk().progress());
-  const auto body = understood(study, outline);
-  run.show(body.line() + "\n");
-  for (const auto& note : outline.notes) run.talk().note(note);
-  for (const auto& warning : implausible(body))
-    run.talk().warn(study.file.string() + ": " + warning);
-  return outline;
+  introduction.outline = outline_of(study, run.talk().progress());
+  introduction.body = understood(study, introduction.outline);
+  run.show(introduction.body.line() + "\n");
+  for (const auto& note : introduction.outline.notes) run.talk().note(note);
+  for (const auto& warning : implausible(introduction.body)) {
+    introduction.warnings.push_back(study.file.string() + ": " + warning);
+    run.talk().warn(introduction.warnings.back());
+  }
+  return introduction;
 }
 
 Solution solved(const Study& study, Run& run) {
   const auto progress = run.talk().progress();
-  const auto outline = run.timed("geometry", [&] { return introduced(study, run); });
+  Solution solution;
+  solution.introduction = run.timed("geometry", [&] { return introduced(study, run); });
+  const auto& outline = solution.introduction.outline;
   run.talk().note(forecast(study, outline).line());
   throw_if_interrupted();
 
-  Solution solution;
   auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
   solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) run.talk().note(note);

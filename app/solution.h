@@ -9,7 +9,15 @@
 
 namespace chladni::app {
 
+/// A study before its long step.
+struct Introduction {
+  Outline outline;
+  Understood body;
+  std::vector<std::string> warnings;
+};
+
 struct Solution {
+  Introduction introduction;
   Model model;
   modal::Modes modes;               ///< on all nodes: 3·nodes rows
   Eigen::VectorXd frequency_error;  ///< per mode, relative; 0 for rigid-body modes
@@ -21,8 +29,8 @@ struct Solution {
 /// @throws what its steps throw
 [[nodiscard]] Solution solved(const Study& study, Run& run);
 
-/// Says the first line and the warnings; the outline is the body before it is meshed.
-[[nodiscard]] Outline introduced(const Study& study, Run& run);
+/// Says the first line, the notes and the warnings.
+[[nodiscard]] Introduction introduced(const Study& study, Run& run);
 
 /// Values of the shapes at the channels: channels×modes [kg^-1/2].
 [[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
@@ -37,6 +45,10 @@ struct Solution {
 /// The JSON, tables and fields of the modes, then their pictures.
 void leave_modes(const Study& study, const Solution& solution, Run& run);
 
+/// report.html: the modes with a viewer, the body, the channels, where it all comes from. Shows
+/// modes.png where it is there.
+void leave_report(const Study& study, const Solution& solution, Run& run);
+
 /// mesh.vtu, mesh.json
 void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 [[nodiscard]] io::JsonObject mesh_json(const mesh::TetMesh& body);
@@ -44,7 +56,7 @@ void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 
 /// study.json: the study in SI with what is estimated of it.
 [[nodiscard]] io::JsonObject study_json(const Study& study, const Understood& body,
-                                        const Cost& cost);
+                                        const Cost& cost, const std::vector<std::string>& warnings);
 
 /// Each expectation beside what was found.
 /// @throws NumericalFailure  some are not met (their number), after all were shown

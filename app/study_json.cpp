@@ -184,7 +184,8 @@ io::Json estimate_json(const Understood& body, const Cost& cost) {
 
 }  // namespace
 
-io::JsonObject study_json(const Study& study, const Understood& body, const Cost& cost) {
+io::JsonObject study_json(const Study& study, const Understood& body, const Cost& cost,
+                          const std::vector<std::string>& warnings) {
   io::JsonArray materials;
   for (const auto& material : study.materials) materials.push_back(material_json(material));
   io::JsonObject object = {
@@ -209,7 +210,7 @@ io::JsonObject study_json(const Study& study, const Understood& body, const Cost
   }
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(body, cost));
-  object.emplace_back("warnings", texts(study.warnings));
+  object.emplace_back("warnings", texts(warnings));
   return object;
 }
 

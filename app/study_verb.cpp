@@ -9,6 +9,7 @@ void run(const Study& study, Run& run) {
   run.show(modes_table(solution));
   leave_mesh(solution.model.body, run, false);
   leave_modes(study, solution, run);
+  leave_report(study, solution, run);
   if (!study.expectations.empty()) judge(study, solution, run);
 }
 

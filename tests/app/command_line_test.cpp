@@ -1,0 +1,406 @@
+// The program as a process: exit codes, what goes to which stream, what is left behind.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "io/json.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ended {
+  int status = -1;
+  std::string out, err;
+};
+
+std::string whole(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() / ("chladni_" + std::to_string(getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  /// Starts the program; its streams go to files.
+  pid_t started(const std::vector<std::string>& arguments, const std::string& stream = "") const {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const auto onto = [](const fs::path& file, int descriptor) {
+      dup2(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), descriptor);
+    };
+    onto(stream.empty() ? folder_ / "stdout" : fs::path(stream), STDOUT_FILENO);
+    onto(folder_ / "stderr", STDERR_FILENO);
+    if (chdir(folder_.c_str()) != 0) _exit(99);
+    std::string program = CHLADNI_BINARY_DIR "/bin/chladni";
+    std::vector<std::string> words = arguments;
+    std::vector<char*> argv = {program.data()};
+    for (auto& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(98);
+  }
+
+  Ended ended(pid_t child) const {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            whole(folder_ / "stdout"), whole(folder_ / "stderr")};
+  }
+
+  Ended run(const std::vector<std::string>& arguments, const std::string& stream = "") const {
+    return ended(started(arguments, stream));
+  }
+
+  /// Files below the output folder, by name.
+  std::vector<std::string> left(const std::string& out) const {
+    std::vector<std::string> names;
+    if (!fs::exists(folder_ / out)) return names;
+    for (const auto& entry : fs::directory_iterator(folder_ / out)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_;
+};
+
+constexpr const char* kPlate = R"(title = "small plate"
+geometry = { plate = { length = "100 mm", width = "60 mm", thickness = "5 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "10 mm", order = 2 }
+modes = { count = 4 }
+[[sensor]]
+name = "s1"
+at = ["-40 mm", "20 mm"]
+direction = "z"
+)";
+
+testing::AssertionResult says(const std::string& text, const std::string& part) {
+  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "\"" << part << "\" is not in\n" << text;
+}
+
+TEST_F(CommandLine, UsageErrorsAreTwo) {
+  EXPECT_EQ(run({}).status, 2);
+  EXPECT_EQ(run({"sing", "study.toml"}).status, 2);
+  EXPECT_EQ(run({"modes"}).status, 2);
+  EXPECT_EQ(run({"modes", "study.toml", "--thread", "2"}).status, 2);
+  EXPECT_EQ(run({"modes", "study.toml", "--threads", "0"}).status, 2);
+  EXPECT_EQ(run({"list", "songs"}).status, 2);
+}
+
+TEST_F(CommandLine, HelpAndVersionAreNoErrors) {
+  const auto help = run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const auto* verb : {"check", "mesh", "modes", "study", "convert", "list", "doctor"}) {
+    EXPECT_TRUE(says(help.out, verb));
+  }
+  EXPECT_TRUE(says(run({"--version"}).out, "chladni "));
+}
+
+TEST_F(CommandLine, CheckSaysWhatWasUnderstood) {
+  const auto study = write("study.toml", R"(title = "OAT wafer table"
+geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+)");
+  const auto check = run({"check", study.string(), "-o", "out"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_EQ(check.out.substr(0, check.out.find('\n')),
+            "600.0 x 600.0 x 20.0 mm  19.44 kg  first plate estimate 186 Hz");
+  EXPECT_TRUE(says(check.out, "forecast: "));
+  EXPECT_EQ(left("out"), std::vector<std::string>{"study.json"});
+  const auto json = chladni::io::parse_json(whole(folder_ / "out" / "study.json"));
+  EXPECT_EQ(json.at("study").at("title").string(), "OAT wafer table");
+  EXPECT_EQ(json.at("study").at("sha256").string().size(), 64U);
+  EXPECT_DOUBLE_EQ(json.at("geometry").at("plate").at("length_m").number(), 0.6);
+}
+
+TEST_F(CommandLine, TheDefaultFolderIsNamedAfterTheStudy) {
+  const auto study = write("small.toml", kPlate);
+  EXPECT_EQ(run({"check", study.string()}).status, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "small" / "study.json"));
+}
+
+TEST_F(CommandLine, ModesLeavesTheFilesOfTheContract) {
+  const auto study = write("study.toml", kPlate);
+  const auto modes = run({"modes", study.string(), "-o", "out", "--no-pictures"});
+  EXPECT_EQ(modes.status, 0) << modes.err;
+  EXPECT_TRUE(says(modes.out, "counted"));
+  EXPECT_EQ(left("out"),
+            (std::vector<std::string>{"channels.vtu", "modes.csv", "modes.json", "modes.vtu"}));
+  const auto json = chladni::io::parse_json(whole(folder_ / "out" / "modes.json"));
+  EXPECT_EQ(json.at("rigid_body_modes").number(), 6.0);
+  EXPECT_GE(json.at("frequency_hz").array().size(), 10U);
+  EXPECT_EQ(json.at("frequency_hz").array()[5].number(), 0.0);
+  EXPECT_EQ(json.at("frequency_hz").array().size(), json.at("residual").array().size());
+  EXPECT_EQ(json.at("frequency_hz").array().size(), json.at("sensors").at("s1").array().size());
+  EXPECT_NEAR(json.at("mass_kg").number(), 0.081, 1e-9);
+  EXPECT_NEAR(json.at("centre_of_mass_m").array()[2].number(), -2.5e-3, 1e-12);
+  for (const auto* key :
+       {"chladni", "seed", "seconds", "degrees_of_freedom", "inertia_kg_m2", "complete",
+        "actuators", "frequency_error_hz", "clusters", "blas_kernel"}) {
+    EXPECT_NO_THROW(static_cast<void>(json.at(key))) << key;
+  }
+  EXPECT_EQ(json.at("certificate").at("found").number(),
+            json.at("certificate").at("counted").number());
+}
+
+TEST_F(CommandLine, JsonOnTheStandardOutputIsTheFile) {
+  const auto study = write("study.toml", kPlate);
+  const auto modes = run({"modes", study.string(), "-o", "out", "--no-pictures", "--json"});
+  EXPECT_EQ(modes.status, 0) << modes.err;
+  EXPECT_EQ(modes.out, whole(folder_ / "out" / "modes.json"));
+}
+
+TEST_F(CommandLine, QuietSaysNothingOnStandardError) {
+  const auto study = write("study.toml", kPlate);
+  EXPECT_EQ(run({"modes", study.string(), "--no-pictures", "--quiet"}).err, "");
+  const auto loud = run({"modes", study.string(), "--no-pictures"});
+  EXPECT_TRUE(says(loud.err, "forecast: "));
+  EXPECT_EQ(loud.err.find('\033'), std::string::npos) << "no colours or progress in a file";
+}
+
+TEST_F(CommandLine, TheSameInputGivesTheSameFiles) {
+  const auto study = write("study.toml", kPlate);
+  for (const auto* out : {"one", "two"}) {
+    ASSERT_EQ(run({"study", study.string(), "-o", out, "--no-pictures", "--reproducible"}).status,
+              0);
+  }
+  ASSERT_EQ(left("one"), left("two"));
+  EXPECT_GE(left("one").size(), 6U);
+  for (const auto& name : left("one")) {
+    EXPECT_EQ(whole(folder_ / "one" / name), whole(folder_ / "two" / name)) << name;
+  }
+}
+
+TEST_F(CommandLine, WallTimesAreAllThatDiffers) {
+  const auto study = write("study.toml", kPlate);
+  const auto without_seconds = [&](const std::string& out) {
+    EXPECT_EQ(run({"modes", study.string(), "-o", out, "--no-pictures"}).status, 0);
+    const std::string text = whole(folder_ / out / "modes.json");
+    const auto begin = text.find("\"seconds\"");
+    return text.substr(0, begin) + text.substr(text.find('}', begin));
+  };
+  EXPECT_EQ(without_seconds("one"), without_seconds("two"));
+}
+
+TEST_F(CommandLine, ExpectationsMetAreZeroAndMissedAreFour) {
+  const std::string plate = kPlate;
+  const auto good = write("good.toml", plate +
+                                           "[expect]\nrigid_body_modes = { value = 6 }\n"
+                                           "mass = { value = \"81 g\", within = \"0.001 g\" }\n");
+  const auto bad =
+      write("bad.toml", plate + "[expect]\nfrequency_1 = { value = \"1 Hz\", within = \"1 %\" }\n");
+  const auto met = run({"check", "--expect", good.string()});
+  EXPECT_EQ(met.status, 0) << met.err;
+  EXPECT_TRUE(says(met.out, "met     mass"));
+  const auto missed = run({"check", "--expect", bad.string()});
+  EXPECT_EQ(missed.status, 4);
+  EXPECT_TRUE(says(missed.out, "FAILED  frequency_1"));
+  EXPECT_TRUE(says(missed.err, "1 of 1 expectations not met"));
+}
+
+// --- Bad input: exit 3 and one clear message.
+
+class BadStudy : public CommandLine {
+ protected:
+  /// The plate with `from` replaced by `to`.
+  Ended refused(const std::string& from, const std::string& to) {
+    std::string text = kPlate;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    const auto study = write("study.toml", text.replace(at, from.size(), to));
+    const auto check = run({"check", study.string(), "-o", "out"});
+    EXPECT_EQ(check.status, 3) << check.err;
+    EXPECT_EQ(check.out, "") << "nothing was understood";
+    EXPECT_TRUE(left("out").empty());
+    return check;
+  }
+};
+
+TEST_F(BadStudy, Thickness) {
+  EXPECT_TRUE(says(refused("\"5 mm\"", "\"0 mm\"").err, "geometry.plate.thickness is 0 mm"));
+  EXPECT_TRUE(says(refused("\"5 mm\"", "\"-5 mm\"").err, "expected more than 0"));
+  EXPECT_TRUE(says(refused("\"5 mm\"", "\"nan mm\"").err, "geometry.plate.thickness"));
+  EXPECT_TRUE(says(refused("\"5 mm\"", "5").err, "has no unit"));
+}
+
+TEST_F(BadStudy, Material) {
+  EXPECT_TRUE(says(refused("\"70 GPa\"", "\"0 GPa\"").err, "material.youngs_modulus is 0 GPa"));
+  EXPECT_TRUE(says(refused("\"2700 kg/m^3\"", "\"-1 kg/m^3\"").err, "material.density is -1"));
+  EXPECT_TRUE(says(refused("0.33", "0.5").err, "less than 0.5"));
+  EXPECT_TRUE(says(refused("0.33", "nan").err, "material.poissons_ratio"));
+}
+
+TEST_F(BadStudy, UnknownKey) {
+  EXPECT_TRUE(says(refused("thickness", "thicknes").err,
+                   "study.toml:2:62: unknown key \"thicknes\" in geometry.plate; did you mean "
+                   "\"thickness\"?"));
+}
+
+TEST_F(BadStudy, AMissingFile) {
+  EXPECT_TRUE(says(run({"check", "nowhere.toml"}).err, "nowhere.toml"));
+  EXPECT_EQ(run({"check", "nowhere.toml"}).status, 3);
+  EXPECT_EQ(run({"check", "/dev/zero"}).status, 3);
+  EXPECT_EQ(run({"check", "."}).status, 3);
+}
+
+TEST_F(CommandLine, AChannelOffTheBodySaysByHowFar) {
+  std::string text = kPlate;
+  text.replace(text.find("-40 mm"), 6, "-62 mm");
+  const auto check = run({"check", write("study.toml", text).string()});
+  EXPECT_EQ(check.status, 3);
+  EXPECT_TRUE(says(check.err,
+                   "sensor \"s1\" at (-62, 20) mm is 12 mm off the body; nearest is "
+                   "(-50, 20) mm"));
+}
+
+TEST_F(CommandLine, AChannelJustOffTheBodyIsMovedAloud) {
+  std::string text = kPlate;
+  text.replace(text.find("-40 mm"), 6, "-50.4 mm");
+  const auto check = run({"check", write("study.toml", text).string()});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_TRUE(says(check.err, "0.4 mm off the body"));
+}
+
+TEST_F(CommandLine, UnitsOffByAThousandWarn) {
+  std::string text = kPlate;
+  for (const auto* length : {"100 mm", "60 mm", "5 mm"}) {
+    const std::string in_metres =
+        std::string(length).substr(0, std::string(length).find(' ')) + " m";
+    text.replace(text.find(length), std::string(length).size(), in_metres);
+  }
+  text.resize(text.find("mesh ="));
+  const auto check = run({"check", write("study.toml", text).string()});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_TRUE(says(check.err, "warning: "));
+  EXPECT_TRUE(says(check.err, "the body is 100 m long"));
+}
+
+TEST_F(CommandLine, AnOutputFolderThatCannotBeMade) {
+  const auto study = write("study.toml", kPlate);
+  const auto check = run({"check", study.string(), "-o", "/proc/nothing"});
+  EXPECT_EQ(check.status, 3);
+  EXPECT_TRUE(says(check.err, "/proc/nothing"));
+  write("occupied", "");
+  EXPECT_EQ(run({"check", study.string(), "-o", "occupied"}).status, 3);
+}
+
+TEST_F(CommandLine, ASecondRunIsToldWhoWritesThere) {
+  const auto study = write("study.toml", kPlate);
+  fs::create_directories(folder_ / "out");
+  const fs::path lock = folder_ / "out/.chladni.lock";
+  std::ofstream(lock) << "4711\n";
+  const pid_t holder = fork();
+  if (holder == 0) {
+    execlp("flock", "flock", "-x", lock.c_str(), "sleep", "30", nullptr);
+    _exit(97);
+  }
+  Ended check;
+  for (int i = 0; i < 50 && check.status != 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    check = run({"check", study.string(), "-o", "out"});
+    if (check.status == 0) std::ofstream(lock) << "4711\n";
+  }
+  kill(holder, SIGTERM);
+  waitpid(holder, nullptr, 0);
+  EXPECT_EQ(check.status, 3);
+  EXPECT_TRUE(says(check.err, "another run (process 4711)"));
+}
+
+TEST_F(CommandLine, AFullStandardOutputIsSaid) {
+  const auto study = write("study.toml", kPlate);
+  const auto check = run({"check", study.string()}, "/dev/full");
+  EXPECT_EQ(check.status, 5);
+  EXPECT_TRUE(says(check.err, "standard output"));
+}
+
+TEST_F(CommandLine, AFullDiskLeavesNoHalfFile) {
+  const fs::path disk = folder_ / "disk";
+  fs::create_directories(disk);
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0) {
+    GTEST_SKIP() << "no right to mount a small disk here: not tested";
+  }
+  const auto study = write("study.toml", kPlate);
+  const auto modes = run({"modes", study.string(), "-o", "disk", "--no-pictures"});
+  const auto files = left("disk");
+  umount(disk.c_str());
+  EXPECT_EQ(modes.status, 5) << modes.err;
+  EXPECT_TRUE(says(modes.err, "modes.vtu"));
+  EXPECT_EQ(files, (std::vector<std::string>{"modes.csv", "modes.json"}));
+}
+
+TEST_F(CommandLine, CtrlCLeavesNothingHalf) {
+  std::string text = kPlate;
+  text.replace(text.find("\"10 mm\", order = 2"), 18, "\"1.5 mm\", order = 3");
+  const auto study = write("study.toml", text);
+  const pid_t child = started({"modes", study.string(), "-o", "out", "--no-pictures"});
+  for (int i = 0; i < 300 && whole(folder_ / "stderr").find("forecast") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(child, SIGINT);
+  const auto modes = ended(child);
+  EXPECT_EQ(modes.status, 130) << modes.err;
+  EXPECT_TRUE(left("out").empty());
+}
+
+TEST_F(CommandLine, ListsWhatThereIs) {
+  EXPECT_TRUE(says(run({"list", "elements"}).out, "tet10"));
+  EXPECT_TRUE(says(run({"list", "bodies"}).out, "wafer_table"));
+  EXPECT_TRUE(says(run({"list", "formats"}).out, ".step"));
+  EXPECT_TRUE(says(run({"list", "materials"}).out, "cubic"));
+  EXPECT_TRUE(says(run({"list", "attachments"}).out, "resonator"));
+}
+
+// --- The studies that come with Chladni.
+
+std::vector<std::string> model_studies() {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(CHLADNI_SOURCE_DIR "/models")) {
+    if (entry.path().filename() == "study.toml") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(ModelStudies, AreThere) { EXPECT_GE(model_studies().size(), 10U); }
+
+TEST(ModelStudies, AllPassTheirCheck) {
+  for (const auto& study : model_studies()) {
+    const std::string command =
+        std::string(CHLADNI_BINARY_DIR "/bin/chladni check --quiet ") + study + " -o " +
+        (fs::temp_directory_path() / "chladni_models").string() + " >/dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0) << study;
+  }
+}
+
+}  // namespace
