@@ -247,4 +247,21 @@ TetRule tet_rule(int degree) {
   return rule;
 }
 
+TriangleRule triangle_rule(int degree) {
+  const int n = degree / 2 + 1;
+  const auto [u, wu] = gauss_jacobi(n, 1);
+  const auto [v, wv] = gauss_jacobi(n, 0);
+  TriangleRule rule{Eigen::Matrix<double, Eigen::Dynamic, 3>(n * n, 3), Eigen::VectorXd(n * n)};
+  Eigen::Index q = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j, ++q) {
+      const double a = u(i);
+      const double b = v(j) * (1.0 - a);
+      rule.points.row(q) << 1.0 - a - b, a, b;
+      rule.weights(q) = wu(i) * wv(j);
+    }
+  }
+  return rule;
+}
+
 }  // namespace chladni::fem

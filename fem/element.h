@@ -46,4 +46,11 @@ struct TetRule {
 };
 [[nodiscard]] TetRule tet_rule(int degree);
 
+/// The same on a triangle: points (barycentric, q×3) and weights (q, sum 1).
+struct TriangleRule {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> points;
+  Eigen::VectorXd weights;
+};
+[[nodiscard]] TriangleRule triangle_rule(int degree);
+
 }  // namespace chladni::fem

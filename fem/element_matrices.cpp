@@ -4,9 +4,8 @@
 #include <cmath>
 
 namespace chladni::fem {
-namespace {
 
-// C_ikjl of K_(a,i)(b,j) = ∫ ∂_k N_a C_ikjl ∂_l N_b, from Voigt's xx yy zz yz xz xy.
+// From Voigt's xx yy zz yz xz xy.
 Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
   constexpr int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
   Eigen::Matrix<double, 9, 9> tensor;
@@ -39,8 +38,6 @@ __attribute__((target_clones("avx512f", "avx2,fma", "default"))) void combine(co
   }
 }
 
-}  // namespace
-
 bool is_straight(const mesh::TetMesh& body, const Element& element, Eigen::Index tet) {
   Eigen::Matrix<double, 4, 3> corner;
   for (int i = 0; i < 4; ++i) corner.row(i) = body.points.row(body.tets(tet, i));
@@ -56,20 +53,34 @@ bool is_straight(const mesh::TetMesh& body, const Element& element, Eigen::Index
   return true;
 }
 
-ElementIntegrator::ElementIntegrator(const mesh::TetMesh& body,
-                                     const std::vector<Material>& materials)
-    : ElementIntegrator(body, materials, element(body.order())) {
-  may_be_curved_ = body.order() > 1;
-  const auto rule = tet_rule(2 * element_.order + 2);
-  weights_ = rule.weights;
-  for (const auto point : rule.points.rowwise()) {
-    at_points_.push_back(shape(element_, point.transpose()));
+StraightCell straight_cell(const mesh::TetMesh& body, Eigen::Index tet) {
+  const Eigen::RowVector3d origin = body.points.row(body.tets(tet, 0));
+  Eigen::Matrix3d edges;  // ∂x/∂ξ, a column per edge
+  for (int i = 0; i < 3; ++i) {
+    edges.col(i) = (body.points.row(body.tets(tet, i + 1)) - origin).transpose();
   }
+  return {edges.determinant() / 6.0, edges.inverse()};
+}
+
+// ∫ ∂_k N_a ∂_l N_b = V Σ_mn ∂_k ξ_m ∂_l ξ_n G_mn.
+Eigen::Matrix<double, 9, 9> stiffness_factors(const StraightCell& cell,
+                                              const Eigen::Matrix<double, 9, 9>& elasticity) {
+  Eigen::Matrix<double, 9, 9> to_physical;
+  for (int k = 0; k < 3; ++k) {
+    for (int l = 0; l < 3; ++l) {
+      for (int m = 0; m < 3; ++m) {
+        for (int n = 0; n < 3; ++n) {
+          to_physical(3 * k + l, 3 * m + n) = cell.gradient(m, k) * cell.gradient(n, l);
+        }
+      }
+    }
+  }
+  return cell.volume * elasticity * to_physical;
 }
 
 ElementIntegrator::ElementIntegrator(const mesh::TetMesh& body,
-                                     const std::vector<Material>& materials, const Element& element)
-    : body_(body), element_(element), may_be_curved_(false) {
+                                     const std::vector<Material>& materials)
+    : body_(body), element_(element(body.order())), may_be_curved_(body.order() > 1) {
   for (const auto& material : materials) {
     elasticity_.push_back(elasticity(material));
     density_.push_back(material.density);
@@ -77,7 +88,13 @@ ElementIntegrator::ElementIntegrator(const mesh::TetMesh& body,
   const auto pairs = element_.mass_products.size();
   result_.stiffness.resize(pairs, 9);
   result_.mass.resize(pairs);
+  if (!may_be_curved_) return;
   gradients_.resize(pairs, 9);
+  const auto rule = tet_rule(2 * element_.order + 2);
+  weights_ = rule.weights;
+  for (const auto point : rule.points.rowwise()) {
+    at_points_.push_back(shape(element_, point.transpose()));
+  }
 }
 
 const ElementMatrices& ElementIntegrator::matrices(Eigen::Index tet) {
@@ -90,28 +107,12 @@ const ElementMatrices& ElementIntegrator::matrices(Eigen::Index tet) {
 }
 
 void ElementIntegrator::integrate_straight(Eigen::Index tet) {
-  const Eigen::RowVector3d origin = body_.points.row(body_.tets(tet, 0));
-  Eigen::Matrix3d edges;  // ∂x/∂ξ, a column per edge
-  for (int i = 0; i < 3; ++i) {
-    edges.col(i) = (body_.points.row(body_.tets(tet, i + 1)) - origin).transpose();
-  }
-  const double volume = edges.determinant() / 6.0;
-  const Eigen::Matrix3d gradient = edges.inverse();  // row m: ∇ξ_m
-  Tensor to_physical;                                // D_kl = Σ_mn ∂_k ξ_m ∂_l ξ_n G_mn
-  for (int k = 0; k < 3; ++k) {
-    for (int l = 0; l < 3; ++l) {
-      for (int m = 0; m < 3; ++m) {
-        for (int n = 0; n < 3; ++n) {
-          to_physical(3 * k + l, 3 * m + n) = gradient(m, k) * gradient(n, l);
-        }
-      }
-    }
-  }
+  const auto cell = straight_cell(body_, tet);
   const auto region = static_cast<std::size_t>(body_.region(tet));
-  const Tensor factors = volume * elasticity_[region] * to_physical;
+  const Tensor factors = stiffness_factors(cell, elasticity_[region]);
   combine(element_.gradient_products.data(), factors.data(), result_.stiffness.data(),
           element_.gradient_products.rows());
-  result_.mass = (density_[region] * volume) * element_.mass_products;
+  result_.mass = (density_[region] * cell.volume) * element_.mass_products;
 }
 
 void ElementIntegrator::integrate_curved(Eigen::Index tet) {

@@ -19,15 +19,29 @@ struct ElementMatrices {
 /// Whether every node of cell `tet` lies where its corners and `element`'s lattice put it.
 [[nodiscard]] bool is_straight(const mesh::TetMesh& body, const Element& element, Eigen::Index tet);
 
+/// A tetrahedron with straight sides, from its corners.
+struct StraightCell {
+  double volume = 0.0;       ///< [m^3]
+  Eigen::Matrix3d gradient;  ///< row m: ∇ξ_m [1/m]
+};
+[[nodiscard]] StraightCell straight_cell(const mesh::TetMesh& body, Eigen::Index tet);
+
+/// C_ikjl at row 3i + j, column 3k + l, as K_(a,i)(b,j) = ∫ ∂_k N_a C_ikjl ∂_l N_b asks for [Pa].
+[[nodiscard]] Eigen::Matrix<double, 9, 9> elasticity(const Material& material);
+
+/// F with which reference products G (pairs×9, as Element::gradient_products) become stiffness:
+/// G Fᵀ, column 3i + j.
+[[nodiscard]] Eigen::Matrix<double, 9, 9> stiffness_factors(
+    const StraightCell& cell, const Eigen::Matrix<double, 9, 9>& elasticity);
+
+/// out = in Fᵀ for pairs×9 arrays, column-major.
+void combine(const double* in, const double* factors, double* out, Eigen::Index pairs);
+
 /// Cells of one mesh, one after the other, with the work space kept. Straight-sided cells in closed
 /// form, curved ones (a node off the place that its corners give it) by quadrature.
 class ElementIntegrator {
  public:
   ElementIntegrator(const mesh::TetMesh& body, const std::vector<Material>& materials);
-  /// The same cells with another element on them than the mesh's own (order 4 on a mesh of order
-  /// 3): straight sides only.
-  ElementIntegrator(const mesh::TetMesh& body, const std::vector<Material>& materials,
-                    const Element& element);
 
   /// Valid until the next call. Cost: 81 multiplications per pair of nodes.
   [[nodiscard]] const ElementMatrices& matrices(Eigen::Index tet);

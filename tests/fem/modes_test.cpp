@@ -1,0 +1,236 @@
+#include "fem/modes.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/error.h"
+#include "fem/assemble.h"
+#include "mesh/bodies.h"
+
+namespace chladni::fem {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+// n equal masses in a row, joined by equal springs, ends free: ω_k = 2 √(k/m) sin(kπ / 2n), of
+// which the rigid one is known.
+System free_chain(int n, double spring, double point_mass) {
+  System chain;
+  std::vector<Eigen::Triplet<double>> k;
+  std::vector<Eigen::Triplet<double>> m;
+  for (int i = 0; i < n; ++i) {
+    m.emplace_back(i, i, point_mass);
+    k.emplace_back(i, i, (i == 0 || i + 1 == n ? 1.0 : 2.0) * spring);
+    if (i + 1 < n) k.emplace_back(i + 1, i, -spring);
+  }
+  chain.stiffness.resize(n, n);
+  chain.stiffness.setFromTriplets(k.begin(), k.end());
+  chain.mass.resize(n, n);
+  chain.mass.setFromTriplets(m.begin(), m.end());
+  chain.rigid = Eigen::MatrixXd::Constant(n, 1, 1.0 / std::sqrt(n * std::abs(point_mass)));
+  return chain;
+}
+
+System plate_system(double length, double width, double thickness, double edge, int order) {
+  const auto body =
+      mesh::with_order(mesh::layered(mesh::Plate{length, width, thickness}, edge, 1), order);
+  return assemble(body, {isotropic(70e9, 0.33, 2700.0)});
+}
+
+// All of them, by a dense solver.
+Eigen::VectorXd dense_frequencies(const System& system) {
+  const Eigen::MatrixXd k(system.stiffness.selfadjointView<Eigen::Lower>());
+  const Eigen::MatrixXd m(system.mass.selfadjointView<Eigen::Lower>());
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(k, m, Eigen::EigenvaluesOnly)
+             .eigenvalues()
+             .cwiseMax(0.0)
+             .cwiseSqrt() /
+         kTwoPi;
+}
+
+TEST(Modes, OfAFreeChainMatchTheClosedForm) {
+  constexpr int n = 200;
+  const auto [found, summary] = modes(free_chain(n, 1e7, 0.1), {.count = 11});
+  EXPECT_EQ(found.frequency_hz(0), 0.0);
+  for (int k = 1; k < 12; ++k) {
+    const double omega = 2.0 * std::sqrt(1e7 / 0.1) * std::sin(k * std::numbers::pi / (2 * n));
+    EXPECT_NEAR(found.frequency_hz(k) / (omega / kTwoPi), 1.0, 1e-10) << "mode " << k;
+  }
+  EXPECT_TRUE(summary.complete);
+  EXPECT_EQ(summary.text.find("modes below"), 0U) << summary.text;
+}
+
+TEST(Modes, AreMassNormalisedAndSolveTheirEquation) {
+  const auto system = plate_system(0.3, 0.2, 0.01, 0.05, 2);
+  const auto [found, summary] = modes(system, {.count = 12});
+  EXPECT_LT(summary.orthogonality, 1e-11);
+  EXPECT_EQ(found.rigid_count, 6);
+  EXPECT_TRUE((found.frequency_hz.head(6).array() == 0.0).all());
+  EXPECT_LT(summary.residual.maxCoeff(), 1e-8);
+  EXPECT_TRUE(std::is_sorted(found.frequency_hz.begin(), found.frequency_hz.end()));
+}
+
+TEST(Modes, AgreeWithADenseSolverOnPlatesBeamsAndPairs) {
+  const double sizes[][3] = {{0.3, 0.3, 0.01}, {0.3, 0.2, 0.02}, {0.5, 0.02, 0.002},
+                             {0.1, 0.1, 0.1},  {0.4, 0.4, 0.05}, {0.3, 0.05, 0.05}};
+  for (const auto& s : sizes) {
+    const auto system = plate_system(s[0], s[1], s[2], s[0] / 4.0, 2);
+    const auto expected = dense_frequencies(system);
+    const auto [found, summary] = modes(system, {.count = 15});
+    EXPECT_GE(found.mode_count(), 21);
+    for (Eigen::Index i = 6; i < found.mode_count(); ++i) {
+      EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-7)
+          << s[0] << " x " << s[1] << " x " << s[2] << " mode " << i;
+    }
+  }
+}
+
+TEST(Modes, DoNotDependOnTheOrderOfTheDegreesOfFreedom) {
+  const auto system = plate_system(0.3, 0.3, 0.01, 0.06, 2);
+  const auto n = system.mass.rows();
+  Eigen::PermutationMatrix<Eigen::Dynamic> shuffle(n);
+  shuffle.setIdentity();
+  std::shuffle(shuffle.indices().begin(), shuffle.indices().end(), std::mt19937(7));
+  const auto renumbered = [&](const SparseMatrix& lower) {
+    const SparseMatrix full = lower.selfadjointView<Eigen::Lower>();
+    const SparseMatrix twisted = full.twistedBy(shuffle);
+    return SparseMatrix(twisted.triangularView<Eigen::Lower>());
+  };
+  System other;
+  other.stiffness = renumbered(system.stiffness);
+  other.mass = renumbered(system.mass);
+  other.rigid = shuffle * system.rigid;
+  const auto a = modes(system, {.count = 10}).modes.frequency_hz;
+  const auto b = modes(other, {.count = 10}).modes.frequency_hz;
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-9 * a.maxCoeff());
+}
+
+TEST(Modes, ScaleWithSizeStiffnessAndDensity) {
+  const auto plate = modes(plate_system(0.3, 0.2, 0.01, 0.05, 2), {.count = 6}).modes;
+  const auto larger = modes(plate_system(0.6, 0.4, 0.02, 0.1, 2), {.count = 6}).modes;
+  EXPECT_LT((2.0 * larger.frequency_hz - plate.frequency_hz).cwiseAbs().maxCoeff(),
+            1e-8 * plate.frequency_hz.maxCoeff());
+}
+
+TEST(Modes, NeverCutARepeatedOne) {
+  // Flexible modes 4 and 5 of a square plate are a pair.
+  const auto [found, summary] = modes(plate_system(0.3, 0.3, 0.01, 0.05, 2), {.count = 4});
+  ASSERT_EQ(found.mode_count(), 11);
+  EXPECT_NEAR(found.frequency_hz(9) / found.frequency_hz(10), 1.0, 1e-6);
+  ASSERT_EQ(summary.clusters.size(), 1U);
+  EXPECT_EQ(summary.clusters.front().first, 9);
+  EXPECT_EQ(summary.clusters.front().size, 2);
+}
+
+TEST(Modes, OfAPairComeInOneOrientationWhateverTheStart) {
+  const auto system = plate_system(0.3, 0.3, 0.01, 0.05, 2);
+  const auto a = modes(system, {.count = 7, .seed = 1}).modes.shapes;
+  const auto b = modes(system, {.count = 7, .block = 5, .seed = 99}).modes.shapes;
+  ASSERT_EQ(a.cols(), b.cols());
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-5 * a.cwiseAbs().maxCoeff());
+}
+
+TEST(Modes, AreTheSameBitsOnEveryRun) {
+  const auto system = plate_system(0.3, 0.2, 0.01, 0.05, 2);
+  const auto first = modes(system, {.count = 8}).modes;
+  for (int run = 0; run < 3; ++run) {
+    const auto again = modes(system, {.count = 8}).modes;
+    EXPECT_TRUE(first.frequency_hz == again.frequency_hz);
+    EXPECT_TRUE(first.shapes == again.shapes);
+  }
+}
+
+// The ball has eigenvalues of multiplicity 5, 5, 3, 7, 7: more than a block of 4 sees at once.
+TEST(Modes, OfABallHaveAllTheirMultiplicities) {
+  const mesh::Sphere ball{.diameter = 0.2};
+  auto body = mesh::with_order(mesh::layered(ball, 0.04), 2);
+  mesh::project_to_sphere(body, ball);
+  const auto system = assemble(body, {isotropic(200e9, 0.3, 8000.0)});
+  const auto [found, summary] = modes(system, {.count = 27});
+  const double exact[] = {12343.553, 13059.571, 17421.141, 19073.009, 19431.805};
+  const int multiplicity[] = {5, 5, 3, 7, 7};
+  Eigen::Index i = 6;
+  for (int k = 0; k < 5; ++k) {
+    for (int j = 0; j < multiplicity[k]; ++j, ++i) {
+      EXPECT_NEAR(found.frequency_hz(i) / exact[k], 1.0, 4e-3) << "mode " << i;
+    }
+  }
+  EXPECT_TRUE(summary.complete);
+}
+
+TEST(Modes, LieAboveTheExactOnesAndFallWithTheMesh) {
+  double before = 1.0;
+  for (const double edge : {0.15, 0.075, 0.0375}) {
+    const double f =
+        modes(plate_system(0.6, 0.6, 0.02, edge, 2), {.count = 1}).modes.frequency_hz(6);
+    const double error = f / 178.9033 - 1.0;
+    EXPECT_GT(error, 0.0);
+    EXPECT_LT(error, before);
+    before = error;
+  }
+}
+
+// A cube of one size in all directions, refined in all directions: the eigenvalue converges with
+// order 2p = 4.
+TEST(Modes, OfACubeConvergeWithOrderFour) {
+  std::vector<double> f;
+  for (const int cells : {2, 4, 8}) {
+    const auto body =
+        mesh::with_order(mesh::layered(mesh::Plate{0.1, 0.1, 0.1}, 0.1 / cells, cells), 2);
+    const auto found = modes(assemble(body, {isotropic(200e9, 0.3, 8000.0)}), {.count = 3}).modes;
+    f.push_back(found.frequency_hz(6));
+  }
+  const double order = std::log2((f[0] - f[1]) / (f[1] - f[2]));
+  EXPECT_NEAR(order, 4.0, 0.7);
+}
+
+TEST(Modes, RefuseACountTheSystemCannotHave) {
+  EXPECT_THROW((void)modes(free_chain(5, 1.0, 1.0), {.count = 5}), InvalidInput);
+  EXPECT_THROW((void)modes(free_chain(5, 1.0, 1.0), {.count = 0}), InvalidInput);
+}
+
+TEST(Modes, OfAllThatThereAreAreFound) {
+  const auto found = modes(free_chain(6, 1e4, 1.0), {.count = 5}).modes;
+  EXPECT_EQ(found.mode_count(), 6);
+}
+
+TEST(Modes, SayWhenTheMassIsNotPositiveDefinite) {
+  EXPECT_THROW((void)modes(free_chain(30, 1e7, -0.1), {.count = 3}), NumericalFailure);
+}
+
+TEST(Modes, RefuseWhatDoesNotFitInMemoryBeforeTheyStart) {
+  try {
+    (void)modes(plate_system(0.3, 0.2, 0.01, 0.05, 2), {.count = 5, .memory_limit_bytes = 100000});
+    FAIL();
+  } catch (const OutOfResources& e) {
+    EXPECT_NE(std::string(e.what()).find("coarser mesh"), std::string::npos) << e.what();
+  }
+}
+
+// Random free plates, beams and near-cubes; every one must have as many modes as inertia counts
+// (the solver throws otherwise) and they must be those of a dense solver.
+TEST(Modes, OfRandomBodiesAreNeverLost) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int i = 0; i < 25; ++i) {
+    const double length = 0.1 + 0.5 * uniform(random);
+    const double width = i % 3 == 0 ? length : (0.05 + 0.95 * uniform(random)) * length;
+    const double thickness = (0.01 + 0.2 * uniform(random)) * width;
+    const auto system = plate_system(length, width, thickness, length / 3.0, 2);
+    const int count = 1 + static_cast<int>(random() % 25);
+    const auto expected = dense_frequencies(system);
+    const auto [found, summary] = modes(system, {.count = count, .seed = 1U + unsigned(i)});
+    EXPECT_TRUE(summary.complete);
+    for (Eigen::Index k = 6; k < found.mode_count(); ++k) {
+      EXPECT_NEAR(found.frequency_hz(k) / expected(k), 1.0, 1e-6) << "body " << i << " mode " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace chladni::fem
