@@ -202,6 +202,30 @@ Cells cells_of(const std::vector<std::array<int, columns>>& rows) {
   return cells;
 }
 
+// The points of a plan, repeated from −thickness up to 0.
+Points stacked(const std::vector<Eigen::Vector2d>& plan, double thickness, int layers) {
+  const auto n = static_cast<Eigen::Index>(plan.size());
+  Points points(n * (layers + 1), 3);
+  for (int k = 0; k <= layers; ++k) {
+    const double z = -thickness * (layers - k) / layers;
+    for (Eigen::Index p = 0; p < n; ++p) {
+      const Eigen::Vector2d& at = plan[static_cast<std::size_t>(p)];
+      points.row(k * n + p) << at.x(), at.y(), z;
+    }
+  }
+  return points;
+}
+
+void put_faces(TetMesh& mesh, const std::vector<Face>& faces) {
+  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.face_patch.resize(mesh.faces.rows());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f].nodes;
+    mesh.faces.row(static_cast<Eigen::Index>(f)) << a, b, c;
+    mesh.face_patch(static_cast<Eigen::Index>(f)) = faces[f].patch;
+  }
+}
+
 }  // namespace
 
 TetMesh layered(const Disc& disc, const Layering& layering) {
@@ -213,22 +237,14 @@ TetMesh layered(const Disc& disc, const Layering& layering) {
           "one");
   const Rings rings = rings_of(disc, layering.edge_length);
   const int n = static_cast<int>(rings.points.size());
-  TetMesh mesh;
-  mesh.points.resize(Eigen::Index{n} * (layering.layers + 1), 3);
-  for (int k = 0; k <= layering.layers; ++k) {
-    const double z = -disc.thickness * (layering.layers - k) / layering.layers;
-    for (int p = 0; p < n; ++p) {
-      const Eigen::Vector2d& at = rings.points[static_cast<std::size_t>(p)];
-      mesh.points.row(Eigen::Index{k} * n + p) << at.x(), at.y(), z;
-    }
-  }
   std::vector<std::array<int, 4>> tets;
   std::vector<Face> faces;
   for (int k = 0; k < layering.layers; ++k) {
     const int lower = (k + k % 2) * n;
     const int upper = (k + 1 - k % 2) * n;
-    for (const auto& triangle : rings.triangles)
+    for (const auto& triangle : rings.triangles) {
       add_prism(tets, triangle, rings.rank, lower, upper);
+    }
     add_wall(faces, rings.rim, rings.rank, lower, upper, 2, false);
     add_wall(faces, rings.hole, rings.rank, lower, upper, 3, true);
   }
@@ -237,16 +253,12 @@ TetMesh layered(const Disc& disc, const Layering& layering) {
     faces.push_back({{top + a, top + b, top + c}, 0});
     faces.push_back({{a, c, b}, 1});
   }
+  TetMesh mesh;
+  mesh.points = stacked(rings.points, disc.thickness, layering.layers);
   mesh.tets = cells_of(tets);
   mesh.region = Eigen::VectorXi::Zero(mesh.tets.rows());
   mesh.region_names = {"body"};
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  mesh.face_patch.resize(mesh.faces.rows());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const auto& [a, b, c] = faces[f].nodes;
-    mesh.faces.row(static_cast<Eigen::Index>(f)) << a, b, c;
-    mesh.face_patch(static_cast<Eigen::Index>(f)) = faces[f].patch;
-  }
+  put_faces(mesh, faces);
   mesh.patch_names = {"top", "bottom", "rim"};
   if (!rings.hole.empty()) mesh.patch_names.emplace_back("hole");
   return mesh;

@@ -67,7 +67,7 @@ Corners corners_of(const TetMesh& mesh) {
   return result;
 }
 
-Numbering edge_numbers(const Corners& corners) {
+Numbering edge_numbers(const TetMesh& corners) {
   std::vector<Key> keys;
   keys.reserve(static_cast<std::size_t>(6 * corners.tets.rows() + 3 * corners.faces.rows()));
   for (const auto tet : corners.tets.rowwise()) {
@@ -76,10 +76,10 @@ Numbering edge_numbers(const Corners& corners) {
   for (const auto face : corners.faces.rowwise()) {
     for (const auto& [a, b] : kTriangleEdges) keys.push_back(edge_key(face(a), face(b)));
   }
-  return shared_numbers(keys, static_cast<std::int32_t>(corners.old.size()));
+  return shared_numbers(keys, static_cast<std::int32_t>(corners.points.rows()));
 }
 
-Numbering face_numbers(const Corners& corners) {
+Numbering face_numbers(const TetMesh& corners) {
   std::vector<Key> keys;
   keys.reserve(static_cast<std::size_t>(4 * corners.tets.rows() + corners.faces.rows()));
   for (const auto tet : corners.tets.rowwise()) {
@@ -88,7 +88,7 @@ Numbering face_numbers(const Corners& corners) {
   for (const auto face : corners.faces.rowwise()) {
     keys.push_back(face_key(face(0), face(1), face(2)));
   }
-  return shared_numbers(keys, static_cast<std::int32_t>(corners.old.size()));
+  return shared_numbers(keys, static_cast<std::int32_t>(corners.points.rows()));
 }
 
 // Rows of `cells` get their edge nodes. A node k of the edge is counted from its lower corner.
@@ -119,6 +119,39 @@ void place_nodes(TetMesh& mesh, int order) {
       mesh.points.row(mesh.tets(t, a)) = barycentric.row(a) * corner;
     }
   }
+}
+
+// The nodes of `order` for a mesh of corners only.
+void add_nodes(TetMesh& mesh, int order) {
+  const Numbering edges = edge_numbers(mesh);
+  const Numbering faces = face_numbers(mesh);
+  const Eigen::Index tets = mesh.tets.rows();
+  for (const std::int32_t first : faces.first) {
+    require(first < 4 * tets, "boundary face " + std::to_string(first - 4 * tets) +
+                                  " is not a face of any tetrahedron");
+  }
+  const Eigen::Index corners = mesh.points.rows();
+  const auto edge_nodes = static_cast<Eigen::Index>(edges.first.size()) * (order - 1);
+  const Eigen::Index face_count = order == 3 ? static_cast<Eigen::Index>(faces.first.size()) : 0;
+  const Eigen::Index count = corners + edge_nodes + face_count;
+  require(count <= std::numeric_limits<std::int32_t>::max(),
+          "mesh: " + std::to_string(count) + " nodes, at most 2^31 - 1 can be numbered");
+  mesh.points.conservativeResize(count, 3);
+  mesh.tets.conservativeResize(tets, tet_nodes(order));
+  mesh.faces.conservativeResize(mesh.faces.rows(), face_nodes(order));
+  const auto first = static_cast<std::int32_t>(corners);
+  put_edge_nodes(mesh.tets, 4, order, first, kTetEdges, edges.number.data());
+  put_edge_nodes(mesh.faces, 3, order, first, kTriangleEdges, edges.number.data() + 6 * tets);
+  if (order == 3) {
+    const auto centre = static_cast<std::int32_t>(corners + edge_nodes);
+    for (Eigen::Index i = 0; i < 4 * tets; ++i) {
+      mesh.tets(i / 4, 16 + i % 4) = centre + faces.number[static_cast<std::size_t>(i)];
+    }
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      mesh.faces(f, 9) = centre + faces.number[static_cast<std::size_t>(4 * tets + f)];
+    }
+  }
+  place_nodes(mesh, order);
 }
 
 }  // namespace
@@ -164,48 +197,19 @@ Eigen::MatrixXi tet_face_nodes(int order) {
 TetMesh with_order(const TetMesh& mesh, int order) {
   require_order(order);
   const Corners corners = corners_of(mesh);
-  const Numbering edges = order > 1 ? edge_numbers(corners) : Numbering{};
-  const Numbering faces = order > 1 ? face_numbers(corners) : Numbering{};
-  const Eigen::Index tets = corners.tets.rows();
-  for (const std::int32_t first : faces.first) {
-    require(first < 4 * tets, "boundary face " + std::to_string(first - 4 * tets) +
-                                  " is not a face of any tetrahedron");
-  }
-  const auto corner_count = static_cast<Eigen::Index>(corners.old.size());
-  const auto edge_nodes = static_cast<Eigen::Index>(edges.first.size()) * (order - 1);
-  const Eigen::Index face_count = order == 3 ? static_cast<Eigen::Index>(faces.first.size()) : 0;
-  const Eigen::Index count = corner_count + edge_nodes + face_count;
-  require(count <= std::numeric_limits<std::int32_t>::max(),
-          "mesh: " + std::to_string(count) + " nodes, at most 2^31 - 1 can be numbered");
-
   TetMesh result;
   result.region = mesh.region;
   result.face_patch = mesh.face_patch;
   result.patch_names = mesh.patch_names;
   result.region_names = mesh.region_names;
-  result.points.resize(count, 3);
+  const auto corner_count = static_cast<Eigen::Index>(corners.old.size());
+  result.points.resize(corner_count, 3);
   for (Eigen::Index p = 0; p < corner_count; ++p) {
     result.points.row(p) = mesh.points.row(corners.old[static_cast<std::size_t>(p)]);
   }
-  result.tets.resize(tets, tet_nodes(order));
-  result.tets.leftCols(4) = corners.tets;
-  result.faces.resize(corners.faces.rows(), face_nodes(order));
-  result.faces.leftCols(3) = corners.faces;
-  if (order == 1) return result;
-
-  const auto first = static_cast<std::int32_t>(corner_count);
-  put_edge_nodes(result.tets, 4, order, first, kTetEdges, edges.number.data());
-  put_edge_nodes(result.faces, 3, order, first, kTriangleEdges, edges.number.data() + 6 * tets);
-  if (order == 3) {
-    const auto centre = static_cast<std::int32_t>(corner_count + edge_nodes);
-    for (Eigen::Index i = 0; i < 4 * tets; ++i) {
-      result.tets(i / 4, 16 + i % 4) = centre + faces.number[static_cast<std::size_t>(i)];
-    }
-    for (Eigen::Index f = 0; f < result.faces.rows(); ++f) {
-      result.faces(f, 9) = centre + faces.number[static_cast<std::size_t>(4 * tets + f)];
-    }
-  }
-  place_nodes(result, order);
+  result.tets = corners.tets;
+  result.faces = corners.faces;
+  if (order > 1) add_nodes(result, order);
   return result;
 }
 
