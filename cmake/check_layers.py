@@ -23,7 +23,7 @@ DOORS = {
     r"metis": ["fem/ordering.cpp"],
     r".*mumps|Eigen/CholmodSupport|cholmod|SuiteSparse": ["bench/peers/*.cpp"],
     r"cblas|openblas": ["fem/blas.cpp"],
-    r"vtk": ["io/vtu*.cpp", "io/picture/*.cpp"],
+    r"vtk": ["io/vtu*.cpp", "io/picture/*.cpp", "io/picture/*.h"],
     r"nlohmann/": ["io/json.cpp"],
     r"matio": ["io/mat.cpp"],
     r"fftw3": ["identification/fft.cpp"],

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/modes.h"
 #include "io/vtu.h"
 #include "mesh/tet_mesh.h"
 #include "modal/modes.h"
@@ -13,10 +14,14 @@ namespace chladni::io {
 
 /// A contact sheet of the first `count` flexible modes: the deformed body coloured by the
 /// displacement along its largest direction (zero white, nodal lines black), each with its number
-/// and frequency; markers on it. PNG.
-/// @throws WorkerDied  the painter or xvfb is missing or died (says which package)
+/// and frequency; markers on it. PNG, 1640 px wide; the same input gives the same bytes. About 1 s.
+/// @param modes     shapes on all nodes: 3·nodes rows
+/// @param clusters  repeated modes, marked "pair"
+/// @throws InvalidInput  there is no flexible mode, or the shapes do not fit the mesh
+/// @throws WorkerDied    the painter or xvfb is missing or died (says which package)
 void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
                 const modal::Modes& modes, const std::string& title,
-                const std::vector<Marker>& markers = {}, int count = 9);
+                const std::vector<Marker>& markers = {}, int count = 9,
+                const std::vector<fem::Cluster>& clusters = {});
 
 }  // namespace chladni::io

@@ -30,7 +30,6 @@ using chladni::io::Message;
 class FirstError : public vtkOutputWindow {
  public:
   static FirstError* New() { return new FirstError; }
-  vtkTypeMacro(FirstError, vtkOutputWindow);
   void DisplayErrorText(const char* text) override { note(text); }
   void DisplayGenericWarningText(const char* text) override { note(text); }
   void DisplayWarningText(const char* text) override { note(text); }
@@ -106,13 +105,13 @@ void require_sound_cells(vtkUnstructuredGrid* grid) {
   vtkCellArray* cells = grid->GetCells();
   require(cells != nullptr && cells->GetNumberOfCells() == grid->GetNumberOfCells(),
           "there are no cells in it");
-  const vtkIdType entries = cells->GetNumberOfConnectivityIds();
-  vtkIdType last = 0;
-  for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c) {
-    const vtkIdType end = cells->GetOffset(c) + cells->GetCellSize(c);
-    require(cells->GetOffset(c) == last && last <= end && end <= entries,
-            fmt::format("the offset of cell {} is {}, there are {} entries", c, end, entries));
-    last = end;
+  const auto entries = static_cast<double>(cells->GetNumberOfConnectivityIds());
+  double last = 0.0;
+  for (vtkIdType c = 0; c <= cells->GetNumberOfCells(); ++c) {
+    const double offset = cells->GetOffsetsArray()->GetComponent(c, 0);
+    require(last <= offset && offset <= entries && (c > 0 || offset == 0.0),
+            fmt::format("offset {} of the cells is {}, there are {} entries", c, offset, entries));
+    last = offset;
   }
 }
 

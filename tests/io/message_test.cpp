@@ -10,8 +10,10 @@ namespace {
 Message example() {
   Message message;
   message.head = JsonObject{{"kind", "contact_sheet"}, {"count", 9}};
-  message.doubles["points"] = Message::Doubles::NullaryExpr(
-      5, 3, [](Eigen::Index i, Eigen::Index j) { return static_cast<double>(i) / (1.0 + j); });
+  message.doubles["points"] =
+      Message::Doubles::NullaryExpr(5, 3, [](Eigen::Index i, Eigen::Index j) {
+        return 0.1 * static_cast<double>(i) - 1e-9 * static_cast<double>(j);
+      });
   message.integers["tets"] = Cells::Constant(2, 4, -7);
   message.doubles["empty"] = Message::Doubles(0, 3);
   return message;

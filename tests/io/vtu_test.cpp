@@ -146,7 +146,8 @@ TEST_F(Vtu, TheArraysOfTheModesHoldTheShapes) {
 TEST_F(Vtu, AFieldOfOneValuePerNodeHasOneComponent) {
   const mesh::TetMesh mesh = plate(2);
   write_vtu(file("heat.vtu"), mesh, {{"score", mesh.points.col(0)}});
-  vtkDataArray* score = grid_in(file("heat.vtu"))->GetPointData()->GetArray("score");
+  const auto grid = grid_in(file("heat.vtu"));
+  vtkDataArray* score = grid->GetPointData()->GetArray("score");
   ASSERT_NE(score, nullptr);
   EXPECT_EQ(score->GetNumberOfComponents(), 1);
   EXPECT_EQ(score->GetComponent(5, 0), mesh.points(5, 0));

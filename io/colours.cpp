@@ -1,0 +1,69 @@
+#include "io/colours.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace chladni::io {
+namespace {
+
+// CIELAB (D65, 2 degrees), as IEC 61966-2-1 and CIE 15 define it.
+using Lab = Eigen::Vector3d;
+
+double linear(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
+double encoded(double l) {
+  return l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055;
+}
+
+Eigen::Matrix3d xyz_of_rgb() {
+  Eigen::Matrix3d matrix;
+  matrix << 0.4124, 0.3576, 0.1805, 0.2126, 0.7152, 0.0722, 0.0193, 0.1192, 0.9505;
+  return matrix;
+}
+
+// White's coordinates are those of (1, 1, 1), so that white comes back as white.
+Lab lab(const Colour& colour) {
+  const Eigen::Vector3d rgb(linear(colour[0]), linear(colour[1]), linear(colour[2]));
+  const Eigen::Vector3d white = xyz_of_rgb() * Eigen::Vector3d::Ones();
+  const Eigen::Vector3d f = (xyz_of_rgb() * rgb).cwiseQuotient(white).unaryExpr([](double t) {
+    return t > 216.0 / 24389.0 ? std::cbrt(t) : (24389.0 / 27.0 * t + 16.0) / 116.0;
+  });
+  return {116.0 * f.y() - 16.0, 500.0 * (f.x() - f.y()), 200.0 * (f.y() - f.z())};
+}
+
+Colour rgb(const Lab& lab) {
+  const double fy = (lab(0) + 16.0) / 116.0;
+  const Eigen::Vector3d f(fy + lab(1) / 500.0, fy, fy - lab(2) / 200.0);
+  const Eigen::Vector3d white = xyz_of_rgb() * Eigen::Vector3d::Ones();
+  const Eigen::Vector3d xyz =
+      f.unaryExpr([](double t) {
+         return t > 6.0 / 29.0 ? t * t * t : (116.0 * t - 16.0) * 27.0 / 24389.0;
+       }).cwiseProduct(white);
+  const Eigen::Vector3d rgb = xyz_of_rgb().inverse() * xyz;
+  const auto channel = [&](Eigen::Index i) { return std::clamp(encoded(rgb(i)), 0.0, 1.0); };
+  return {channel(0), channel(1), channel(2)};
+}
+
+}  // namespace
+
+Colour diverging(double value) {
+  // |value| = 0, 1/4, 1/2, 3/4, 1
+  static const std::array<Colour, 5> red{{{1.0, 1.0, 1.0},
+                                          {0.992, 0.859, 0.780},
+                                          {0.957, 0.647, 0.510},
+                                          {0.839, 0.376, 0.302},
+                                          {0.698, 0.094, 0.169}}};
+  static const std::array<Colour, 5> blue{{{1.0, 1.0, 1.0},
+                                           {0.820, 0.898, 0.941},
+                                           {0.573, 0.773, 0.871},
+                                           {0.263, 0.576, 0.765},
+                                           {0.129, 0.400, 0.675}}};
+  const auto& side = value < 0.0 ? blue : red;
+  const double place = 4.0 * std::min(std::abs(value), 1.0);
+  const auto step = static_cast<std::size_t>(std::min(place, 3.0));
+  const double part = place - static_cast<double>(step);
+  return rgb((1.0 - part) * lab(side[step]) + part * lab(side[step + 1]));
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,32 @@
+// The body on a panel: its skin, deformed and coloured, with its edges and level lines.
+#pragma once
+
+#include <vtkRenderer.h>
+
+#include "base/arrays.h"
+#include "io/picture/canvas.h"
+#include "io/view.h"
+
+namespace chladni::picture {
+
+/// What every panel shows in another state.
+struct Body {
+  Points points;          ///< V×3 [m]
+  Cells triangles;        ///< T×3
+  Cells outline;          ///< E×2
+  double diagonal = 1.0;  ///< of its bounding box [m]
+};
+
+/// The skin at `points` (V×3), coloured by `value` (V, in [−1, 1]), softly lit; the outline dark.
+void add_skin(vtkRenderer* panel, const Body& body, const Points& points,
+              const Eigen::VectorXd& value);
+/// The body's outline alone, pale: where it is at rest.
+void add_ghost(vtkRenderer* panel, const Body& body, const Points& points);
+/// Lines on the skin where `value` is zero, black. Values below 1e-6 count as positive: what is
+/// zero all over (up to round-off) has no nodal line.
+void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
+                    const Eigen::VectorXd& value, const io::View& view);
+/// Sets the panel's camera: `view`, centred, `height` px high.
+void look(vtkRenderer* panel, const io::View& view, double height, double diagonal);
+
+}  // namespace chladni::picture

@@ -1,0 +1,148 @@
+#include "io/picture/canvas.h"
+
+#include <vtkActor2D.h>
+#include <vtkCellArray.h>
+#include <vtkCoordinate.h>
+#include <vtkImageData.h>
+#include <vtkPNGWriter.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkProperty2D.h>
+#include <vtkTextActor.h>
+#include <vtkTextProperty.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+
+namespace chladni::picture {
+namespace {
+
+constexpr int kFiner = 2;  // painted so many times larger
+
+void set_colour(vtkProperty2D* property, const Colour& colour) {
+  property->SetColor(colour[0], colour[1], colour[2]);
+}
+
+// Mean of each kFiner x kFiner block of pixels, in steps of 3: the eye does not see them, and the
+// file is a third smaller.
+vtkNew<vtkImageData> averaged(vtkImageData* fine, int width, int height) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(width, height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const auto* from = static_cast<const unsigned char*>(fine->GetScalarPointer());
+  auto* to = static_cast<unsigned char*>(image->GetScalarPointer());
+  const int row = 3 * kFiner * width;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const unsigned char* block = from + kFiner * (y * row + 3 * x);
+      for (int c = 0; c < 3; ++c) {
+        const int sum = block[c] + block[c + 3] + block[c + row] + block[c + row + 3];
+        *to++ = static_cast<unsigned char>((sum + 6) / 12 * 3);
+      }
+    }
+  }
+  return image;
+}
+
+void set_style(vtkTextActor* actor, const TextStyle& style) {
+  vtkTextProperty* text = actor->GetTextProperty();
+  text->SetFontFamilyToArial();
+  text->SetFontSize(static_cast<int>(kFiner * style.size));
+  text->SetBold(style.bold ? 1 : 0);
+  text->SetColor(style.colour[0], style.colour[1], style.colour[2]);
+  text->SetVerticalJustificationToBottom();
+  if (style.align == TextStyle::Align::centre) text->SetJustificationToCentered();
+  if (style.align == TextStyle::Align::right) text->SetJustificationToRight();
+}
+
+}  // namespace
+
+Canvas::Canvas(int width, int height) : width_(width), height_(height) {
+  window_->SetOffScreenRendering(1);
+  window_->SetMultiSamples(0);
+  window_->SetSize(kFiner * width, kFiner * height);
+  window_->SetNumberOfLayers(2);
+  vtkNew<vtkRenderer> back;
+  back->SetBackground(1.0, 1.0, 1.0);
+  window_->AddRenderer(back);
+  front_->SetLayer(1);
+  front_->InteractiveOff();
+  window_->AddRenderer(front_);
+}
+
+vtkRenderer* Canvas::panel(const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
+  vtkNew<vtkRenderer> panel;
+  panel->SetBackground(1.0, 1.0, 1.0);
+  panel->SetViewport(corner.x() / width_, 1.0 - (corner.y() + size.y()) / height_,
+                     (corner.x() + size.x()) / width_, 1.0 - corner.y() / height_);
+  window_->AddRenderer(panel);
+  return panel;
+}
+
+void Canvas::text(const Eigen::Vector2d& at, const std::string& words, const TextStyle& style) {
+  vtkNew<vtkTextActor> actor;
+  actor->SetInput(words.c_str());
+  set_style(actor, style);
+  actor->SetDisplayPosition(static_cast<int>(kFiner * at.x()),
+                            static_cast<int>(kFiner * (height_ - at.y())));
+  front_->AddActor2D(actor);
+}
+
+double Canvas::text_width(const std::string& words, const TextStyle& style) {
+  vtkNew<vtkTextActor> actor;
+  actor->SetInput(words.c_str());
+  set_style(actor, style);
+  std::array<double, 4> box{};
+  actor->GetBoundingBox(front_, box.data());
+  return (box[1] - box[0]) / kFiner;
+}
+
+void Canvas::polygon(const std::vector<Eigen::Vector2d>& corners, const Colour& fill,
+                     const Colour& border, double line) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> face, edge;
+  const auto count = static_cast<vtkIdType>(corners.size());
+  face->InsertNextCell(static_cast<int>(count));
+  edge->InsertNextCell(static_cast<int>(count + 1));
+  for (vtkIdType i = 0; i <= count; ++i) {
+    const Eigen::Vector2d& corner = corners[static_cast<std::size_t>(i % count)];
+    if (i < count) {
+      points->InsertNextPoint(kFiner * corner.x(), kFiner * (height_ - corner.y()), 0.0);
+      face->InsertCellPoint(i);
+    }
+    edge->InsertCellPoint(i % count);
+  }
+  const auto add = [&](vtkCellArray* faces, vtkCellArray* lines, const Colour& colour) {
+    vtkNew<vtkPolyData> shape;
+    shape->SetPoints(points);
+    shape->SetPolys(faces);
+    shape->SetLines(lines);
+    vtkNew<vtkPolyDataMapper2D> mapper;
+    mapper->SetInputData(shape);
+    vtkNew<vtkActor2D> actor;
+    actor->SetMapper(mapper);
+    set_colour(actor->GetProperty(), colour);
+    actor->GetProperty()->SetLineWidth(static_cast<float>(kFiner * line));
+    front_->AddActor2D(actor);
+  };
+  add(face, nullptr, fill);
+  if (line > 0.0) add(nullptr, edge, border);
+}
+
+std::string Canvas::png() {
+  vtkNew<vtkWindowToImageFilter> grab;
+  grab->SetInput(window_);
+  grab->SetInputBufferTypeToRGB();
+  grab->ReadFrontBufferOff();
+  grab->Update();
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(averaged(grab->GetOutput(), width_, height_));
+  writer->SetCompressionLevel(9);
+  writer->WriteToMemoryOn();
+  writer->Write();
+  vtkUnsignedCharArray* bytes = writer->GetResult();
+  return {reinterpret_cast<const char*>(bytes->GetPointer(0)),
+          static_cast<std::size_t>(bytes->GetNumberOfValues())};
+}
+
+}  // namespace chladni::picture

@@ -1,0 +1,56 @@
+// The window that a picture is painted in, and the text and flat shapes on it.
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "io/colours.h"
+
+namespace chladni::picture {
+
+using io::Colour;
+
+inline constexpr Colour kWhite{1.0, 1.0, 1.0}, kInk{0.13, 0.14, 0.16}, kGrey{0.45, 0.47, 0.50},
+    kPale{0.78, 0.79, 0.81};
+
+struct TextStyle {
+  double size = 20.0;  ///< height of a capital letter and its leading [px]
+  Colour colour = kInk;
+  bool bold = false;
+  enum class Align { left, centre, right } align = Align::left;
+};
+
+/// White, offscreen. Places are in pixels of the finished picture from its upper left corner; it is
+/// painted twice as large and averaged, so that lines and letters are smooth on every machine.
+class Canvas {
+ public:
+  Canvas(int width, int height);
+
+  /// A part of the canvas for three-dimensional things, without a background of its own.
+  [[nodiscard]] vtkRenderer* panel(const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
+
+  /// Text whose baseline's left end, middle or right end is `at`.
+  void text(const Eigen::Vector2d& at, const std::string& words, const TextStyle& style);
+  /// Width that `text` will take [px].
+  [[nodiscard]] double text_width(const std::string& words, const TextStyle& style);
+
+  /// A filled polygon with an outline of `line` px, drawn above the panels.
+  void polygon(const std::vector<Eigen::Vector2d>& corners, const Colour& fill,
+               const Colour& border = kInk, double line = 1.0);
+
+  /// Paints, and gives the picture as PNG. The same input gives the same bytes.
+  [[nodiscard]] std::string png();
+
+ private:
+  int width_, height_;
+  vtkNew<vtkRenderWindow> window_;
+  vtkNew<vtkRenderer> front_;
+};
+
+}  // namespace chladni::picture

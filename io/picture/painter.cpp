@@ -1,0 +1,35 @@
+// The program chladni-painter: a request on stdin, a PNG on stdout. It needs a display.
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <string>
+
+#include "base/error.h"
+#include "io/message.h"
+#include "io/picture/pictures.h"
+
+namespace {
+
+using Picture = std::string (*)(const chladni::io::Message&);
+
+const std::map<std::string, Picture> kPictures{{"contact_sheet", chladni::picture::contact_sheet}};
+
+}  // namespace
+
+int main() {
+  try {
+    const std::string bytes{std::istreambuf_iterator<char>(std::cin), {}};
+    const chladni::io::Message request = chladni::io::message(bytes);
+    const std::string& kind = request.head.at("kind").string();
+    const auto picture = kPictures.find(kind);
+    chladni::require(picture != kPictures.end(), "there is no picture \"" + kind + "\"");
+    const std::string png = picture->second(request);
+    std::cout.write(png.data(), static_cast<std::streamsize>(png.size()));
+    return std::cout.flush() ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
+}

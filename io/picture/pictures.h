@@ -1,0 +1,18 @@
+// The kinds of picture there are. A new one: a file, and a line in the table of painter.cpp.
+#pragma once
+
+#include <string>
+
+#include "io/message.h"
+
+namespace chladni::picture {
+
+/// Deformed bodies beside each other, one per mode; PNG.
+///
+/// head: `title`; `panels`: list of {`title`, `note`, `axis` (0 x, 1 y, 2 z: gives the colour)};
+/// `markers`: list of {`name`, `kind`}; `deformation`: largest displacement drawn, as a fraction of
+/// the body's diagonal. Arrays: `points` V×3, `triangles` T×3, `outline` E×2, `shapes` V×3P (panel
+/// p has columns 3p..3p+2, the largest displacement of each has length 1), `marker_vertex` M×1.
+[[nodiscard]] std::string contact_sheet(const io::Message& request);
+
+}  // namespace chladni::picture

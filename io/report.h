@@ -1,0 +1,94 @@
+// The report: one HTML file that needs no other file, no network and no permission.
+//
+// A report is data: sections made of blocks. A verb adds a section by one function that returns a
+// Section (report_sections.h has those of the modes); it writes no HTML.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/arrays.h"
+#include "io/vtu.h"
+
+namespace chladni::io {
+
+/// A line of plain text. A good one is green with a tick, a warning amber, a quiet one grey.
+struct Note {
+  enum class Tone { plain, quiet, good, warning } tone = Tone::plain;
+  std::string text;
+};
+
+/// Names and values, one under the other.
+struct Facts {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>> lines;
+};
+
+struct Table {
+  struct Column {
+    std::string heading;
+    bool is_number = true;  ///< flush right, digits of one width
+  };
+  struct Row {
+    std::vector<std::string> cells;  ///< one per column
+    bool is_quiet = false;           ///< grey
+    int shape = -1;  ///< a click shows this shape of the report's viewer; −1: none
+  };
+  std::string caption;
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+};
+
+struct Image {
+  std::string png;  ///< the bytes of the file
+  std::string caption;
+};
+
+/// A body that turns under the mouse and swings in the shape chosen. One per report.
+struct Viewer {
+  struct Shape {
+    std::string label;                   ///< "7   178.92 Hz"
+    std::vector<std::int16_t> movement;  ///< V×3, the largest length is 32767
+    int axis = 2;                        ///< the component that gives the colour
+  };
+  std::vector<std::int16_t> points;  ///< V×3, from the body's centre, half its diagonal is 32767
+  std::vector<std::uint16_t> triangles;  ///< T×3
+  std::vector<std::uint16_t> outline;    ///< E×2
+  std::vector<Shape> shapes;
+  std::vector<Marker> markers;
+  std::vector<std::uint16_t> marker_vertex;  ///< one per marker
+  std::string note;                          ///< what was left out, if anything
+};
+
+/// Blocks that stand beside each other where there is room.
+struct Beside;
+using Block = std::variant<Note, Facts, Table, Image, Viewer, Beside>;
+struct Beside {
+  std::vector<Block> blocks;
+};
+
+struct Section {
+  std::string title;
+  std::vector<Block> blocks;
+};
+
+struct Report {
+  std::string title;                  ///< of the study
+  std::string understood;             ///< "600.0 x 600.0 x 20.0 mm  19.44 kg"
+  std::vector<std::string> warnings;  ///< shown first
+  std::vector<Section> sections;
+};
+
+/// The page. All text is escaped; a content security policy allows nothing but what is in the file.
+/// The same report gives the same bytes. Readable without scripts and without WebGL, and on paper.
+/// @throws InvalidInput  a row of a table has another number of cells than there are columns, an
+///                       image is no PNG, there is more than one viewer
+[[nodiscard]] std::string html(const Report& report);
+
+/// Whole or not at all. @throws as html and write_atomically
+void write_report(const std::filesystem::path& file, const Report& report);
+
+}  // namespace chladni::io

@@ -1,0 +1,259 @@
+"use strict";
+(() => {
+  const viewer = document.querySelector(".viewer");
+  if (!viewer) return;
+  const data = JSON.parse(document.getElementById("viewer-data").textContent);
+  const find = (name) => viewer.querySelector(name);
+  const stage = find(".stage"), back = find(".back"), front = find(".front");
+  const message = find(".message"), controls = find(".controls");
+
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  const compile = (gl, kind, source) => {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    return shader;
+  };
+
+  const gl = back.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
+  if (!gl) {
+    message.textContent = "This browser shows no WebGL here: the shapes stand still in the picture below.";
+    controls.hidden = true;
+    return;
+  }
+
+  // Lengths are in halves of the body's diagonal. The largest movement is `amplitude`.
+  const vertexSource = `#version 300 es
+    in vec3 point; in vec3 movement;
+    uniform mat3 turn; uniform vec2 zoom; uniform vec2 shift; uniform float amplitude; uniform float swing;
+    uniform vec3 axis; uniform float largest; uniform float lift;
+    out vec3 seen; out float value;
+    void main() {
+      seen = turn * (point + amplitude * swing * movement);
+      value = dot(axis, movement) / largest;
+      gl_Position = vec4(seen.xy * zoom + shift, -seen.z * 0.3 - lift, 1.0);
+    }`;
+  const fragmentSource = `#version 300 es
+    precision highp float;
+    in vec3 seen; in float value;
+    uniform sampler2D colours; uniform float swing; uniform bool lines; uniform bool edges; uniform bool plain;
+    out vec4 colour;
+    void main() {
+      if (edges) { colour = vec4(0.30, 0.31, 0.34, 1.0); return; }
+      vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+      float light = 0.58 + 0.42 * max(dot(normal, normalize(vec3(-0.35, 0.55, 0.76))), 0.0);
+      vec3 base = plain ? vec3(0.93) : texture(colours, vec2(0.5 + 0.5 * value * swing, 0.5)).rgb;
+      float change = fwidth(value);
+      float line = change > 1e-4 ? 1.0 - smoothstep(0.9, 1.7, abs(value) / change) : 0.0;
+      colour = vec4(mix(base * light, vec3(0.0), lines && !plain ? line : 0.0), 1.0);
+    }`;
+  const program = gl.createProgram();
+  gl.attachShader(program, compile(gl, gl.VERTEX_SHADER, vertexSource));
+  gl.attachShader(program, compile(gl, gl.FRAGMENT_SHADER, fragmentSource));
+  gl.linkProgram(program);
+  gl.useProgram(program);
+  const uniform = (name) => gl.getUniformLocation(program, name);
+  const at = Object.fromEntries(["turn", "zoom", "shift", "amplitude", "swing", "axis", "largest", "lift", "lines",
+    "edges", "plain"].map((name) => [name, uniform(name)]));
+
+  const buffer = (target, content) => {
+    const made = gl.createBuffer();
+    gl.bindBuffer(target, made);
+    gl.bufferData(target, content, gl.STATIC_DRAW);
+    return made;
+  };
+  const attribute = (name, made) => {
+    const place = gl.getAttribLocation(program, name);
+    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribPointer(place, 3, gl.SHORT, true, 0, 0);
+  };
+  const points = new Int16Array(bytes(data.points));
+  const triangles = new Uint16Array(bytes(data.triangles)), outline = new Uint16Array(bytes(data.outline));
+  attribute("point", buffer(gl.ARRAY_BUFFER, points));
+  const triangleBuffer = buffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
+  const outlineBuffer = buffer(gl.ELEMENT_ARRAY_BUFFER, outline);
+  const movementBuffer = gl.createBuffer();
+
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, data.colours.length / 3, 1, 0, gl.RGB, gl.UNSIGNED_BYTE,
+    new Uint8Array(data.colours));
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  const quarter = (i) => `rgb(${data.colours.slice(3 * i, 3 * i + 3).join(",")})`;
+  const colourCount = data.colours.length / 3;
+  find(".bar").style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8]
+    .map((i) => quarter(Math.round(i * (colourCount - 1) / 8))).join(",")})`;
+
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const state = { shape: 0, playing: !still, phase: 0, amplitude: 0.12, lines: true, names: true, zoom: 1,
+    yaw: data.yaw, pitch: data.pitch };
+  let movement = null, extent = [1, 1], waiting = false, last = 0;
+
+  const multiply = (a, b) => [0, 1, 2].map((i) => [0, 1, 2].map((j) => a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]));
+  const turned = () => {  // rows: right, up, towards the eye
+    const [cy, sy, cp, sp] = [Math.cos(state.yaw), Math.sin(state.yaw), Math.cos(state.pitch), Math.sin(state.pitch)];
+    return multiply([[cy, sy, 0], [-sy * sp, cy * sp, cp], [sy * cp, -cy * cp, sp]], data.frame);
+  };
+  const seen = (turn, vertex, swing) => {
+    const place = [0, 1, 2].map((k) => (points[3 * vertex + k] +
+      (movement ? state.amplitude * swing * movement[3 * vertex + k] : 0)) / 32767);
+    return turn.map((row) => row[0] * place[0] + row[1] * place[1] + row[2] * place[2]);
+  };
+  // Half the size of the body at rest as it was seen at first, so that turning does not change the scale.
+  const measure = () => {
+    const turn = turned();
+    extent = [0, 0];
+    for (let v = 0; v < points.length / 3; ++v) {
+      const place = seen(turn, v, 0);
+      extent = [Math.max(extent[0], Math.abs(place[0])), Math.max(extent[1], Math.abs(place[1]))];
+    }
+  };
+
+  const show = (index) => {
+    const count = data.shapes.length;
+    if (!count) return;
+    state.shape = (index + count) % count;
+    const shape = data.shapes[state.shape];
+    movement = new Int16Array(bytes(shape.movement));
+    gl.bindBuffer(gl.ARRAY_BUFFER, movementBuffer);
+    gl.bufferData(gl.ARRAY_BUFFER, movement, gl.STATIC_DRAW);
+    attribute("movement", movementBuffer);
+    let largest = 1;
+    for (let i = shape.axis; i < movement.length; i += 3) largest = Math.max(largest, Math.abs(movement[i]));
+    gl.uniform1f(at.largest, largest / 32767);
+    gl.uniform3f(at.axis, ...[0, 1, 2].map((k) => (k === shape.axis ? 1 : 0)));
+    find(".label").textContent = shape.label;
+    find(".axis").textContent = "displacement along " + "xyz"[shape.axis];
+    for (const row of document.querySelectorAll("tr[data-shape]")) {
+      row.classList.toggle("shown", Number(row.dataset.shape) === state.shape);
+    }
+    redraw();
+  };
+
+  const scales = () => {
+    const [width, height] = [stage.clientWidth, stage.clientHeight];
+    const pixels = state.zoom * 0.86 * Math.min(width / 2 / extent[0], height / 2 / (extent[1] + 0.6 * state.amplitude));
+    return { width, height, pixels };
+  };
+  const drawMarkers = (turn, swing, { width, height, pixels }) => {
+    const ratio = front.width / width, pen = front.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.font = "12px system-ui, Arial, sans-serif";
+    data.markers.forEach((marker, i) => {
+      const place = seen(turn, data.markerVertex[i], swing);
+      const [x, y] = [width / 2 + pixels * place[0], height / 2 - pixels * place[1]];
+      pen.beginPath();
+      if (marker.kind === "sensor") pen.arc(x, y, 5, 0, 7);
+      else if (marker.kind === "actuator") { pen.moveTo(x, y - 7); pen.lineTo(x + 6, y + 4); pen.lineTo(x - 6, y + 4); pen.closePath(); }
+      else pen.rect(x - 4.5, y - 4.5, 9, 9);
+      pen.fillStyle = { sensor: "#ffd61a", actuator: "#1a7342" }[marker.kind] || "#8c9199";
+      pen.strokeStyle = marker.kind === "actuator" ? "#fff" : "#1d2126";
+      pen.fill();
+      pen.stroke();
+      if (!state.names) return;
+      pen.lineWidth = 3;
+      pen.strokeStyle = "#fff";
+      pen.strokeText(marker.name, x + 8, y - 6);
+      pen.lineWidth = 1;
+      pen.fillStyle = "#1d2126";
+      pen.fillText(marker.name, x + 8, y - 6);
+    });
+  };
+  const draw = () => {
+    const ratio = Math.min(devicePixelRatio || 1, 2), scale = scales(), { width, height, pixels } = scale;
+    for (const canvas of [back, front]) {
+      const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+      if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    }
+    const turn = turned(), swing = Math.cos(state.phase);
+    gl.viewport(0, 0, back.width, back.height);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.uniformMatrix3fv(at.turn, true, turn.flat());
+    gl.uniform2f(at.zoom, 2 * pixels / width, 2 * pixels / height);
+    gl.uniform2f(at.shift, 0, 0);
+    gl.uniform1f(at.amplitude, movement ? state.amplitude : 0);
+    gl.uniform1f(at.swing, swing);
+    gl.uniform1i(at.lines, state.lines ? 1 : 0);
+    gl.uniform1i(at.plain, movement ? 0 : 1);
+    gl.uniform1i(at.edges, 0);
+    gl.uniform1f(at.lift, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangleBuffer);
+    gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_SHORT, 0);
+    gl.uniform1i(at.edges, 1);
+    gl.uniform1f(at.lift, 0.002);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, outlineBuffer);
+    gl.drawElements(gl.LINES, outline.length, gl.UNSIGNED_SHORT, 0);
+    drawMarkers(turn, swing, scale);
+  };
+  const tick = (now) => {
+    waiting = false;
+    const moves = state.playing && movement && !document.hidden;
+    if (moves) state.phase += Math.min(now - last, 100) * 0.0026;
+    last = now;
+    draw();
+    if (moves) redraw();
+  };
+  const redraw = () => {
+    if (!waiting) { waiting = true; requestAnimationFrame(tick); }
+  };
+
+  const play = find(".play");
+  const setPlaying = (on) => {
+    state.playing = on;
+    play.textContent = on ? "Pause" : "Play";
+    if (!on) state.phase = 0;
+    redraw();
+  };
+  play.onclick = () => setPlaying(!state.playing);
+  find(".previous").onclick = () => show(state.shape - 1);
+  find(".next").onclick = () => show(state.shape + 1);
+  find(".amplitude").oninput = (event) => { state.amplitude = Number(event.target.value) / 100; redraw(); };
+  find(".lines").onchange = (event) => { state.lines = event.target.checked; redraw(); };
+  find(".names").onchange = (event) => { state.names = event.target.checked; redraw(); };
+  find(".reset").onclick = () => { Object.assign(state, { yaw: data.yaw, pitch: data.pitch, zoom: 1 }); redraw(); };
+  const fingers = new Map();
+  back.onpointerdown = (event) => { back.setPointerCapture(event.pointerId); fingers.set(event.pointerId, event); };
+  back.onpointerup = back.onpointercancel = (event) => fingers.delete(event.pointerId);
+  back.onpointermove = (event) => {
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    if (fingers.size === 1) {
+      state.yaw -= (event.clientX - before.clientX) * 0.008;
+      state.pitch = Math.max(-1.57, Math.min(1.57, state.pitch + (event.clientY - before.clientY) * 0.008));
+    } else {
+      const other = [...fingers.values()].find((finger) => finger.pointerId !== event.pointerId);
+      const gap = (finger) => Math.hypot(finger.clientX - other.clientX, finger.clientY - other.clientY) + 1;
+      state.zoom = Math.max(0.3, Math.min(20, state.zoom * gap(event) / gap(before)));
+    }
+    fingers.set(event.pointerId, event);
+    redraw();
+  };
+  back.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    state.zoom = Math.max(0.3, Math.min(20, state.zoom * Math.exp(-event.deltaY * 0.0012)));
+    redraw();
+  }, { passive: false });
+  back.onkeydown = (event) => {
+    const turn = { ArrowLeft: () => show(state.shape - 1), ArrowRight: () => show(state.shape + 1),
+      " ": () => setPlaying(!state.playing) }[event.key];
+    if (turn) { event.preventDefault(); turn(); }
+  };
+  for (const row of document.querySelectorAll("tr[data-shape]")) {
+    row.tabIndex = 0;
+    row.onclick = () => show(Number(row.dataset.shape));
+    row.onkeydown = (event) => { if (event.key === "Enter") row.onclick(); };
+  }
+  new ResizeObserver(redraw).observe(stage);
+
+  message.hidden = true;
+  measure();
+  setPlaying(state.playing);
+  show(0);
+  draw();
+})();

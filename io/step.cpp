@@ -1,0 +1,104 @@
+#include "io/step.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/quantity.h"
+#include "base/worker.h"
+#include "io/message.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+#ifdef CHLADNI_WITH_STEP
+constexpr bool kWithStep = true;
+#else
+constexpr bool kWithStep = false;
+#endif
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 30U;
+
+// The names of STEP's length units as OpenCASCADE gives them, and ours.
+constexpr std::array<std::array<std::string_view, 2>, 8> kUnits{{{"METRE", "m"},
+                                                                 {"MILLIMETRE", "mm"},
+                                                                 {"CENTIMETRE", "cm"},
+                                                                 {"MICROMETRE", "um"},
+                                                                 {"KILOMETRE", "km"},
+                                                                 {"INCH", "inch"},
+                                                                 {"FOOT", "foot"},
+                                                                 {"MILLI-INCH", "mil"}}};
+
+void check_unit(const std::string& in_file, const std::string& asked) {
+  require(!in_file.empty() || !asked.empty(),
+          "the file states no length unit, expected one: unit = \"mm\"");
+  if (asked.empty() || in_file.empty()) return;
+  const double wanted = unit_factor(asked, "m");
+  const auto* const known = std::find_if(
+      kUnits.begin(), kUnits.end(), [&](const auto& unit) { return unit[0] == upper(in_file); });
+  require(known != kUnits.end(), "the file's length unit is " + shown(in_file) +
+                                     ", which cannot be compared with " + shown(asked) +
+                                     ": leave the unit out, the file's own is taken");
+  const double own = unit_factor((*known)[1], "m");
+  require(std::abs(own / wanted - 1.0) < 1e-9, "the file's length unit is " + shown(in_file) +
+                                                   ", not " + shown(asked) +
+                                                   ": leave the unit out, the file's own is taken");
+}
+
+// OpenCASCADE's numbers are millimetres, whatever the unit of the file; they are the file's own
+// where it states none.
+double metres_per_number(const std::string& in_file, const std::string& asked) {
+  return in_file.empty() ? unit_factor(asked, "m") : 1e-3;
+}
+
+Geometry geometry_of(const Message& found, const std::string& unit) {
+  const std::string& refused = found.head.at("refused").string();
+  require(refused.empty(), refused);
+  const std::string& in_file = found.head.at("unit").string();
+  check_unit(in_file, unit);
+  mesh::Surface surface;
+  surface.points = found.numbers("points") * metres_per_number(in_file, unit);
+  surface.triangles = found.cells("triangles");
+  surface.patch = found.cells("patch").col(0);
+  for (const Json& name : found.head.at("patch_names").array()) {
+    surface.patch_names.push_back(name.string());
+  }
+  require(surface.points.cols() == 3 && surface.triangles.cols() == 3 &&
+              surface.patch.size() == surface.triangles.rows() && surface.patch.size() > 0 &&
+              surface.points.allFinite() && surface.triangles.minCoeff() >= 0 &&
+              surface.triangles.maxCoeff() < surface.points.rows() &&
+              surface.patch.minCoeff() >= 0 &&
+              surface.patch.maxCoeff() < std::ssize(surface.patch_names),
+          "its triangles make no sense");
+  Geometry geometry;
+  geometry.notes.push_back(std::to_string(surface.patch_names.size()) + " faces in " +
+                           std::to_string(surface.triangles.rows()) + " triangles; length unit " +
+                           (in_file.empty() ? unit + ", as stated" : in_file + ", from the file"));
+  geometry.body = std::move(surface);
+  return geometry;
+}
+
+}  // namespace
+
+Geometry read_step(const std::filesystem::path& file, const std::string& unit) {
+  require(kWithStep, file.string() +
+                         ": STEP needs OpenCASCADE, which this build was made without; install "
+                         "libocct-data-exchange-dev and build again, or export STL");
+  const std::string bytes = read_whole(file, kLargestFile);
+  require(bytes.find("ISO-10303-21") < 1024,
+          file.string() + ": no 'ISO-10303-21' at the start, expected a STEP file");
+  const WorkerLimits limits{.time = std::chrono::seconds(120),
+                            .memory_bytes = (std::size_t{2} << 30U) + 64 * bytes.size()};
+  const auto path = std::filesystem::absolute(file);
+  const auto result = run_worker(worker_path("chladni-step"), {path.string()}, "", limits);
+  try {
+    return geometry_of(message(result.output), unit);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,198 @@
+// Every parser on its corpus and 20 000 mutants of it: a sound body or InvalidInput, in little
+// memory and time. The libFuzzer targets of tests/fuzz go further.
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <random>
+
+#include "io/read.h"
+#include "tests/fuzz/sound.h"
+#include "tests/io/samples.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CHLADNI_COUNTS_MEMORY 0  // the sanitizer has an allocator of its own
+#else
+#define CHLADNI_COUNTS_MEMORY 1
+#endif
+
+namespace {
+
+std::ptrdiff_t bytes_live = 0, bytes_peak = 0;
+
+}  // namespace
+
+#if CHLADNI_COUNTS_MEMORY
+// glibc lets a program replace its allocator and still call the one underneath; Eigen allocates by
+// malloc, the standard library by operator new, which calls malloc.
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void __libc_free(void*);
+
+static void* counted(void* memory) {
+  bytes_live += static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  bytes_peak = std::max(bytes_peak, bytes_live);
+  return memory;
+}
+void* malloc(std::size_t size) { return counted(__libc_malloc(size)); }
+void* calloc(std::size_t count, std::size_t size) { return counted(__libc_calloc(count, size)); }
+void* realloc(void* memory, std::size_t size) {
+  bytes_live -= static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  return counted(__libc_realloc(memory, size));
+}
+void free(void* memory) {
+  bytes_live -= static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  __libc_free(memory);
+}
+}
+#endif
+
+namespace chladni::io {
+namespace {
+
+constexpr int kMutants = 20'000;
+constexpr std::ptrdiff_t kMemoryPerByte = 64, kMemoryAtLeast = 1 << 16;
+constexpr std::chrono::seconds kLongest{5};
+
+// Numbers and words that parsers trip over, as text and as bytes.
+const std::array<std::string, 30> kWords{"0",
+                                         "-1",
+                                         "1",
+                                         "2147483647",
+                                         "2147483648",
+                                         "4294967295",
+                                         "9223372036854775807",
+                                         "-9223372036854775808",
+                                         "18446744073709551616",
+                                         "1e308",
+                                         "1e999",
+                                         "1e-400",
+                                         "nan",
+                                         "-inf",
+                                         "1,5",
+                                         "0x10",
+                                         "$EndNodes",
+                                         "$Elements\n",
+                                         "endsolid",
+                                         "facet",
+                                         "*ELEMENT, TYPE=C3D10\n",
+                                         "*NODE\n",
+                                         "GENERATE",
+                                         "# ",
+                                         "\n",
+                                         "\r",
+                                         "element vertex 4000000000\n",
+                                         std::string(4, '\0'),
+                                         std::string(4, '\xff'),
+                                         std::string("\0\0\0\0\0\0\xf8\x7f", 8)};
+
+std::string mutant(const std::vector<std::string>& seeds, std::mt19937& random) {
+  const auto below = [&](std::size_t n) { return random() % std::max<std::size_t>(n, 1); };
+  std::string bytes = seeds[below(seeds.size())];
+  for (std::size_t change = 1 + below(4); change > 0; --change) {
+    const std::size_t at = below(bytes.size()), length = below(32);
+    switch (below(7)) {
+      case 0:
+        if (!bytes.empty()) bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8)));
+        break;
+      case 1:
+        bytes.erase(at, length);
+        break;
+      case 2:
+        bytes.insert(at, bytes.substr(below(bytes.size()), length));
+        break;
+      case 3:
+        bytes.insert(at, kWords.at(below(kWords.size())));
+        break;
+      case 4:
+        bytes.replace(at, length, kWords.at(below(kWords.size())));
+        break;
+      case 5: {  // a whole number becomes another
+        const std::size_t digit = std::min(bytes.find_first_of("0123456789", at), bytes.size());
+        const std::size_t end =
+            std::min(bytes.find_first_not_of("0123456789", digit), bytes.size());
+        bytes.replace(digit, end - digit, kWords.at(below(12)));
+        break;
+      }
+      default:
+        if (below(4) == 0) bytes.resize(at);
+    }
+  }
+  return bytes;
+}
+
+struct Parser {
+  const char* name;
+  std::function<bool(std::string_view)> gives_sound_body;
+};
+
+void PrintTo(const Parser& parser, std::ostream* out) { *out << parser.name; }
+
+const std::array<Parser, 6> kParsers{{
+    {"stl", [](std::string_view bytes) { return is_sound(parse_stl(bytes)); }},
+    {"off", [](std::string_view bytes) { return is_sound(parse_off(bytes)); }},
+    {"ply", [](std::string_view bytes) { return is_sound(parse_ply(bytes)); }},
+    {"obj", [](std::string_view bytes) { return is_sound(parse_obj(bytes)); }},
+    {"msh", [](std::string_view bytes) { return is_sound(parse_msh(bytes)); }},
+    {"inp", [](std::string_view bytes) { return is_sound(parse_inp(bytes)); }},
+}};
+
+class Mutants : public testing::TestWithParam<Parser> {
+ protected:
+  static std::vector<std::string> seeds() {
+    std::vector<std::string> names, bytes;
+    const std::string folder = std::string("tests/fuzz/corpus/") + GetParam().name;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::string(CHLADNI_SOURCE_DIR) + "/" + folder)) {
+      names.push_back(GetParam().name + ("/" + entry.path().filename().string()));
+    }
+    std::sort(names.begin(), names.end());
+    for (const std::string& name : names) bytes.push_back(sample(name));
+    return bytes;
+  }
+};
+
+TEST_P(Mutants, CorpusIsRead) {
+  const auto all = seeds();
+  ASSERT_FALSE(all.empty());
+  for (const std::string& bytes : all) EXPECT_TRUE(GetParam().gives_sound_body(bytes));
+}
+
+TEST_P(Mutants, AreReadOrRefused) {
+  const auto all = seeds();
+  std::mt19937 random(20'260'101);
+  int read = 0, refused = 0;
+  for (int i = 0; i < kMutants; ++i) {
+    const std::string bytes = mutant(all, random);
+    const auto start = std::chrono::steady_clock::now();
+    const std::ptrdiff_t before = bytes_live;
+    bytes_peak = before;
+    try {
+      ASSERT_TRUE(GetParam().gives_sound_body(bytes)) << "mutant " << i;
+      ++read;
+    } catch (const InvalidInput& error) {
+      ASSERT_FALSE(std::string(error.what()).empty()) << "mutant " << i;
+      ++refused;
+    } catch (const std::exception& error) {
+      FAIL() << "mutant " << i << ": " << error.what();
+    }
+    ASSERT_LE(bytes_peak - before,
+              kMemoryAtLeast + kMemoryPerByte * static_cast<std::ptrdiff_t>(bytes.size()))
+        << "mutant " << i << " of " << bytes.size() << " bytes";
+    ASSERT_LT(std::chrono::steady_clock::now() - start, kLongest) << "mutant " << i;
+  }
+  EXPECT_GT(read, kMutants / 100);  // the mutants are not all broken at the first byte
+  EXPECT_GT(refused, kMutants / 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Parsers, Mutants, testing::ValuesIn(kParsers),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+}  // namespace
+}  // namespace chladni::io
