@@ -5,14 +5,13 @@ namespace chladni::app {
 namespace {
 
 void run(const Study& study, Run& run) {
-  const auto [outline, body, warnings] = introduced(study, run);
-  const Places places = places_of(study, outline.shell);
-  for (const auto& note : places.notes) run.talk().note(note);
-  static_cast<void>(materials_of(study, outline.shell.region_names));
-  const Cost cost = forecast(study, outline);
-  run.show(cost.line() + "\n");
-  run.leave("study.json", study_json(study, body, cost, warnings), !run.options().expect);
-  if (run.options().expect) judge(study, solved(study, run), run);
+  auto introduction = introduced(study, run);
+  const auto& shell = introduction.outline.shell;
+  for (const auto& note : places_of(study, shell).notes) run.talk().note(note);
+  static_cast<void>(materials_of(study, shell.region_names));
+  run.show(introduction.cost.line() + "\n");
+  run.leave("study.json", study_json(study, introduction), !run.options().expect);
+  if (run.options().expect) judge(study, solved(study, std::move(introduction), run), run);
 }
 
 }  // namespace

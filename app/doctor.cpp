@@ -45,6 +45,13 @@ Finding worker(const std::string& name, const std::string& serves) {
   }
 }
 
+/// STEP is there where OpenCASCADE was when Chladni was built.
+Finding step_reader() {
+  auto finding = worker("chladni-step", "reading of .step");
+  if (!finding.good) finding = {true, "chladni-step", "not built: .step and .stp cannot be read"};
+  return finding;
+}
+
 bool on_path(const std::string& program) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path == nullptr ? "" : path;
@@ -101,7 +108,8 @@ int doctor(std::ostream& results) {
                                memory(),
                                worker("chladni-tetgen", "meshing of surfaces"),
                                worker("chladni-vtu", "reading of .vtu"),
-                               worker("chladni-picture", "painting"),
+                               step_reader(),
+                               worker("chladni-painter", "painting"),
                                display(),
                                units(),
                                modes_of_a_plate()};

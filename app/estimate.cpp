@@ -90,7 +90,7 @@ Estimate first_frequency(const Study& study, const Understood& body,
   return {std::min(bending, twist), flat ? "plate" : "box"};
 }
 
-/// Seven digits of memory: "0.52 GB", "140 MB".
+/// "0.52 GB", "140 MB".
 std::string bytes_text(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
                      : fmt::format("{:.1f} GB", bytes / 1e9);
@@ -142,16 +142,17 @@ Cost forecast(const Study& study, const Outline& outline) {
                            ? static_cast<double>(outline.shell.node_count())
                            : node_count(outline.shell, order);
   cost.degrees_of_freedom = 3.0 * nodes;
-  const double size = cost.degrees_of_freedom / 29.5e3;
-  cost.memory_bytes = 147e6 * std::pow(size, 1.19);
-  cost.seconds = 1.4 * std::pow(size, 1.4);
+  const double size = cost.degrees_of_freedom / 1e5;
+  cost.memory_bytes = 50e6 + (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17);
+  cost.seconds = 7.8 * std::pow(size, 1.08);
   return cost;
 }
 
 std::string Cost::line() const {
-  return fmt::format("forecast: {}{:.0f} degrees of freedom, about {} of memory and {} s",
-                     exact ? "" : "about ", degrees_of_freedom, bytes_text(memory_bytes),
-                     fmt::format("{:.{}f}", seconds, seconds < 9.5 ? 1 : 0));
+  return fmt::format(
+      "forecast: {}{:.0f} degrees of freedom, about {} of memory and {} s of one core",
+      exact ? "" : "about ", degrees_of_freedom, bytes_text(memory_bytes),
+      fmt::format("{:.{}f}", seconds, seconds < 9.5 ? 1 : 0));
 }
 
 std::vector<std::string> implausible(const Understood& body) {

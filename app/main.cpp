@@ -56,13 +56,22 @@ int guarded(app::Talk& talk, const std::function<int()>& work) {
   }
 }
 
+/// The message, headed by the study's name where it does not have it yet.
+std::string with_file(const std::filesystem::path& file, const std::string& message) {
+  return message.starts_with(file.string()) ? message : file.string() + ": " + message;
+}
+
 int run(const app::Command& command, const std::filesystem::path& file, app::Options options) {
   app::Talk talk(std::cerr, app::manner_of_stderr(options.quiet));
   return guarded(talk, [&] {
     if (options.threads > 0) chladni::set_thread_count(options.threads);
     const auto study = app::read_study(file, options.allowed);
     app::Run run(study, std::move(options), std::cout, talk);
-    command.run(study, run);
+    try {
+      command.run(study, run);
+    } catch (const chladni::InvalidInput& e) {
+      throw chladni::InvalidInput(with_file(file, e.what()));
+    }
     std::cout.flush();
     if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
     return kDone;

@@ -74,6 +74,7 @@ Introduction introduced(const Study& study, Run& run) {
   for (const auto& warning : study.warnings) run.talk().warn(warning);
   introduction.outline = outline_of(study, run.talk().progress());
   introduction.body = understood(study, introduction.outline);
+  introduction.cost = forecast(study, introduction.outline);
   run.show(introduction.body.line() + "\n");
   for (const auto& note : introduction.outline.notes) run.talk().note(note);
   for (const auto& warning : implausible(introduction.body)) {
@@ -84,13 +85,17 @@ Introduction introduced(const Study& study, Run& run) {
 }
 
 Solution solved(const Study& study, Run& run) {
-  const auto progress = run.talk().progress();
-  Solution solution;
-  solution.introduction = run.timed("geometry", [&] { return introduced(study, run); });
-  const auto& outline = solution.introduction.outline;
-  run.talk().note(forecast(study, outline).line());
-  throw_if_interrupted();
+  auto introduction = run.timed("geometry", [&] { return introduced(study, run); });
+  run.talk().note(introduction.cost.line());
+  return solved(study, std::move(introduction), run);
+}
 
+Solution solved(const Study& study, Introduction introduction, Run& run) {
+  const auto progress = run.talk().progress();
+  throw_if_interrupted();
+  Solution solution;
+  solution.introduction = std::move(introduction);
+  const auto& outline = solution.introduction.outline;
   auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
   solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) run.talk().note(note);

@@ -13,6 +13,7 @@ namespace chladni::app {
 struct Introduction {
   Outline outline;
   Understood body;
+  Cost cost;
   std::vector<std::string> warnings;
 };
 
@@ -28,6 +29,8 @@ struct Solution {
 /// Geometry, mesh, assembly and modes, with the first line, the forecast and progress told.
 /// @throws what its steps throw
 [[nodiscard]] Solution solved(const Study& study, Run& run);
+/// The same of a study that was introduced before.
+[[nodiscard]] Solution solved(const Study& study, Introduction introduction, Run& run);
 
 /// Says the first line, the notes and the warnings.
 [[nodiscard]] Introduction introduced(const Study& study, Run& run);

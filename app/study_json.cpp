@@ -184,8 +184,7 @@ io::Json estimate_json(const Understood& body, const Cost& cost) {
 
 }  // namespace
 
-io::JsonObject study_json(const Study& study, const Understood& body, const Cost& cost,
-                          const std::vector<std::string>& warnings) {
+io::JsonObject study_json(const Study& study, const Introduction& introduction) {
   io::JsonArray materials;
   for (const auto& material : study.materials) materials.push_back(material_json(material));
   io::JsonObject object = {
@@ -209,8 +208,8 @@ io::JsonObject study_json(const Study& study, const Understood& body, const Cost
                                        {"hold_out", texts(study.measurement->hold_out)}});
   }
   object.emplace_back("expect", expectations_json(study.expectations));
-  object.emplace_back("estimate", estimate_json(body, cost));
-  object.emplace_back("warnings", texts(warnings));
+  object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
+  object.emplace_back("warnings", texts(introduction.warnings));
   return object;
 }
 
