@@ -30,7 +30,8 @@ SparseMatrix random_matrix(int n, double shift, unsigned seed) {
 }
 
 Eigen::MatrixXd dense(const SparseMatrix& lower) {
-  return Eigen::MatrixXd(lower.selfadjointView<Eigen::Lower>());
+  const SparseMatrix both = lower.selfadjointView<Eigen::Lower>();
+  return Eigen::MatrixXd(both);
 }
 
 Eigen::MatrixXd right_hand_sides(Eigen::Index n, Eigen::Index columns) {

@@ -44,8 +44,10 @@ System plate_system(double length, double width, double thickness, double edge, 
 
 // All of them, by a dense solver.
 Eigen::VectorXd dense_frequencies(const System& system) {
-  const Eigen::MatrixXd k(system.stiffness.selfadjointView<Eigen::Lower>());
-  const Eigen::MatrixXd m(system.mass.selfadjointView<Eigen::Lower>());
+  const SparseMatrix k_both = system.stiffness.selfadjointView<Eigen::Lower>();
+  const SparseMatrix m_both = system.mass.selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd k(k_both);
+  const Eigen::MatrixXd m(m_both);
   return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(k, m, Eigen::EigenvaluesOnly)
              .eigenvalues()
              .cwiseMax(0.0)
@@ -98,7 +100,8 @@ TEST(Modes, DoNotDependOnTheOrderOfTheDegreesOfFreedom) {
   std::shuffle(shuffle.indices().begin(), shuffle.indices().end(), std::mt19937(7));
   const auto renumbered = [&](const SparseMatrix& lower) {
     const SparseMatrix full = lower.selfadjointView<Eigen::Lower>();
-    const SparseMatrix twisted = full.twistedBy(shuffle);
+    SparseMatrix twisted;
+    twisted = full.twistedBy(shuffle);
     return SparseMatrix(twisted.triangularView<Eigen::Lower>());
   };
   System other;
