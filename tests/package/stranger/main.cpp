@@ -6,9 +6,9 @@
 
 int main() {
   using namespace chladni;
-  const mesh::Plate plate{.length = 0.6, .width = 0.6, .thickness = 0.02};
-  const auto body = mesh::with_order(mesh::layered(plate, {.edge_length = 0.05}), 2);
+  const mesh::Plate plate{.length = 0.6, .width = 0.6, .thickness = 0.02};  // [m]
+  const auto body = mesh::with_order(mesh::layered(plate, {.edge_length = 0.1}), 3);
   const auto system = fem::assemble(body, {fem::isotropic(70e9, 0.33, 2700.0)});
-  const auto result = fem::modes(system, {.count = 3});
-  std::cout << result.modes.frequency_hz.transpose() << '\n' << result.summary.text << '\n';
+  const auto [modes, summary] = fem::modes(system, {.count = 3});
+  std::cout << modes.frequency_hz.transpose() << '\n' << summary.text << '\n';
 }
