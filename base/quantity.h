@@ -7,7 +7,7 @@
 namespace chladni {
 
 /// `text` is a number and a unit; the value in the SI unit `si_unit` ("m", "Pa", "kg/m^3", "N/m",
-/// "rad", "1"). An affine unit (degC) is not converted but refused.
+/// "rad", "1"). A unit that is no factor (degC, a reciprocal, rad/s for Hz) is refused.
 /// @throws InvalidInput  no number, no unit, an unknown unit, or one of another dimension; the
 ///                       message has the text, what it was taken for and an example ("expected a
 ///                       length such as \"20 mm\"")
