@@ -15,13 +15,17 @@ sys.dont_write_bytecode = True  # a new folder here would look like a newer sour
 from check_layers import DOORS, INCLUDE, MAY_INCLUDE
 
 
-def is_public(header):
-    return not any(
-        re.match(library, m[1])
-        for line in header.read_text().splitlines()
-        if (m := INCLUDE.match(line))
-        for library in DOORS
-    )
+def is_public(header, root):
+    """Whether neither the header nor one of ours that it includes names a heavy library."""
+    for line in header.read_text().splitlines():
+        if not (m := INCLUDE.match(line)):
+            continue
+        if any(re.match(library, m[1]) for library in DOORS):
+            return False
+        ours = root / m[1]
+        if ours.is_file() and not is_public(ours, root):
+            return False
+    return True
 
 
 def fault_of(header, root, compiler):
@@ -35,7 +39,7 @@ def fault_of(header, root, compiler):
 
 def main():
     root, compiler = pathlib.Path(sys.argv[1]), sys.argv[2:]
-    headers = [h for room in MAY_INCLUDE for h in sorted(root.glob(f"{room}/**/*.h")) if is_public(h)]
+    headers = [h for room in MAY_INCLUDE for h in sorted(root.glob(f"{room}/**/*.h")) if is_public(h, root)]
     cores = len(os.sched_getaffinity(0))
     with concurrent.futures.ThreadPoolExecutor(cores) as pool:
         faults = [f for f in pool.map(lambda h: fault_of(h, root, compiler), headers) if f]

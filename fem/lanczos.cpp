@@ -49,6 +49,10 @@ class Basis {
       const Eigen::VectorXd& d = solver.eigenvalues();
       const double least = pass == 0 ? 1e-28 * scale * scale + 1e-14 * d.maxCoeff() : 0.0;
       const Eigen::Index rank = (d.array() > least).count();
+      if (rank == 0) {  // the space is exhausted
+        w.resize(Eigen::NoChange, 0);
+        return Matrix::Zero(0, r.cols());
+      }
       const Eigen::VectorXd root = d.tail(rank).cwiseSqrt();
       const Matrix u = solver.eigenvectors().rightCols(rank);
       w = w * (u * root.cwiseInverse().asDiagonal());

@@ -102,20 +102,47 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   return c;
 }
 
+// Energy of the orthonormal motions in springs and supports, and the size of what was summed, which
+// says how much of it is rounding: a link that does not stretch sums to zero only to that.
+struct Energy {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(6, 6);
+  double magnitude = 0.0;
+
+  void add(double stiffness, const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
+    sum += stiffness * a.transpose() * b;
+    magnitude += std::abs(stiffness) * a.norm() * b.norm();
+  }
+};
+
+Energy energy_of(const Motions& motions, const DofMap& dofs, const AttachmentTerms& attachments) {
+  Energy energy;
+  double stiff = 1.0;
+  for (const auto& term : attachments.stiffness) {
+    energy.add(term.value(), motions.row(term.row()), motions.row(term.col()));
+    if (term.row() != term.col()) {
+      energy.add(term.value(), motions.row(term.col()), motions.row(term.row()));
+    }
+    stiff = std::max(stiff, std::abs(term.value()));
+  }
+  // A support is a spring as stiff as the stiffest there is.
+  for (Eigen::Index i = 0; i < dofs.free_dof.size(); ++i) {
+    if (dofs.free_dof(i) < 0) energy.add(stiff, motions.row(i), motions.row(i));
+  }
+  return energy;
+}
+
 // What of the six orthonormal motions springs and supports let pass: the null space of their
 // energy, spanned by projections of the motions in their order.
-Eigen::MatrixXd costless(const Eigen::MatrixXd& energy) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(energy);
-  const double largest = solver.eigenvalues().maxCoeff();
-  const Eigen::Index count =
-      largest <= 0.0 ? energy.cols() : (solver.eigenvalues().array() <= 1e-12 * largest).count();
+Eigen::MatrixXd costless(const Energy& energy) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(energy.sum);
+  const Eigen::Index count = (solver.eigenvalues().array() <= 1e-13 * energy.magnitude).count();
   const Eigen::MatrixXd null = solver.eigenvectors().leftCols(count);
-  Eigen::MatrixXd chosen(energy.cols(), 0);
-  for (Eigen::Index k = 0; k < energy.cols() && chosen.cols() < count; ++k) {
+  Eigen::MatrixXd chosen(energy.sum.cols(), 0);
+  for (Eigen::Index k = 0; k < energy.sum.cols() && chosen.cols() < count; ++k) {
     Eigen::VectorXd part = null * null.row(k).transpose();
     for (int pass = 0; pass < 2; ++pass) part -= chosen * (chosen.transpose() * part);
     if (part.norm() < 1e-6) continue;
-    chosen.conservativeResize(energy.cols(), chosen.cols() + 1);
+    chosen.conservativeResize(Eigen::NoChange, chosen.cols() + 1);
     chosen.col(chosen.cols() - 1) = part.normalized();
   }
   return chosen;
@@ -126,27 +153,12 @@ Eigen::MatrixXd costless(const Eigen::MatrixXd& energy) {
 Eigen::MatrixXd rigid_motions(const mesh::TetMesh& body, const System& system,
                               const AttachmentTerms& attachments) {
   Eigen::Vector3d centre = body.points.colwise().mean().transpose();
-  const auto held = (system.dofs.free_dof.array() < 0).any();
   Motions all = about(body, attachments, centre);
   Eigen::MatrixXd free = free_rows(all, system.dofs);
   const Eigen::MatrixXd combination = mass_orthonormal(gram(system.mass, free));
   all *= combination;
 
-  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(6, 6);
-  for (const auto& term : attachments.stiffness) {
-    const Eigen::MatrixXd product = all.row(term.row()).transpose() * all.row(term.col());
-    energy += term.value() * product;
-    if (term.row() != term.col()) energy += term.value() * product.transpose();
-  }
-  // A support is a spring as stiff as the springs there are.
-  if (held) {
-    double stiff = 1.0;
-    for (const auto& term : attachments.stiffness) stiff = std::max(stiff, std::abs(term.value()));
-    for (Eigen::Index i = 0; i < system.dofs.free_dof.size(); ++i) {
-      if (system.dofs.free_dof(i) < 0) energy += stiff * all.row(i).transpose() * all.row(i);
-    }
-  }
-  const Eigen::MatrixXd passed = costless(energy);
+  const Eigen::MatrixXd passed = costless(energy_of(all, system.dofs, attachments));
   if (passed.cols() == 6) return free * combination;
   Eigen::MatrixXd left = free * combination * passed;
   for (int pass = 0; pass < 2 && left.cols() > 0; ++pass) {

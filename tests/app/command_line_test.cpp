@@ -263,7 +263,7 @@ TEST_F(BadStudy, Material) {
 
 TEST_F(BadStudy, UnknownKey) {
   EXPECT_TRUE(says(refused("thickness", "thicknes").err,
-                   "study.toml:2:62: unknown key \"thicknes\" in geometry.plate; did you mean "
+                   "study.toml:2:60: unknown key \"thicknes\" in geometry.plate; did you mean "
                    "\"thickness\"?"));
 }
 
@@ -322,7 +322,7 @@ TEST_F(CommandLine, ASecondRunIsToldWhoWritesThere) {
   std::ofstream(lock) << "4711\n";
   const pid_t holder = fork();
   if (holder == 0) {
-    execlp("flock", "flock", "-x", lock.c_str(), "sleep", "30", nullptr);
+    execlp("flock", "flock", "-x", "-o", lock.c_str(), "sleep", "30", nullptr);
     _exit(97);
   }
   Ended check;
@@ -361,7 +361,7 @@ TEST_F(CommandLine, AFullDiskLeavesNoHalfFile) {
 
 TEST_F(CommandLine, CtrlCLeavesNothingHalf) {
   std::string text = kPlate;
-  text.replace(text.find("\"10 mm\", order = 2"), 18, "\"1.5 mm\", order = 3");
+  text.replace(text.find("\"10 mm\", order = 2"), 18, "\"3 mm\", order = 3");
   const auto study = write("study.toml", text);
   const pid_t child = started({"modes", study.string(), "-o", "out", "--no-pictures"});
   for (int i = 0; i < 300 && whole(folder_ / "stderr").find("forecast") == std::string::npos; ++i) {

@@ -139,7 +139,7 @@ TEST(MassProperties, AreThoseOfABallWithCurvedCells) {
 TEST(Supports, TakeTheirDegreesOfFreedomAndLeaveTheRigidMotionsTheyAllow) {
   const auto body = block(2);
   const auto guided = assemble(body, {kAluminium}, {{.patch = "x_min", .z = true}});
-  EXPECT_EQ(guided.rigid.cols(), 3);  // x, y and rotation about z
+  EXPECT_EQ(guided.rigid.cols(), 4);  // x, y, about z, and about the held face's own line
   const auto clamped =
       assemble(body, {kAluminium}, {{.patch = "x_min", .x = true, .y = true, .z = true}});
   EXPECT_EQ(clamped.rigid.cols(), 0);
