@@ -107,8 +107,8 @@ double tetgen_tets(const Outline& outline, double edge) {
 std::string Understood::line() const {
   const Eigen::Vector3d mm = 1e3 * extent_m;
   return fmt::format("{:.1f} x {:.1f} x {:.1f} mm  {:.{}f} {}  first {} estimate {:.{}f} Hz", mm(0),
-                     mm(1), mm(2), mass_kg < 0.1 ? 1e3 * mass_kg : mass_kg, 2,
-                     mass_kg < 0.1 ? "g" : "kg", estimate_name, first_frequency_hz,
+                     mm(1), mm(2), mass_kg < 1.0 ? 1e3 * mass_kg : mass_kg, 2,
+                     mass_kg < 1.0 ? "g" : "kg", estimate_name, first_frequency_hz,
                      first_frequency_hz < 100.0 ? 1 : 0);
 }
 
