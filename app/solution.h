@@ -58,8 +58,7 @@ void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 [[nodiscard]] std::string mesh_text(const mesh::TetMesh& body);
 
 /// study.json: the study in SI with what is estimated of it.
-[[nodiscard]] io::JsonObject study_json(const Study& study, const Understood& body,
-                                        const Cost& cost, const std::vector<std::string>& warnings);
+[[nodiscard]] io::JsonObject study_json(const Study& study, const Introduction& introduction);
 
 /// Each expectation beside what was found.
 /// @throws NumericalFailure  some are not met (their number), after all were shown
