@@ -13,12 +13,14 @@
 #include "base/worker.h"
 #include "io/message.h"
 #include "io/skin.h"
+#include "mesh/surface.h"
 
 namespace chladni::io {
 namespace {
 
-constexpr Eigen::Index kMostVertices = 40'000;  // more do not show at this size
+constexpr Eigen::Index kMostVertices = 80'000;  // more do not show at this size
 constexpr double kDeformation = 0.06;           // of the body's diagonal
+constexpr double kSteepest = 1.2;               // change of displacement per length
 
 // Of the direction in which most of the motion is.
 Eigen::Index main_axis(const Points& shape) {
@@ -42,7 +44,23 @@ std::string note(Eigen::Index mode, Eigen::Index axis, const std::vector<fem::Cl
   return words;
 }
 
-void add_panels(Message& request, const Skin& skin, const modal::Modes& modes,
+// How much of a shape whose largest length is 1 may be drawn: where it would turn a part of a slim
+// body by more than about 50 degrees, less than all.
+double calm(const Skin& skin, const Points& at, const Points& shape) {
+  const auto box = mesh::bounding_box(at);
+  const double deformation = kDeformation * (box.row(1) - box.row(0)).norm();
+  double steepest = 0.0;
+  for (const auto t : skin.triangles.rowwise()) {
+    for (const auto& [a, b] : mesh::kTriangleEdges) {
+      const double length = (at.row(t(a)) - at.row(t(b))).norm();
+      const double change = (shape.row(t(a)) - shape.row(t(b))).norm();
+      if (length > 0.0) steepest = std::max(steepest, deformation * change / length);
+    }
+  }
+  return steepest > kSteepest ? kSteepest / steepest : 1.0;
+}
+
+void add_panels(Message& request, const Skin& skin, const Points& at, const modal::Modes& modes,
                 const std::vector<fem::Cluster>& clusters, int count) {
   const Eigen::Index panels = std::min<Eigen::Index>(count, modes.mode_count() - modes.rigid_count);
   auto& shapes = request.doubles["shapes"];
@@ -52,7 +70,7 @@ void add_panels(Message& request, const Skin& skin, const modal::Modes& modes,
     const Eigen::Index mode = modes.rigid_count + p;
     Points shape = field_at(skin, modes.shapes.col(mode));
     const double largest = std::sqrt(shape.rowwise().squaredNorm().maxCoeff());
-    if (largest > 0.0) shape /= largest;
+    if (largest > 0.0) shape *= calm(skin, at, shape / largest) / largest;
     shapes.middleCols<3>(3 * p) = shape;
     const Eigen::Index axis = main_axis(shape);
     heads.emplace_back(JsonObject{{"title", fmt::format("{} (flex {})   {:.2f} Hz", mode + 1, p + 1,
@@ -105,8 +123,8 @@ void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
           "picture of the modes: there is no flexible mode to draw");
   const Skin body = decimated(smooth_skin(mesh, kMostVertices), mesh.points, kMostVertices);
   Message request;
-  add_panels(request, body, modes, clusters, count);
   const Points at = vertices(body, mesh.points);
+  add_panels(request, body, at, modes, clusters, count);
   request.doubles["points"] = at;
   request.integers["triangles"] = body.triangles;
   request.integers["outline"] = body.outline;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -21,12 +23,27 @@ std::string hertz(double frequency) {
 std::string with_two_digits(double value) {
   if (value >= 10.0) return fmt::format("{:.0f}", value);
   if (value >= 1.0) return fmt::format("{:.1f}", value);
-  return value >= 0.1 ? fmt::format("{:.2f}", value) : fmt::format("{:.1g}", value);
+  if (value >= 0.1) return fmt::format("{:.2f}", value);
+  return value >= 1e-3 ? fmt::format("{:.1g}", value) : "< 0.001";
+}
+
+// Without a minus sign where all digits are zero.
+std::string rounded(double value, int decimals) {
+  const bool is_zero = std::abs(value) < 0.5 * std::pow(10.0, -decimals);
+  return fmt::format("{:.{}f}", is_zero ? 0.0 : value, decimals);
 }
 
 std::string numbers(const Eigen::Vector3d& values, double scale, int decimals) {
-  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", scale * values(0) + 0.0, decimals,
-                     scale * values(1) + 0.0, decimals, scale * values(2) + 0.0, decimals);
+  return rounded(scale * values(0), decimals) + ", " + rounded(scale * values(1), decimals) + ", " +
+         rounded(scale * values(2), decimals);
+}
+
+std::string direction_name(const Eigen::Vector3d& direction) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (std::abs(std::abs(direction(axis)) - direction.norm()) > 1e-9 * direction.norm()) continue;
+    return std::string(direction(axis) < 0.0 ? "−" : "") + "xyz"[axis];
+  }
+  return numbers(direction, 1.0, 3);
 }
 
 std::string cluster_note(Eigen::Index mode, const std::vector<fem::Cluster>& clusters) {
@@ -77,6 +94,15 @@ Note certificate(const fem::ModesSummary& summary) {
   return {Note::Tone::warning, (summary.text.empty() ? "" : summary.text + ". ") +
                                    "Not certified: no inertia count was made, so a mode may be "
                                    "missing."};
+}
+
+// Products of inertia that are round-off are zero.
+std::string inertia_lines(Eigen::Matrix3d inertia) {
+  const double least = 1e-12 * inertia.trace();
+  inertia = inertia.unaryExpr([&](double v) { return std::abs(v) < least ? 0.0 : v; }).eval();
+  return fmt::format(
+      "xx {:.6g}   yy {:.6g}   zz {:.6g} kg m²\nxy {:.6g}   yz {:.6g}   zx {:.6g} kg m²",
+      inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(1, 2), inertia(2, 0));
 }
 
 std::string region_list(const mesh::TetMesh& mesh) {
@@ -140,18 +166,12 @@ Section body_section(const fem::MassProperties& mass, const mesh::TetMesh& mesh,
                      const mesh::Quality& quality, Eigen::Index degrees_of_freedom) {
   const auto box = mesh::bounding_box(mesh.points);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(mass.inertia_kg_m2);
-  const Eigen::Matrix3d& inertia = mass.inertia_kg_m2;
   Facts facts{"Body and what is attached to it",
               {{"size", numbers((box.row(1) - box.row(0)).transpose(), 1e3, 3) + " mm"},
                {"volume", fmt::format("{:.6g} cm³", 1e6 * mesh::volume(mesh))},
                {"mass", fmt::format("{:.6g} kg", mass.mass_kg)},
                {"centre of mass", numbers(mass.centre_m, 1e3, 3) + " mm"}}};
-  facts.lines.emplace_back(
-      "inertia about it",
-      fmt::format(
-          "xx {:.6g}   yy {:.6g}   zz {:.6g} kg m²\nxy {:.3g}   yz {:.3g}   zx {:.3g} kg m²",
-          inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(1, 2),
-          inertia(2, 0)));
+  facts.lines.emplace_back("inertia about it", inertia_lines(mass.inertia_kg_m2));
   const Eigen::Vector3d moments = principal.eigenvalues();
   facts.lines.emplace_back("principal moments", fmt::format("{:.6g}, {:.6g}, {:.6g} kg m²",
                                                             moments(0), moments(1), moments(2)));
@@ -168,15 +188,14 @@ Section channels_section(const std::vector<Marker>& channels, const modal::Modes
                                  shapes.cols() == modes.mode_count()),
           fmt::format("report: shapes at the channels are {} x {}, expected {} x {}", shapes.rows(),
                       shapes.cols(), channels.size(), modes.mode_count()));
-  Table table{
-      "", {{"name", false}, {"kind", false}, {"place [mm]", false}, {"direction", false}}, {}};
+  Table table{"", {{"name", false}, {"kind", false}, {"place [mm]"}, {"direction", false}}, {}};
   for (Eigen::Index k = 0; k < shown; ++k) {
     table.columns.push_back({hertz(modes.frequency_hz(modes.rigid_count + k)) + " Hz"});
   }
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const Marker& channel = channels[c];
     Table::Row row{{channel.name, channel.kind, numbers(channel.position, 1e3, 1),
-                    numbers(channel.direction, 1.0, 2)}};
+                    direction_name(channel.direction)}};
     for (Eigen::Index k = 0; k < shown; ++k) {
       row.cells.push_back(fmt::format(
           "{:+.3f}", shapes(static_cast<Eigen::Index>(c), modes.rigid_count + k) + 0.0));

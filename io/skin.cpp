@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -160,8 +162,8 @@ RowWeights chosen(const RowWeights& weights, const std::vector<int>& rows) {
   return result;
 }
 
-// The rows of `of_vertex` that a triangle names, in their order; renumbers the triangles.
-std::vector<int> used(const Eigen::VectorXi& of_vertex, Cells& triangles) {
+// The rows of `of_vertex` that a triangle names, in their order; renumbers triangles and lines.
+std::vector<int> used(const Eigen::VectorXi& of_vertex, Cells& triangles, Cells& lines) {
   Eigen::VectorXi fresh = Eigen::VectorXi::Constant(of_vertex.size(), -1);
   for (const auto triangle : triangles.rowwise()) {
     for (const std::int32_t v : triangle) fresh(v) = 0;
@@ -174,10 +176,12 @@ std::vector<int> used(const Eigen::VectorXi& of_vertex, Cells& triangles) {
   }
   const auto renumbered = [&](std::int32_t v) { return fresh(v); };
   triangles = triangles.unaryExpr(renumbered).eval();
+  lines = lines.unaryExpr(renumbered).eval();
   return rows;
 }
 
-// Which of the six axis directions each vertex faces, and a number for the patches it lies on.
+// Which of the six axis directions each vertex faces, and the patches it lies on (a bit each, 64 of
+// them). On the edge between two patches the direction would be chance: there it is 0.
 struct Sides {
   std::vector<int> direction;
   std::vector<std::uint64_t> patches;
@@ -197,8 +201,9 @@ Sides sides(const Skin& skin, const Points& at) {
   for (Eigen::Index v = 0; v < at.rows(); ++v) {
     Eigen::Index axis = 0;
     normal.row(v).cwiseAbs().maxCoeff(&axis);
-    sides.direction[static_cast<std::size_t>(v)] =
-        static_cast<int>(2 * axis + (normal(v, axis) < 0.0 ? 1 : 0));
+    const auto i = static_cast<std::size_t>(v);
+    if (std::popcount(sides.patches[i]) > 1) continue;
+    sides.direction[i] = static_cast<int>(2 * axis + (normal(v, axis) < 0.0 ? 1 : 0));
   }
   return sides;
 }
@@ -245,8 +250,25 @@ Eigen::VectorXi representatives(const Clusters& clusters, const Points& at) {
   return nearest;
 }
 
-Skin merged(const Skin& skin, const Points& points, const Clusters& clusters,
-            const Eigen::VectorXi& representative) {
+// Lines between two clusters, each once, as far as a triangle still stands on both.
+Cells merged_lines(const Cells& lines, const Clusters& clusters, const Cells& triangles) {
+  std::vector<bool> stands(static_cast<std::size_t>(clusters.count), false);
+  for (const auto triangle : triangles.rowwise()) {
+    for (const std::int32_t c : triangle) stands[static_cast<std::size_t>(c)] = true;
+  }
+  std::set<std::pair<std::int32_t, std::int32_t>> pairs;
+  for (const auto line : lines.rowwise()) {
+    const auto [a, b] = std::minmax(clusters.of_vertex(line(0)), clusters.of_vertex(line(1)));
+    const bool both = stands[static_cast<std::size_t>(a)] && stands[static_cast<std::size_t>(b)];
+    if (a != b && both) pairs.emplace(a, b);
+  }
+  Cells result(static_cast<Eigen::Index>(pairs.size()), 2);
+  Eigen::Index row = 0;
+  for (const auto& [a, b] : pairs) result.row(row++) << a, b;
+  return result;
+}
+
+Skin merged(const Skin& skin, const Clusters& clusters, const Eigen::VectorXi& representative) {
   Skin result;
   result.triangles.resize(skin.triangles.rows(), 3);
   result.patch.resize(skin.patch.size());
@@ -260,8 +282,8 @@ Skin merged(const Skin& skin, const Points& points, const Clusters& clusters,
   }
   result.triangles.conservativeResize(kept, 3);
   result.patch.conservativeResize(kept);
-  result.weights = chosen(skin.weights, used(representative, result.triangles));
-  result.outline = sharp_edges(result.triangles, vertices(result, points));
+  result.outline = merged_lines(skin.outline, clusters, result.triangles);
+  result.weights = chosen(skin.weights, used(representative, result.triangles, result.outline));
   return result;
 }
 
@@ -323,7 +345,7 @@ Skin decimated(const Skin& skin, const Points& points, Eigen::Index max_vertices
     if (size > diagonal) std::fill(side.patches.begin(), side.patches.end(), 0);
     found = clusters(at, side, size);
   }
-  return merged(skin, points, found, representatives(found, at));
+  return merged(skin, found, representatives(found, at));
 }
 
 }  // namespace chladni::io

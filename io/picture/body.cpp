@@ -92,15 +92,26 @@ void add_skin(vtkRenderer* panel, const Body& body, const Points& points,
   mapper->InterpolateScalarsBeforeMappingOn();
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
-  actor->GetProperty()->SetAmbient(0.42);
-  actor->GetProperty()->SetDiffuse(0.62);
+  actor->GetProperty()->SetAmbient(0.50);
+  actor->GetProperty()->SetDiffuse(0.54);
   actor->GetProperty()->SetSpecular(0.0);
   panel->AddActor(actor);
   add_lines(panel, outline_of(body, points), {0.30, 0.31, 0.34}, 2.0F);
 }
 
-void add_ghost(vtkRenderer* panel, const Body& body, const Points& points) {
-  add_lines(panel, outline_of(body, points), kPale, 1.6F);
+void add_ghost(vtkRenderer* panel, const Body& body, const Points& points, const io::View& view) {
+  const Eigen::RowVector3d back = -1.5 * body.diagonal * view.axes.row(2);
+  const Eigen::RowVector3d hair = 2e-3 * body.diagonal * view.axes.row(2);
+  const Points behind = points.rowwise() + back;
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(skin_of(body, behind, Eigen::VectorXd::Zero(points.rows())));
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(1.0, 1.0, 1.0);
+  actor->GetProperty()->LightingOff();
+  panel->AddActor(actor);
+  add_lines(panel, outline_of(body, behind.rowwise() + hair), kPale, 1.6F);
 }
 
 void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
@@ -132,10 +143,10 @@ void look(vtkRenderer* panel, const io::View& view, double height, double diagon
   camera->SetPosition(eye.data());
   camera->SetViewUp(view.axes(1, 0), view.axes(1, 1), view.axes(1, 2));
   camera->SetParallelScale(0.5 * height / view.pixels_per_metre);
-  camera->SetClippingRange(0.5 * diagonal, 6.0 * diagonal);
+  camera->SetClippingRange(0.5 * diagonal, 7.0 * diagonal);
   vtkNew<vtkLight> lamp;  // from the upper left, a little in front
   lamp->SetLightTypeToCameraLight();
-  lamp->SetPosition(-0.5, 0.8, 1.0);
+  lamp->SetPosition(-0.45, 0.7, 1.0);
   lamp->SetFocalPoint(0.0, 0.0, 0.0);
   panel->AddLight(lamp);
 }

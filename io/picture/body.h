@@ -20,8 +20,8 @@ struct Body {
 /// The skin at `points` (V×3), coloured by `value` (V, in [−1, 1]), softly lit; the outline dark.
 void add_skin(vtkRenderer* panel, const Body& body, const Points& points,
               const Eigen::VectorXd& value);
-/// The body's outline alone, pale: where it is at rest.
-void add_ghost(vtkRenderer* panel, const Body& body, const Points& points);
+/// The outline of the body at `points`, pale, hidden edges left out, behind all else.
+void add_ghost(vtkRenderer* panel, const Body& body, const Points& points, const io::View& view);
 /// Lines on the skin where `value` is zero, black. Values below 1e-6 count as positive: what is
 /// zero all over (up to round-off) has no nodal line.
 void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,

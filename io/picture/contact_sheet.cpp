@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <numbers>
+#include <numeric>
 
 #include "io/picture/body.h"
 #include "io/picture/canvas.h"
@@ -14,7 +13,7 @@
 namespace chladni::picture {
 namespace {
 
-constexpr double kWidth = 1640.0, kMargin = 40.0, kGap = 36.0;  // [px]
+constexpr double kWidth = 1560.0, kMargin = 40.0, kGap = 36.0;  // [px]
 constexpr double kHeader = 96.0, kLabel = 44.0, kFooter = 84.0;
 
 using Align = TextStyle::Align;
@@ -30,7 +29,8 @@ struct Sheet {
   Body body;
   std::vector<Panel> panels;
   std::vector<std::string> marker_kinds;
-  Cells marker_vertex;  // M×1
+  Cells marker_vertex;                    // M×1
+  std::vector<std::size_t> marker_order;  // sensors last, on top of what else is there
 };
 
 // Where the panels lie.
@@ -77,6 +77,11 @@ Sheet sheet_of(const io::Message& request) {
     sheet.marker_kinds.push_back(marker.at("kind").string());
   }
   sheet.marker_vertex = request.cells("marker_vertex");
+  sheet.marker_order.resize(sheet.marker_kinds.size());
+  std::iota(sheet.marker_order.begin(), sheet.marker_order.end(), 0U);
+  std::stable_sort(sheet.marker_order.begin(), sheet.marker_order.end(), [&](auto a, auto b) {
+    return glyph_layer(sheet.marker_kinds[a]) < glyph_layer(sheet.marker_kinds[b]);
+  });
   return sheet;
 }
 
@@ -117,19 +122,18 @@ io::View fitted(io::View view, const Points& states, const Eigen::Vector2d& size
 void paint_panel(Canvas& canvas, const Sheet& sheet, const Panel& panel, const io::View& view,
                  const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
   vtkRenderer* space = canvas.panel(corner, size);
-  add_ghost(space, sheet.body, sheet.body.points);
+  add_ghost(space, sheet.body, sheet.body.points, view);
   add_skin(space, sheet.body, panel.moved, panel.value);
   add_zero_lines(space, sheet.body, panel.moved, panel.value, view);
   look(space, view, size.y(), sheet.body.diagonal);
-  const Eigen::Vector2d middle = corner + 0.5 * size;
-  for (std::size_t m = 0; m < sheet.marker_kinds.size(); ++m) {
+  for (const std::size_t m : sheet.marker_order) {
     const auto vertex = sheet.marker_vertex(static_cast<Eigen::Index>(m), 0);
-    draw_glyph(canvas, sheet.marker_kinds[m], middle + view.at(panel.moved.row(vertex).transpose()),
-               6.5);
+    const Eigen::Vector2d at = view.at(panel.moved.row(vertex).transpose());
+    draw_glyph(canvas, sheet.marker_kinds[m], corner + 0.5 * size + at, 6.5);
   }
   const Eigen::Vector2d label(corner.x(), corner.y() - kLabel + 6.0);
   canvas.text(label + Eigen::Vector2d(0.0, 24.0), panel.title, {.size = 23.0, .bold = true});
-  canvas.text(label + Eigen::Vector2d(size.x(), 24.0), panel.note,
+  canvas.text(label + Eigen::Vector2d(size.x(), 22.5), panel.note,
               {.size = 20.0, .colour = kGrey, .align = Align::right});
 }
 
@@ -165,6 +169,8 @@ double paint_sample(Canvas& canvas, double left, double middle, const Colour& co
   return left + 44.0 + canvas.text_width(words, small) + 36.0;
 }
 
+const char* plural(const std::string& kind) { return kind.ends_with("ss") ? "es" : "s"; }
+
 void paint_footer(Canvas& canvas, const Sheet& sheet, double top) {
   const TextStyle small{.size = 18.0, .colour = kGrey};
   const double middle = top + 26.0;
@@ -177,8 +183,8 @@ void paint_footer(Canvas& canvas, const Sheet& sheet, double top) {
   std::map<std::string, int> kinds;
   for (const std::string& kind : sheet.marker_kinds) ++kinds[kind];
   for (const auto& [kind, count] : kinds) {
-    const std::string words =
-        std::to_string(count) + " " + kind + (count == 1 || kind.ends_with('s') ? "" : "s");
+    std::string words = std::to_string(count) + " " + kind + (count == 1 ? "" : plural(kind));
+    std::replace(words.begin(), words.end(), '_', ' ');
     draw_glyph(canvas, kind, {x + 8.0, middle}, 8.0);
     canvas.text({x + 24.0, middle + 8.0}, words, small);
     x += 24.0 + canvas.text_width(words, small) + 30.0;

@@ -20,11 +20,15 @@ std::vector<Eigen::Vector2d> regular(const Eigen::Vector2d& at, double radius, i
 
 }  // namespace
 
+int glyph_layer(const std::string& kind) {
+  return kind == "sensor" ? 2 : kind == "actuator" ? 1 : 0;
+}
+
 void draw_glyph(Canvas& canvas, const std::string& kind, const Eigen::Vector2d& at, double radius) {
   if (kind == "sensor") {
-    canvas.polygon(regular(at, radius, 24, 0.0), kSensor, kInk, 1.2);
+    canvas.polygon(regular(at, 0.85 * radius, 24, 0.0), kSensor, kInk, 1.2);
   } else if (kind == "actuator") {
-    canvas.polygon(regular(at, 1.35 * radius, 3, -std::numbers::pi / 2), kActuator, kWhite, 1.2);
+    canvas.polygon(regular(at, 1.5 * radius, 3, -std::numbers::pi / 2), kActuator, kWhite, 1.2);
   } else {
     canvas.polygon(regular(at, 1.1 * radius, 4, std::numbers::pi / 4), kOther, kInk, 1.0);
   }

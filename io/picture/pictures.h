@@ -12,7 +12,7 @@ namespace chladni::picture {
 /// head: `title`; `panels`: list of {`title`, `note`, `axis` (0 x, 1 y, 2 z: gives the colour)};
 /// `markers`: list of {`name`, `kind`}; `deformation`: largest displacement drawn, as a fraction of
 /// the body's diagonal. Arrays: `points` V×3, `triangles` T×3, `outline` E×2, `shapes` V×3P (panel
-/// p has columns 3p..3p+2, the largest displacement of each has length 1), `marker_vertex` M×1.
+/// p has columns 3p..3p+2; a length of 1 is drawn `deformation` long), `marker_vertex` M×1.
 [[nodiscard]] std::string contact_sheet(const io::Message& request);
 
 }  // namespace chladni::picture

@@ -138,30 +138,52 @@
     const pixels = state.zoom * 0.86 * Math.min(width / 2 / extent[0], height / 2 / (extent[1] + 0.6 * state.amplitude));
     return { width, height, pixels };
   };
+  // Glyphs first, those of sensors last; then the names, one label for those that share a place.
+  const layer = { sensor: 2, actuator: 1 };
+  const order = data.markers.map((_, i) => i)
+    .sort((a, b) => (layer[data.markers[a].kind] || 0) - (layer[data.markers[b].kind] || 0));
+  const glyph = (pen, kind, [x, y]) => {
+    pen.beginPath();
+    if (kind === "sensor") pen.arc(x, y, 4.5, 0, 7);
+    else if (kind === "actuator") { pen.moveTo(x, y - 8); pen.lineTo(x + 7, y + 5); pen.lineTo(x - 7, y + 5); pen.closePath(); }
+    else pen.rect(x - 4.5, y - 4.5, 9, 9);
+    pen.fillStyle = { sensor: "#ffd61a", actuator: "#1a7342" }[kind] || "#8c9199";
+    pen.strokeStyle = kind === "actuator" ? "#fff" : "#1d2126";
+    pen.lineWidth = 1;
+    pen.fill();
+    pen.stroke();
+  };
+  const labels = (places) => {
+    const found = [];
+    data.markers.forEach((marker, i) => {
+      const [x, y] = places[i];
+      const same = found.find((label) => Math.hypot(label.x - x, label.y - y) < 9);
+      if (same) same.names.push(marker.name);
+      else found.push({ x, y, names: [marker.name] });
+    });
+    return found;
+  };
+  const short = (text, most) => (text.length > most ? text.slice(0, most - 1) + "\u2026" : text);
   const drawMarkers = (turn, swing, { width, height, pixels }) => {
     const ratio = front.width / width, pen = front.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
-    pen.font = "12px system-ui, Arial, sans-serif";
-    data.markers.forEach((marker, i) => {
+    const places = data.markers.map((_, i) => {
       const place = seen(turn, data.markerVertex[i], swing);
-      const [x, y] = [width / 2 + pixels * place[0], height / 2 - pixels * place[1]];
-      pen.beginPath();
-      if (marker.kind === "sensor") pen.arc(x, y, 5, 0, 7);
-      else if (marker.kind === "actuator") { pen.moveTo(x, y - 7); pen.lineTo(x + 6, y + 4); pen.lineTo(x - 6, y + 4); pen.closePath(); }
-      else pen.rect(x - 4.5, y - 4.5, 9, 9);
-      pen.fillStyle = { sensor: "#ffd61a", actuator: "#1a7342" }[marker.kind] || "#8c9199";
-      pen.strokeStyle = marker.kind === "actuator" ? "#fff" : "#1d2126";
-      pen.fill();
-      pen.stroke();
-      if (!state.names) return;
+      return [width / 2 + pixels * place[0], height / 2 - pixels * place[1]];
+    });
+    for (const i of order) glyph(pen, data.markers[i].kind, places[i]);
+    if (!state.names) return;
+    pen.font = "12px system-ui, Arial, sans-serif";
+    for (const { x, y, names } of labels(places)) {
+      const text = short(names.slice(0, 3).join(", "), 30) + (names.length > 3 ? ", \u2026" : "");
+      const left = Math.min(x + 8, width - 4 - pen.measureText(text).width);
       pen.lineWidth = 3;
       pen.strokeStyle = "#fff";
-      pen.strokeText(marker.name, x + 8, y - 6);
-      pen.lineWidth = 1;
+      pen.strokeText(text, left, y - 7);
       pen.fillStyle = "#1d2126";
-      pen.fillText(marker.name, x + 8, y - 6);
-    });
+      pen.fillText(text, left, y - 7);
+    }
   };
   const draw = () => {
     const ratio = Math.min(devicePixelRatio || 1, 2), scale = scales(), { width, height, pixels } = scale;

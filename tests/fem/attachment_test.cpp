@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "base/error.h"
 #include "fem/assemble.h"
-#include "fem/site_motion.h"
 #include "mesh/bodies.h"
 
 namespace chladni::fem {
@@ -163,30 +163,18 @@ TEST_P(AttachmentOn, LinksAndResonatorsLetRigidMotionsPass) {
 
 TEST_P(AttachmentOn, MatricesArePositiveSemidefinite) {
   const auto t = terms(body_, all_);
-  const auto n = 3 * body_.node_count() + t.extra_count();
-  // On the span of the degrees of freedom that are touched.
-  std::vector<Eigen::Index> touched;
-  std::vector<Eigen::Index> place(static_cast<std::size_t>(n), -1);
+  std::map<int, Eigen::Index> place;  // of the degrees of freedom that are touched
   for (const auto* list : {&t.stiffness, &t.mass, &t.damping}) {
-    for (const auto& entry : *list) {
-      auto& mark = place[static_cast<std::size_t>(entry.row())];
-      if (entry.row() == entry.col() && mark < 0) {
-        mark = static_cast<Eigen::Index>(touched.size());
-        touched.push_back(entry.row());
-      }
-    }
+    for (const auto& entry : *list) place.emplace(entry.row(), 0);
   }
+  Eigen::Index count = 0;
+  for (auto& entry : place) entry.second = count++;
   for (const auto* list : {&t.stiffness, &t.mass, &t.damping}) {
-    const auto k = static_cast<Eigen::Index>(touched.size());
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(k, k);
+    Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(count, count);
     for (const auto& entry : *list) {
-      dense(place.at(static_cast<std::size_t>(entry.row())),
-            place.at(static_cast<std::size_t>(entry.col()))) += entry.value();
+      lower(place.at(entry.row()), place.at(entry.col())) += entry.value();
     }
-    // Rows come in the order of their first diagonal entry, so the triangle is mixed: fold it.
-    Eigen::MatrixXd folded = dense + dense.transpose();
-    folded.diagonal() *= 0.5;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(folded, Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(lower, Eigen::EigenvaluesOnly);
     EXPECT_GT(solver.eigenvalues().maxCoeff(), 0.0);
     EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-13 * solver.eigenvalues().maxCoeff());
   }
@@ -265,93 +253,6 @@ TEST(LinkSpring, OfTwoSitesOnOneFaceCountsSharedNodesOnce) {
   const double stretch = 0.5 * (0.063 * 0.021 - 0.061 * 0.02);
   EXPECT_NEAR(quadratic(t.stiffness, sheared), stretch * stretch,
               1e-20 + rounding(t.stiffness, sheared));
-}
-
-TEST(SiteMotion, OfAPointIsThatOfAQuadraticFieldExactly) {
-  const auto body = plate();
-  const auto site = site_on(body, 0.033, 0.041);
-  const auto motion = point_motion(body, site);
-  const Field field = [](const Eigen::Vector3d& x) {
-    return Eigen::Vector3d(x.y() * x.z(), x.x() * x.x(), x.x() * x.y());
-  };
-  Eigen::VectorXd u(3 * motion.nodes.size());
-  for (Eigen::Index i = 0; i < motion.nodes.size(); ++i) {
-    u.segment<3>(3 * i) = field(body.points.row(motion.nodes(i)).transpose());
-  }
-  const double x = 0.033;
-  const double y = 0.041;
-  // ½ curl: (∂uz/∂y − ∂uy/∂z, ∂ux/∂z − ∂uz/∂x, ∂uy/∂x − ∂ux/∂y) / 2 on z = 0.
-  EXPECT_LT((motion.displacement * u - field({x, y, 0.0})).norm(), 1e-15);
-  EXPECT_LT((motion.rotation * u - Eigen::Vector3d(0.5 * x, 0.0, x)).norm(), 1e-13);
-}
-
-Eigen::VectorXd gathered(const mesh::TetMesh& body, const SiteMotion& motion, const Field& field) {
-  Eigen::VectorXd u(3 * motion.nodes.size());
-  for (Eigen::Index i = 0; i < motion.nodes.size(); ++i) {
-    u.segment<3>(3 * i) = field(body.points.row(motion.nodes(i)).transpose());
-  }
-  return u;
-}
-
-const Field kBend = [](const Eigen::Vector3d& x) {
-  return Eigen::Vector3d(-10.0 * x.z() * std::cos(10.0 * x.x()), 0.0, std::sin(10.0 * x.x()));
-};
-
-TEST(SiteMotion, RotationOfABentPlateConvergesWithTheMesh) {
-  std::vector<double> errors;
-  for (const double edge : {0.05, 0.025, 0.0125}) {
-    const auto body = plate(2, edge);
-    const mesh::SiteFinder finder(body);
-    double sum = 0.0;
-    for (int i = 0; i < 40; ++i) {
-      const double x = -0.14 + 0.007 * i;
-      const auto motion = point_motion(body, finder.from_above(x, 0.09 - 0.0043 * i).value());
-      const Eigen::Vector3d turned = motion.rotation * gathered(body, motion, kBend);
-      sum += (turned - Eigen::Vector3d(0.0, -10.0 * std::cos(10.0 * x), 0.0)).squaredNorm();
-    }
-    errors.push_back(std::sqrt(sum / 40.0));
-  }
-  EXPECT_LT(errors[1], 0.4 * errors[0]);  // order 2
-  EXPECT_LT(errors[2], 0.4 * errors[1]);
-}
-
-TEST(SiteMotion, OfAFootprintTendsToThatOfThePoint) {
-  const auto body = plate(3);
-  const auto site = site_on(body, 0.041, 0.013);
-  const Field field = [](const Eigen::Vector3d& x) {
-    return Eigen::Vector3d(x.y() * x.y(), x.x() * x.x(), 20.0 * x.x() * x.x() * x.y());
-  };
-  const auto point = point_motion(body, site);
-  const Eigen::Vector3d moved = point.displacement * gathered(body, point, field);
-  const double in_plane_turn = (point.rotation * gathered(body, point, field))(2);
-  std::vector<double> errors;
-  for (const double diameter : {4e-2, 2e-2, 1e-2}) {
-    const auto disc = footprint_motion(body, site, diameter);
-    const auto u = gathered(body, disc, field);
-    errors.push_back((disc.displacement * u - moved).norm());
-    EXPECT_NEAR((disc.rotation * u)(2), in_plane_turn, 1e-5);  // a linear gradient: its mean
-  }
-  EXPECT_NEAR(errors[0] / errors[1], 4.0, 0.1);
-  EXPECT_NEAR(errors[1] / errors[2], 4.0, 0.1);
-}
-
-TEST(SiteMotion, OfAFootprintIsTheMeanOverTheDisc) {
-  const auto body = plate();
-  const auto site = site_on(body, 0.0, 0.0);
-  const auto disc = footprint_motion(body, site, 0.12);
-  const Field bowl = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, x.x() * x.x()); };
-  // Mean of x² over a disc: r²/4.
-  EXPECT_NEAR((disc.displacement * gathered(body, disc, bowl))(2), 0.06 * 0.06 / 4.0, 1e-3 * 9e-4);
-}
-
-TEST(SiteMotion, OfAFootprintLeavesTheOtherSideOut) {
-  const auto body = plate();
-  const auto disc = footprint_motion(body, site_on(body, 0.0, 0.0), 0.5);  // the whole top
-  for (Eigen::Index i = 0; i < disc.nodes.size(); ++i) {
-    EXPECT_EQ(body.points(disc.nodes(i), 2), 0.0);
-  }
-  const Field field = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, x.x() * x.x()); };
-  EXPECT_NEAR((disc.displacement * gathered(body, disc, field))(2), 0.3 * 0.3 / 12.0, 1e-12);
 }
 
 // ---- What attachments do to the modes.
