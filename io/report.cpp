@@ -87,6 +87,25 @@ std::string packed(const std::vector<Number>& numbers) {  // little-endian, as W
   return base64({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)});
 }
 
+// The component that gives the colour whole, the other two, which only move the body, in steps of
+// 258 (127 times that is 32766): a third fewer bytes.
+Json packed_shape(const Viewer::Shape& shape) {
+  std::vector<std::int16_t> main;
+  std::vector<std::int8_t> sides;
+  for (std::size_t i = 0; i < shape.movement.size(); ++i) {
+    const int value = shape.movement[i];
+    if (static_cast<int>(i % 3) == shape.axis) {
+      main.push_back(shape.movement[i]);
+    } else {
+      sides.push_back(static_cast<std::int8_t>((value + (value < 0 ? -129 : 129)) / 258));
+    }
+  }
+  return JsonObject{{"label", shape.label},
+                    {"axis", shape.axis},
+                    {"main", packed(main)},
+                    {"sides", packed(sides)}};
+}
+
 JsonArray colour_bytes() {
   constexpr int count = 65;
   JsonArray bytes;
@@ -101,8 +120,7 @@ JsonArray colour_bytes() {
 Json viewer_data(const Viewer& viewer) {
   JsonArray shapes, markers, marker_vertex;
   for (const Viewer::Shape& shape : viewer.shapes) {
-    shapes.emplace_back(JsonObject{
-        {"label", shape.label}, {"axis", shape.axis}, {"movement", packed(shape.movement)}});
+    shapes.push_back(packed_shape(shape));
   }
   for (const Marker& marker : viewer.markers) {
     markers.emplace_back(JsonObject{{"name", marker.name}, {"kind", marker.kind}});

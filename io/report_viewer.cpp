@@ -49,10 +49,10 @@ Viewer::Shape shape_of(const Skin& skin, const modal::Modes& modes, Eigen::Index
           static_cast<int>(axis)};
 }
 
-// Six bytes per vertex and shape, and for the points; about twelve per vertex for the triangles;
-// base64 makes them a third longer.
+// Four bytes per vertex and shape, six for the point, about twelve for the triangles; base64 makes
+// them a third longer.
 Eigen::Index affordable(std::size_t bytes, Eigen::Index shapes) {
-  const auto per_vertex = static_cast<std::size_t>(6 * (shapes + 1) + 12) * 4 / 3;
+  const auto per_vertex = static_cast<std::size_t>(4 * shapes + 6 + 12) * 4 / 3;
   return std::clamp(static_cast<Eigen::Index>(bytes / per_vertex), kFewestVertices, kMostVertices);
 }
 

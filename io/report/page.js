@@ -90,8 +90,18 @@
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const state = { shape: 0, playing: !still, phase: 0, amplitude: 0.12, lines: true, names: true, zoom: 1,
     yaw: data.yaw, pitch: data.pitch };
-  let movement = null, extent = [1, 1], waiting = false, last = 0;
+  let movement = null, places = [], extent = [1, 1], waiting = false, last = 0;
 
+  // The component that gives the colour has 16 bits, the other two have 8 (see report.cpp).
+  const unpacked = (shape) => {
+    const main = new Int16Array(bytes(shape.main)), sides = new Int8Array(bytes(shape.sides));
+    const result = new Int16Array(3 * main.length), others = [0, 1, 2].filter((k) => k !== shape.axis);
+    for (let v = 0; v < main.length; ++v) {
+      result[3 * v + shape.axis] = main[v];
+      others.forEach((k, i) => { result[3 * v + k] = 258 * sides[2 * v + i]; });
+    }
+    return result;
+  };
   const multiply = (a, b) => [0, 1, 2].map((i) => [0, 1, 2].map((j) => a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]));
   const turned = () => {  // rows: right, up, towards the eye
     const [cy, sy, cp, sp] = [Math.cos(state.yaw), Math.sin(state.yaw), Math.cos(state.pitch), Math.sin(state.pitch)];
@@ -117,7 +127,7 @@
     if (!count) return;
     state.shape = (index + count) % count;
     const shape = data.shapes[state.shape];
-    movement = new Int16Array(bytes(shape.movement));
+    movement = unpacked(shape);
     gl.bindBuffer(gl.ARRAY_BUFFER, movementBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, movement, gl.STATIC_DRAW);
     attribute("movement", movementBuffer);
@@ -153,9 +163,10 @@
     pen.fill();
     pen.stroke();
   };
-  const labels = (places) => {
+  const labels = () => {
     const found = [];
     data.markers.forEach((marker, i) => {
+      if (!(marker.kind in layer)) return;  // attachments tell their names under the mouse
       const [x, y] = places[i];
       const same = found.find((label) => Math.hypot(label.x - x, label.y - y) < 9);
       if (same) same.names.push(marker.name);
@@ -168,14 +179,14 @@
     const ratio = front.width / width, pen = front.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
-    const places = data.markers.map((_, i) => {
+    places = data.markers.map((_, i) => {
       const place = seen(turn, data.markerVertex[i], swing);
       return [width / 2 + pixels * place[0], height / 2 - pixels * place[1]];
     });
     for (const i of order) glyph(pen, data.markers[i].kind, places[i]);
     if (!state.names) return;
     pen.font = "12px system-ui, Arial, sans-serif";
-    for (const { x, y, names } of labels(places)) {
+    for (const { x, y, names } of labels()) {
       const text = short(names.slice(0, 3).join(", "), 30) + (names.length > 3 ? ", \u2026" : "");
       const left = Math.min(x + 8, width - 4 - pen.measureText(text).width);
       pen.lineWidth = 3;
@@ -244,7 +255,12 @@
   back.onpointerup = back.onpointercancel = (event) => fingers.delete(event.pointerId);
   back.onpointermove = (event) => {
     const before = fingers.get(event.pointerId);
-    if (!before) return;
+    if (!before) {
+      const near = ([x, y]) => Math.hypot(event.offsetX - x, event.offsetY - y) < 9;
+      back.title = data.markers.filter((_, i) => places[i] && near(places[i]))
+        .map((marker) => `${marker.kind} ${marker.name}`).join(", ");
+      return;
+    }
     if (fingers.size === 1) {
       state.yaw -= (event.clientX - before.clientX) * 0.008;
       state.pitch = Math.max(-1.57, Math.min(1.57, state.pitch + (event.clientY - before.clientY) * 0.008));

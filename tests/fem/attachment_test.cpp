@@ -225,9 +225,9 @@ INSTANTIATE_TEST_SUITE_P(EveryOrder, AttachmentOn,
 
 TEST(LinkSpring, FeelsTheStretchOfTheLineBetweenItsEnds) {
   const auto body = plate();
-  const auto a = site_on(body, -0.1, 0.05);
   const auto b = site_on(body, 0.12, 0.05);
-  const auto t = terms(body, {{"link", a, 0.0, LinkSpring{b, Eigen::Vector3d::Zero(), 1e6, 0.0}}});
+  const auto t = terms(body, {{"link", site_on(body, -0.1, 0.05), 0.0,
+                               LinkSpring{b, Eigen::Vector3d::Zero(), 1e6, 0.0}}});
   const Field strain = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(1e-3 * x.x(), 0, 0); };
   EXPECT_NEAR(quadratic(t.stiffness, on_nodes(body, strain)), 1e6 * std::pow(1e-3 * 0.22, 2),
               1e-12);

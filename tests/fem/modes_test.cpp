@@ -86,7 +86,9 @@ TEST(Modes, AgreeWithADenseSolverOnPlatesBeamsAndPairs) {
     const auto [found, summary] = modes(system, {.count = 15});
     EXPECT_GE(found.mode_count(), 21);
     for (Eigen::Index i = 6; i < found.mode_count(); ++i) {
-      EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-7)
+      // What a dense solver is off by itself: rounding of its largest eigenvalue.
+      const double largest = expected(expected.size() - 1) / expected(i);
+      EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-9 + 2e-15 * largest * largest)
           << s[0] << " x " << s[1] << " x " << s[2] << " mode " << i;
     }
   }

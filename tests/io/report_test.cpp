@@ -114,7 +114,7 @@ TEST(Report, TwelveModesWithAPictureStayBelowOneMegabyte) {
   const modal::Modes modes = modes_of(mesh, 12);
   Report report = report_of(12, "plate");
   report.sections[0] = modes_section(mesh, modes, summary_of(modes), {});
-  EXPECT_LT(html(report).size(), 620'000U);  // the picture has 380 kB
+  EXPECT_LT(html(report).size(), 400'000U);  // the picture has 550 kB at most
 }
 
 TEST(Report, TheSameReportGivesTheSameBytes) {
@@ -181,7 +181,7 @@ TEST(Report, AViewerOfAFineMeshSaysWhatItLeftOut) {
   const Viewer viewer = modes_viewer(mesh, modes_of(mesh, 20));
   EXPECT_LE(viewer.points.size() / 3, 20'000U);
   EXPECT_NE(viewer.note.find("of the"), std::string::npos);
-  EXPECT_LT(html({"", "", {}, {{"", {viewer}}}}).size(), 560'000U);
+  EXPECT_LT(html({"", "", {}, {{"", {viewer}}}}).size(), 400'000U);
   EXPECT_EQ(modes_viewer(plate(), modes_of(plate(), 2)).note, "");
 }
 
