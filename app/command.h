@@ -80,6 +80,7 @@ struct Command {
 extern const Command check_command;
 extern const Command mesh_command;
 extern const Command modes_command;
+extern const Command place_command;
 extern const Command study_command;
 
 /// The verbs that take no study. They return the exit code.

@@ -8,6 +8,8 @@
 #include "app/command.h"
 #include "base/error.h"
 #include "fem/element.h"
+#include "placement/criteria.h"
+#include "placement/layout.h"
 
 namespace chladni::app {
 namespace {
@@ -57,10 +59,23 @@ void print(const std::array<Row, N>& rows, std::ostream& results) {
   for (const auto& [name, summary] : rows) results << fmt::format("{:<16} {}\n", name, summary);
 }
 
+void print_criteria(std::ostream& results) {
+  results << "of the place of a collocated pair\n";
+  for (const auto* one : placement::criteria()) {
+    results << fmt::format("{:<26} {} [{}] ({})\n", one->name, one->summary, one->unit,
+                           one->source);
+  }
+  results << "of a layout of sensors and actuators\n";
+  for (const auto* one : placement::layout_criteria()) {
+    results << fmt::format("{:<26} {} [{}] {} is better ({})\n", one->name, one->summary, one->unit,
+                           one->larger_is_better ? "more" : "less", one->source);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> listable() {
-  return {"attachments", "bodies", "elements", "formats", "materials"};
+  return {"attachments", "bodies", "criteria", "elements", "formats", "materials"};
 }
 
 int list(std::string_view what, std::ostream& results) {
@@ -68,6 +83,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "bodies") print(kBodies, results);
   if (what == "formats") print(kFormats, results);
   if (what == "materials") print(kMaterials, results);
+  if (what == "criteria") print_criteria(results);
   if (what != "elements") return 0;
   for (const auto* element : fem::elements()) {
     results << fmt::format("{:<16} {} nodes, order {}: {} [{}]\n", element->name, element->nodes,

@@ -19,6 +19,7 @@ constexpr const app::Command* kCommands[] = {
     &app::check_command,
     &app::mesh_command,
     &app::modes_command,
+    &app::place_command,
     &app::study_command,
 };
 

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "app/solution.h"
+#include <cmath>
+
+#include "app/placement.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
 #include "io/report_sections.h"
@@ -19,6 +21,58 @@ io::Section channels_of(const Study& study, const Solution& solution) {
   shapes << shapes_at(study.sensors, solution.model.sensors, modes),
       shapes_at(study.actuators, solution.model.actuators, modes);
   return io::channels_section(markers, modes, shapes);
+}
+
+io::Table best_table(const Solution& solution, const Placed& placement) {
+  io::Table table{"Best places of one collocated pair",
+                  {{"x [mm]"}, {"y [mm]"}, {"z [mm]"}, {"value"}, {"limited by mode", false}},
+                  {}};
+  for (const auto& pair : placement.best) {
+    const Eigen::Vector3d mm = 1e3 * pair.position;
+    table.rows.push_back({{fmt::format("{:.1f}", mm.x()), fmt::format("{:.1f}", mm.y()),
+                           fmt::format("{:.1f}", mm.z()),
+                           fmt::format("{:.3g}", placement.criterion->for_people(pair.score)),
+                           group_name(solution, placement.wanted, pair.limiting)}});
+  }
+  return table;
+}
+
+io::Table layouts_table(const Placed& placement) {
+  io::Table table{"Layouts", {{"criterion", false}, {"better", false}}, {}};
+  for (const auto& layout : placement.layouts) table.columns.push_back({layout.name});
+  const auto criteria = placement::layout_criteria();
+  for (std::size_t c = 0; c < criteria.size(); ++c) {
+    const auto& one = *criteria[c];
+    io::Table::Row row{
+        {std::string(one.name) + (one.unit == "1" ? "" : " [" + std::string(one.unit) + "]"),
+         one.larger_is_better ? "more" : "less"}};
+    for (const auto& layout : placement.layouts) {
+      const double value = layout.scores(static_cast<Eigen::Index>(c));
+      row.cells.push_back(std::isfinite(value) ? fmt::format("{:.4g}", value) : "\u2013");
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+io::Section placement_section(const Solution& solution, const Placed& placement, const Run& run) {
+  io::Section section{"Placement", {}};
+  if (run.options().pictures) {
+    const auto picture = io::picture_section("", run / "heat_map.png",
+                                             std::string(placement.criterion->summary) + ".");
+    section.blocks = picture.blocks;
+  }
+  section.blocks.emplace_back(best_table(solution, placement));
+  if (!placement.layouts.empty()) section.blocks.emplace_back(layouts_table(placement));
+  for (const auto& optimum : placement.optima) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, optimum_text(optimum)});
+  }
+  for (const auto& layout : placement.layouts) {
+    if (layout.blind.empty()) continue;
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::warning, blind_text(solution, layout) + "."});
+  }
+  return section;
 }
 
 io::Section provenance_of(const Study& study, const Run& run) {
@@ -37,7 +91,7 @@ io::Section provenance_of(const Study& study, const Run& run) {
 
 }  // namespace
 
-void leave_report(const Study& study, const Solution& solution, Run& run) {
+void leave_report(const Study& study, const Solution& solution, const Placed* placement, Run& run) {
   const auto& model = solution.model;
   io::Report report;
   report.title = study.title;
@@ -48,6 +102,9 @@ void leave_report(const Study& study, const Solution& solution, Run& run) {
   if (run.options().pictures) {
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));
+  }
+  if (placement != nullptr) {
+    report.sections.push_back(placement_section(solution, *placement, run));
   }
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
                                              solution.degrees_of_freedom));

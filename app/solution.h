@@ -48,10 +48,6 @@ struct Solution {
 /// The JSON, tables and fields of the modes, then their pictures.
 void leave_modes(const Study& study, const Solution& solution, Run& run);
 
-/// report.html: the modes with a viewer, the body, the channels, where it all comes from. Shows
-/// modes.png where it is there.
-void leave_report(const Study& study, const Solution& solution, Run& run);
-
 /// mesh.vtu, mesh.json
 void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 [[nodiscard]] io::JsonObject mesh_json(const mesh::TetMesh& body);

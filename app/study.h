@@ -89,10 +89,43 @@ struct KeepOut {
   std::string patch;
 };
 
+/// Places that can be had: a mounting grid seen from above.
+struct GridPlan {
+  Eigen::Vector2d pitch = Eigen::Vector2d::Zero();   ///< [m]
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [m]
+  int columns = 0, rows = 0;                         ///< along x and y
+};
+
+/// Standard deviations of what is not known of the body: relative, smooth over it; masses anywhere.
+struct UncertaintyPlan {
+  double modulus = 0.0, density = 0.0, thickness = 0.0;
+  double attached_mass = 0.0;  ///< [kg], each of four
+  int members = 32;
+  bool worst = true;  ///< the worst member counts, or their mean
+};
+
 struct PlacementPlan {
   std::vector<int> modes;  ///< flexible ones, counted from 1
   double up_to_hz = 0.0;   ///< all below this instead; 0: `modes` rules
+  std::string criterion = "weakest_mode";
+  std::optional<Eigen::Vector3d> direction;  ///< of the pair; none: the surface's normal
+  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
   std::vector<KeepOut> keep_out;
+  double edge_distance = 0.0;  ///< [m]
+  double footprint = 0.0;      ///< [m], diameter
+  double spacing = 0.0;        ///< [m] between two devices
+  std::optional<GridPlan> grid;
+  std::vector<std::string> there;  ///< channels that stay where they are
+  int pairs = 1;
+  double noise = 0.01;     ///< of an identified shape's entry, over the shape's root mean square
+  double frf_noise = 0.0;  ///< [m/N] per line, instead of `noise`
+  double resolution_hz = 0.0;         ///< between lines, with frf_noise
+  double position_error = 0.0;        ///< [m]
+  double frequency_tolerance = 0.01;  ///< neighbours that are nearer count as one group
+  std::optional<UncertaintyPlan> uncertainty;
+  std::vector<Place> interest;
+  int sites = 0;  ///< to choose; 0: as many points as the study's channels give
+  std::string choose_by = "determinant";  ///< or "interpolation_error"
 };
 
 struct MeasurementPlan {

@@ -141,7 +141,7 @@ io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
   return array;
 }
 
-io::Json placement_json(const PlacementPlan& plan) {
+io::Json placement_plan_json(const PlacementPlan& plan) {
   io::JsonArray modes;
   for (const int mode : plan.modes) modes.emplace_back(mode);
   io::JsonArray zones;
@@ -152,7 +152,42 @@ io::Json placement_json(const PlacementPlan& plan) {
                                    {"diameter_m", zone.diameter},
                                    {"patch", zone.patch}});
   }
-  return io::JsonObject{{"modes", modes}, {"up_to_hz", plan.up_to_hz}, {"keep_out", zones}};
+  io::JsonArray interest;
+  for (const auto& place : plan.interest) interest.push_back(place_json(place));
+  io::JsonObject object = {
+      {"modes", modes},
+      {"up_to_hz", plan.up_to_hz},
+      {"criterion", plan.criterion},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
+      {"on", texts(plan.on)},
+      {"keep_out", zones},
+      {"edge_distance_m", plan.edge_distance},
+      {"footprint_m", plan.footprint},
+      {"spacing_m", plan.spacing},
+      {"there", texts(plan.there)},
+      {"pairs", plan.pairs},
+      {"noise", plan.noise},
+      {"frf_noise_m_per_n", plan.frf_noise},
+      {"frequency_resolution_hz", plan.resolution_hz},
+      {"position_error_m", plan.position_error},
+      {"frequency_tolerance", plan.frequency_tolerance},
+      {"interest_m", interest},
+      {"choose", io::JsonObject{{"sites", plan.sites}, {"by", plan.choose_by}}}};
+  if (const auto& grid = plan.grid) {
+    object.emplace_back("grid", io::JsonObject{{"pitch_m", vector(grid->pitch)},
+                                               {"centre_m", vector(grid->centre)},
+                                               {"columns", grid->columns},
+                                               {"rows", grid->rows}});
+  }
+  if (const auto& unknown = plan.uncertainty) {
+    object.emplace_back("uncertainty", io::JsonObject{{"modulus", unknown->modulus},
+                                                      {"density", unknown->density},
+                                                      {"thickness", unknown->thickness},
+                                                      {"attached_mass_kg", unknown->attached_mass},
+                                                      {"members", unknown->members},
+                                                      {"take", unknown->worst ? "worst" : "mean"}});
+  }
+  return object;
 }
 
 io::Json expectations_json(const std::vector<Expectation>& expectations) {
@@ -201,7 +236,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
       {"sensors", channels_json(study.sensors)},
       {"actuators", channels_json(study.actuators)},
       {"layouts", layouts_json(study.layouts)}};
-  if (study.placement) object.emplace_back("placement", placement_json(*study.placement));
+  if (study.placement) object.emplace_back("placement", placement_plan_json(*study.placement));
   if (study.measurement) {
     object.emplace_back("measurement",
                         io::JsonObject{{"frf", study.measurement->frf.filename().string()},

@@ -34,6 +34,15 @@ void read_expectations(TableReader& root, Study& study);
 /// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);
 
+inline constexpr int kMostModes = 5000;
+
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
+
+/// Each name of `key` that is not `known` is a problem, with the nearest that is.
+void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
+                      const std::vector<std::string>& wanted,
+                      const std::vector<std::string>& known);
+
 /// Names must not be empty and must differ; both lines are named where they do not.
 class Names {
  public:

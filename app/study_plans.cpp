@@ -1,4 +1,4 @@
-// What a study wants to know: modes, layouts, placement, measurement and what it expects.
+// What a study wants to know: modes, layouts, measurement and what it expects.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -10,101 +10,6 @@
 
 namespace chladni::app {
 namespace {
-
-constexpr int kMostModes = 5000;
-
-std::vector<std::string> names_of(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  names.reserve(channels.size());
-  for (const auto& channel : channels) names.push_back(channel.name);
-  return names;
-}
-
-void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
-                      const std::vector<std::string>& wanted,
-                      const std::vector<std::string>& known) {
-  for (const auto& name : wanted) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = nearest_name(name, known);
-    table.wrong(*table.find(key), table.name(key) + " names \"" + name + "\", but no " + what +
-                                      " of the study has that name" +
-                                      (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
-  }
-}
-
-/// modes = 3, modes = [1, 4], or up_to = "500 Hz" (also written modes = { up_to = ... }).
-void read_wanted_modes(TableReader& table, PlacementPlan& plan) {
-  const TomlNode* node = table.find("modes");
-  plan.up_to_hz = table.quantity("up_to", "Hz", Sign::positive).value_or(0.0);
-  if (node == nullptr) return;
-  if (table.has("up_to")) {
-    table.wrong(*node, table.path() + " has modes and up_to; expected one of them");
-  } else if (node->kind == TomlNode::Kind::table) {
-    auto inner = table.table("modes");
-    plan.up_to_hz = inner->required_quantity("up_to", "Hz", Sign::positive);
-    inner->refuse_unknown();
-  } else if (node->kind == TomlNode::Kind::array) {
-    for (const auto& element : node->elements) {
-      const bool good = element.kind == TomlNode::Kind::integer && element.number >= 1.0 &&
-                        element.number <= kMostModes;
-      if (good) {
-        plan.modes.push_back(static_cast<int>(element.number));
-      } else {
-        table.wrong(element, table.name("modes") + " holds " + description(element) +
-                                 "; expected numbers of flexible modes, counted from 1");
-      }
-    }
-  } else if (const auto count = table.integer("modes", 1, kMostModes)) {
-    for (int i = 1; i <= *count; ++i) plan.modes.push_back(i);
-  }
-}
-
-Eigen::Vector2d corner(TableReader& table, std::string_view key) {
-  if (!table.has(key)) table.missing(key, "two lengths such as [\"10 mm\", \"20 mm\"]");
-  return table.quantities(key, "m", 2).value_or(Eigen::Vector2d::Zero());
-}
-
-KeepOut keep_out_of(TableReader& table) {
-  KeepOut zone;
-  if (auto box = table.table("box")) {
-    zone.shape = "box";
-    zone.from = corner(*box, "from");
-    zone.to = corner(*box, "to");
-    box->refuse_unknown();
-  } else if (auto disc = table.table("disc")) {
-    zone.shape = "disc";
-    zone.from = corner(*disc, "at");
-    zone.diameter = disc->required_quantity("diameter", "m", Sign::positive);
-    disc->refuse_unknown();
-  } else if (const auto patch = table.text("patch")) {
-    zone.shape = "patch";
-    zone.patch = *patch;
-  } else {
-    table.missing("box", "box = { from, to }, disc = { at, diameter } or patch = \"name\"");
-  }
-  table.refuse_unknown();
-  return zone;
-}
-
-void read_keep_out(TableReader& placement, PlacementPlan& plan) {
-  const TomlNode* node = placement.find("keep_out");
-  if (node == nullptr) return;
-  if (node->kind != TomlNode::Kind::array) {
-    placement.wrong(*node, "placement.keep_out is " + description(*node) +
-                               "; expected an array of boxes, discs and names of patches");
-    return;
-  }
-  const bool names_only =
-      std::all_of(node->elements.begin(), node->elements.end(),
-                  [](const TomlNode& element) { return element.kind == TomlNode::Kind::text; });
-  if (names_only) {
-    for (const auto& patch : placement.texts("keep_out")) {
-      plan.keep_out.push_back({.shape = "patch", .patch = patch});
-    }
-    return;
-  }
-  for (auto& table : placement.tables("keep_out")) plan.keep_out.push_back(keep_out_of(table));
-}
 
 struct ExpectedKey {
   std::string_view key, unit;
@@ -157,6 +62,25 @@ void read_expectation(TableReader& table, const std::string& key, const Expected
 
 }  // namespace
 
+std::vector<std::string> names_of(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  names.reserve(channels.size());
+  for (const auto& channel : channels) names.push_back(channel.name);
+  return names;
+}
+
+void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
+                      const std::vector<std::string>& wanted,
+                      const std::vector<std::string>& known) {
+  for (const auto& name : wanted) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = nearest_name(name, known);
+    table.wrong(*table.find(key), table.name(key) + " names \"" + name + "\", but no " + what +
+                                      " of the study has that name" +
+                                      (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+  }
+}
+
 void read_modes_part(TableReader& root, Study& study) {
   auto table = root.table("modes");
   if (!table) return;
@@ -187,15 +111,6 @@ void read_layouts(TableReader& root, Study& study) {
     table.refuse_unknown();
     study.layouts.push_back(layout);
   }
-}
-
-void read_placement(TableReader& root, Study& study) {
-  auto table = root.table("placement");
-  if (!table) return;
-  study.placement.emplace();
-  read_wanted_modes(*table, *study.placement);
-  read_keep_out(*table, *study.placement);
-  table->refuse_unknown();
 }
 
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {

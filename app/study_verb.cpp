@@ -1,5 +1,7 @@
 // chladni study STUDY: every step for which the study has the data.
-#include "app/solution.h"
+#include <optional>
+
+#include "app/placement.h"
 
 namespace chladni::app {
 namespace {
@@ -9,7 +11,13 @@ void run(const Study& study, Run& run) {
   run.show(modes_table(solution));
   leave_mesh(solution.model.body, run, false);
   leave_modes(study, solution, run);
-  leave_report(study, solution, run);
+  std::optional<Placed> placement;
+  if (study.placement) {
+    placement = placed(study, solution, run);
+    run.show("\n" + placement_table(solution, *placement));
+    leave_placement(study, solution, *placement, run, false);
+  }
+  leave_report(study, solution, placement ? &*placement : nullptr, run);
   if (!study.expectations.empty()) judge(study, solution, run);
 }
 

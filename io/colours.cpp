@@ -45,6 +45,14 @@ Colour rgb(const Lab& lab) {
   return {channel(0), channel(1), channel(2)};
 }
 
+// Part of the way, in [0, 1], along even steps.
+Colour between(const std::array<Colour, 5>& steps, double part_of_way) {
+  const double place = 4.0 * std::min(part_of_way, 1.0);
+  const auto step = static_cast<std::size_t>(std::min(place, 3.0));
+  const double part = place - static_cast<double>(step);
+  return rgb((1.0 - part) * lab(steps[step]) + part * lab(steps[step + 1]));
+}
+
 }  // namespace
 
 Colour diverging(double value) {
@@ -59,11 +67,16 @@ Colour diverging(double value) {
                                            {0.573, 0.773, 0.871},
                                            {0.263, 0.576, 0.765},
                                            {0.129, 0.400, 0.675}}};
-  const auto& side = value < 0.0 ? blue : red;
-  const double place = 4.0 * std::min(std::abs(value), 1.0);
-  const auto step = static_cast<std::size_t>(std::min(place, 3.0));
-  const double part = place - static_cast<double>(step);
-  return rgb((1.0 - part) * lab(side[step]) + part * lab(side[step + 1]));
+  return between(value < 0.0 ? blue : red, std::abs(value));
+}
+
+Colour sequential(double value) {
+  static const std::array<Colour, 5> steps{{{0.267, 0.005, 0.329},
+                                            {0.229, 0.322, 0.545},
+                                            {0.128, 0.567, 0.551},
+                                            {0.369, 0.789, 0.383},
+                                            {0.993, 0.906, 0.144}}};
+  return between(steps, std::max(value, 0.0));
 }
 
 }  // namespace chladni::io

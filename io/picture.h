@@ -14,7 +14,7 @@ namespace chladni::io {
 
 /// A contact sheet of the first `count` flexible modes: the deformed body coloured by the
 /// displacement along its largest direction (zero white, nodal lines black), each with its number
-/// and frequency; markers on it. PNG, 1560 px wide; the same input gives the same bytes. About 1 s.
+/// and frequency; markers on it. PNG, 1400 px wide; the same input gives the same bytes. About 1 s.
 /// @param modes     shapes on all nodes: 3·nodes rows
 /// @param clusters  repeated modes, marked "pair"
 /// @throws InvalidInput  there is no flexible mode, or the shapes do not fit the mesh

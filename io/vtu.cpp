@@ -18,6 +18,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -198,6 +199,27 @@ void write_animation(const std::filesystem::path& file, const mesh::TetMesh& mes
                         escaped(name));
   }
   write_atomically(file, list + "  </Collection>\n</VTKFile>\n");
+}
+
+void write_surface_vtu(const std::filesystem::path& file, const Points& points,
+                       const Cells& triangles, const std::vector<NodeField>& fields,
+                       const Units& units) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  set_points(grid, points);
+  grid->Allocate(triangles.rows());
+  for (const auto row : triangles.rowwise()) {
+    const std::array<vtkIdType, 3> corners{row(0), row(1), row(2)};
+    grid->InsertNextCell(VTK_TRIANGLE, 3, corners.data());
+  }
+  for (const NodeField& field : fields) {
+    require(field.values.size() == points.rows(),
+            fmt::format("field \"{}\" has {} rows, expected one per point: {}", field.name,
+                        field.values.size(), points.rows()));
+    grid->GetPointData()->AddArray(view(field.name, field.values.data(), field.values.size(), 1));
+  }
+  if (!units.title.empty()) add_words(grid->GetFieldData(), "title", {units.title});
+  add_words(grid->GetFieldData(), "units", units.lines);
+  write(file, grid);
 }
 
 void write_markers_vtu(const std::filesystem::path& file, const std::vector<Marker>& markers) {

@@ -51,6 +51,11 @@ void write_modes_vtu(const std::filesystem::path& file, const mesh::TetMesh& mes
 void write_animation(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                      const modal::Modes& modes, Eigen::Index index, int frames = 24);
 
+/// Triangles with one value per point and field. @throws as write_vtu
+void write_surface_vtu(const std::filesystem::path& file, const Points& points,
+                       const Cells& triangles, const std::vector<NodeField>& fields,
+                       const Units& units = {});
+
 /// Vertices with the names as string array "name", "kind", and the vectors "direction".
 void write_markers_vtu(const std::filesystem::path& file, const std::vector<Marker>& markers);
 

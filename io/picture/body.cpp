@@ -115,7 +115,8 @@ void add_ghost(vtkRenderer* panel, const Body& body, const Points& points, const
 }
 
 void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
-                    const Eigen::VectorXd& value, const io::View& view) {
+                    const Eigen::VectorXd& value, const io::View& view, const Colour& colour,
+                    float width) {
   const Eigen::VectorXd clean =
       value.unaryExpr([](double v) { return std::abs(v) < 1e-6 ? 1e-6 : v; });
   vtkNew<vtkContourFilter> contour;
@@ -132,7 +133,38 @@ void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
     at += hair;
     lines->GetPoints()->SetPoint(i, at.data());
   }
-  add_lines(panel, lines, {0.0, 0.0, 0.0}, 4.0F);
+  add_lines(panel, lines, colour, width);
+}
+
+void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value) {
+  constexpr int count = 64;  // bands too fine to see that make the file a third as long
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(count);
+  table->SetRange(0.0, 1.0);
+  for (int i = 0; i < count; ++i) {
+    const Colour colour = io::sequential(static_cast<double>(i) / (count - 1));
+    table->SetTableValue(i, colour[0], colour[1], colour[2], 1.0);
+  }
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(skin_of(body, body.points, value));
+  mapper->SetLookupTable(table);
+  mapper->SetScalarRange(0.0, 1.0);
+  mapper->InterpolateScalarsBeforeMappingOn();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->LightingOff();
+  panel->AddActor(actor);
+}
+
+void add_plain(vtkRenderer* panel, const Body& body, const Colour& colour) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(skin_of(body, body.points, Eigen::VectorXd::Zero(body.points.rows())));
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+  actor->GetProperty()->LightingOff();
+  panel->AddActor(actor);
 }
 
 void look(vtkRenderer* panel, const io::View& view, double height, double diagonal) {

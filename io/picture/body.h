@@ -25,7 +25,12 @@ void add_ghost(vtkRenderer* panel, const Body& body, const Points& points, const
 /// Lines on the skin where `value` is zero, black. Values below 1e-6 count as positive: what is
 /// zero all over (up to round-off) has no nodal line.
 void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
-                    const Eigen::VectorXd& value, const io::View& view);
+                    const Eigen::VectorXd& value, const io::View& view,
+                    const Colour& colour = {0.0, 0.0, 0.0}, float width = 4.0F);
+/// Triangles coloured by `value` (V, in [0, 1]) from dark to light, without light and shade.
+void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value);
+/// Triangles in one colour.
+void add_plain(vtkRenderer* panel, const Body& body, const Colour& colour);
 /// Sets the panel's camera: `view`, centred, `height` px high.
 void look(vtkRenderer* panel, const io::View& view, double height, double diagonal);
 

@@ -7,13 +7,14 @@
 #include "io/picture/canvas.h"
 #include "io/picture/glyphs.h"
 #include "io/picture/pictures.h"
+#include "io/picture/title.h"
 #include "io/view.h"
 #include "mesh/surface.h"
 
 namespace chladni::picture {
 namespace {
 
-constexpr double kWidth = 1560.0, kMargin = 40.0, kGap = 36.0;  // [px]
+constexpr double kWidth = 1400.0, kMargin = 40.0, kGap = 36.0;  // [px]
 constexpr double kHeader = 96.0, kLabel = 44.0, kFooter = 84.0;
 
 using Align = TextStyle::Align;
@@ -191,22 +192,6 @@ void paint_footer(Canvas& canvas, const Sheet& sheet, double top) {
   }
 }
 
-// Smaller letters, then fewer, until the words fit.
-void paint_title(Canvas& canvas, std::string words) {
-  TextStyle style{.size = 34.0, .bold = true};
-  const double room = kWidth - 2.0 * kMargin;
-  while (style.size > 22.0 && canvas.text_width(words, style) > room) style.size -= 2.0;
-  const std::string whole = words;
-  while (words.size() > 4 && canvas.text_width(words, style) > room) {
-    do {
-      words.pop_back();
-    } while (!words.empty() && (static_cast<unsigned char>(words.back()) & 0xC0U) == 0x80U);
-    if (!words.empty() && static_cast<unsigned char>(words.back()) >= 0xC0U) words.pop_back();
-    words = words.substr(0, words.size() - std::min<std::size_t>(3, words.size())) + "...";
-  }
-  canvas.text({kMargin, 64.0}, words, style);
-}
-
 }  // namespace
 
 std::string contact_sheet(const io::Message& request) {
@@ -217,7 +202,7 @@ std::string contact_sheet(const io::Message& request) {
   const Layout layout = layout_of(sheet.panels.size(), extent.x() / extent.y());
   const io::View view = fitted(unit, states, layout.size);
   Canvas canvas(static_cast<int>(kWidth), static_cast<int>(std::ceil(layout.height())));
-  paint_title(canvas, sheet.title);
+  paint_title(canvas, sheet.title, kMargin, kWidth);
   for (std::size_t p = 0; p < sheet.panels.size(); ++p) {
     paint_panel(canvas, sheet, sheet.panels[p], view, layout.corner(p), layout.size);
   }

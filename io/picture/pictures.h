@@ -15,4 +15,11 @@ namespace chladni::picture {
 /// p has columns 3p..3p+2; a length of 1 is drawn `deformation` long), `marker_vertex` M×1.
 [[nodiscard]] std::string contact_sheet(const io::Message& request);
 
+/// A surface seen along its normal, coloured by how good its places are; PNG.
+///
+/// head: `title`, `scale`, `lowest`, `highest`; `lines`: names; `best`: labels; `markers`: list of
+/// {`name`, `kind`}. Arrays, in the paper's frame (x right, y up, z towards the eye): `points` V×3,
+/// `value` V×1, `lines` V×L, `best` B×3, `marker_places` M×3; `allowed`, `forbidden` T×3.
+[[nodiscard]] std::string heat_map(const io::Message& request);
+
 }  // namespace chladni::picture

@@ -1,0 +1,22 @@
+// chladni place STUDY: where the collocated pair belongs, and how good layouts are.
+#include "app/placement.h"
+
+namespace chladni::app {
+namespace {
+
+void run(const Study& study, Run& run) {
+  const Solution solution = solved(study, run);
+  const Placed result = placed(study, solution, run);
+  run.show(placement_table(solution, result));
+  leave_placement(study, solution, result, run, true);
+}
+
+}  // namespace
+
+constinit const Command place_command{
+    .name = "place",
+    .summary = "where the collocated pair belongs; layouts scored and chosen",
+    .run = run,
+};
+
+}  // namespace chladni::app

@@ -1,0 +1,113 @@
+// Where the study lets devices be.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/placing.h"
+#include "base/error.h"
+
+namespace chladni::app {
+namespace {
+
+int patch_number(const mesh::TetMesh& body, const std::string& name, const std::string& what) {
+  const auto& names = body.patch_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  std::string known;
+  for (const auto& patch : names) known += (known.empty() ? "" : ", ") + patch;
+  require(found != names.end(),
+          what + ": the body has no patch \"" + name + "\"; there are: " + known);
+  return static_cast<int>(found - names.begin());
+}
+
+std::string millimetres(const Eigen::Vector2d& at) {
+  return fmt::format("({:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y());
+}
+
+placement::Rule rule_of(const KeepOut& zone, const mesh::TetMesh& body) {
+  if (zone.shape == "box") {
+    return {"the box from " + millimetres(zone.from) + " to " + millimetres(zone.to),
+            placement::KeepOutBox{zone.from, zone.to}};
+  }
+  if (zone.shape == "disc") {
+    return {fmt::format("the disc of {:.6g} mm at ", 1e3 * zone.diameter) + millimetres(zone.from),
+            placement::KeepOutDisc{zone.from, zone.diameter}};
+  }
+  return {"the patch \"" + zone.patch + "\"",
+          placement::KeepOutPatch{patch_number(body, zone.patch, "placement.keep_out")}};
+}
+
+// Channels that stay.
+Points places_there(const Study& study, const Solution& solution, const PlacementPlan& plan) {
+  std::vector<Eigen::Vector3d> places;
+  const auto add = [&](const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites) {
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const bool stays =
+          std::find(plan.there.begin(), plan.there.end(), channels[i].name) != plan.there.end();
+      if (stays) places.push_back(sites[i].position);
+    }
+  };
+  add(study.sensors, solution.model.sensors);
+  add(study.actuators, solution.model.actuators);
+  Points points(static_cast<Eigen::Index>(places.size()), 3);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    points.row(static_cast<Eigen::Index>(i)) = places[i].transpose();
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<std::string> patches_of(const mesh::TetMesh& body, const PlacementPlan& plan) {
+  for (const auto& name : plan.on) (void)patch_number(body, name, "placement.on");
+  if (!plan.on.empty()) return plan.on;
+  const auto& names = body.patch_names;
+  const bool has_top = std::find(names.begin(), names.end(), "top") != names.end();
+  return has_top ? std::vector<std::string>{"top"} : std::vector<std::string>{};
+}
+
+std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
+                                      const PlacementPlan& plan) {
+  const auto& body = solution.model.body;
+  std::vector<placement::Rule> rules;
+  for (const auto& zone : plan.keep_out) rules.push_back(rule_of(zone, body));
+  if (plan.footprint > 0.0) {
+    rules.push_back(
+        {fmt::format("a footprint of {:.6g} mm that lies on the body", 1e3 * plan.footprint),
+         placement::WholeFootprints{}});
+  }
+  if (plan.edge_distance > 0.0) {
+    rules.push_back({fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
+                     placement::edges_of(body, patches_of(body, plan), plan.edge_distance)});
+  }
+  const Points there = places_there(study, solution, plan);
+  const double apart = std::max({plan.spacing, plan.footprint, 1e-4});
+  if (there.rows() > 0) {
+    rules.push_back({fmt::format("the distance of {:.6g} mm from what is there", 1e3 * apart),
+                     placement::KeepFromPlaces{apart, there}});
+  }
+  return rules;
+}
+
+Candidates candidates_of(const PlacementPlan& plan, const placement::Sampler& sampler,
+                         const Placed& placed) {
+  if (!plan.grid) {
+    return {placement::part(placed.surface.sites,
+                            placement::admissible(placed.forbidden, placed.rules)),
+            false};
+  }
+  const auto& grid = *plan.grid;
+  std::vector<mesh::Site> places;
+  for (int i = 0; i < grid.columns; ++i) {
+    for (int j = 0; j < grid.rows; ++j) {
+      const Eigen::Vector2d offset(i - 0.5 * (grid.columns - 1), j - 0.5 * (grid.rows - 1));
+      const Eigen::Vector2d at = grid.centre + offset.cwiseProduct(grid.pitch);
+      if (const auto site = sampler.finder().from_above(at.x(), at.y())) places.push_back(*site);
+    }
+  }
+  require(!places.empty(), "placement.grid: none of its places lies on the body");
+  const auto sites = sampler.at(places);
+  const auto forbidden = placement::forbidden_by(sites, placed.rules);
+  return {placement::part(sites, placement::admissible(forbidden, placed.rules)), true};
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,92 @@
+#include "fem/field_matrices.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "fem/element_matrices.h"
+
+namespace chladni::fem {
+namespace {
+
+constexpr Eigen::Index kChunk = 512;  // cells summed in one go, whatever the number of threads
+
+Eigen::MatrixXd on_cell(const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
+                        Eigen::Index tet) {
+  Eigen::MatrixXd local(3 * body.tets.cols(), shapes.cols());
+  for (Eigen::Index a = 0; a < body.tets.cols(); ++a) {
+    const Eigen::Index node = body.tets(tet, a);
+    local.middleRows<3>(3 * a) = shapes.middleRows<3>(3 * node);
+  }
+  return local;
+}
+
+// The element's matrices with all their entries.
+struct Full {
+  Eigen::MatrixXd stiffness, mass;
+};
+
+void unpack(const ElementMatrices& packed, Eigen::Index nodes, Full& full) {
+  full.stiffness.resize(3 * nodes, 3 * nodes);
+  full.mass.setZero(3 * nodes, 3 * nodes);
+  for (Eigen::Index a = 0, pair = 0; a < nodes; ++a) {
+    for (Eigen::Index b = 0; b <= a; ++b, ++pair) {
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        for (Eigen::Index j = 0; j < 3; ++j) {
+          const double value = packed.stiffness(pair, 3 * i + j);
+          full.stiffness(3 * a + i, 3 * b + j) = value;
+          full.stiffness(3 * b + j, 3 * a + i) = value;
+        }
+        full.mass(3 * a + i, 3 * b + i) = packed.mass(pair);
+        full.mass(3 * b + i, 3 * a + i) = packed.mass(pair);
+      }
+    }
+  }
+}
+
+void add(FieldMatrices& sum, const FieldMatrices& part) {
+  for (std::size_t f = 0; f < sum.stiffness.size(); ++f) sum.stiffness[f] += part.stiffness[f];
+  for (std::size_t f = 0; f < sum.mass.size(); ++f) sum.mass[f] += part.mass[f];
+}
+
+}  // namespace
+
+FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Material>& materials,
+                             const Eigen::MatrixXd& shapes, const Eigen::MatrixXd& stiffness_fields,
+                             const Eigen::MatrixXd& mass_fields) {
+  require(shapes.rows() == 3 * body.node_count(), "field matrices: the shapes do not fit the mesh");
+  require(stiffness_fields.rows() == body.tet_count() && mass_fields.rows() == body.tet_count(),
+          "field matrices: a field has another number of rows than the mesh has cells");
+  const Eigen::Index modes = shapes.cols();
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(modes, modes);
+  const FieldMatrices empty{
+      std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(stiffness_fields.cols()), zero),
+      std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(mass_fields.cols()), zero)};
+  const Eigen::Index chunks = (body.tet_count() + kChunk - 1) / kChunk;
+  std::vector<FieldMatrices> parts(static_cast<std::size_t>(chunks), empty);
+  parallel_ranges(parts.size(), [&](std::size_t begin, std::size_t end) {
+    ElementIntegrator integrator(body, materials);
+    Full full;
+    for (std::size_t chunk = begin; chunk < end; ++chunk) {
+      const auto first = static_cast<Eigen::Index>(chunk) * kChunk;
+      for (Eigen::Index tet = first; tet < std::min(first + kChunk, body.tet_count()); ++tet) {
+        unpack(integrator.matrices(tet), body.tets.cols(), full);
+        const Eigen::MatrixXd local = on_cell(body, shapes, tet);
+        const Eigen::MatrixXd stiffness = local.transpose() * (full.stiffness * local);
+        const Eigen::MatrixXd mass = local.transpose() * (full.mass * local);
+        for (Eigen::Index f = 0; f < stiffness_fields.cols(); ++f) {
+          parts[chunk].stiffness[static_cast<std::size_t>(f)] +=
+              stiffness_fields(tet, f) * stiffness;
+        }
+        for (Eigen::Index f = 0; f < mass_fields.cols(); ++f) {
+          parts[chunk].mass[static_cast<std::size_t>(f)] += mass_fields(tet, f) * mass;
+        }
+      }
+    }
+  });
+  FieldMatrices sum = empty;
+  for (const auto& part : parts) add(sum, part);
+  return sum;
+}
+
+}  // namespace chladni::fem

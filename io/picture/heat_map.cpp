@@ -1,0 +1,188 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "io/picture/body.h"
+#include "io/picture/canvas.h"
+#include "io/picture/glyphs.h"
+#include "io/picture/pictures.h"
+#include "io/picture/title.h"
+#include "io/view.h"
+#include "mesh/surface.h"
+
+namespace chladni::picture {
+namespace {
+
+constexpr double kWidth = 1000.0, kMargin = 40.0, kHeader = 96.0, kRow = 34.0;  // [px]
+constexpr Colour kForbidden{0.72, 0.73, 0.75}, kBest{0.90, 0.10, 0.15};
+const TextStyle kSmall{.size = 18.0, .colour = kGrey};
+
+// Of the nodal lines, on a map that is dark where they are.
+Colour line_colour(std::size_t k) {
+  constexpr std::array<Colour, 5> colours{{{1.0, 1.0, 1.0},
+                                           {1.0, 0.65, 0.25},
+                                           {0.45, 0.85, 1.0},
+                                           {1.0, 0.55, 0.80},
+                                           {0.80, 0.80, 0.80}}};
+  return colours[k % colours.size()];
+}
+
+struct Frame {
+  io::View view;
+  Eigen::Vector2d corner, size;  // of the panel [px]
+
+  [[nodiscard]] Eigen::Vector2d on_canvas(const Eigen::Vector3d& point) const {
+    return corner + 0.5 * size + view.at(point);
+  }
+};
+
+Frame frame_of(const Points& points) {
+  const auto box = mesh::bounding_box(points);
+  const Eigen::RowVector3d extent = box.row(1) - box.row(0);
+  Frame frame;
+  frame.size.x() = kWidth - 2.0 * kMargin;
+  const double aspect = extent.x() / std::max(extent.y(), 1e-12);
+  frame.size.y() = std::clamp(frame.size.x() / aspect, 160.0, 760.0);
+  frame.corner = {kMargin, kHeader};
+  frame.view.axes = Eigen::Matrix3d::Identity();
+  frame.view.centre = 0.5 * (box.row(0) + box.row(1)).transpose();
+  frame.view.pixels_per_metre =
+      0.98 * std::min(frame.size.x() / extent.x(), frame.size.y() / extent.y());
+  return frame;
+}
+
+void paint_surface(Canvas& canvas, const io::Message& request, const Frame& frame) {
+  Body map;
+  map.points = request.numbers("points");
+  map.triangles = request.cells("allowed");
+  const auto box = mesh::bounding_box(map.points);
+  map.diagonal = (box.row(1) - box.row(0)).norm();
+  Body forbidden = map;
+  forbidden.triangles = request.cells("forbidden");
+  vtkRenderer* space = canvas.panel(frame.corner, frame.size);
+  add_map(space, map, request.numbers("value").col(0));
+  add_plain(space, forbidden, kForbidden);
+  Body whole = map;
+  whole.triangles.conservativeResize(map.triangles.rows() + forbidden.triangles.rows(), 3);
+  whole.triangles.bottomRows(forbidden.triangles.rows()) = forbidden.triangles;
+  const auto& lines = request.numbers("lines");
+  for (Eigen::Index k = 0; k < lines.cols(); ++k) {
+    const double largest = lines.col(k).cwiseAbs().maxCoeff();
+    if (largest <= 0.0) continue;
+    add_zero_lines(space, whole, whole.points, lines.col(k) / largest, frame.view,
+                   line_colour(static_cast<std::size_t>(k)), 3.0F);
+  }
+  look(space, frame.view, frame.size.y(), map.diagonal);
+}
+
+void paint_star(Canvas& canvas, const Eigen::Vector2d& at, double radius) {
+  std::vector<Eigen::Vector2d> corners;
+  for (int k = 0; k < 10; ++k) {
+    const double angle = std::numbers::pi * (0.2 * k - 0.5);
+    const double r = k % 2 == 0 ? radius : 0.42 * radius;
+    corners.emplace_back(at.x() + r * std::cos(angle), at.y() + r * std::sin(angle));
+  }
+  canvas.polygon(corners, kBest, kWhite, 1.2);
+}
+
+void paint_best(Canvas& canvas, const io::Message& request, const Frame& frame) {
+  const auto& places = request.numbers("best");
+  const auto& labels = request.head.at("best").array();
+  const TextStyle style{.size = 18.0, .colour = kInk, .bold = true};
+  for (Eigen::Index k = places.rows() - 1; k >= 0; --k) {
+    const Eigen::Vector2d at = frame.on_canvas(places.row(k).transpose());
+    paint_star(canvas, at, 13.0);
+    const std::string& words = labels[static_cast<std::size_t>(k)].string();
+    const double wide = canvas.text_width(words, style) + 12.0;
+    const bool to_the_left = at.x() + 20.0 + wide > kWidth - kMargin;
+    const double left = to_the_left ? at.x() - 20.0 - wide : at.x() + 20.0;
+    canvas.polygon({{left, at.y() - 14.0},
+                    {left + wide, at.y() - 14.0},
+                    {left + wide, at.y() + 12.0},
+                    {left, at.y() + 12.0}},
+                   kWhite, kGrey, 0.6);
+    canvas.text({left + 6.0, at.y() + 6.0}, words, style);
+  }
+}
+
+void paint_rectangle(Canvas& canvas, double left, double top, double width, double height,
+                     const Colour& colour, double line) {
+  canvas.polygon(
+      {{left, top}, {left + width, top}, {left + width, top + height}, {left, top + height}},
+      colour, kGrey, line);
+}
+
+void paint_bar(Canvas& canvas, const io::Message& request, double top) {
+  constexpr int steps = 100;
+  constexpr double width = 3.0;
+  double x = kMargin;
+  const std::string& lowest = request.head.at("lowest").string();
+  canvas.text({x, top + 15.0}, lowest, kSmall);
+  x += canvas.text_width(lowest, kSmall) + 10.0;
+  for (int i = 0; i < steps; ++i) {
+    paint_rectangle(canvas, x + width * i, top, width + 0.5, 18.0,
+                    io::sequential(static_cast<double>(i) / (steps - 1)), 0.0);
+  }
+  x += width * steps + 10.0;
+  const std::string& highest = request.head.at("highest").string();
+  canvas.text({x, top + 15.0}, highest, kSmall);
+  x += canvas.text_width(highest, kSmall) + 30.0;
+  canvas.text({x, top + 15.0}, request.head.at("scale").string(), kSmall);
+}
+
+// Words behind a sign; the place after them.
+double paint_entry(Canvas& canvas, double x, double top, const std::string& words) {
+  canvas.text({x, top + 15.0}, words, kSmall);
+  return x + canvas.text_width(words, kSmall) + 26.0;
+}
+
+void paint_legend(Canvas& canvas, const io::Message& request, double top) {
+  double x = kMargin;
+  const auto& lines = request.head.at("lines").array();
+  for (std::size_t k = 0; k < lines.size() && x < 0.8 * kWidth; ++k) {
+    paint_rectangle(canvas, x, top, 34.0, 18.0, io::sequential(0.08), 0.0);
+    paint_rectangle(canvas, x, top + 7.5, 34.0, 3.0, line_colour(k), 0.0);
+    x = paint_entry(canvas, x + 42.0, top, "nodal lines, " + lines[k].string());
+  }
+  x = kMargin;
+  const double second = top + kRow;
+  if (request.cells("forbidden").rows() > 0) {
+    paint_rectangle(canvas, x, second, 34.0, 18.0, kForbidden, 0.6);
+    x = paint_entry(canvas, x + 42.0, second, "nothing may be placed");
+  }
+  if (request.numbers("best").rows() > 0) {
+    paint_star(canvas, {x + 10.0, second + 9.0}, 11.0);
+    x = paint_entry(canvas, x + 28.0, second, "best places of a pair, with the limiting mode");
+  }
+  std::map<std::string, int> kinds;
+  for (const auto& marker : request.head.at("markers").array()) ++kinds[marker.at("kind").string()];
+  for (const auto& [kind, count] : kinds) {
+    draw_glyph(canvas, kind, {x + 8.0, second + 9.0}, 7.0);
+    x = paint_entry(canvas, x + 24.0, second,
+                    std::to_string(count) + " " + kind + (count == 1 ? "" : "s"));
+  }
+}
+
+}  // namespace
+
+std::string heat_map(const io::Message& request) {
+  const Frame frame = frame_of(request.numbers("points"));
+  const double below = kHeader + frame.size.y() + 24.0;
+  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(std::ceil(below + 3.0 * kRow + 10.0)));
+  paint_title(canvas, request.head.at("title").string(), kMargin, kWidth);
+  paint_surface(canvas, request, frame);
+  const auto& places = request.numbers("marker_places");
+  const auto& markers = request.head.at("markers").array();
+  for (Eigen::Index m = places.rows() - 1; m >= 0; --m) {
+    draw_glyph(canvas, markers[static_cast<std::size_t>(m)].at("kind").string(),
+               frame.on_canvas(places.row(m).transpose()), 7.0);
+  }
+  paint_best(canvas, request, frame);
+  paint_bar(canvas, request, below);
+  paint_legend(canvas, request, below + kRow);
+  return canvas.png();
+}
+
+}  // namespace chladni::picture

@@ -1,0 +1,246 @@
+// Exchange for the layout with the smallest expected error of interpolation.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "placement/interpolation.h"
+
+namespace chladni::placement {
+namespace {
+
+using Indices = std::vector<Eigen::Index>;
+constexpr Eigen::Index kCoarse = 240;  // candidates of the first search
+constexpr double kForbidden = -1.0;    // gain of a site that may not be taken
+
+// One shape: rows scaled by the prior, so that its coefficients start as the identity.
+struct Shape {
+  Eigen::MatrixXd rows;        // N×r
+  Eigen::MatrixXd gram;        // r×r
+  Eigen::MatrixXd covariance;  // r×r, posterior
+  double variance = 0.0;       // of the noise of one site
+};
+
+// A layout and what is not known beside it.
+class Layout {
+ public:
+  explicit Layout(const InterpolationProblem& problem) : problem_(problem) {
+    const auto& prior = problem.prior;
+    for (Eigen::Index i = 0; i < prior.variance.cols(); ++i) {
+      const Eigen::VectorXd scale = prior.variance.col(i).cwiseSqrt();
+      Shape shape;
+      shape.rows = problem.rows * scale.asDiagonal();
+      shape.gram = scale.asDiagonal() * prior.gram * scale.asDiagonal();
+      shape.variance = problem.noise(i) * problem.noise(i);
+      Eigen::MatrixXd known = Eigen::MatrixXd::Identity(scale.size(), scale.size());
+      if (problem.there.rows() > 0) {
+        const Eigen::MatrixXd there = problem.there_noise.col(i).cwiseInverse().asDiagonal() *
+                                      problem.there * scale.asDiagonal();
+        known += there.transpose() * there;
+      }
+      shape.covariance = known.llt().solve(Eigen::MatrixXd::Identity(scale.size(), scale.size()));
+      shapes_.push_back(std::move(shape));
+    }
+  }
+
+  [[nodiscard]] const Indices& sites() const { return sites_; }
+
+  [[nodiscard]] double error() const {
+    double sum = 0.0;
+    for (const auto& shape : shapes_) sum += shape.gram.cwiseProduct(shape.covariance).sum();
+    return sum / static_cast<double>(shapes_.size());
+  }
+
+  void add(Eigen::Index site) {
+    change(site, 1.0);
+    sites_.push_back(site);
+  }
+
+  void remove(std::size_t k) {
+    change(sites_[k], -1.0);
+    sites_.erase(sites_.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+
+  // By how much each of `candidates` would lower the error.
+  [[nodiscard]] Eigen::VectorXd gains(const Indices& candidates) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidates.size()));
+    const bool all = sum.size() == problem_.rows.rows();
+    for (const auto& shape : shapes_) {
+      const Eigen::MatrixXd chosen = all ? Eigen::MatrixXd() : shape.rows(candidates, Eigen::all);
+      const Eigen::MatrixXd& rows = all ? shape.rows : chosen;
+      const Eigen::MatrixXd ahead = rows * shape.covariance;
+      const Eigen::VectorXd seen = ahead.cwiseProduct(rows).rowwise().sum();
+      const Eigen::MatrixXd weighed = ahead * shape.gram;
+      sum.array() +=
+          weighed.cwiseProduct(ahead).rowwise().sum().array() / (seen.array() + shape.variance);
+    }
+    for (Eigen::Index c = 0; c < sum.size(); ++c) {
+      if (!fits(candidates[static_cast<std::size_t>(c)])) sum(c) = kForbidden;
+    }
+    return sum / static_cast<double>(shapes_.size());
+  }
+
+  // Adds the best of `candidates`; whether there was one.
+  bool add_best(const Indices& candidates) {
+    Eigen::Index best = 0;
+    if (candidates.empty() || gains(candidates).maxCoeff(&best) < 0.0) return false;
+    add(candidates[static_cast<std::size_t>(best)]);
+    return true;
+  }
+
+ private:
+  // By one rank (Sherman and Morrison).
+  void change(Eigen::Index site, double sign) {
+    for (auto& shape : shapes_) {
+      const Eigen::VectorXd row = shape.rows.row(site).transpose();
+      const Eigen::VectorXd ahead = shape.covariance * row;
+      shape.covariance -=
+          (sign / (shape.variance + sign * row.dot(ahead))) * ahead * ahead.transpose();
+    }
+  }
+
+  [[nodiscard]] bool fits(Eigen::Index candidate) const {
+    return std::none_of(sites_.begin(), sites_.end(), [&](Eigen::Index other) {
+      if (other == candidate) return true;
+      return problem_.spacing > 0.0 &&
+             (problem_.position.row(other) - problem_.position.row(candidate)).norm() <
+                 problem_.spacing * (1.0 - 1e-9);
+    });
+  }
+
+  const InterpolationProblem& problem_;
+  std::vector<Shape> shapes_;
+  Indices sites_;
+};
+
+// Replaces each site by the best of `candidates(site)` until a whole round changes nothing.
+template <typename Candidates>
+void exchange(Layout& layout, int rounds, const Candidates& candidates) {
+  for (int round = 0; round < rounds; ++round) {
+    const double before = layout.error();
+    for (std::size_t k = 0; k < layout.sites().size(); ++k) {
+      const Eigen::Index site = layout.sites()[0];  // the one that is oldest
+      layout.remove(0);
+      if (!layout.add_best(candidates(site))) layout.add(site);
+    }
+    if (layout.error() > before * (1.0 - 1e-9)) return;
+  }
+}
+
+// Some hundreds of candidates that cover the surface: each the farthest from those before it.
+Indices thinned(const Points& position, Eigen::Index count) {
+  Indices chosen{0};
+  Eigen::VectorXd distance = (position.rowwise() - position.row(0)).rowwise().squaredNorm();
+  while (static_cast<Eigen::Index>(chosen.size()) < count) {
+    Eigen::Index farthest = 0;
+    distance.maxCoeff(&farthest);
+    chosen.push_back(farthest);
+    distance =
+        distance.cwiseMin((position.rowwise() - position.row(farthest)).rowwise().squaredNorm());
+  }
+  return chosen;
+}
+
+double reach_of(const Points& position, const Indices& coarse) {
+  double longest = 0.0;
+  for (Eigen::Index c = 0; c < position.rows(); ++c) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto other : coarse) {
+      nearest = std::min(nearest, (position.row(c) - position.row(other)).squaredNorm());
+    }
+    longest = std::max(longest, nearest);
+  }
+  return 1.5 * std::sqrt(longest);
+}
+
+Indices all_of(Eigen::Index count) {
+  Indices all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+bool fill_greedily(Layout& layout, const Indices& candidates, Eigen::Index count) {
+  while (static_cast<Eigen::Index>(layout.sites().size()) < count) {
+    if (!layout.add_best(candidates)) return false;
+  }
+  return true;
+}
+
+void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std::mt19937& random) {
+  // Half at random, the rest greedily: starts that differ and are not poor.
+  for (Eigen::Index k = 0; k < count / 2; ++k) {
+    const Indices one{candidates[random() % candidates.size()]};
+    layout.add_best(one);
+  }
+  fill_greedily(layout, candidates, count);
+}
+
+void check(const InterpolationProblem& problem) {
+  require(problem.rows.allFinite(), "layout: what a candidate sees is not finite");
+  require(problem.count >= 1 && problem.count <= problem.rows.rows(),
+          "layout: " + std::to_string(problem.count) + " sites are wanted of " +
+              std::to_string(problem.rows.rows()) + " candidates");
+  require(problem.noise.size() == problem.prior.variance.cols() &&
+              problem.rows.cols() == problem.prior.variance.rows() &&
+              problem.position.rows() == problem.rows.rows(),
+          "layout: the candidates do not fit the prior");
+  require(problem.noise.minCoeff() > 0.0, "interpolation: the noise must be more than 0");
+}
+
+}  // namespace
+
+Choice best_interpolation(const InterpolationProblem& problem,
+                          const InterpolationOptions& options) {
+  check(problem);
+  const Eigen::Index n = problem.rows.rows();
+  const Indices all = all_of(n);
+  const bool is_large = n > 2 * kCoarse;
+  const Indices coarse = is_large ? thinned(problem.position, kCoarse) : all;
+  const double reach = is_large ? reach_of(problem.position, coarse) : 0.0;
+  const auto near = [&](Eigen::Index site) {
+    Indices found;
+    for (const auto c : all) {
+      if ((problem.position.row(c) - problem.position.row(site)).norm() <= reach) {
+        found.push_back(c);
+      }
+    }
+    return found;
+  };
+  const Layout empty(problem);
+  std::mt19937 random(options.seed);
+  Choice best;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int start = 0; start < options.starts; ++start) {
+    Layout layout = empty;
+    if (start > 0) fill_at_random(layout, coarse, problem.count, random);
+    if (!fill_greedily(layout, start > 0 ? all : coarse, problem.count) &&
+        !fill_greedily(layout, all, problem.count)) {
+      require(start > 0, "layout: " + std::to_string(problem.count) + " sites at least " +
+                             std::to_string(1e3 * problem.spacing) + " mm apart do not fit");
+      continue;
+    }
+    exchange(layout, 20, [&](Eigen::Index) -> const Indices& { return coarse; });
+    if (is_large) exchange(layout, 10, near);
+    if (layout.error() < lowest * (1.0 - 1e-9)) {
+      lowest = layout.error();
+      best.sites = layout.sites();
+    }
+  }
+  if (is_large) {
+    Layout layout = empty;
+    for (const auto site : best.sites) layout.add(site);
+    exchange(layout, 2, [&](Eigen::Index) -> const Indices& { return all; });
+    lowest = layout.error();
+    best.sites = layout.sites();
+  }
+  std::sort(best.sites.begin(), best.sites.end());
+  best.score = -lowest;
+  return best;
+}
+
+}  // namespace chladni::placement

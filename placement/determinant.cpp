@@ -1,0 +1,158 @@
+#include "placement/determinant.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "placement/search_tree.h"
+
+namespace chladni::placement {
+namespace {
+
+using Indices = std::vector<Eigen::Index>;
+constexpr double kLowest = -std::numeric_limits<double>::infinity();
+
+bool too_near(const DeterminantProblem& problem, Eigen::Index a, Eigen::Index b) {
+  if (a == b) return true;
+  return problem.spacing > 0.0 && (problem.position.row(a) - problem.position.row(b)).norm() <
+                                      problem.spacing * (1.0 - 1e-9);
+}
+
+bool fits(const DeterminantProblem& problem, const Indices& sites, Eigen::Index candidate) {
+  return std::none_of(sites.begin(), sites.end(),
+                      [&](Eigen::Index s) { return too_near(problem, s, candidate); });
+}
+
+void check(const DeterminantProblem& problem) {
+  require(problem.rows.allFinite() && problem.prior.allFinite(),
+          "layout: what a candidate sees is not finite");
+  require(problem.count >= 1 && problem.count <= problem.rows.rows(),
+          "layout: " + std::to_string(problem.count) + " sites are wanted of " +
+              std::to_string(problem.rows.rows()) + " candidates");
+  require(
+      problem.prior.rows() == problem.rows.cols() && problem.prior.cols() == problem.rows.cols(),
+      "layout: the prior does not fit the candidates");
+}
+
+[[noreturn]] void refuse_spacing(const DeterminantProblem& problem, std::size_t placed) {
+  throw InvalidInput("layout: " + std::to_string(problem.count) + " sites at least " +
+                     std::to_string(1e3 * problem.spacing) + " mm apart do not fit; " +
+                     std::to_string(placed) + " do");
+}
+
+// Any set that keeps the spacing, in a random order of the candidates; empty where none was found.
+Indices random_sites(const DeterminantProblem& problem, std::mt19937& random) {
+  Indices order(static_cast<std::size_t>(problem.rows.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  Indices sites;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    std::swap(order[k], order[k + random() % (order.size() - k)]);
+    if (fits(problem, sites, order[k])) sites.push_back(order[k]);
+    if (static_cast<Eigen::Index>(sites.size()) == problem.count) return sites;
+  }
+  return {};
+}
+
+struct Swap {
+  std::size_t out = 0;
+  Eigen::Index in = -1;
+  double factor = 1.0;  // of the determinant
+};
+
+// det changes by (1 + d_in)(1 − d_out) + d_mixed² (Fedorov).
+Swap best_swap(const DeterminantProblem& problem, const Indices& sites) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(information(problem, sites));
+  const Eigen::MatrixXd seen = factor.matrixL().solve(problem.rows.transpose());
+  const Eigen::VectorXd gain = seen.colwise().squaredNorm();
+  const Eigen::MatrixXd mixed = seen(Eigen::all, sites).transpose() * seen;
+  Swap best;
+  best.factor = 1.0 + 1e-9;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const double kept = 1.0 - gain(sites[k]);
+    const auto row = mixed.row(static_cast<Eigen::Index>(k));
+    for (Eigen::Index c = 0; c < gain.size(); ++c) {
+      const double change = (1.0 + gain(c)) * kept + row(c) * row(c);
+      if (change <= best.factor) continue;
+      Indices others = sites;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      if (fits(problem, others, c)) best = {k, c, change};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double Choice::certificate(Eigen::Index r) const {
+  return std::min(1.0, std::exp((score - bound) / static_cast<double>(r)));
+}
+
+Eigen::MatrixXd information(const DeterminantProblem& problem, const Indices& sites) {
+  const Eigen::MatrixXd rows = problem.rows(sites, Eigen::all);
+  Eigen::MatrixXd sum = problem.prior + rows.transpose() * rows;
+  // So small that it shows only where nothing else is seen.
+  sum.diagonal().array() += 1e-10 * problem.rows.rowwise().squaredNorm().maxCoeff();
+  return sum;
+}
+
+double log_determinant(const DeterminantProblem& problem, const Indices& sites) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(information(problem, sites));
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+Indices greedy(const DeterminantProblem& problem) {
+  check(problem);
+  const Eigen::LLT<Eigen::MatrixXd> factor(information(problem, {}));
+  const Eigen::MatrixXd seen = factor.matrixL().solve(problem.rows.transpose());
+  Eigen::VectorXd gain = seen.colwise().squaredNorm();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(seen.rows(), seen.rows());
+  Indices sites;
+  while (static_cast<Eigen::Index>(sites.size()) < problem.count) {
+    Eigen::Index best = -1;
+    for (Eigen::Index c = 0; c < gain.size(); ++c) {
+      if ((best < 0 || gain(c) > gain(best)) && fits(problem, sites, c)) best = c;
+    }
+    if (best < 0) refuse_spacing(problem, sites.size());
+    sites.push_back(best);
+    const Eigen::VectorXd ahead = inverse * seen.col(best);
+    const double scale = 1.0 / (1.0 + gain(best));
+    gain = (gain - scale * (seen.transpose() * ahead).cwiseAbs2()).cwiseMax(0.0);
+    inverse -= scale * ahead * ahead.transpose();
+  }
+  std::sort(sites.begin(), sites.end());
+  return sites;
+}
+
+Indices exchanged(const DeterminantProblem& problem, Indices sites) {
+  check(problem);
+  for (int swaps = 0; swaps < 1000; ++swaps) {
+    const Swap swap = best_swap(problem, sites);
+    if (swap.in < 0) break;
+    sites[swap.out] = swap.in;
+  }
+  std::sort(sites.begin(), sites.end());
+  return sites;
+}
+
+Choice best_determinant(const DeterminantProblem& problem, const DeterminantOptions& options) {
+  check(problem);
+  Choice best;
+  best.score = kLowest;
+  std::mt19937 random(options.seed);
+  for (int start = 0; start <= options.starts; ++start) {
+    const Indices from = start == 0 ? greedy(problem) : random_sites(problem, random);
+    if (from.empty()) continue;
+    const Indices sites = exchanged(problem, from);
+    const double score = log_determinant(problem, sites);
+    if (score > best.score + 1e-12) best = {sites, score, 0.0, false, 0};
+  }
+  search(problem, options, best);
+  return best;
+}
+
+}  // namespace chladni::placement

@@ -1,0 +1,115 @@
+#include "placement/layout.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace chladni::placement {
+
+// To add one: a definition in placement/layout_criteria/, its name here, its pointer in the table.
+extern const LayoutCriterion observed_points, observability, controllability, response, determinant,
+    a_optimality, smallest_singular_value, condition, auto_mac, effective_independence,
+    kinetic_energy, pair_alpha, interpolation_error, interpolation_worst_mode,
+    interpolation_worst_place, frf_at_interest;
+
+namespace {
+
+constinit const LayoutCriterion* const kCriteria[] = {
+    &observed_points,
+    &observability,
+    &controllability,
+    &response,
+    &determinant,
+    &a_optimality,
+    &smallest_singular_value,
+    &condition,
+    &auto_mac,
+    &effective_independence,
+    &kinetic_energy,
+    &pair_alpha,
+    &interpolation_error,
+    &interpolation_worst_mode,
+    &interpolation_worst_place,
+    &frf_at_interest,
+};
+
+std::vector<Eigen::Index> lone_actuators(const LayoutView& view) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index a = 0; a < view.actuators.rows(); ++a) {
+    const bool paired = std::any_of(view.pairs.begin(), view.pairs.end(),
+                                    [&](const auto& pair) { return pair.second == a; });
+    if (!paired) rows.push_back(a);
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::span<const LayoutCriterion* const> layout_criteria() { return kCriteria; }
+
+Eigen::MatrixXd observed(const LayoutView& view) {
+  const auto lone = lone_actuators(view);
+  Eigen::MatrixXd all(view.sensors.rows() + static_cast<Eigen::Index>(lone.size()),
+                      view.rms.size());
+  all << view.sensors, view.actuators(lone, Eigen::all);
+  return all * view.rms.cwiseInverse().asDiagonal();
+}
+
+Samples samples(const LayoutView& view) {
+  const auto lone = lone_actuators(view);
+  const Eigen::Index sensors = view.sensors_all.rows();
+  const auto count = sensors + static_cast<Eigen::Index>(lone.size());
+  Samples all{Eigen::MatrixXd(count, view.surface_all.cols()),
+              Eigen::MatrixXd(count, view.rms.size())};
+  all.rows << view.sensors_all, view.actuators_all(lone, Eigen::all);
+  const Eigen::RowVectorXd sensor = view.sensor_noise.cwiseQuotient(view.rms).transpose();
+  const Eigen::RowVectorXd actuator = view.actuator_noise.cwiseQuotient(view.rms).transpose();
+  for (Eigen::Index k = 0; k < count; ++k) all.noise.row(k) = k < sensors ? sensor : actuator;
+  for (const auto& [s, a] : view.pairs) {
+    all.noise.row(s) = (sensor.cwiseAbs2().cwiseInverse() + actuator.cwiseAbs2().cwiseInverse())
+                           .cwiseInverse()
+                           .cwiseSqrt();
+  }
+  return all;
+}
+
+Eigen::VectorXd sight(const LayoutView& view) {
+  const Eigen::MatrixXd seen = observed(view);
+  Eigen::VectorXd least = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(view.groups.size()));
+  if (seen.rows() == 0) return least;
+  for (Eigen::Index g = 0; g < least.size(); ++g) {
+    const auto [first, size] = view.groups[static_cast<std::size_t>(g)];
+    const Eigen::MatrixXd block = seen.middleCols(first, size);
+    const Eigen::MatrixXd gram = block.transpose() * block / static_cast<double>(seen.rows());
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues();
+    least(g) = std::sqrt(std::max(values(0), 0.0));
+  }
+  return least;
+}
+
+std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Points& sensors,
+                                                              const Points& sensor_directions,
+                                                              const Points& actuators,
+                                                              const Points& actuator_directions,
+                                                              double tolerance) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
+  std::vector<char> taken(static_cast<std::size_t>(actuators.rows()), 0);
+  for (Eigen::Index s = 0; s < sensors.rows(); ++s) {
+    Eigen::Index nearest = -1;
+    double distance = tolerance;
+    for (Eigen::Index a = 0; a < actuators.rows(); ++a) {
+      const double apart = (sensors.row(s) - actuators.row(a)).norm();
+      const double aligned = std::abs(sensor_directions.row(s).dot(actuator_directions.row(a)));
+      if (taken[static_cast<std::size_t>(a)] != 0 || apart > distance || aligned < 0.999) continue;
+      nearest = a;
+      distance = apart;
+    }
+    if (nearest < 0) continue;
+    taken[static_cast<std::size_t>(nearest)] = 1;
+    pairs.emplace_back(s, nearest);
+  }
+  return pairs;
+}
+
+}  // namespace chladni::placement

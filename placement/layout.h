@@ -1,0 +1,72 @@
+// How good a set of sensors and actuators is.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "modal/groups.h"
+#include "placement/interpolation.h"
+
+namespace chladni::placement {
+
+/// What a layout criterion sees: s sensors, a actuators, m wanted modes in g groups, r modes in
+/// all.
+struct LayoutView {
+  std::vector<modal::ModeGroup> groups;
+  Eigen::MatrixXd sensors;                                   ///< s×m [kg^-1/2]
+  Eigen::MatrixXd actuators;                                 ///< a×m [kg^-1/2]
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;  ///< sensor and actuator in one place
+  Eigen::VectorXd frequency_hz;                              ///< m
+  Eigen::VectorXd damping_ratio;                             ///< m; 0 where unknown
+  Eigen::VectorXd rms;             ///< m: root mean square of a mode's group on the surface
+  Eigen::VectorXd sensor_noise;    ///< m [kg^-1/2]
+  Eigen::VectorXd actuator_noise;  ///< m [kg^-1/2]
+  ShapePrior prior;
+  Eigen::MatrixXd sensors_all;    ///< s×r [kg^-1/2]
+  Eigen::MatrixXd actuators_all;  ///< a×r
+  Eigen::MatrixXd surface_all;    ///< n×r, points of the surface
+  Eigen::MatrixXd interest_all;   ///< k×r, points of interest; may be empty
+  Eigen::MatrixXd interest;       ///< k×m
+};
+
+/// Values are read by people: not a number means that the criterion does not apply (no pair, fewer
+/// sites than modes). All are blind to the sign of a mode and to a rotation within a group.
+struct LayoutCriterion {
+  std::string_view name;     ///< key of `scores` in placement.json
+  std::string_view summary;  ///< one line
+  std::string_view source;
+  std::string_view unit;
+  bool larger_is_better;
+  double (*value)(const LayoutView& view);
+};
+
+[[nodiscard]] std::span<const LayoutCriterion* const> layout_criteria();
+
+/// The shapes at the points that can be told apart, n_z = n_s + n_a − n_c of them (5.2): sensors,
+/// then the actuators that share their place with none; relative to each mode's root mean square.
+[[nodiscard]] Eigen::MatrixXd observed(const LayoutView& view);
+
+/// The same for all r modes in [kg^-1/2], and the noise of each point for each wanted mode relative
+/// to its root mean square; a pair's two samples are one with less noise.
+struct Samples {
+  Eigen::MatrixXd rows;   ///< n_z×r
+  Eigen::MatrixXd noise;  ///< n_z×m
+};
+[[nodiscard]] Samples samples(const LayoutView& view);
+
+/// Per group, how strongly all points together see its least seen mode, over what as many points of
+/// average motion would: g. Below `kBlind` the layout cannot see it.
+[[nodiscard]] Eigen::VectorXd sight(const LayoutView& view);
+inline constexpr double kBlind = 0.1;
+
+/// Sensors and actuators within `tolerance` [m] of each other that point the same way; each is in
+/// one pair at most.
+[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(
+    const Points& sensors, const Points& sensor_directions, const Points& actuators,
+    const Points& actuator_directions, double tolerance);
+
+}  // namespace chladni::placement

@@ -1,0 +1,126 @@
+// What the sampled modal matrix is worth: Fisher information of the modal amplitudes.
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+
+#include "modal/mac.h"
+#include "placement/layout.h"
+
+namespace chladni::placement {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// None where there are fewer points than modes.
+Eigen::VectorXd singular_values(const LayoutView& view) {
+  const Eigen::MatrixXd seen = observed(view);
+  if (seen.rows() < seen.cols()) return {};
+  return seen.jacobiSvd().singularValues();
+}
+
+double log_determinant_of(const LayoutView& view) {
+  const auto values = singular_values(view);
+  return values.size() == 0 ? kNone : 2.0 * values.array().log().sum();
+}
+
+double amplitude_deviation(const LayoutView& view) {
+  const auto values = singular_values(view);
+  return values.size() == 0 ? kNone : std::sqrt(values.array().square().inverse().mean());
+}
+
+double smallest_value(const LayoutView& view) {
+  const auto values = singular_values(view);
+  return values.size() == 0 ? kNone : values.minCoeff();
+}
+
+double condition_number(const LayoutView& view) {
+  const auto values = singular_values(view);
+  return values.size() == 0 ? kNone : values.maxCoeff() / values.minCoeff();
+}
+
+// Between groups: the largest squared cosine of an angle between the spans.
+double largest_mac(const LayoutView& view) {
+  const Eigen::MatrixXd seen = observed(view);
+  double largest = 0.0;
+  for (const auto& a : view.groups) {
+    for (const auto& b : view.groups) {
+      if (b.first <= a.first) continue;
+      if (seen.rows() < std::max(a.size, b.size)) return kNone;
+      const Eigen::MatrixXd one = seen.middleCols(a.first, a.size);
+      const Eigen::MatrixXd two = seen.middleCols(b.first, b.size);
+      if (one.jacobiSvd().singularValues().minCoeff() < 1e-9 ||
+          two.jacobiSvd().singularValues().minCoeff() < 1e-9) {
+        return 1.0;
+      }
+      largest = std::max(largest, modal::subspace_mac(one, two).maxCoeff());
+    }
+  }
+  return largest;
+}
+
+// The least of diag Φ (ΦᵀΦ)⁻¹ Φᵀ: a point that the others make needless has little.
+double least_independence(const LayoutView& view) {
+  const Eigen::MatrixXd seen = observed(view);
+  if (seen.rows() < seen.cols()) return kNone;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(seen, Eigen::ComputeThinU);
+  if (svd.singularValues().minCoeff() < 1e-9) return kNone;
+  return svd.matrixU().rowwise().squaredNorm().minCoeff();
+}
+
+double energy_share(const LayoutView& view) {
+  const Eigen::MatrixXd seen = observed(view);
+  return seen.rows() == 0 ? kNone : seen.cwiseAbs2().mean();
+}
+
+}  // namespace
+
+extern const LayoutCriterion determinant, a_optimality, smallest_singular_value, condition,
+    auto_mac, effective_independence, kinetic_energy;
+constinit const LayoutCriterion determinant{
+    "determinant", "log det of the Fisher information of the modal amplitudes (D-optimality)",
+    "Kammer 1991", "1",
+    true,          log_determinant_of};
+constinit const LayoutCriterion a_optimality{
+    "a_optimality",
+    "root mean square deviation of the modal amplitudes per deviation of a sample (A-optimality)",
+    "Pukelsheim 1993",
+    "1",
+    false,
+    amplitude_deviation};
+constinit const LayoutCriterion smallest_singular_value{
+    "smallest_singular_value",
+    "of the sampled modal matrix, modes of mean square 1 (E-optimality)",
+    "Pukelsheim 1993",
+    "1",
+    true,
+    smallest_value};
+constinit const LayoutCriterion condition{"condition",
+                                          "condition number of the sampled modal matrix",
+                                          "Golub and Van Loan 2013",
+                                          "1",
+                                          false,
+                                          condition_number};
+constinit const LayoutCriterion auto_mac{
+    "auto_mac",
+    "largest MAC between different modes: what these points cannot tell apart",
+    "Allemang and Brown 1982",
+    "1",
+    false,
+    largest_mac};
+constinit const LayoutCriterion effective_independence{
+    "effective_independence",
+    "the least that a point adds to the linear independence of the modes",
+    "Kammer 1991",
+    "1",
+    true,
+    least_independence};
+constinit const LayoutCriterion kinetic_energy{
+    "kinetic_energy",
+    "mean square motion of the modes at the points, over that of the whole surface",
+    "Salama et al. 1987",
+    "1",
+    true,
+    energy_share};
+
+}  // namespace chladni::placement

@@ -1,0 +1,121 @@
+#include "placement/rules.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+
+namespace chladni::placement {
+namespace {
+
+bool forbids(const KeepOutBox& box, const Sites& sites, Eigen::Index i) {
+  const Eigen::Array2d at = sites.position.row(i).head<2>().transpose();
+  return (at >= box.from.array().min(box.to.array())).all() &&
+         (at <= box.from.array().max(box.to.array())).all();
+}
+
+bool forbids(const KeepOutDisc& disc, const Sites& sites, Eigen::Index i) {
+  const Eigen::Vector2d at = sites.position.row(i).head<2>().transpose();
+  return (at - disc.centre).norm() <= 0.5 * disc.diameter;
+}
+
+bool forbids(const KeepOutPatch& patch, const Sites& sites, Eigen::Index i) {
+  return sites.patch(i) == patch.patch;
+}
+
+bool forbids(const KeepFromEdges& edges, const Sites& sites, Eigen::Index i) {
+  const Eigen::RowVector3d at = sites.position.row(i);
+  const double reach = edges.distance * edges.distance;
+  for (Eigen::Index e = 0; e < edges.from.rows(); ++e) {
+    const Eigen::RowVector3d along = edges.to.row(e) - edges.from.row(e);
+    const Eigen::RowVector3d away = at - edges.from.row(e);
+    const double length = along.squaredNorm();
+    const double t = length > 0.0 ? std::clamp(away.dot(along) / length, 0.0, 1.0) : 0.0;
+    if ((away - t * along).squaredNorm() < reach * (1.0 - 1e-9)) return true;
+  }
+  return false;
+}
+
+bool forbids(const KeepFromPlaces& there, const Sites& sites, Eigen::Index i) {
+  const Eigen::RowVector3d at = sites.position.row(i);
+  for (const auto place : there.places.rowwise()) {
+    if ((at - place).norm() < there.distance * (1.0 - 1e-9)) return true;
+  }
+  return false;
+}
+
+bool forbids(const WholeFootprints&, const Sites& sites, Eigen::Index i) {
+  return sites.whole[static_cast<std::size_t>(i)] == 0;
+}
+
+}  // namespace
+
+Eigen::VectorXi forbidden_by(const Sites& sites, const std::vector<Rule>& rules) {
+  Eigen::VectorXi forbidden = Eigen::VectorXi::Constant(sites.count(), -1);
+  for (std::size_t r = 0; r < rules.size(); ++r) {
+    for (Eigen::Index i = 0; i < sites.count(); ++i) {
+      if (forbidden(i) >= 0) continue;
+      const bool hit =
+          std::visit([&](const auto& what) { return forbids(what, sites, i); }, rules[r].what);
+      if (hit) forbidden(i) = static_cast<int>(r);
+    }
+  }
+  return forbidden;
+}
+
+std::vector<Eigen::Index> admissible(const Eigen::VectorXi& forbidden,
+                                     const std::vector<Rule>& rules) {
+  std::vector<Eigen::Index> rows;
+  std::vector<int> taken(rules.size(), 0);
+  for (Eigen::Index i = 0; i < forbidden.size(); ++i) {
+    if (forbidden(i) < 0) {
+      rows.push_back(i);
+    } else {
+      ++taken[static_cast<std::size_t>(forbidden(i))];
+    }
+  }
+  if (!rows.empty()) return rows;
+  std::string text = "placement: no admissible site is left of " + std::to_string(forbidden.size());
+  std::string last;
+  for (std::size_t r = 0; r < rules.size(); ++r) {
+    if (taken[r] == 0) continue;
+    text += std::string(last.empty() ? ": " : ", ") + rules[r].name + " took " +
+            std::to_string(taken[r]);
+    last = rules[r].name;
+  }
+  throw InvalidInput(text + (last.empty() ? "" : "; the last ones went to " + last));
+}
+
+KeepFromEdges edges_of(const mesh::TetMesh& body, const std::vector<std::string>& patches,
+                       double distance) {
+  const auto is_wanted = [&](int patch) {
+    const auto& name = body.patch_names[static_cast<std::size_t>(patch)];
+    return patches.empty() || std::find(patches.begin(), patches.end(), name) != patches.end();
+  };
+  struct Use {
+    int patch, wanted, others;
+  };
+  std::map<std::pair<int, int>, Use> uses;
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    const int patch = body.face_patch(f);
+    for (const auto& [a, b] : mesh::kTriangleEdges) {
+      const auto key = std::minmax({body.faces(f, a), body.faces(f, b)});
+      Use& use = uses.try_emplace(key, Use{patch, 0, 0}).first->second;
+      ++(is_wanted(patch) ? use.wanted : use.others);
+      if (use.patch != patch) ++use.others;
+    }
+  }
+  std::vector<std::pair<int, int>> ends;
+  for (const auto& [edge, use] : uses) {
+    if (use.wanted > 0 && (use.others > 0 || use.wanted != 2)) ends.push_back(edge);
+  }
+  KeepFromEdges edges{distance, Points(static_cast<Eigen::Index>(ends.size()), 3),
+                      Points(static_cast<Eigen::Index>(ends.size()), 3)};
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    edges.from.row(static_cast<Eigen::Index>(e)) = body.points.row(ends[e].first);
+    edges.to.row(static_cast<Eigen::Index>(e)) = body.points.row(ends[e].second);
+  }
+  return edges;
+}
+
+}  // namespace chladni::placement

@@ -1,0 +1,229 @@
+#include "placement/sites.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <span>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "mesh/surface.h"
+
+namespace chladni::placement {
+namespace {
+
+using Triangle = std::array<int, 3>;
+
+// The triangles between the nodes of a face, in VTK's order of nodes.
+constexpr std::array<Triangle, 1> kLinear{{{0, 1, 2}}};
+constexpr std::array<Triangle, 4> kQuadratic{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+constexpr std::array<Triangle, 9> kCubic{{{0, 3, 8},
+                                          {3, 4, 9},
+                                          {4, 1, 5},
+                                          {8, 9, 7},
+                                          {9, 5, 6},
+                                          {7, 6, 2},
+                                          {3, 9, 8},
+                                          {4, 5, 9},
+                                          {9, 6, 7}}};
+
+std::span<const Triangle> triangles_of(int order) {
+  if (order == 1) return kLinear;
+  if (order == 2) return kQuadratic;
+  return kCubic;
+}
+
+std::vector<char> wanted_patches(const mesh::TetMesh& body, const std::vector<std::string>& names) {
+  std::vector<char> wanted(body.patch_names.size(), names.empty() ? 1 : 0);
+  for (const auto& name : names) {
+    bool found = false;
+    for (std::size_t p = 0; p < wanted.size(); ++p) {
+      if (body.patch_names[p] != name) continue;
+      wanted[p] = 1;
+      found = true;
+    }
+    std::string known;
+    for (const auto& patch : body.patch_names) known += (known.empty() ? "" : ", ") + patch;
+    require(found, "placement: the body has no patch \"" + name + "\"; there are: " + known);
+  }
+  return wanted;
+}
+
+// Points per node and patch, and the triangles between them.
+void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, Surface& surface) {
+  std::map<std::pair<int, int>, int> number;
+  std::vector<std::pair<int, int>> points;  // node, patch
+  std::vector<Eigen::RowVector3i> triangles;
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    const int patch = body.face_patch(f);
+    if (wanted[static_cast<std::size_t>(patch)] == 0) continue;
+    for (const Triangle& corners : triangles_of(body.order())) {
+      Eigen::RowVector3i row;
+      for (int k = 0; k < 3; ++k) {
+        const std::pair key(body.faces(f, corners[static_cast<std::size_t>(k)]), patch);
+        const auto [known, is_new] = number.try_emplace(key, static_cast<int>(points.size()));
+        if (is_new) points.push_back(key);
+        row(k) = known->second;
+      }
+      triangles.push_back(row);
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(points.size());
+  surface.node.resize(count);
+  surface.sites.patch.resize(count);
+  surface.sites.position.resize(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto [node, patch] = points[static_cast<std::size_t>(i)];
+    surface.node(i) = node;
+    surface.sites.patch(i) = patch;
+    surface.sites.position.row(i) = body.points.row(node);
+  }
+  surface.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    surface.triangles.row(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+}
+
+void add_areas_and_normals(Surface& surface) {
+  auto& sites = surface.sites;
+  sites.area = Eigen::VectorXd::Zero(sites.count());
+  sites.normal = Points::Zero(sites.count(), 3);
+  for (const auto t : surface.triangles.rowwise()) {
+    const Eigen::RowVector3d a = sites.position.row(t(0));
+    const Eigen::RowVector3d u = sites.position.row(t(1)) - a;
+    const Eigen::RowVector3d v = sites.position.row(t(2)) - a;
+    const Eigen::RowVector3d twice = u.cross(v);
+    for (int k = 0; k < 3; ++k) {
+      sites.normal.row(t(k)) += twice;
+      sites.area(t(k)) += twice.norm() / 6.0;
+    }
+  }
+  sites.normal.rowwise().normalize();
+}
+
+void resize(Sites& sites, Eigen::Index count, Eigen::Index modes) {
+  sites.shapes.resize(count, modes);
+  sites.slopes.resize(count, modes);
+  sites.whole.assign(static_cast<std::size_t>(count), 1);
+}
+
+// Two directions along the surface.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> tangents(const Eigen::Vector3d& normal) {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().minCoeff(&axis);
+  const Eigen::Vector3d first = normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
+  return {first, normal.cross(first)};
+}
+
+Eigen::Vector3d on_circle(const std::pair<Eigen::Vector3d, Eigen::Vector3d>& along, double radius,
+                          int k, int count) {
+  const double angle = 2.0 * std::numbers::pi * k / count;
+  return radius * (std::cos(angle) * along.first + std::sin(angle) * along.second);
+}
+
+}  // namespace
+
+Sites part(const Sites& sites, const std::vector<Eigen::Index>& rows) {
+  Sites chosen;
+  chosen.position = sites.position(rows, Eigen::all);
+  chosen.normal = sites.normal(rows, Eigen::all);
+  chosen.patch = sites.patch(rows);
+  chosen.area = sites.area(rows);
+  chosen.shapes = sites.shapes(rows, Eigen::all);
+  chosen.slopes = sites.slopes(rows, Eigen::all);
+  for (const auto row : rows) chosen.whole.push_back(sites.whole[static_cast<std::size_t>(row)]);
+  return chosen;
+}
+
+Sampler::Sampler(const mesh::TetMesh& body, const modal::Modes& modes, Device device)
+    : body_(body), modes_(modes), device_(std::move(device)), finder_(body) {
+  require(modes.shapes.rows() == 3 * body.node_count(),
+          "placement: the modes have " + std::to_string(modes.shapes.rows()) +
+              " rows, expected 3 per node of the mesh: " + std::to_string(3 * body.node_count()));
+  require(!device_.direction || std::abs(device_.direction->norm() - 1.0) < 1e-9,
+          "placement: the direction is no unit vector");
+  require(device_.footprint >= 0.0, "placement: the footprint is negative");
+  const auto box = mesh::bounding_box(body.points);
+  step_ = 1e-3 * (box.row(1) - box.row(0)).norm();
+}
+
+Eigen::RowVectorXd Sampler::value(const mesh::Site& site, const Eigen::Vector3d& direction) const {
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(modes_.mode_count());
+  for (Eigen::Index a = 0; a < site.nodes.size(); ++a) {
+    if (site.weights(a) == 0.0) continue;
+    const Eigen::Index row = 3 * static_cast<Eigen::Index>(site.nodes(a));
+    for (int k = 0; k < 3; ++k) {
+      if (direction(k) != 0.0) sum += site.weights(a) * direction(k) * modes_.shapes.row(row + k);
+    }
+  }
+  return sum;
+}
+
+// The mean over a disc by Radon's rule of degree 5: the centre and six points at sqrt(2/3) of the
+// radius (Abramowitz and Stegun 25.4.61).
+void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, Eigen::Index row,
+                  Sites& sites) const {
+  const Eigen::Vector3d direction = device_.direction.value_or(normal);
+  const auto along = tangents(normal);
+  Eigen::RowVectorXd shape = value(finder_.nearest(position), direction);
+  if (const double radius = 0.5 * device_.footprint; radius > 0.0) {
+    shape *= 0.25;
+    for (int k = 0; k < 6; ++k) {
+      const Eigen::Vector3d offset = on_circle(along, std::sqrt(2.0 / 3.0) * radius, k, 6);
+      shape += 0.125 * value(finder_.nearest(position + offset), direction);
+    }
+    for (int k = 0; k < 12; ++k) {
+      const Eigen::Vector3d rim = position + on_circle(along, radius, k, 12);
+      if (finder_.nearest(rim).distance > 0.05 * radius) {
+        sites.whole[static_cast<std::size_t>(row)] = 0;
+      }
+    }
+  }
+  Eigen::RowVectorXd squared = Eigen::RowVectorXd::Zero(shape.size());
+  for (const Eigen::Vector3d& tangent : {along.first, along.second}) {
+    const auto ahead = finder_.nearest(position + step_ * tangent);
+    const auto behind = finder_.nearest(position - step_ * tangent);
+    const double apart = (ahead.position - behind.position).norm();
+    if (apart < 0.1 * step_) continue;
+    squared += ((value(ahead, direction) - value(behind, direction)) / apart).cwiseAbs2();
+  }
+  sites.shapes.row(row) = shape;
+  sites.slopes.row(row) = squared.cwiseSqrt();
+}
+
+Surface Sampler::surface(const std::vector<std::string>& patches) const {
+  Surface surface;
+  lay_out(body_, wanted_patches(body_, patches), surface);
+  add_areas_and_normals(surface);
+  auto& sites = surface.sites;
+  resize(sites, sites.count(), modes_.mode_count());
+  parallel_ranges(static_cast<std::size_t>(sites.count()), [&](std::size_t begin, std::size_t end) {
+    for (auto i = static_cast<Eigen::Index>(begin); i < static_cast<Eigen::Index>(end); ++i) {
+      see(sites.position.row(i), sites.normal.row(i), i, sites);
+    }
+  });
+  return surface;
+}
+
+Sites Sampler::at(const std::vector<mesh::Site>& places) const {
+  Sites sites;
+  const auto count = static_cast<Eigen::Index>(places.size());
+  sites.position.resize(count, 3);
+  sites.normal.resize(count, 3);
+  sites.patch.resize(count);
+  sites.area = Eigen::VectorXd::Ones(count);
+  resize(sites, count, modes_.mode_count());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& place = places[static_cast<std::size_t>(i)];
+    sites.position.row(i) = place.position;
+    sites.normal.row(i) = place.normal;
+    sites.patch(i) = body_.face_patch(place.face);
+    see(place.position, place.normal, i, sites);
+  }
+  return sites;
+}
+
+}  // namespace chladni::placement

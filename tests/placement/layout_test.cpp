@@ -1,0 +1,185 @@
+#include "placement/layout.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/error.h"
+#include "tests/placement/plate.h"
+
+namespace chladni::placement {
+namespace {
+
+const std::vector<Eigen::Index> kWanted{6, 7, 8, 9, 10};  // the last two are a pair
+
+LayoutView view_at(const std::vector<Eigen::Vector2d>& sensors,
+                   const std::vector<Eigen::Vector2d>& actuators) {
+  const auto& plate = square_plate();
+  const Sampler sampler(plate.body, plate.modes, {Eigen::Vector3d::UnitZ(), 0.0});
+  const auto surface = sampler.surface({"top"});
+  const auto seen = [&](const std::vector<Eigen::Vector2d>& at) {
+    std::vector<mesh::Site> places;
+    for (const auto& p : at) places.push_back(*sampler.finder().from_above(p.x(), p.y()));
+    return sampler.at(places);
+  };
+  const auto s = seen(sensors), a = seen(actuators);
+  LayoutView view;
+  view.frequency_hz = plate.modes.frequency_hz(kWanted);
+  view.damping_ratio = Eigen::VectorXd::Constant(5, 0.005);
+  view.groups = modal::groups(view.frequency_hz, 0.01);
+  view.sensors_all = s.shapes;
+  view.actuators_all = a.shapes;
+  view.sensors = s.shapes(Eigen::all, kWanted);
+  view.actuators = a.shapes(Eigen::all, kWanted);
+  const auto norms =
+      group_norms(surface.sites.shapes(Eigen::all, kWanted), surface.sites.area, view.groups);
+  view.rms.resize(5);
+  view.rms << norms.rms(0), norms.rms(1), norms.rms(2), norms.rms(3), norms.rms(3);
+  view.sensor_noise = 0.01 * view.rms;
+  view.actuator_noise = 0.02 * view.rms;
+  view.prior =
+      shape_prior(surface.sites.shapes, surface.sites.area, plate.modes.frequency_hz, kWanted);
+  view.surface_all = surface.sites.shapes;
+  view.interest_all = seen({{0.05, 0.02}}).shapes;
+  view.interest = view.interest_all(Eigen::all, kWanted);
+  const Points up = Eigen::RowVector3d(0, 0, 1).replicate(20, 1);
+  view.pairs =
+      collocated(s.position, up.topRows(s.count()), a.position, up.topRows(a.count()), 1e-3);
+  return view;
+}
+
+LayoutView some_view() {
+  return view_at({{0.25, 0.1}, {-0.2, 0.25}, {-0.25, -0.15}, {0.1, -0.27}},
+                 {{0.25, 0.1}, {0.0, 0.1}, {0.15, 0.2}, {-0.1, -0.05}, {0.2, -0.2}});
+}
+
+class EveryLayoutCriterion : public ::testing::TestWithParam<const LayoutCriterion*> {};
+
+TEST_P(EveryLayoutCriterion, IsFiniteForAnOrdinaryLayout) {
+  EXPECT_TRUE(std::isfinite(GetParam()->value(some_view())));
+}
+
+TEST_P(EveryLayoutCriterion, IsBlindToSignsAndToARotationOfAPair) {
+  auto view = some_view();
+  const double before = GetParam()->value(view);
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.6).toRotationMatrix();
+  for (auto* shapes : {&view.sensors, &view.actuators, &view.interest}) {
+    shapes->col(1) *= -1.0;
+    shapes->rightCols(2) *= turn;
+  }
+  for (auto* shapes :
+       {&view.sensors_all, &view.actuators_all, &view.surface_all, &view.interest_all}) {
+    shapes->col(7) *= -1.0;
+    shapes->middleCols(9, 2) *= turn;
+  }
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Identity(view.prior.gram.rows(), view.prior.gram.rows());
+  whole(7, 7) = -1.0;
+  whole.block<2, 2>(9, 9) = turn;
+  view.prior.gram = (whole.transpose() * view.prior.gram * whole).eval();
+  EXPECT_NEAR(GetParam()->value(view), before, 2e-4 * std::abs(before) + 1e-12);
+}
+
+TEST_P(EveryLayoutCriterion, SaysThatItDoesNotApplyToAnEmptyLayout) {
+  const double value = GetParam()->value(view_at({}, {}));
+  EXPECT_TRUE(std::isnan(value) || value == 0.0) << value;
+}
+
+INSTANTIATE_TEST_SUITE_P(LayoutCriteria, EveryLayoutCriterion,
+                         ::testing::ValuesIn(layout_criteria().begin(), layout_criteria().end()),
+                         [](const auto& one) { return std::string(one.param->name); });
+
+TEST(Layout, CountsPairsOnce) {
+  const auto view = some_view();
+  ASSERT_EQ(view.pairs.size(), 1U);
+  EXPECT_EQ(observed(view).rows(), 4 + 5 - 1);  // (5.2)
+  const auto all = samples(view);
+  EXPECT_LT(all.noise(0, 0), 0.01);  // two samples of one place
+  EXPECT_NEAR(all.noise(1, 0), 0.01, 1e-12);
+  EXPECT_NEAR(all.noise(5, 0), 0.02, 1e-12);
+}
+
+TEST(Layout, OnMirrorLinesIsBlindToWhatIsOddAboutThem) {
+  const auto on_lines = view_at({{0.2, 0.0}, {-0.1, 0.0}, {0.0, 0.25}, {0.0, -0.15}}, {});
+  EXPECT_LT(sight(on_lines)(0), 1e-3);  // the first mode twists: zero on both axes
+  EXPECT_LT(sight(on_lines)(0), kBlind);
+  EXPECT_GT(sight(some_view()).minCoeff(), kBlind);
+}
+
+TEST(ExpectedError, FallsWithEverySiteAndIsOneWithout) {
+  const auto view = some_view();
+  const Eigen::MatrixXd nothing(0, view.surface_all.cols());
+  EXPECT_TRUE(expected_error(view.prior, nothing, Eigen::MatrixXd(0, 5)).per_mode.isOnes(1e-9));
+  const auto all = samples(view);
+  double before = 1.0;
+  for (Eigen::Index k = 1; k <= all.rows.rows(); ++k) {
+    const double error =
+        expected_error(view.prior, all.rows.topRows(k), all.noise.topRows(k)).mean();
+    EXPECT_LT(error, before);
+    before = error;
+  }
+}
+
+TEST(ExpectedError, IsTheMeanSquareOfTheDeviationOverTheSurface) {
+  const auto& plate = square_plate();
+  const Sampler sampler(plate.body, plate.modes, {Eigen::Vector3d::UnitZ(), 0.0});
+  const auto surface = sampler.surface({"top"});
+  const auto view = some_view();
+  const auto all = samples(view);
+  const auto error = expected_error(view.prior, all.rows, all.noise);
+  const Eigen::MatrixXd deviation =
+      expected_deviation(view.prior, all.rows, all.noise, surface.sites.shapes);
+  const Eigen::VectorXd mean =
+      deviation.cwiseAbs2().transpose() * surface.sites.area / surface.sites.area.sum();
+  EXPECT_TRUE(mean.isApprox(error.per_mode, 1e-9));
+}
+
+TEST(BestInterpolation, IsNoWorseThanAnySwapAndThanLayoutsByHand) {
+  const auto& plate = square_plate();
+  const Sampler sampler(plate.body, plate.modes, {Eigen::Vector3d::UnitZ(), 0.0});
+  std::vector<mesh::Site> grid;
+  for (int i = 0; i < 81; ++i) {
+    grid.push_back(*sampler.finder().from_above(0.06 * (i % 9 - 4), 0.06 * (i / 9 - 4)));
+  }
+  const auto sites = sampler.at(grid);
+  const auto view = some_view();
+  InterpolationProblem problem;
+  problem.rows = sites.shapes;
+  problem.noise = Eigen::VectorXd::Constant(5, 0.01);
+  problem.there.resize(0, sites.shapes.cols());
+  problem.there_noise.resize(0, 5);
+  problem.prior = view.prior;
+  problem.count = 9;
+  problem.position = sites.position;
+  const auto best = best_interpolation(problem);
+  const auto error_of = [&](const std::vector<Eigen::Index>& chosen) {
+    return expected_error(problem.prior, sites.shapes(chosen, Eigen::all),
+                          Eigen::MatrixXd::Constant(9, 5, 0.01))
+        .mean();
+  };
+  EXPECT_NEAR(error_of(best.sites), -best.score, 1e-9);
+  for (std::size_t k = 0; k < 9; ++k) {
+    for (Eigen::Index c = 0; c < 81; ++c) {
+      auto other = best.sites;
+      other[k] = c;
+      if (std::count(best.sites.begin(), best.sites.end(), c) > 0) continue;
+      EXPECT_GE(error_of(other), -best.score * (1.0 - 1e-6));
+    }
+  }
+  EXPECT_LT(-best.score, error_of({0, 4, 8, 36, 40, 44, 72, 76, 80}));  // an even grid of 3 by 3
+  problem.count = 82;
+  EXPECT_THROW((void)best_interpolation(problem), InvalidInput);
+}
+
+TEST(Collocated, TakesEachActuatorOnceAndTheNearest) {
+  Points sensors(2, 3), actuators(3, 3);
+  sensors << 0, 0, 0, 0.5, 0, 0;
+  actuators << 0.0005, 0, 0, 0.0001, 0, 0, 0.7, 0, 0;
+  const Points up = Eigen::RowVector3d(0, 0, 1).replicate(3, 1);
+  const auto pairs = collocated(sensors, up.topRows(2), actuators, up, 1e-3);
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0], std::pair(Eigen::Index{0}, Eigen::Index{1}));
+}
+
+}  // namespace
+}  // namespace chladni::placement
