@@ -308,6 +308,9 @@ System assemble(const mesh::TetMesh& body, const std::vector<Material>& material
   }
   system.positions = positions(body, system.dofs, extra);
   system.rigid = rigid_motions(body, system, extra);
+  auto [suspended, force] = suspension(body, system, extra);
+  system.suspended = std::move(suspended);
+  system.suspension_force = std::move(force);
   system.frequency_scale_hz = frequency_scale(body, materials);
   return system;
 }

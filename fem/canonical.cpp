@@ -102,12 +102,17 @@ std::vector<Cluster> runs(const Eigen::VectorXd& lambda, Eigen::Index first, dou
 
 std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
                             Eigen::Index rigid) {
-  for (const auto& cluster : runs(lambda, rigid, kRepeatedTolerance)) {
+  auto repeated = runs(lambda, rigid, kRepeatedTolerance);
+  for (const auto& cluster : repeated) {
     refine(system, shapes.middleCols(cluster.first, cluster.size), 0);
     lambda.segment(cluster.first, cluster.size)
         .setConstant(lambda.segment(cluster.first, cluster.size).mean());
   }
   for (Eigen::Index i = rigid; i < shapes.cols(); ++i) fix_sign(shapes.col(i));
+  return repeated;
+}
+
+std::vector<Cluster> clusters(const Eigen::VectorXd& lambda, Eigen::Index rigid) {
   return runs(lambda, rigid, 2.0 * kClusterTolerance);
 }
 

@@ -15,8 +15,8 @@ namespace chladni::fem {
 /// On every tetrahedron the residual of the mode, with the tractions of both sides of a face
 /// averaged, is tested with the polynomials one order higher that vanish at the element's nodes;
 /// the energy of the local solutions estimates that of the error, which is the error of ω². A mode
-/// of its own needs no second mesh and is told where the others are not. Curved cells are integrated
-/// as they are; how far they lie from the true surface is not seen.
+/// of its own needs no second mesh and is told where the others are not. Curved cells are
+/// integrated as they are; how far they lie from the true surface is not seen.
 ///
 /// @param modes  shapes on the free degrees of freedom of `system`
 /// Cost: linear in the cells; a few seconds per 10^5 cells and 20 modes.

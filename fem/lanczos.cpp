@@ -91,9 +91,10 @@ struct Ritz {
   Matrix vectors;
   Eigen::VectorXd error;  // ‖remainder of the last block‖ per pair
 
-  // Of λ = 1/θ − s after purification, relative to λ.
+  // Of λ = 1/θ − s after purification, relative to λ. On springs so soft that λ drowns in the
+  // rounding of θ, relative to what is left of s: `polished` finds their λ.
   [[nodiscard]] double relative(Eigen::Index i, double s) const {
-    const double lambda = std::max(1.0 / theta(i) - s, 1e-300);
+    const double lambda = std::max(1.0 / theta(i) - s, 1e-6 * s);
     return error(i) / (theta(i) * theta(i) * lambda);
   }
 };

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "base/error.h"
@@ -12,11 +13,16 @@
 #include "fem/canonical.h"
 #include "fem/factorization.h"
 #include "fem/lanczos.h"
+#include "fem/residual.h"
 
 namespace chladni::fem {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
+// A residual above which a step of iterative refinement is taken: rounding in a slender body.
+constexpr double kWorthPolishing = 1e-9;
+constexpr int kPolishingSteps = 3;
+constexpr double kNotTrusted = 1e-4;  // a residual that is refused
 constexpr int kRestarts = 4;  // with new start blocks, where the count says that some are missing
 
 using Clock = std::chrono::steady_clock;
@@ -76,24 +82,6 @@ void refuse_what_does_not_fit(const Symbolic& symbolic, const System& system,
                        std::to_string(std::sqrt(need / have)).substr(0, 4));
 }
 
-// ‖Kφ − λMφ‖ / (λ‖Mφ‖), for the rigid ones ‖Kφ‖ / (‖K‖₁ ‖φ‖).
-Eigen::VectorXd residuals(const System& system, const Eigen::VectorXd& lambda,
-                          const Eigen::MatrixXd& shapes, Eigen::Index rigid) {
-  double norm = 0.0;  // of K: largest diagonal entry, a lower bound of ‖K‖₁
-  for (Eigen::Index i = 0; i < system.stiffness.cols(); ++i) {
-    norm = std::max(norm, system.stiffness.coeff(i, i));
-  }
-  const Eigen::MatrixXd k = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
-  const Eigen::MatrixXd m = system.mass.selfadjointView<Eigen::Lower>() * shapes;
-  Eigen::VectorXd result(lambda.size());
-  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
-    result(i) = i < rigid
-                    ? k.col(i).norm() / (norm * shapes.col(i).norm())
-                    : (k.col(i) - lambda(i) * m.col(i)).norm() / (lambda(i) * m.col(i).norm());
-  }
-  return result;
-}
-
 // The first `count` and all that belong to the cluster of the last of them.
 Eigen::Index uncut(const Eigen::VectorXd& lambda, Eigen::Index count) {
   while (count < lambda.size() &&
@@ -115,14 +103,31 @@ double count_at(const Eigen::VectorXd& lambda, Eigen::Index kept) {
   return std::min(0.5 * (last + next), 1.01 * last);
 }
 
+// Flexible modes with their residuals, in canonical orientation.
+struct Found {
+  Eigen::VectorXd lambda, residual;
+  Eigen::MatrixXd shapes;
+};
+
+// Orients what is repeated; each of its members then carries the residuals of all.
+void settle(const System& system, Found& found) {
+  const Eigen::VectorXd before = found.lambda;
+  for (const auto& cluster : orient(system, found.lambda, found.shapes, 0)) {
+    auto part = found.residual.segment(cluster.first, cluster.size);
+    const auto values = before.segment(cluster.first, cluster.size);
+    const double spread = (values.maxCoeff() - values.minCoeff()) / values.minCoeff();
+    part.setConstant(part.norm() + spread);
+  }
+}
+
 struct Search {
   const System& system;
   const ModesOptions& options;
   const Progress& progress;
   ModesSummary& summary;
 
-  LanczosResult find(const Symbolic& symbolic, double s, const Eigen::MatrixXd& known, int wanted,
-                     unsigned seed) {
+  Found find(const Symbolic& symbolic, double s, const Eigen::MatrixXd& known, int wanted,
+             unsigned seed) {
     auto start = Clock::now();
     tell(progress, "factorise");
     const Factorization factor(symbolic, system.stiffness, s, system.mass);
@@ -132,10 +137,19 @@ struct Search {
         system, factor, s, known,
         {.wanted = wanted, .block = options.block, .tolerance = options.tolerance, .seed = seed},
         progress);
-    summary.iterate_seconds += seconds_since(start);
     summary.block_steps += found.block_steps;
     summary.solves += found.solves;
-    return found;
+    Found result{std::move(found.lambda), {}, std::move(found.shapes)};
+    result.residual = residuals(system, factor, s, known, result.lambda, result.shapes);
+    const int least = system.suspended.cols() > 0 ? 1 : 0;
+    for (int step = 0;
+         step < least || (step < kPolishingSteps && result.residual.maxCoeff() > kWorthPolishing);
+         ++step) {
+      result.residual = polished(system, factor, s, known, result.lambda, result.shapes);
+    }
+    settle(system, result);
+    summary.iterate_seconds += seconds_since(start);
+    return result;
   }
 
   // Eigenvalues below `lambda`, by the signs of the pivots of K − λM.
@@ -159,17 +173,19 @@ struct Search {
 };
 
 // Both lists in one, ascending in λ.
-void merge(LanczosResult& into, LanczosResult more) {
-  Eigen::VectorXd lambda(into.lambda.size() + more.lambda.size());
+void merge(const System& system, Found& into, const Found& more) {
+  const auto size = into.lambda.size() + more.lambda.size();
+  Eigen::VectorXd lambda(size), residual(size);
   lambda << into.lambda, more.lambda;
-  Eigen::MatrixXd shapes(into.shapes.rows(), lambda.size());
+  residual << into.residual, more.residual;
+  Eigen::MatrixXd shapes(into.shapes.rows(), size);
   shapes << into.shapes, more.shapes;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(lambda.size()));
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(size));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
   std::stable_sort(order.begin(), order.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return lambda(a) < lambda(b); });
-  into.lambda = lambda(order);
-  into.shapes = shapes(Eigen::all, order);
+  into = {lambda(order), residual(order), shapes(Eigen::all, order)};
+  settle(system, into);
 }
 
 Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
@@ -178,7 +194,19 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right
   return both;
 }
 
-ModesResult assembled(const System& system, LanczosResult found, Eigen::Index kept,
+void require_small(const ModesResult& result) {
+  for (Eigen::Index i = result.modes.rigid_count; i < result.modes.mode_count(); ++i) {
+    if (result.summary.residual(i) < kNotTrusted) continue;
+    std::ostringstream text;
+    text << "modes: the mode at " << result.modes.frequency_hz(i)
+         << " Hz solves its equation only to " << result.summary.residual(i)
+         << "; stiffnesses this far apart are beyond double precision: leave out the softest "
+            "springs, or hold what is stiff";
+    throw NumericalFailure(text.str());
+  }
+}
+
+ModesResult assembled(const System& system, const Found& found, Eigen::Index kept,
                       ModesSummary summary) {
   const auto rigid = system.rigid.cols();
   ModesResult result;
@@ -188,10 +216,13 @@ ModesResult assembled(const System& system, LanczosResult found, Eigen::Index ke
   result.modes.rigid_count = rigid;
   result.modes.shapes = beside(rigid > 0 ? system.rigid : Eigen::MatrixXd(found.shapes.rows(), 0),
                                found.shapes.leftCols(kept));
-  result.summary.clusters = orient(system, lambda, result.modes.shapes, rigid);
+  result.summary.clusters = clusters(lambda, rigid);
   result.modes.frequency_hz = lambda.cwiseMax(0.0).cwiseSqrt() / kTwoPi;
   result.modes.damping_ratio = Eigen::VectorXd::Zero(lambda.size());
-  result.summary.residual = residuals(system, lambda, result.modes.shapes, rigid);
+  result.summary.residual.resize(rigid + kept);
+  result.summary.residual << rigid_residuals(system, result.modes.shapes.leftCols(rigid)),
+      found.residual.head(kept);
+  require_small(result);
   const Eigen::MatrixXd gram = result.modes.shapes.transpose() *
                                (system.mass.selfadjointView<Eigen::Lower>() * result.modes.shapes);
   result.summary.orthogonality =
@@ -228,8 +259,9 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
     summary.complete = summary.counted == summary.found;
     if (summary.complete || attempt == kRestarts) break;
     const int missing = summary.counted - summary.found;
-    merge(found, search.find(symbolic, s, beside(system.rigid, found.shapes), std::max(missing, 1),
-                             options.seed + 1U + static_cast<unsigned>(attempt)));
+    merge(system, found,
+          search.find(symbolic, s, beside(system.rigid, found.shapes), std::max(missing, 1),
+                      options.seed + 1U + static_cast<unsigned>(attempt)));
     kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
   }
   if (options.certificate && !summary.complete) {
@@ -242,7 +274,7 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
                            " Hz: " + std::to_string(summary.found) + " found, " +
                            std::to_string(summary.counted) + " counted"
                      : "modes: " + std::to_string(rigid + kept) + " found, not counted";
-  return assembled(system, std::move(found), kept, std::move(summary));
+  return assembled(system, found, kept, std::move(summary));
 }
 
 }  // namespace chladni::fem

@@ -35,7 +35,7 @@ Motions about(const mesh::TetMesh& body, const AttachmentTerms& attachments,
   return motions;
 }
 
-Eigen::MatrixXd free_rows(const Motions& all, const DofMap& dofs) {
+Eigen::MatrixXd free_rows(const Eigen::MatrixXd& all, const DofMap& dofs) {
   Eigen::MatrixXd free(dofs.free_count, all.cols());
   for (Eigen::Index i = 0; i < dofs.free_dof.size(); ++i) {
     if (dofs.free_dof(i) >= 0) free.row(dofs.free_dof(i)) = all.row(i);
@@ -150,22 +150,55 @@ Eigen::MatrixXd costless(const Energy& energy) {
 
 }  // namespace
 
+namespace {
+
+// The six motions on all degrees of freedom, mass-orthonormal on the free ones.
+Motions six(const mesh::TetMesh& body, const System& system, const AttachmentTerms& attachments) {
+  const Eigen::Vector3d centre = body.points.colwise().mean().transpose();
+  Motions all = about(body, attachments, centre);
+  all *= mass_orthonormal(gram(system.mass, free_rows(all, system.dofs)));
+  return all;
+}
+
+// Forces of the springs on all degrees of freedom that move.
+Eigen::MatrixXd spring_forces(const Eigen::MatrixXd& motions, const AttachmentTerms& attachments) {
+  Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(motions.rows(), motions.cols());
+  for (const auto& term : attachments.stiffness) {
+    forces.row(term.row()) += term.value() * motions.row(term.col());
+    if (term.row() != term.col()) forces.row(term.col()) += term.value() * motions.row(term.row());
+  }
+  return forces;
+}
+
+}  // namespace
+
 Eigen::MatrixXd rigid_motions(const mesh::TetMesh& body, const System& system,
                               const AttachmentTerms& attachments) {
-  Eigen::Vector3d centre = body.points.colwise().mean().transpose();
-  Motions all = about(body, attachments, centre);
-  Eigen::MatrixXd free = free_rows(all, system.dofs);
-  const Eigen::MatrixXd combination = mass_orthonormal(gram(system.mass, free));
-  all *= combination;
-
+  const Motions all = six(body, system, attachments);
+  const Eigen::MatrixXd free = free_rows(all, system.dofs);
   const Eigen::MatrixXd passed = costless(energy_of(all, system.dofs, attachments));
-  if (passed.cols() == 6) return free * combination;
-  Eigen::MatrixXd left = free * combination * passed;
+  if (passed.cols() == 6) return free;
+  Eigen::MatrixXd left = free * passed;
   for (int pass = 0; pass < 2 && left.cols() > 0; ++pass) {
     const Eigen::LLT<Eigen::MatrixXd> llt(gram(system.mass, left));
     left = llt.matrixU().solve<Eigen::OnTheRight>(left);
   }
   return left;
+}
+
+Suspension suspension(const mesh::TetMesh& body, const System& system,
+                      const AttachmentTerms& attachments) {
+  if (attachments.stiffness.empty() || system.rigid.cols() == 6) return {};
+  const Motions all = six(body, system, attachments);
+  Eigen::MatrixXd passed = costless(energy_of(all, system.dofs, AttachmentTerms{}));
+  const Eigen::MatrixXd rigid = costless(energy_of(all, system.dofs, attachments));
+  passed -= rigid * (rigid.transpose() * passed);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(passed * passed.transpose());
+  const Eigen::Index count = (solver.eigenvalues().array() > 0.5).count();
+  if (count == 0) return {};
+  const Eigen::MatrixXd motions = all * solver.eigenvectors().rightCols(count);
+  return {free_rows(motions, system.dofs),
+          free_rows(spring_forces(motions, attachments), system.dofs)};
 }
 
 double frequency_scale(const mesh::TetMesh& body, const std::vector<Material>& materials) {

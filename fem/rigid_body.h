@@ -17,6 +17,15 @@ namespace chladni::fem {
 [[nodiscard]] Eigen::MatrixXd rigid_motions(const mesh::TetMesh& body, const System& system,
                                             const AttachmentTerms& attachments);
 
+/// The motions as a whole that supports let pass and springs resist, n×q, mass-orthonormal and
+/// orthogonal to `system.rigid`, and the forces n×q that the springs answer with. The body itself
+/// answers with none, which in floating point K does not know.
+struct Suspension {
+  Eigen::MatrixXd motions, forces;
+};
+[[nodiscard]] Suspension suspension(const mesh::TetMesh& body, const System& system,
+                                    const AttachmentTerms& attachments);
+
 /// 0.65 c t / L² of a plate of the body's volume, surface and extent [Hz]: where its first flexible
 /// mode lies, to a factor of ten.
 [[nodiscard]] double frequency_scale(const mesh::TetMesh& body,

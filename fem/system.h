@@ -21,6 +21,9 @@ struct System {
   SparseMatrix damping;        ///< C, n×n [N s/m], lower triangle; empty where there is no damper
   Eigen::MatrixXd rigid;       ///< n×r: the motions that cost no energy, mass-orthonormal; translations
                                ///< along x, y, z first, then rotations about the principal axes
+  Eigen::MatrixXd suspended;   ///< n×q: the motions as a whole that only springs resist,
+                               ///< mass-orthonormal and orthogonal to the rigid ones; may be empty
+  Eigen::MatrixXd suspension_force;  ///< n×q: K times these, from the springs alone [N]
   Points positions;            ///< n×3 [m]: where each degree of freedom is; may be empty
   DofMap dofs;
   double frequency_scale_hz = 0.0;  ///< where the first flexible mode may lie, to a factor of 10; 0: not known

@@ -1,0 +1,131 @@
+#include "fem/residual.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace chladni::fem {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+// A x, A stored by its lower triangle, summed with 64 bits of mantissa.
+Eigen::VectorXd long_product(const SparseMatrix& a, const Eigen::Ref<const Eigen::VectorXd>& x) {
+  Eigen::Matrix<long double, Eigen::Dynamic, 1> y =
+      Eigen::Matrix<long double, Eigen::Dynamic, 1>::Zero(a.rows());
+  for (Eigen::Index column = 0; column < a.cols(); ++column) {
+    const long double at_column = x(column);
+    long double sum = 0.0L;
+    for (SparseMatrix::InnerIterator entry(a, column); entry; ++entry) {
+      const long double value = entry.value();
+      if (entry.row() == column) {
+        sum += value * at_column;
+      } else {
+        y(entry.row()) += value * at_column;
+        sum += value * static_cast<long double>(x(entry.row()));
+      }
+    }
+    y(column) += sum;
+  }
+  return y.cast<double>();
+}
+
+Matrix long_products(const SparseMatrix& a, const Matrix& x) {
+  Matrix product(x.rows(), x.cols());
+  parallel_ranges(static_cast<std::size_t>(x.cols()), [&](std::size_t begin, std::size_t end) {
+    for (auto j = static_cast<Eigen::Index>(begin); j < static_cast<Eigen::Index>(end); ++j) {
+      product.col(j) = long_product(a, x.col(j));
+    }
+  });
+  return product;
+}
+
+// K Φ. With Φ = R A + Ψ, R the suspended motions and F the force of their springs, it is F A + K Ψ,
+// of which the part along R is FᵀΨ.
+Matrix stiffness_times(const System& system, const Matrix& shapes) {
+  if (system.suspended.cols() == 0) return long_products(system.stiffness, shapes);
+  const auto& r = system.suspended;
+  const Matrix mr = system.mass.selfadjointView<Eigen::Lower>() * r;
+  Matrix whole = mr.transpose() * shapes;
+  Matrix bent = shapes - r * whole;
+  const Matrix more = mr.transpose() * bent;
+  bent.noalias() -= r * more;
+  whole += more;
+  Matrix product = long_products(system.stiffness, bent);
+  const Matrix along = system.suspension_force.transpose() * bent - r.transpose() * product;
+  product.noalias() += mr * along;
+  product.noalias() += system.suspension_force * whole;
+  return product;
+}
+
+// (K + sM)⁻¹(KΦ − MΦΛ) less its part along the known modes, which rounding alone brings, a few
+// columns at a time, and its norms relative to λ.
+struct Correction {
+  Matrix shapes;
+  Eigen::VectorXd residual;
+};
+
+Correction correction(const System& system, const Factorization& factor, double s,
+                      const Matrix& known, const Eigen::VectorXd& lambda, const Matrix& shapes,
+                      const Matrix& stiffness_product) {
+  const auto mass = system.mass.selfadjointView<Eigen::Lower>();
+  const Matrix known_inertia = mass * known;
+  Correction result{Matrix(shapes.rows(), shapes.cols()), Eigen::VectorXd(lambda.size())};
+  constexpr Eigen::Index at_once = 8;
+  for (Eigen::Index first = 0; first < lambda.size(); first += at_once) {
+    const auto count = std::min(at_once, lambda.size() - first);
+    const auto values = lambda.segment(first, count);
+    const Matrix inertia = mass * shapes.middleCols(first, count);
+    Matrix r = stiffness_product.middleCols(first, count) - inertia * values.asDiagonal();
+    r -= known_inertia * (known.transpose() * r);
+    auto x = result.shapes.middleCols(first, count);
+    x = factor.solve(r);
+    x -= known * (known_inertia.transpose() * x);
+    const Matrix mx = mass * x;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double norm = std::sqrt(std::max(0.0, x.col(i).dot(mx.col(i))));
+      result.residual(first + i) = norm * (values(i) + s) / values(i);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd residuals(const System& system, const Factorization& factor, double s,
+                          const Matrix& known, const Eigen::VectorXd& lambda,
+                          const Matrix& shapes) {
+  const Matrix product = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+  return correction(system, factor, s, known, lambda, shapes, product).residual;
+}
+
+Eigen::VectorXd polished(const System& system, const Factorization& factor, double s,
+                         const Matrix& known, Eigen::VectorXd& lambda, Matrix& shapes) {
+  Matrix product = stiffness_times(system, shapes);
+  {
+    const Matrix step = correction(system, factor, s, known, lambda, shapes, product).shapes;
+    shapes -= step;
+    product -= system.stiffness.selfadjointView<Eigen::Lower>() * step;
+  }
+  const Matrix energy = shapes.transpose() * product;
+  const Matrix gram = shapes.transpose() * (system.mass.selfadjointView<Eigen::Lower>() * shapes);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(0.5 * (energy + energy.transpose()),
+                                                                0.5 * (gram + gram.transpose()));
+  lambda = solver.eigenvalues();
+  shapes = (shapes * solver.eigenvectors()).eval();
+  product = (product * solver.eigenvectors()).eval();
+  return correction(system, factor, s, known, lambda, shapes, product).residual;
+}
+
+Eigen::VectorXd rigid_residuals(const System& system, const Matrix& shapes) {
+  double norm = 0.0;  // of K: largest diagonal entry, a lower bound of ‖K‖₁
+  for (Eigen::Index i = 0; i < system.stiffness.cols(); ++i) {
+    norm = std::max(norm, system.stiffness.coeff(i, i));
+  }
+  const Matrix k = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+  return (k.colwise().norm().array() / (norm * shapes.colwise().norm().array())).transpose();
+}
+
+}  // namespace chladni::fem
