@@ -34,6 +34,18 @@ std::string verdict_line(const Expectation& expectation, double found, bool met)
                      expectation.within, unit, found, unit, relative);
 }
 
+/// What every study expects without saying so: modes that solve their equation.
+constexpr double kLargestResidual = 1e-8;
+
+bool residuals_are_small(const Solution& solution, Run& run) {
+  const double found =
+      solution.summary.residual.size() > 0 ? solution.summary.residual.maxCoeff() : 0.0;
+  const bool met = found <= kLargestResidual;
+  run.show(fmt::format("{}  {:<18} expected at most {:.0e}, found {:.1e}\n",
+                       met ? "met   " : "FAILED", "residual", kLargestResidual, found));
+  return met;
+}
+
 }  // namespace
 
 void judge(const Study& study, const Solution& solution, Run& run) {
@@ -48,9 +60,13 @@ void judge(const Study& study, const Solution& solution, Run& run) {
     failed += met ? 0 : 1;
     run.show(verdict_line(expectation, found, met));
   }
+  const bool solved = residuals_are_small(solution, run);
   if (failed > 0) {
     throw NumericalFailure(fmt::format("{}: {} of {} expectations not met", study.file.string(),
                                        failed, study.expectations.size()));
+  }
+  if (!solved) {
+    throw NumericalFailure(study.file.string() + ": a residual above what can be trusted");
   }
 }
 

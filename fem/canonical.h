@@ -15,7 +15,7 @@ inline constexpr double kClusterTolerance = 1e-3;
 
 /// Relative difference of λ below which modes are repeated to the solver's accuracy and their basis
 /// is arbitrary; above it each shape is itself.
-inline constexpr double kRepeatedTolerance = 1e-7;
+inline constexpr double kRepeatedTolerance = 1e-8;
 
 /// Turns the basis of each exactly repeated eigenvalue so that the second moments of the mass that
 /// moves, Φᵀ(M x²)Φ, then with y², xy, xz, yz, z³, x³ ... for what is left, are diagonal, the

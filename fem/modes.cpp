@@ -114,9 +114,10 @@ void settle(const System& system, Found& found) {
   const Eigen::VectorXd before = found.lambda;
   for (const auto& cluster : orient(system, found.lambda, found.shapes, 0)) {
     auto part = found.residual.segment(cluster.first, cluster.size);
-    const auto values = before.segment(cluster.first, cluster.size);
-    const double spread = (values.maxCoeff() - values.minCoeff()) / values.minCoeff();
-    part.setConstant(part.norm() + spread);
+    const double turned = found.lambda(cluster.first);
+    const double off =
+        (before.segment(cluster.first, cluster.size).array() / turned - 1.0).abs().maxCoeff();
+    part.setConstant(part.norm() + off);
   }
 }
 
