@@ -125,6 +125,19 @@ std::vector<std::int32_t> fans_of(const Surface& surface) {
   return corners.numbers();
 }
 
+bool between_patches(const FanMesh& fans, Mesh::Edge_index edge) {
+  const Mesh::Halfedge_index half = fans.mesh.halfedge(edge);
+  return fans.patch[fans.mesh.face(half)] != fans.patch[fans.mesh.face(fans.mesh.opposite(half))];
+}
+
+std::vector<Mesh::Face_index> faces_of(const FanMesh& fans, int patch) {
+  std::vector<Mesh::Face_index> faces;
+  for (const Mesh::Face_index face : fans.mesh.faces()) {
+    if (fans.patch[face] == patch) faces.push_back(face);
+  }
+  return faces;
+}
+
 void keep_edges(FanMesh& fans, const std::vector<Eigen::Vector2i>& kept) {
   std::vector<std::pair<int, int>> wanted;
   for (const Eigen::Vector2i& edge : kept) wanted.emplace_back(edge.minCoeff(), edge.maxCoeff());
@@ -133,7 +146,7 @@ void keep_edges(FanMesh& fans, const std::vector<Eigen::Vector2i>& kept) {
     const int a = fans.origin[fans.mesh.vertex(edge, 0)];
     const int b = fans.origin[fans.mesh.vertex(edge, 1)];
     fans.kept[edge] =
-        fans.mesh.is_border(edge) ||
+        fans.mesh.is_border(edge) || between_patches(fans, edge) ||
         std::binary_search(wanted.begin(), wanted.end(), std::pair(std::min(a, b), std::max(a, b)));
   }
 }
@@ -239,17 +252,21 @@ std::vector<Eigen::Vector3i> filling(const Surface& surface, const std::vector<i
 }
 
 std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen::Vector2i>& kept,
-                                 double edge_length) {
+                                 const std::vector<double>& edge_length) {
   const CgalQuiet quiet;
   std::optional<FanMesh> fans = fan_mesh(surface, kept);
   if (!fans) return std::nullopt;
   try {
-    pmp::isotropic_remeshing(fans->mesh.faces(), edge_length, fans->mesh,
-                             CGAL::parameters::number_of_iterations(5)
-                                 .number_of_relaxation_steps(3)
-                                 .protect_constraints(true)
-                                 .edge_is_constrained_map(fans->kept)
-                                 .face_patch_map(fans->patch));
+    for (std::size_t patch = 0; patch < edge_length.size(); ++patch) {
+      if (edge_length[patch] <= 0.0) continue;
+      pmp::isotropic_remeshing(faces_of(*fans, static_cast<int>(patch)), edge_length[patch],
+                               fans->mesh,
+                               CGAL::parameters::number_of_iterations(5)
+                                   .number_of_relaxation_steps(3)
+                                   .protect_constraints(true)
+                                   .edge_is_constrained_map(fans->kept)
+                                   .face_patch_map(fans->patch));
+    }
   } catch (const CGAL::Failure_exception&) {
     return std::nullopt;
   }

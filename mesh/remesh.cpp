@@ -1,8 +1,8 @@
-// Prepares a surface for isotropic remeshing: which edges must stay, and short enough ones.
+#include "mesh/remesh.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -11,178 +11,216 @@
 #include "mesh/check.h"
 #include "mesh/clean.h"
 #include "mesh/defects.h"
-#include "mesh/disjoint_sets.h"
+#include "mesh/feature_lines.h"
+#include "mesh/plane_triangles.h"
+#include "mesh/restore_volumes.h"
 #include "mesh/shells.h"
+#include "mesh/smooth_parts.h"
+#include "mesh/split_edges.h"
 
 namespace chladni::mesh {
 namespace {
 
-Eigen::Vector3d normal(const Surface& surface, int t) {
-  const Eigen::Vector3d a = surface.points.row(surface.triangles(t, 0));
-  const Eigen::Vector3d b = surface.points.row(surface.triangles(t, 1));
-  const Eigen::Vector3d c = surface.points.row(surface.triangles(t, 2));
-  return (b - a).cross(c - a).normalized();
+enum class Flat { fewest, renewed };
+
+struct Wanted {
+  double edge_length = 0.0;  // [m]
+  double sharp_degrees = 0.0;
+  double deviation = 0.0;  // of chords from what they stand for, in edge lengths
+  Flat flat = Flat::fewest;
+
+  [[nodiscard]] Sampling sampling() const {
+    return {edge_length, deviation * edge_length, std::numbers::pi / 4.0};
+  }
+};
+
+using Edge = std::pair<int, int>;  // ends, low first
+
+// A surface on its way: its patches are the smooth parts of the one before.
+struct Rebuilt {
+  Surface surface;
+  SmoothParts of;                           // the surface before
+  std::vector<double> edge_length;          // per part, 0 where its triangles are not renewed
+  std::vector<std::map<Edge, int>> border;  // per part: its kept edges and how often it has them
+  Chains chains;                            // the kept edges
+};
+
+std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted) {
+  std::vector<double> lengths;
+  for (std::size_t p = 0; p < parts.radius.size(); ++p) {
+    if (parts.flat(static_cast<int>(p))) {
+      lengths.push_back(wanted.flat == Flat::renewed ? wanted.edge_length : 0.0);
+    } else {
+      lengths.push_back(wanted.deviation > 0.0 ? chord_length(parts.radius[p], wanted.sampling())
+                                               : wanted.edge_length);
+    }
+  }
+  return lengths;
 }
 
-bool must_stay(const Surface& surface, const EdgeUse& a, const EdgeUse& b, double cos_sharp) {
-  if (surface.patch[a.triangle] != surface.patch[b.triangle]) return true;
-  const double turned = a.forward == b.forward ? -1.0 : 1.0;
-  return turned * normal(surface, a.triangle).dot(normal(surface, b.triangle)) < cos_sharp;
+// Kept edges between the points that stay, and what the parts have of them.
+void find_borders(Rebuilt& rebuilt, const Surface& before, const std::vector<int>& stand_in) {
+  const auto less = [](const EdgeUse& a, const EdgeUse& b) {
+    return Edge(a.low, a.high) < Edge(b.low, b.high);
+  };
+  rebuilt.border.resize(rebuilt.edge_length.size());
+  for (const EdgeUse& use : edge_uses(before.triangles)) {
+    if (!std::binary_search(rebuilt.of.kept.begin(), rebuilt.of.kept.end(), use, less)) continue;
+    const Edge edge = std::minmax(stand_in[static_cast<std::size_t>(use.low)],
+                                  stand_in[static_cast<std::size_t>(use.high)]);
+    if (edge.first == edge.second) continue;
+    const int part = rebuilt.of.part[static_cast<std::size_t>(use.triangle)];
+    ++rebuilt.border[static_cast<std::size_t>(part)][edge];
+  }
 }
 
-// The first use of every edge that must stay.
-std::vector<EdgeUse> kept_edges(const Surface& surface, const std::vector<EdgeUse>& uses,
-                                double sharp_degrees) {
-  const double cos_sharp = std::cos(sharp_degrees * std::numbers::pi / 180.0);
-  std::vector<EdgeUse> kept;
+// Curved parts with their lines drawn straight; flat ones come later.
+void add_curved_parts(Rebuilt& rebuilt, const Surface& before, const std::vector<int>& stand_in) {
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<int> parts;
+  for (std::size_t t = 0; t < rebuilt.of.part.size(); ++t) {
+    if (rebuilt.of.flat(rebuilt.of.part[t])) continue;
+    Eigen::Vector3i corners = before.triangles.row(static_cast<Eigen::Index>(t)).transpose();
+    for (int& i : corners) i = stand_in[static_cast<std::size_t>(i)];
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    triangles.push_back(corners);
+    parts.push_back(rebuilt.of.part[t]);
+  }
+  append_triangles(rebuilt.surface, triangles, parts);
+}
+
+// Each line as short as the finest of its renewed parts wants it.
+std::vector<LineToCut> lines_to_cut(const Rebuilt& rebuilt) {
+  std::map<Edge, double> length;
+  for (std::size_t p = 0; p < rebuilt.border.size(); ++p) {
+    if (rebuilt.edge_length[p] <= 0.0) continue;
+    for (const auto& [edge, uses] : rebuilt.border[p]) {
+      double& wanted = length.try_emplace(edge, rebuilt.edge_length[p]).first->second;
+      wanted = std::min(wanted, rebuilt.edge_length[p]);
+    }
+  }
+  std::vector<LineToCut> lines;
+  for (const auto& [edge, wanted] : length) lines.push_back({edge.first, edge.second, wanted});
+  return lines;
+}
+
+// The lines of a flat part, cut.
+std::vector<PlaneLine> border_of(const Rebuilt& rebuilt, std::size_t part) {
+  std::vector<PlaneLine> lines;
+  for (const auto& [edge, uses] : rebuilt.border[part]) {
+    const auto chain = rebuilt.chains.find(edge);
+    const std::vector<int> points =
+        chain == rebuilt.chains.end() ? std::vector{edge.first, edge.second} : chain->second;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      lines.push_back({points[i - 1], points[i], uses});
+    }
+  }
+  return lines;
+}
+
+bool add_flat_parts(Rebuilt& rebuilt, const Surface& before) {
+  const Points normal = part_normals(before, rebuilt.of.part);
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<int> parts;
+  for (std::size_t p = 0; p < rebuilt.edge_length.size(); ++p) {
+    if (!rebuilt.of.flat(static_cast<int>(p))) continue;
+    const auto found = plane_triangles(rebuilt.surface.points, {}, border_of(rebuilt, p),
+                                       normal.row(static_cast<Eigen::Index>(p)));
+    if (!found) return false;
+    triangles.insert(triangles.end(), found->begin(), found->end());
+    parts.resize(triangles.size(), static_cast<int>(p));
+  }
+  append_triangles(rebuilt.surface, triangles, parts);
+  return true;
+}
+
+// What isotropic remeshing made of the planes, drawn again between the same points.
+void make_planes_delaunay(Surface& after, const Rebuilt& before) {
+  const std::vector<int> part(after.patch.begin(), after.patch.end());
+  const Points normal = part_normals(after, part);
+  std::vector<std::vector<PlaneLine>> lines(before.edge_length.size());
+  const std::vector<EdgeUse> uses = edge_uses(after.triangles);
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t end = end_of_edge(uses, first);
-    if (end - first != 2 || must_stay(surface, uses[first], uses[first + 1], cos_sharp)) {
-      kept.push_back(uses[first]);
+    for (std::size_t i = first; i < end; ++i) {
+      const int p = after.patch[uses[i].triangle];
+      const bool inner = end - first == 2 && p == after.patch[uses[first].triangle] &&
+                         p == after.patch[uses[first + 1].triangle];
+      if (!inner) lines[static_cast<std::size_t>(p)].push_back({uses[i].low, uses[i].high, 1});
     }
     first = end;
   }
-  return kept;
-}
-
-// Per kept edge (low, high) its points from low to high, both ends included.
-using Chains = std::map<std::pair<int, int>, std::vector<int>>;
-
-// Cuts kept edges into equal parts of about `edge_length`, at most 4/3 of it, as isotropic
-// remeshing wants them; the new points are appended.
-Chains chains_of(Surface& surface, const std::vector<EdgeUse>& kept, double edge_length) {
-  Chains chains;
-  std::vector<Eigen::RowVector3d> added;
-  for (const EdgeUse& edge : kept) {
-    const Eigen::RowVector3d a = surface.points.row(edge.low);
-    const Eigen::RowVector3d b = surface.points.row(edge.high);
-    const double ratio = (b - a).norm() / edge_length;
-    const int parts = ratio < 1.3 ? 1 : std::max(2, static_cast<int>(std::lround(ratio)));
-    std::vector<int>& chain = chains[{edge.low, edge.high}];
-    chain = {edge.low};
-    for (int i = 1; i < parts; ++i) {
-      chain.push_back(static_cast<int>(surface.points.rows()) + static_cast<int>(added.size()));
-      added.emplace_back(a + (b - a) * (static_cast<double>(i) / parts));
-    }
-    chain.push_back(edge.high);
+  std::vector<std::vector<Eigen::Vector3i>> old(before.edge_length.size());
+  for (Eigen::Index t = 0; t < after.triangles.rows(); ++t) {
+    old[static_cast<std::size_t>(after.patch[t])].emplace_back(after.triangles.row(t).transpose());
   }
-  Eigen::Index i = surface.points.rows();
-  surface.points.conservativeResize(i + static_cast<Eigen::Index>(added.size()), 3);
-  for (const Eigen::RowVector3d& point : added) surface.points.row(i++) = point;
-  return chains;
-}
-
-// A point of a triangle's rim and the sides (bit k: from corner k to the next) it lies on.
-struct RimPoint {
-  int point = 0;
-  unsigned sides = 0;
-};
-
-std::vector<RimPoint> rim_of(const Surface& surface, Eigen::Index t, const Chains& chains) {
-  std::vector<RimPoint> rim;
-  for (int k = 0; k < 3; ++k) {
-    const int from = surface.triangles(t, k);
-    const int to = surface.triangles(t, (k + 1) % 3);
-    rim.push_back(
-        {from, 1U << static_cast<unsigned>(k) | 1U << static_cast<unsigned>((k + 2) % 3)});
-    const auto chain = chains.find({std::min(from, to), std::max(from, to)});
-    if (chain == chains.end()) continue;
-    std::vector<int> inner(chain->second.begin() + 1, chain->second.end() - 1);
-    if (from > to) std::reverse(inner.begin(), inner.end());
-    for (const int i : inner) rim.push_back({i, 1U << static_cast<unsigned>(k)});
-  }
-  return rim;
-}
-
-// Whether cutting off point i leaves no flat piece on either side of the cut.
-bool is_ear(const std::vector<RimPoint>& rim, std::size_t i) {
-  const std::size_t size = rim.size();
-  if ((rim[(i + size - 1) % size].sides & rim[i].sides & rim[(i + 1) % size].sides) != 0) {
-    return false;
-  }
-  unsigned sides = 7U;
-  for (std::size_t j = 0; j < size; ++j) {
-    if (j != i) sides &= rim[j].sides;
-  }
-  return sides == 0;
-}
-
-// Cuts off the ear with the shortest cut until a triangle is left.
-void add_rim_triangles(const Points& points, std::vector<RimPoint> rim,
-                       std::vector<Eigen::Vector3i>& triangles) {
-  while (rim.size() > 3) {
-    std::size_t best = 0;
-    double shortest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < rim.size(); ++i) {
-      const int before = rim[(i + rim.size() - 1) % rim.size()].point;
-      const int after = rim[(i + 1) % rim.size()].point;
-      const double length = (points.row(before) - points.row(after)).norm();
-      if (length < shortest && is_ear(rim, i)) {
-        shortest = length;
-        best = i;
-      }
-    }
-    const RimPoint before = rim[(best + rim.size() - 1) % rim.size()];
-    const RimPoint after = rim[(best + 1) % rim.size()];
-    triangles.emplace_back(before.point, rim[best].point, after.point);
-    rim.erase(rim.begin() + static_cast<std::ptrdiff_t>(best));
-  }
-  triangles.emplace_back(rim[0].point, rim[1].point, rim[2].point);
-}
-
-void split_triangles(Surface& surface, const Chains& chains) {
   std::vector<Eigen::Vector3i> triangles;
-  std::vector<int> patches;
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    add_rim_triangles(surface.points, rim_of(surface, t, chains), triangles);
-    patches.resize(triangles.size(), surface.patch[t]);
+  std::vector<int> parts;
+  for (std::size_t p = 0; p < old.size(); ++p) {
+    const bool flat = before.of.flat(static_cast<int>(p));
+    const auto found = flat ? plane_triangles(after.points, old[p], lines[p],
+                                              normal.row(static_cast<Eigen::Index>(p)))
+                            : std::nullopt;
+    const auto& kept = found ? *found : old[p];
+    triangles.insert(triangles.end(), kept.begin(), kept.end());
+    parts.resize(triangles.size(), static_cast<int>(p));
   }
-  surface.triangles.resize(0, 3);
-  surface.patch.resize(0);
-  append_triangles(surface, triangles, patches);
+  after.triangles.resize(0, 3);
+  after.patch.resize(0);
+  append_triangles(after, triangles, parts);
 }
 
-// Triangles joined across edges that need not stay.
-std::vector<int> smooth_parts(const Surface& surface, const std::vector<EdgeUse>& kept) {
-  const auto before = [](const EdgeUse& a, const EdgeUse& b) {
-    return std::pair(a.low, a.high) < std::pair(b.low, b.high);
-  };
-  DisjointSets parts(static_cast<std::size_t>(surface.triangles.rows()));
-  const std::vector<EdgeUse> uses = edge_uses(surface.triangles);
-  for (std::size_t i = 1; i < uses.size(); ++i) {
-    const bool same_edge = uses[i].low == uses[i - 1].low && uses[i].high == uses[i - 1].high;
-    if (!same_edge || std::binary_search(kept.begin(), kept.end(), uses[i], before)) continue;
-    parts.join(static_cast<std::size_t>(uses[i - 1].triangle),
-               static_cast<std::size_t>(uses[i].triangle));
-  }
-  return parts.numbers();
+std::optional<Rebuilt> rebuilt(const Surface& before, const Wanted& wanted) {
+  Rebuilt result;
+  result.of = smooth_parts(before, wanted.edge_length, wanted.sharp_degrees);
+  result.edge_length = edge_lengths(result.of, wanted);
+  const std::vector<int> stand_in = stand_ins(before, result.of.kept, wanted.sampling());
+  find_borders(result, before, stand_in);
+  result.surface = before;
+  result.surface.triangles.resize(0, 3);
+  result.surface.patch.resize(0);
+  add_curved_parts(result, before, stand_in);
+  result.chains = split_edges(result.surface, lines_to_cut(result));
+  if (!add_flat_parts(result, before)) return std::nullopt;
+  remove_degenerate_triangles(result.surface, smallest_length(before));
+  return result;
 }
 
-std::optional<Surface> remeshed(const Surface& surface, double edge_length, double sharp_degrees) {
-  const std::vector<EdgeUse> kept =
-      kept_edges(surface, edge_uses(surface.triangles), sharp_degrees);
-  Surface parts = surface;
-  const std::vector<int> part = smooth_parts(surface, kept);
-  parts.patch = Eigen::Map<const Eigen::VectorXi>(part.data(), surface.patch.size());
-  Eigen::VectorXi patch_of_part(surface.patch.size());
-  for (Eigen::Index t = 0; t < surface.patch.size(); ++t) {
-    patch_of_part[parts.patch[t]] = surface.patch[t];
+std::vector<Eigen::Vector2i> pieces(const Chains& chains) {
+  std::vector<Eigen::Vector2i> ends;
+  for (const auto& [edge, chain] : chains) {
+    for (std::size_t i = 1; i < chain.size(); ++i) ends.emplace_back(chain[i - 1], chain[i]);
   }
-  const Chains chains = chains_of(parts, kept, edge_length);
-  split_triangles(parts, chains);
-  std::vector<Eigen::Vector2i> edges;
-  for (const auto& [ends, chain] : chains) {
-    for (std::size_t i = 1; i < chain.size(); ++i) edges.emplace_back(chain[i - 1], chain[i]);
+  return ends;
+}
+
+std::optional<Surface> remeshed(const Surface& before, const Wanted& wanted) {
+  std::optional<Rebuilt> ready = rebuilt(before, wanted);
+  if (!ready) return std::nullopt;
+  std::optional<Surface> after =
+      isotropic(ready->surface, pieces(ready->chains), ready->edge_length);
+  if (!after) return std::nullopt;
+  std::vector<double> most;
+  for (std::size_t p = 0; p < ready->edge_length.size(); ++p) {
+    most.push_back(ready->of.flat(static_cast<int>(p)) ? 0.0 : 0.1 * ready->edge_length[p]);
   }
-  std::optional<Surface> after = isotropic(parts, edges, edge_length);
-  if (!after) return after;
-  for (int& patch : after->patch) patch = patch_of_part[patch];
+  restore_volumes(*after, ready->surface, most);
+  if (wanted.flat == Flat::renewed) make_planes_delaunay(*after, *ready);
+  Eigen::VectorXi patch(ready->edge_length.size());
+  for (Eigen::Index t = 0; t < before.patch.size(); ++t) {
+    patch[ready->of.part[static_cast<std::size_t>(t)]] = before.patch[t];
+  }
+  for (int& p : after->patch) p = patch[p];
+  remove_unused_points(*after);
   return after;
 }
 
 // Closed where it was, free of crossings, and the same body to a thousandth of its volume.
 bool stands_for(const Surface& after, const Surface& before) {
   if (holes(after).size() != holes(before).size()) return false;
+  if (before.regions.size() < 2 && crowded_edges(after).size() > crowded_edges(before).size()) {
+    return false;
+  }
   const double volume_before = material(before, shells(before)).volume;
   const double volume_after = material(after, shells(after)).volume;
   if (std::abs(volume_after - volume_before) > 1e-3 * volume_before) return false;
@@ -190,16 +228,35 @@ bool stands_for(const Surface& after, const Surface& before) {
   return remove_degenerate_triangles(flat, smallest_length(after)) == 0 && crossings(after).empty();
 }
 
+// The first of several ways, each closer to the surface than the one before, that stands for it.
+Surface remeshed(const Surface& surface, double edge_length, double sharp_degrees, Flat flat) {
+  const Wanted ways[] = {{edge_length, sharp_degrees, 1.0 / 50.0, flat},
+                         {edge_length, sharp_degrees, 1.0 / 400.0, flat},
+                         {edge_length, sharp_degrees / 3.0, 1.0 / 3000.0, flat},
+                         {edge_length, 1.0, 0.0, flat}};
+  for (const Wanted& wanted : ways) {
+    const std::optional<Surface> after = remeshed(surface, wanted);
+    if (after && stands_for(*after, surface)) return *after;
+  }
+  return surface;
+}
+
 }  // namespace
 
 Surface remesh(const Surface& surface, double edge_length, double sharp_degrees) {
   require(std::isfinite(edge_length) && edge_length > 0.0,
           "remesh: edge_length is " + std::to_string(edge_length) + " m, expected more than 0");
-  for (const double degrees : {sharp_degrees, sharp_degrees / 3.0, 1.0}) {
-    const std::optional<Surface> after = remeshed(surface, edge_length, degrees);
-    if (after && stands_for(*after, surface)) return *after;
-  }
-  return surface;
+  return remeshed(surface, edge_length, sharp_degrees, Flat::renewed);
+}
+
+Surface with_fewest_planes(const Surface& surface, double edge_length) {
+  return remeshed(surface, edge_length, 30.0, Flat::fewest);
+}
+
+bool is_curved(const Surface& surface, double edge_length) {
+  const SmoothParts parts = smooth_parts(surface, edge_length, 30.0);
+  const auto& radius = parts.radius;
+  return std::any_of(radius.begin(), radius.end(), [](double r) { return std::isfinite(r); });
 }
 
 }  // namespace chladni::mesh

@@ -10,10 +10,11 @@
 namespace chladni::mesh {
 
 struct MesherOptions {
-  double edge_length = 0.0;           ///< wanted [m]; 0: `default_edge_length`
-  double largest_radius_edge = 1.6;   ///< TetGen's -q
+  double edge_length = 0.0;          ///< wanted [m]; 0: `default_edge_length`
+  double largest_radius_edge = 1.6;  ///< TetGen's -q
   double smallest_dihedral_degrees = 10.0;
-  bool remesh_surface = true;         ///< isotropic triangles first, edges sharper than 30 deg kept
+  bool remesh_surface = true;  ///< fewest triangles on planes, isotropic ones where it is curved;
+                               ///< edges sharper than 30 deg stay
   std::chrono::seconds time_limit{300};
   std::size_t memory_limit_bytes = std::size_t{8} << 30U;
 };

@@ -64,11 +64,12 @@ void fill(tetgenio& plc, const wire::Request& request) {
 }
 
 // p: a boundary of facets; q: quality; a: volumes, per seed and over all; A: parts are numbered;
-// Q: silent. Boundaries may be refined: facets are flat, so new points stay on them.
+// Q: silent. Boundaries may be refined, unless Y: facets are flat, so new points stay on them.
 std::string switches(const wire::Request& request) {
   char text[128];
-  std::snprintf(text, sizeof text, "pq%.4f/%.4faa%.12eAQ", request.largest_radius_edge,
-                request.smallest_dihedral_degrees, request.largest_volume);
+  std::snprintf(text, sizeof text, "p%sq%.4f/%.4faa%.12eAQ", request.surface_stays == 1 ? "Y" : "",
+                request.largest_radius_edge, request.smallest_dihedral_degrees,
+                request.largest_volume);
   return text;
 }
 

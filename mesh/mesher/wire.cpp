@@ -11,7 +11,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the wire format is little-endian");
 
-constexpr std::string_view request_magic = "CHLplc01";
+constexpr std::string_view request_magic = "CHLplc02";
 constexpr std::string_view reply_magic = "CHLtet01";
 
 class Writer {
@@ -104,6 +104,7 @@ std::string bytes_of(const Request& request) {
   writer.array(request.triangles);
   writer.array(request.markers);
   writer.array(request.seeds);
+  writer.value(request.surface_stays);
   return std::move(writer).bytes();
 }
 
@@ -127,6 +128,7 @@ Request request_from(std::string_view bytes) {
   request.triangles = reader.array<std::int32_t>();
   request.markers = reader.array<std::int32_t>();
   request.seeds = reader.array<Seed>();
+  request.surface_stays = reader.value<std::int32_t>();
   reader.expect_end();
   expect(request.points.size() % 3 == 0 && request.triangles.size() % 3 == 0 &&
              request.markers.size() == request.triangles.size() / 3,

@@ -24,6 +24,7 @@ struct Request {
   std::vector<std::int32_t> triangles;  ///< 3 per triangle, from 0
   std::vector<std::int32_t> markers;    ///< 1 per triangle, > 0
   std::vector<Seed> seeds;              ///< seed i gives its part the attribute i + 1
+  std::int32_t surface_stays = 0;       ///< 1: no new points on the surface
 };
 
 struct Reply {

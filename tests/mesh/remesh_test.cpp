@@ -72,7 +72,6 @@ TEST(Remesh, KeepsATorusToAThousandth) {
 }
 
 TEST(Remesh, TurnsSliversIntoGoodTriangles) {
-  GTEST_SKIP() << "known defect: the narrow triangles along a kept edge with closely set points stay";
   // A plate whose top is a fan of 400 slivers.
   Surface body = shapes::prism(0.0, 0.0, 0.15, 0.0, 0.02, 400);
   ASSERT_LT(worst_shape(body), 0.06);

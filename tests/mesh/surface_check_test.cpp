@@ -63,7 +63,8 @@ TEST(CheckAndRepair, MergesTheSoupOfAnStlFile) {
 
 TEST(CheckAndRepair, MergesPointsThatDifferInTheLastDigits) {
   Surface soup = shapes::as_soup(cube());
-  for (Eigen::Index i = 0; i < soup.points.rows(); ++i) soup.points(i, i % 3) += i % 2 == 0 ? 0.0 : 1e-11;
+  for (Eigen::Index i = 0; i < soup.points.rows(); ++i)
+    soup.points(i, i % 3) += i % 2 == 0 ? 0.0 : 1e-11;
   EXPECT_TRUE(check_and_repair(soup).fit());
   EXPECT_EQ(soup.points.rows(), 8);
 }

@@ -1,9 +1,12 @@
 #include "mesh/tetrahedralize.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/LU>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "base/error.h"
@@ -157,12 +160,61 @@ TEST_F(Tetrahedralize, RefusesARegionThatNoPointNames) {
                {"region", "inside point"});
 }
 
-TEST_F(Tetrahedralize, NeverSeesASurfaceThatIntersectsItself) {
-  setenv("CHLADNI_LIBEXEC", "/nonexistent", 1);  // the worker must not even be looked for
+// A mesher of the test's own: a shell script in a folder of its own while it lives.
+class FalseMesher {
+ public:
+  explicit FalseMesher(const std::string& script)
+      : folder_(std::filesystem::temp_directory_path() /
+                ("chladni_false_mesher_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+    const std::filesystem::path program = folder_ / "chladni-tetgen";
+    std::ofstream(program) << "#!/bin/sh\ncat > " << (folder_ / "request") << "\n"
+                           << script << "\n";
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    setenv("CHLADNI_LIBEXEC", folder_.c_str(), 1);
+  }
+  ~FalseMesher() {
+    setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1);
+    std::filesystem::remove_all(folder_);
+  }
+  FalseMesher(const FalseMesher&) = delete;
+  FalseMesher& operator=(const FalseMesher&) = delete;
+
+  [[nodiscard]] bool was_started() const { return std::filesystem::exists(folder_ / "request"); }
+  [[nodiscard]] std::filesystem::path folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(Tetrahedralize, NeverHandsTheMesherASurfaceThatIntersectsItself) {
+  const FalseMesher mesher("exit 0");
   const Surface crossed = shapes::both(cube(), box({0.3, 0.4, 0.5}, {0.6, 0.7, 1.5}));
   expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(crossed, {}); }),
                {"intersects itself", "near (", "mm"});
-  setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1);
+  EXPECT_FALSE(mesher.was_started());
+  EXPECT_THROW((void)tetrahedralize(cube(), {}), WorkerDied);
+  EXPECT_TRUE(mesher.was_started());
+}
+
+TEST_F(Tetrahedralize, SaysHowTheMesherDied) {
+  const FalseMesher mesher("kill -ABRT $$");
+  expect_words(message_of<WorkerDied>([&] { (void)tetrahedralize(cube(), {}); }),
+               {"the mesher died on a surface of 12 triangles", "signal 6", "coarser edge_length",
+                "remesh = true"});
+}
+
+TEST_F(Tetrahedralize, BelievesNoAnswerThatIsNone) {
+  const FalseMesher mesher("echo done");
+  expect_words(message_of<WorkerDied>([&] { (void)tetrahedralize(cube(), {}); }),
+               {"answer cannot be read", "CHLtet01"});
+}
+
+TEST_F(Tetrahedralize, BelievesNoSuccessWithNothing) {
+  const FalseMesher mesher("cat \"$(dirname \"$0\")/reply\"");
+  std::ofstream(mesher.folder() / "reply", std::ios::binary) << wire::bytes_of(wire::Reply{});
+  expect_words(message_of<NumericalFailure>([&] { (void)tetrahedralize(cube(), {}); }),
+               {"0 cells", "1e+09 mm^3", "edge_length"});
 }
 
 TEST_F(Tetrahedralize, RefusesOptionsThatCannotBeMeant) {
@@ -195,6 +247,72 @@ TEST_F(Tetrahedralize, SaysThatTheMesherTookTooLong) {
   options.time_limit = std::chrono::seconds(1);
   expect_words(message_of<WorkerDied>([&] { (void)tetrahedralize(cube(), options); }),
                {"mesher died", "1 s", "coarser edge_length"});
+}
+
+TEST_F(Tetrahedralize, CoarsensAFineCurvedSurface) {
+  const Surface torus = shapes::torus(0.3, 0.1, 200, 100);
+  MesherOptions options;
+  options.edge_length = 0.04;
+  const TetMesh mesh = tetrahedralize(torus, options);
+  EXPECT_LT(mesh.tet_count(), 20000);
+  EXPECT_NEAR(volume(mesh), enclosed_volume(torus), 1e-3 * enclosed_volume(torus));
+  EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 8.0);
+  expect_outward_boundary(mesh);
+}
+
+Surface drilled_plate(double radius, int sides) {
+  return difference(box({0, 0, 0}, {0.3, 0.2, 0.02}),
+                    shapes::prism(0.1, 0.1, radius, -0.01, 0.03, sides));
+}
+
+// The bores' strips are 2 mm, 0.1 mm and 0.04 mm wide and 20 mm long.
+TEST_F(Tetrahedralize, MeshesADrilledPlateWithSlivers) {
+  for (const Surface& drilled :
+       {drilled_plate(0.03, 90), drilled_plate(0.03, 1885), drilled_plate(0.002, 300)}) {
+    const TetMesh mesh = tetrahedralize(drilled, {});
+    EXPECT_NEAR(volume(mesh), enclosed_volume(drilled), 1e-3 * enclosed_volume(drilled));
+    EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 8.0);
+    EXPECT_LT(mesh.tet_count(), 25000);
+    EXPECT_EQ(mesh.patch_names, drilled.patch_names);
+    expect_outward_boundary(mesh);
+  }
+}
+
+TEST_F(Tetrahedralize, KeepsTheSharpEdgesOfADrilledPlate) {
+  const Surface drilled = drilled_plate(0.03, 1885);
+  const TetMesh mesh = tetrahedralize(drilled, {});
+  for (int p = 0; p < 6; ++p) {  // a bore of fewer chords takes less of the faces it opens on
+    const double area = shapes::patch_area(drilled.points, drilled.triangles, drilled.patch, p);
+    EXPECT_NEAR(shapes::patch_area(mesh.points, mesh.faces, mesh.face_patch, p), area,
+                p < 4 ? 1e-9 * area : 1e-3 * area);
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {  // every patch in its plane
+      if (mesh.face_patch[f] != p) continue;
+      for (const int i : mesh.faces.row(f)) {
+        const std::array<double, 6> plane{0.0, 0.3, 0.0, 0.2, 0.0, 0.02};
+        EXPECT_NEAR(mesh.points(i, p / 2), plane[static_cast<std::size_t>(p)], 1e-12);
+      }
+    }
+  }
+}
+
+TEST_F(Tetrahedralize, MeshesWhatAFileInSinglePrecisionSays) {
+  Surface drilled = shapes::as_soup(shapes::moved(drilled_plate(0.03, 1885), {1.0, 2.0, 3.0}));
+  drilled.points = drilled.points.cast<float>().cast<double>();
+  const TetMesh mesh = tetrahedralize(drilled, {});
+  EXPECT_NEAR(volume(mesh), enclosed_volume(drilled), 1e-3 * enclosed_volume(drilled));
+  EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 8.0);
+  EXPECT_LT(mesh.tet_count(), 25000);
+}
+
+TEST_F(Tetrahedralize, KeepsTheRegionsOfARoundWaferOnATable) {
+  const Surface body = bonded(box({-0.2, -0.2, -0.03}, {0.2, 0.2, 0.0}),
+                              shapes::prism(0.0, 0.0, 0.15, 0.0, 0.01, 720), "table", "wafer");
+  const TetMesh mesh = tetrahedralize(body, {});
+  EXPECT_EQ(mesh.region_names, (std::vector<std::string>{"table", "wafer"}));
+  const double exact = 0.16 * 0.03 + enclosed_volume(shapes::prism(0, 0, 0.15, 0.0, 0.01, 720));
+  EXPECT_NEAR(volume(mesh), exact, 1e-3 * exact);
+  EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 8.0);
+  expect_outward_boundary(mesh);
 }
 
 TEST(DefaultEdgeLength, ResolvesTheWall) {
@@ -234,11 +352,11 @@ TEST_F(Mesher, DiesOnAnInputThatKillsTetGenAsAnException) {
 
 TEST_F(Mesher, RefusesGarbage) {
   for (const std::string& bytes :
-       {std::string(), std::string("solid cube"), std::string(1000, 'x'), std::string("CHLplc01"),
-        "CHLplc01" + std::string(500, '\xff')}) {
+       {std::string(), std::string("solid cube"), std::string(1000, 'x'), std::string("CHLplc02"),
+        "CHLplc02" + std::string(500, '\xff')}) {
     EXPECT_THROW((void)answer(bytes), WorkerDied);
   }
-  expect_words(message_of<WorkerDied>([] { (void)answer("solid cube"); }), {"CHLplc01"});
+  expect_words(message_of<WorkerDied>([] { (void)answer("solid cube"); }), {"CHLplc02"});
 }
 
 TEST_F(Mesher, RefusesCountsThatLie) {

@@ -1,0 +1,113 @@
+#include "mesh/split_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mesh/clean.h"
+
+namespace chladni::mesh {
+namespace {
+
+// Cuts lines into equal parts; the new points are appended.
+Chains chains_of(Surface& surface, const std::vector<LineToCut>& lines) {
+  Chains chains;
+  std::vector<Eigen::RowVector3d> added;
+  for (const LineToCut& line : lines) {
+    const Eigen::RowVector3d a = surface.points.row(line.low);
+    const Eigen::RowVector3d b = surface.points.row(line.high);
+    const double ratio = (b - a).norm() / line.edge_length;
+    const int parts = ratio < 1.3 ? 1 : std::max(2, static_cast<int>(std::lround(ratio)));
+    std::vector<int>& chain = chains[{line.low, line.high}];
+    chain = {line.low};
+    for (int i = 1; i < parts; ++i) {
+      chain.push_back(static_cast<int>(surface.points.rows()) + static_cast<int>(added.size()));
+      added.emplace_back(a + (b - a) * (static_cast<double>(i) / parts));
+    }
+    chain.push_back(line.high);
+  }
+  Eigen::Index i = surface.points.rows();
+  surface.points.conservativeResize(i + static_cast<Eigen::Index>(added.size()), 3);
+  for (const Eigen::RowVector3d& point : added) surface.points.row(i++) = point;
+  return chains;
+}
+
+// A point of a triangle's rim and the sides (bit k: from corner k to the next) it lies on.
+struct RimPoint {
+  int point = 0;
+  unsigned sides = 0;
+};
+
+std::vector<RimPoint> rim_of(const Surface& surface, Eigen::Index t, const Chains& chains) {
+  std::vector<RimPoint> rim;
+  for (int k = 0; k < 3; ++k) {
+    const int from = surface.triangles(t, k);
+    const int to = surface.triangles(t, (k + 1) % 3);
+    rim.push_back(
+        {from, 1U << static_cast<unsigned>(k) | 1U << static_cast<unsigned>((k + 2) % 3)});
+    const auto chain = chains.find({std::min(from, to), std::max(from, to)});
+    if (chain == chains.end()) continue;
+    std::vector<int> inner(chain->second.begin() + 1, chain->second.end() - 1);
+    if (from > to) std::reverse(inner.begin(), inner.end());
+    for (const int i : inner) rim.push_back({i, 1U << static_cast<unsigned>(k)});
+  }
+  return rim;
+}
+
+// Whether cutting off point i leaves no flat piece on either side of the cut.
+bool is_ear(const std::vector<RimPoint>& rim, std::size_t i) {
+  const std::size_t size = rim.size();
+  if ((rim[(i + size - 1) % size].sides & rim[i].sides & rim[(i + 1) % size].sides) != 0) {
+    return false;
+  }
+  unsigned sides = 7U;
+  for (std::size_t j = 0; j < size; ++j) {
+    if (j != i) sides &= rim[j].sides;
+  }
+  return sides == 0;
+}
+
+// Cuts off the ear with the shortest cut until a triangle is left.
+void add_rim_triangles(const Points& points, std::vector<RimPoint> rim,
+                       std::vector<Eigen::Vector3i>& triangles) {
+  while (rim.size() > 3) {
+    std::size_t best = 0;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < rim.size(); ++i) {
+      const int before = rim[(i + rim.size() - 1) % rim.size()].point;
+      const int after = rim[(i + 1) % rim.size()].point;
+      const double length = (points.row(before) - points.row(after)).norm();
+      if (length < shortest && is_ear(rim, i)) {
+        shortest = length;
+        best = i;
+      }
+    }
+    const RimPoint before = rim[(best + rim.size() - 1) % rim.size()];
+    const RimPoint after = rim[(best + 1) % rim.size()];
+    triangles.emplace_back(before.point, rim[best].point, after.point);
+    rim.erase(rim.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  triangles.emplace_back(rim[0].point, rim[1].point, rim[2].point);
+}
+
+void split_triangles(Surface& surface, const Chains& chains) {
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<int> patches;
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    add_rim_triangles(surface.points, rim_of(surface, t, chains), triangles);
+    patches.resize(triangles.size(), surface.patch[t]);
+  }
+  surface.triangles.resize(0, 3);
+  surface.patch.resize(0);
+  append_triangles(surface, triangles, patches);
+}
+
+}  // namespace
+
+Chains split_edges(Surface& surface, const std::vector<LineToCut>& lines) {
+  Chains chains = chains_of(surface, lines);
+  split_triangles(surface, chains);
+  return chains;
+}
+
+}  // namespace chladni::mesh
