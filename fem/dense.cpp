@@ -47,11 +47,6 @@ void gemm(const char* ta, const char* tb, long inner, Block a, Block b, Block c,
   dgemm_(ta, tb, &m, &n, &k, &alpha, a.data, &lda, b.data, &ldb, &beta, c.data, &ldc);
 }
 
-// A block to read from; BLAS takes no const.
-Block block(const Eigen::Ref<const Eigen::MatrixXd>& m) {
-  return {const_cast<double*>(m.data()), m.rows(), m.cols(), m.outerStride()};
-}
-
 // LDLᵀ of a small block, column by column, left-looking.
 double ldlt_unblocked(Block a) {
   double smallest = 1.0;
@@ -134,14 +129,5 @@ void subtract_symmetric(Block a, Block b, Block c) {
 void subtract_product(Block a, Block b, Block c) { gemm("N", "N", a.columns, a, b, c); }
 void subtract_transposed_product(Block a, Block b, Block c) { gemm("T", "N", a.rows, a, b, c); }
 void subtract_product_transposed(Block a, Block b, Block c) { gemm("N", "T", a.columns, a, b, c); }
-
-Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
-                         Eigen::MatrixXd& w) {
-  constexpr double zero = 0.0;
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(v.cols(), x.cols());
-  gemm("T", "N", v.rows(), block(v), block(x), block(h), kOne, zero);
-  gemm("N", "N", v.cols(), block(v), block(h), block(w));
-  return h;
-}
 
 }  // namespace chladni::fem::dense

@@ -36,8 +36,4 @@ void subtract_product(Block a, Block b, Block c);
 void subtract_transposed_product(Block a, Block b, Block c);
 void subtract_product_transposed(Block a, Block b, Block c);
 
-/// W := W − V H with H = Vᵀ X; returns H.
-Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
-                         Eigen::MatrixXd& w);
-
 }  // namespace chladni::fem::dense

@@ -9,33 +9,52 @@
 
 namespace chladni::fem {
 
+/// Columns of a front that are eliminated together and stored together.
+inline constexpr long kStripWidth = 128;
+
 /// Consecutive columns with one row structure: a dense front of width + rows.size() rows.
 struct Supernode {
-  std::int32_t first = 0;           ///< column, in the order of elimination
+  std::int32_t first = 0;  ///< column, in the order of elimination
   std::int32_t width = 0;
-  std::int32_t parent = -1;         ///< −1: a root
-  std::vector<std::int32_t> rows;   ///< below the columns, ascending, in the order of elimination
+  std::int32_t parent = -1;        ///< −1: a root
+  std::vector<std::int32_t> rows;  ///< below the columns, ascending, in the order of elimination
   std::vector<std::int32_t> children;
-  std::int64_t place = 0;           ///< of its (width + rows)×width panel in the factor's storage
-  double flops = 0.0;               ///< of its own front
+  std::int64_t place = 0;  ///< of its panel in the factor's storage
+  std::int8_t parity = 0;  ///< of its depth below its root
+  bool detached = false;   ///< root of a subtree that has a parent: its update block waits
+                           ///< outside the stacks
+  double flops = 0.0;      ///< of its own front
   double subtree_flops = 0.0;
 };
 
+/// Doubles of a node's panel: strips of its columns, each from its own diagonal down.
+[[nodiscard]] std::int64_t panel_size(const Supernode& node);
+
 struct Symbolic::Tree {
-  std::vector<std::int32_t> order;     ///< new -> old degree of freedom
-  std::vector<std::int32_t> position;  ///< old -> new
-  std::vector<Supernode> nodes;        ///< children before parents
-  std::int64_t factor_size = 0;        ///< doubles
-  double largest_stack = 0.0;          ///< doubles of pending update blocks, at most
+  std::vector<std::int32_t> order;      ///< new -> old degree of freedom
+  std::vector<std::int32_t> position;   ///< old -> new
+  std::vector<Supernode> nodes;         ///< children before parents
+  std::int64_t factor_size = 0;         ///< doubles
+  std::int64_t largest_panel = 0;       ///< doubles
+  std::int64_t tallest_front = 0;       ///< rows
+  std::int64_t stack_size[2] = {0, 0};  ///< doubles of waiting update blocks per thread, at most,
+                                        ///< by the parity of their depth
+  std::int64_t detached_size = 0;  ///< doubles of those outside the stacks
   double flops = 0.0;
-  std::vector<std::int32_t> subtrees;  ///< roots of subtrees that can be worked on at once, heaviest first
-  std::vector<std::int32_t> top;       ///< the nodes above them, children before parents
+  double entries = 0.0;  ///< of the pattern
+  int threads = 1;       ///< it was cut up for
+  std::vector<std::int32_t>
+      subtrees;  ///< roots of subtrees that can be worked on at once, heaviest first
+  std::vector<std::int32_t> top;  ///< the nodes above them, children before parents
 };
+
+/// The first of the nodes from which those up to `root` are its subtree.
+[[nodiscard]] std::int32_t first_descendant(const Symbolic::Tree& tree, std::int32_t root);
 
 /// Degrees of freedom with one structure taken together, for a graph a third as long.
 struct QuotientGraph {
-  std::vector<std::int32_t> first;     ///< group -> its first degree of freedom; groups + 1 entries
-  std::vector<std::int32_t> start;     ///< adjacency without loops, both directions
+  std::vector<std::int32_t> first;  ///< group -> its first degree of freedom; groups + 1 entries
+  std::vector<std::int32_t> start;  ///< adjacency without loops, both directions
   std::vector<std::int32_t> neighbour;
 };
 [[nodiscard]] QuotientGraph quotient_graph(const SparseMatrix& pattern);

@@ -48,8 +48,9 @@ class Factorization {
   /// column; columns together are cheaper than one by one.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const;
 
- private:
   struct Numeric;
+
+ private:
   std::unique_ptr<Numeric> numeric_;
 };
 

@@ -9,54 +9,75 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "fem/canonical.h"
-#include "fem/dense.h"
+#include "fem/panel_kernels.h"
+#include "fem/symmetric_product.h"
 
 namespace chladni::fem {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
 
+// Vectors and what M makes of them.
+struct Block {
+  Matrix v, mv;
+};
+
+// X := X T, in place.
+void multiply_right(Matrix& x, const Matrix& t) {
+  constexpr Eigen::Index kRows = 512;
+  Matrix part;
+  for (Eigen::Index i = 0; i < x.rows(); i += kRows) {
+    const auto rows = std::min(kRows, x.rows() - i);
+    part.noalias() = x.middleRows(i, rows) * t;
+    x.middleRows(i, rows).leftCols(t.cols()) = part;
+  }
+  if (t.cols() < x.cols()) x.conservativeResize(Eigen::NoChange, t.cols());
+}
+
 // The Krylov basis V, M-orthonormal, and T = VᵀM (K + sM)⁻¹M V.
 class Basis {
  public:
   Basis(const System& system, const Matrix& known, Eigen::Index room)
-      : system_(system), known_(known), vectors_(system.mass.rows(), room) {}
+      : mass_(system.mass), known_(known), vectors_(system.mass.rows(), room) {}
 
-  [[nodiscard]] Matrix mass_times(const Matrix& x) const {
-    return system_.mass.selfadjointView<Eigen::Lower>() * x;
-  }
+  [[nodiscard]] SymmetricProduct& mass() { return mass_; }
   [[nodiscard]] Eigen::Index size() const { return size_; }
   [[nodiscard]] auto vectors() const { return vectors_.leftCols(size_); }
 
   // Takes out of w what lies in the span of known and basis; returns the part along the basis.
-  Matrix orthogonalise(Matrix& w) const {
-    Matrix along = Matrix::Zero(size_, w.cols());
+  Matrix orthogonalise(Block& w) {
+    Matrix along = Matrix::Zero(size_, w.v.cols());
     for (int pass = 0; pass < 2; ++pass) {
-      const Matrix mw = mass_times(w);
-      if (known_.cols() > 0) dense::take_out(known_, mw, w);
-      along += dense::take_out(vectors(), mw, w);
+      update_image(w);
+      if (known_.cols() > 0) dense::take_out(known_, w.mv, w.v);
+      along += dense::take_out(vectors(), w.mv, w.v);
     }
     return along;
   }
 
   // W = Q R with QᵀMQ = I; directions that have died out (relative to `scale`) are left out of Q.
-  // Done twice: once leaves a loss of the condition number squared.
-  Matrix normalise(Matrix& w, double scale) const {
-    Matrix r = Matrix::Identity(w.cols(), w.cols());
+  // Once leaves a loss of the condition of WᵀMW, so it is done twice where that is large.
+  Matrix normalise(Block& w, double scale) {
+    Matrix r = Matrix::Identity(w.v.cols(), w.v.cols());
     for (int pass = 0; pass < 2; ++pass) {
-      const Matrix gram = w.transpose() * mass_times(w);
+      update_image(w);
+      const Matrix gram = w.v.transpose() * w.mv;
       const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (gram + gram.transpose()));
       const Eigen::VectorXd& d = solver.eigenvalues();
       const double least = pass == 0 ? 1e-28 * scale * scale + 1e-14 * d.maxCoeff() : 0.0;
       const Eigen::Index rank = (d.array() > least).count();
       if (rank == 0) {  // the space is exhausted
-        w.resize(Eigen::NoChange, 0);
+        w.v.resize(Eigen::NoChange, 0);
+        w.mv.resize(Eigen::NoChange, 0);
         return Matrix::Zero(0, r.cols());
       }
       const Eigen::VectorXd root = d.tail(rank).cwiseSqrt();
       const Matrix u = solver.eigenvectors().rightCols(rank);
-      w = w * (u * root.cwiseInverse().asDiagonal());
+      const Matrix turn = u * root.cwiseInverse().asDiagonal();
+      multiply_right(w.v, turn);
+      multiply_right(w.mv, turn);
       r = root.asDiagonal() * u.transpose() * r;
+      if (d(d.size() - rank) > 1e-4 * d.maxCoeff()) break;
     }
     return r;
   }
@@ -70,7 +91,12 @@ class Basis {
   }
 
  private:
-  const System& system_;
+  void update_image(Block& w) {
+    w.mv.resize(w.v.rows(), w.v.cols());
+    mass_.apply(w.v, w.mv);
+  }
+
+  SymmetricProduct mass_;
   const Matrix& known_;
   Matrix vectors_;
   Eigen::Index size_ = 0;
@@ -124,6 +150,32 @@ bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Inde
   return false;
 }
 
+// φ + r/θ: the Ritz vectors after one more application of the operator, mass-normalised.
+Matrix purified(Basis& basis, const Ritz& r, const Matrix& next, const Matrix& last,
+                Eigen::Index count) {
+  Matrix shapes = basis.vectors() * r.vectors.leftCols(count);
+  if (next.cols() > 0) {
+    const Matrix tail = last * r.vectors.bottomRows(last.cols()).leftCols(count);
+    shapes.noalias() += next * (tail * r.theta.head(count).cwiseInverse().asDiagonal());
+  }
+  const Matrix image = basis.mass() * shapes;
+  for (Eigen::Index i = 0; i < count; ++i)
+    shapes.col(i) /= std::sqrt(shapes.col(i).dot(image.col(i)));
+  return shapes;
+}
+
+// A random block, M-orthonormal and free of `known`.
+Block start_block(Basis& basis, const Factorization& factor, Eigen::Index rows,
+                  Eigen::Index columns, unsigned seed) {
+  Block q{random_block(rows, columns, seed), {}};
+  q.mv = basis.mass() * q.v;
+  // One application first: what the start block has of the highest modes only costs accuracy.
+  q.v = factor.solve(q.mv);
+  basis.orthogonalise(q);
+  basis.normalise(q, 0.0);
+  return q;
+}
+
 }  // namespace
 
 double lanczos_basis_size(int wanted, int block) { return 2.5 * wanted + 12.0 * block; }
@@ -134,61 +186,44 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
   const auto n = system.mass.rows();
   const Eigen::Index limit =
       std::min<Eigen::Index>(n - known.cols(), 600 + 8 * Eigen::Index{options.wanted});
-  Basis basis(system, known,
-              std::min<Eigen::Index>(
-                  limit + options.block,
-                  static_cast<Eigen::Index>(lanczos_basis_size(options.wanted, options.block))));
+  const auto room = static_cast<Eigen::Index>(lanczos_basis_size(options.wanted, options.block));
+  Basis basis(system, known, std::min<Eigen::Index>(limit + options.block, room));
+  Block q =
+      start_block(basis, factor, n, std::min<Eigen::Index>(options.block, limit), options.seed);
   LanczosResult result;
-  Matrix q = random_block(n, std::min<Eigen::Index>(options.block, limit), options.seed);
-  // One application first: what the start block has of the highest modes only costs accuracy.
-  q = factor.solve(basis.mass_times(q));
-  basis.orthogonalise(q);
-  basis.normalise(q, 0.0);
-  result.solves += static_cast<int>(q.cols());
+  result.solves = static_cast<int>(q.v.cols());
 
   Matrix t;
-  Matrix next;
-  Ritz r;
+  Block next;
   for (Eigen::Index converged = 0;;) {
     throw_if_interrupted();
     const Eigen::Index before = basis.size();
-    basis.append(q);
-    next = factor.solve(basis.mass_times(q));
-    result.solves += static_cast<int>(q.cols());
+    basis.append(q.v);
+    next.v = factor.solve(q.mv);
+    result.solves += static_cast<int>(q.v.cols());
     ++result.block_steps;
-    const double scale = next.norm();
+    const double scale = next.v.norm();
     const Matrix along = basis.orthogonalise(next);
     t.conservativeResize(basis.size(), basis.size());
-    t.middleCols(before, q.cols()) = along;
-    t.middleRows(before, q.cols()) = along.transpose();
+    t.middleCols(before, q.v.cols()) = along;
+    t.middleRows(before, q.v.cols()) = along.transpose();
     const Matrix last = basis.normalise(next, scale / std::sqrt(double(n)));
-    r = ritz(t, last);
+    const Ritz r = ritz(t, last);
     const bool done = is_done(r, s, options, converged);
     tell(progress, "iterate", std::min(1.0, double(converged) / options.wanted));
-    const bool exhausted = next.cols() == 0 || basis.size() >= n - known.cols();
-    if (done || exhausted) {
-      if (!done)
-        converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
-      // φ + r/θ: the Ritz vector after one more application of the operator.
-      const Eigen::VectorXd theta = r.theta.head(converged);
-      Matrix shapes = basis.vectors() * r.vectors.leftCols(converged);
-      if (next.cols() > 0) {
-        const Matrix tail = last * r.vectors.bottomRows(last.cols()).leftCols(converged);
-        shapes.noalias() += next * (tail * theta.cwiseInverse().asDiagonal());
-      }
-      const Eigen::VectorXd norm =
-          shapes.cwiseProduct(basis.mass_times(shapes)).colwise().sum().cwiseSqrt();
-      shapes = shapes * norm.cwiseInverse().asDiagonal();
-      result.shapes = std::move(shapes);
-      result.lambda = theta.cwiseInverse().array() - s;
-      return result;
-    }
-    if (basis.size() >= limit) {
+    if (!done && (next.v.cols() == 0 || basis.size() >= n - known.cols())) {  // all there are
+      converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
+    } else if (!done && basis.size() < limit) {
+      std::swap(q, next);
+      continue;
+    } else if (!done) {
       throw NumericalFailure("modes: " + std::to_string(converged) + " of " +
                              std::to_string(options.wanted) + " modes converged with " +
                              std::to_string(basis.size()) + " vectors");
     }
-    q = std::move(next);
+    result.shapes = purified(basis, r, next.v, last, converged);
+    result.lambda = r.theta.head(converged).cwiseInverse().array() - s;
+    return result;
   }
 }
 

@@ -14,6 +14,7 @@
 #include "fem/factorization.h"
 #include "fem/lanczos.h"
 #include "fem/residual.h"
+#include "fem/symmetric_product.h"
 
 namespace chladni::fem {
 namespace {
@@ -225,7 +226,7 @@ ModesResult assembled(const System& system, const Found& found, Eigen::Index kep
       found.residual.head(kept);
   require_small(result);
   const Eigen::MatrixXd gram = result.modes.shapes.transpose() *
-                               (system.mass.selfadjointView<Eigen::Lower>() * result.modes.shapes);
+                               (SymmetricProduct(system.mass) * result.modes.shapes);
   result.summary.orthogonality =
       (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
   if (!(result.summary.orthogonality < 1e-8)) {

@@ -235,29 +235,51 @@ void choose_subtrees(Symbolic::Tree& tree, int threads) {
   }
 }
 
-// Work, storage and the most that waits on the stack when the nodes are worked on in their order.
 void sum_up(Symbolic::Tree& tree) {
-  std::vector<double> pending(tree.nodes.size(), 0.0);
-  std::vector<double> peak(tree.nodes.size(), 0.0);
+  for (std::size_t s = tree.nodes.size(); s-- > 0;) {
+    auto& node = tree.nodes[s];
+    if (node.parent != -1) node.parity = 1 - tree.nodes[at(node.parent)].parity;
+  }
   for (auto& node : tree.nodes) {
-    const auto s = static_cast<std::size_t>(&node - tree.nodes.data());
-    const double w = node.width;
-    const auto r = static_cast<double>(node.rows.size());
-    node.flops = front_flops(w, r);
+    node.flops = front_flops(node.width, static_cast<double>(node.rows.size()));
     node.subtree_flops += node.flops;
     node.place = tree.factor_size;
-    tree.factor_size += node.width * (node.width + static_cast<std::int64_t>(node.rows.size()));
+    const auto size = panel_size(node);
+    tree.factor_size += size;
+    tree.largest_panel = std::max(tree.largest_panel, size);
+    tree.tallest_front = std::max<std::int64_t>(
+        tree.tallest_front, node.width + static_cast<std::int64_t>(node.rows.size()));
     tree.flops += node.flops;
-    double waiting = 0.0;
-    for (const Index child : node.children) {
-      peak[s] = std::max(peak[s], waiting + peak[at(child)]);
-      waiting += pending[at(child)];
-    }
-    pending[s] = r * r;
-    peak[s] = std::max(peak[s], waiting + pending[s]);
-    tree.largest_stack = std::max(tree.largest_stack, peak[s]);
     if (node.parent != -1) tree.nodes[at(node.parent)].subtree_flops += node.subtree_flops;
   }
+}
+
+// The most that waits on the stacks while each subtree and the nodes above them are worked on.
+// Nodes of one parity push, those of the other pop: what is popped is always on top.
+void size_stacks(Symbolic::Tree& tree) {
+  std::int64_t waiting[2] = {0, 0};
+  const auto update_size = [](const Supernode& node) {
+    return static_cast<std::int64_t>(node.rows.size() * node.rows.size());
+  };
+  const auto work = [&](const Supernode& node) {
+    if (node.detached) {
+      tree.detached_size += update_size(node);
+    } else {
+      waiting[node.parity] += update_size(node);
+    }
+    for (int k = 0; k < 2; ++k) tree.stack_size[k] = std::max(tree.stack_size[k], waiting[k]);
+    for (const Index child : node.children) {
+      const auto& below = tree.nodes[at(child)];
+      if (!below.detached) waiting[below.parity] -= update_size(below);
+    }
+  };
+  for (const Index root : tree.subtrees) {
+    tree.nodes[at(root)].detached = tree.nodes[at(root)].parent != -1;
+  }
+  for (const Index root : tree.subtrees) {
+    for (Index s = first_descendant(tree, root); s <= root; ++s) work(tree.nodes[at(s)]);
+  }
+  for (const Index s : tree.top) work(tree.nodes[at(s)]);
 }
 
 Symbolic::Tree build(const SparseMatrix& pattern) {
@@ -289,11 +311,28 @@ Symbolic::Tree build(const SparseMatrix& pattern) {
     }
   }
   sum_up(tree);
-  choose_subtrees(tree, thread_count());
+  tree.entries = static_cast<double>(pattern.nonZeros());
+  tree.threads = thread_count();
+  choose_subtrees(tree, tree.threads);
+  size_stacks(tree);
   return tree;
 }
 
 }  // namespace
+
+std::int64_t panel_size(const Supernode& node) {
+  const auto rows = node.width + static_cast<std::int64_t>(node.rows.size());
+  std::int64_t size = 0;
+  for (std::int64_t before = 0; before < node.width; before += kStripWidth) {
+    size += (rows - before) * std::min<std::int64_t>(kStripWidth, node.width - before);
+  }
+  return size;
+}
+
+std::int32_t first_descendant(const Symbolic::Tree& tree, std::int32_t root) {
+  while (!tree.nodes[at(root)].children.empty()) root = tree.nodes[at(root)].children.front();
+  return root;
+}
 
 Symbolic::Symbolic(const SparseMatrix& pattern) : tree_(std::make_unique<Tree>(build(pattern))) {}
 Symbolic::~Symbolic() = default;
@@ -302,10 +341,13 @@ Symbolic& Symbolic::operator=(Symbolic&&) noexcept = default;
 
 FactorForecast Symbolic::forecast() const {
   const auto size = static_cast<double>(tree_->factor_size);
+  const auto stacks = static_cast<double>(tree_->stack_size[0] + tree_->stack_size[1]);
+  const auto matrix = 1.5 * tree_->entries + static_cast<double>(tree_->order.size());
   return {.entries = size,
           .flops = tree_->flops,
           .factor_bytes = 8.0 * size,
-          .work_bytes = 8.0 * tree_->largest_stack};
+          .work_bytes =
+              8.0 * (tree_->threads * stacks + static_cast<double>(tree_->detached_size) + matrix)};
 }
 
 }  // namespace chladni::fem

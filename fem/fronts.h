@@ -1,0 +1,70 @@
+// The dense fronts of the multifrontal method: how they are laid out, assembled and eliminated.
+#pragma once
+
+#include <vector>
+
+#include "fem/dense.h"
+#include "fem/elimination_tree.h"
+#include "fem/storage.h"
+
+namespace chladni::fem {
+
+/// A + s B in the order of elimination: each column's entries on and below the diagonal, unsorted.
+struct Permuted {
+  std::vector<std::int64_t> start;
+  std::vector<std::int32_t> row;
+  std::vector<double> value;
+};
+/// @param b  may be null. Cost: linear, twice over the entries.
+[[nodiscard]] Permuted permuted(const Symbolic::Tree& tree, const SparseMatrix& a, double s,
+                                const SparseMatrix* b);
+
+/// Strip `p` of the columns that a node eliminates: rows from its own diagonal down. Strips follow
+/// each other in storage, so that little of the upper triangle is stored.
+[[nodiscard]] dense::Block strip(const Supernode& node, double* panel, long p);
+[[nodiscard]] inline long strip_count(const Supernode& node) {
+  return (node.width + kStripWidth - 1) / kStripWidth;
+}
+
+/// What one thread needs besides the tree.
+struct Worker {
+  explicit Worker(const Symbolic::Tree& tree);
+  std::vector<std::int32_t> local;  ///< row in the order of elimination -> row of the front
+  Stack stacks[2];                  ///< of update blocks, by the parity of the node's depth
+  Storage panel, scaled;            ///< of one front, where no factor is kept
+};
+
+/// Fronts from the matrix and the children's update blocks, which wait on the stacks until their
+/// parent takes them; those of the roots of subtrees wait in storage of their own.
+class Fronts {
+ public:
+  Fronts(const Symbolic::Tree& tree, const Permuted& matrix);
+
+  /// Assembles the front of node s into `panel` (zero, of panel_size) and its update block, of
+  /// which only the lower triangle is meant.
+  dense::Block assemble(std::int32_t s, double* panel, Worker& worker);
+
+ private:
+  dense::Block new_update(std::int32_t s, Worker& worker);
+  void give_back(std::int32_t s, Worker& worker);
+
+  const Symbolic::Tree& tree_;
+  const Permuted& matrix_;
+  std::vector<double*> update_;
+  std::vector<Storage> detached_;
+};
+
+/// Eliminates the node's columns by Cholesky: `panel` becomes those of L, `update` what is left for
+/// the parent. False where a pivot is not positive.
+[[nodiscard]] bool eliminate(const Supernode& node, double* panel, dense::Block update);
+
+struct Pivots {
+  std::int64_t negative = 0;
+  double smallest = 1.0;  ///< relative to the largest entry of its column
+};
+/// The same by LDLᵀ without exchanges, for the signs of the pivots.
+/// @param scaled  room for (width + rows)·kStripWidth doubles
+[[nodiscard]] Pivots eliminate_indefinite(const Supernode& node, double* panel, dense::Block update,
+                                          double* scaled);
+
+}  // namespace chladni::fem

@@ -1,0 +1,148 @@
+// Solving with the factor: up the tree for L y = b, down for L^T x = y, all right-hand sides at
+// once.
+#include <algorithm>
+
+#include "fem/fronts.h"
+#include "fem/multifrontal.h"
+#include "fem/panel_kernels.h"
+
+namespace chladni::fem {
+namespace {
+
+using Tree = Symbolic::Tree;
+using dense::Block;
+// A degree of freedom's values for all right-hand sides lie together.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+// The right-hand sides of one front, column-major: first its own columns, then the rows below.
+class FrontVectors {
+ public:
+  FrontVectors(const Tree& tree, Eigen::Index columns)
+      : columns_(columns), values_(at(tree.tallest_front * columns)) {}
+
+  Block of(const Supernode& node) {
+    const long rows = node.width + static_cast<long>(node.rows.size());
+    return {values_.data(), rows, columns_, rows};
+  }
+
+ private:
+  Eigen::Index columns_;
+  std::vector<double> values_;
+};
+
+void gather_own(const Supernode& node, const Rows& x, Block front) {
+  for (long i = 0; i < node.width; ++i) {
+    for (long c = 0; c < front.columns; ++c) front(i, c) = x(node.first + i, c);
+  }
+}
+
+void scatter_own(const Supernode& node, Block front, Rows& x) {
+  for (long i = 0; i < node.width; ++i) {
+    for (long c = 0; c < front.columns; ++c) x(node.first + i, c) = front(i, c);
+  }
+}
+
+void solve_up(const Supernode& node, double* panel, Block front) {
+  for (long p = 0; p < strip_count(node); ++p) {
+    const Block own = strip(node, panel, p);
+    dense::sweep_up(own, front.part(p * kStripWidth, 0, own.rows, front.columns));
+  }
+}
+
+void solve_down(const Supernode& node, double* panel, Block front) {
+  for (long p = strip_count(node); p-- > 0;) {
+    const Block own = strip(node, panel, p);
+    dense::sweep_down(own, front.part(p * kStripWidth, 0, own.rows, front.columns));
+  }
+}
+
+// Up through one node. Rows up to `last` are changed in x, those of ancestors in `outer`, where
+// row i of the order of elimination stands in row local[i].
+void step_up(const Supernode& node, double* panel, Block front, Rows& x, std::int32_t last,
+             Rows& outer, const std::vector<std::int32_t>& local) {
+  gather_own(node, x, front);
+  const auto rows = static_cast<long>(node.rows.size());
+  for (long c = 0; c < front.columns; ++c) std::fill_n(&front(node.width, c), rows, 0.0);
+  solve_up(node, panel, front);
+  scatter_own(node, front, x);
+  for (long i = 0; i < rows; ++i) {
+    const auto row = node.rows[at(i)];
+    double* to = row <= last ? &x(row, 0) : &outer(local[at(row)], 0);
+    for (long c = 0; c < front.columns; ++c) to[c] += front(node.width + i, c);
+  }
+}
+
+void step_down(const Supernode& node, double* panel, Block front, Rows& x) {
+  gather_own(node, x, front);
+  for (std::size_t i = 0; i < node.rows.size(); ++i) {
+    const double* from = &x(node.rows[i], 0);
+    for (long c = 0; c < front.columns; ++c) front(node.width + long(i), c) = from[c];
+  }
+  solve_down(node, panel, front);
+  scatter_own(node, front, x);
+}
+
+// Each subtree's changes of the rows above it are kept apart and added in the order of the
+// subtrees: the same bits whichever thread is first.
+void go_up(const Factorization::Numeric& factor, Rows& x) {
+  const auto& tree = factor.tree;
+  std::vector<FrontVectors> fronts(at(tree.threads), {tree, x.cols()});
+  std::vector<std::vector<std::int32_t>> local(at(tree.threads));
+  std::vector<Rows> outer(tree.subtrees.size());
+  each_subtree(tree, [&](std::size_t k, std::size_t thread) {
+    const auto root = tree.subtrees[k];
+    const auto& top = tree.nodes[at(root)];
+    outer[k] = Rows::Zero(static_cast<Eigen::Index>(top.rows.size()), x.cols());
+    local[thread].resize(tree.order.size());
+    for (std::size_t i = 0; i < top.rows.size(); ++i) {
+      local[thread][at(top.rows[i])] = static_cast<std::int32_t>(i);
+    }
+    for (auto s = first_descendant(tree, root); s <= root; ++s) {
+      const auto& node = tree.nodes[at(s)];
+      step_up(node, factor.panel(node), fronts[thread].of(node), x, top.first + top.width - 1,
+              outer[k], local[thread]);
+    }
+  });
+  for (std::size_t k = 0; k < outer.size(); ++k) {
+    const auto& rows = tree.nodes[at(tree.subtrees[k])].rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) x.row(rows[i]) += outer[k].row(long(i));
+  }
+  const auto last = static_cast<std::int32_t>(tree.order.size());
+  for (const auto s : tree.top) {
+    const auto& node = tree.nodes[at(s)];
+    step_up(node, factor.panel(node), fronts[0].of(node), x, last, x, {});
+  }
+}
+
+void go_down(const Factorization::Numeric& factor, Rows& x) {
+  const auto& tree = factor.tree;
+  std::vector<FrontVectors> fronts(at(tree.threads), {tree, x.cols()});
+  for (auto s = tree.top.rbegin(); s != tree.top.rend(); ++s) {
+    const auto& node = tree.nodes[at(*s)];
+    step_down(node, factor.panel(node), fronts[0].of(node), x);
+  }
+  each_subtree(tree, [&](std::size_t k, std::size_t thread) {
+    const auto root = tree.subtrees[k];
+    const auto first = first_descendant(tree, root);
+    for (auto s = root; s >= first; --s) {
+      const auto& node = tree.nodes[at(s)];
+      step_down(node, factor.panel(node), fronts[thread].of(node), x);
+    }
+  });
+}
+
+}  // namespace
+
+Eigen::MatrixXd Factorization::solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const {
+  const auto& order = numeric_->tree.order;
+  Rows x(b.rows(), b.cols());
+  for (Eigen::Index i = 0; i < b.rows(); ++i) x.row(i) = b.row(order[at(i)]);
+  go_up(*numeric_, x);
+  go_down(*numeric_, x);
+  Eigen::MatrixXd result(b.rows(), b.cols());
+  for (Eigen::Index i = 0; i < b.rows(); ++i) result.row(order[at(i)]) = x.row(i);
+  return result;
+}
+
+}  // namespace chladni::fem

@@ -1,0 +1,27 @@
+// Products of sparse symmetric matrices with several vectors at once.
+#pragma once
+
+#include <vector>
+
+#include "base/arrays.h"
+
+namespace chladni::fem {
+
+/// Y := A X for a matrix that stores its lower triangle. Keeps room for eight columns of X and Y,
+/// so that repeated products allocate nothing. The same bits on every run. Cost: eight columns
+/// take hardly longer than one, since the matrix is read once for them.
+class SymmetricProduct {
+ public:
+  /// @param lower  n×n; kept by reference
+  explicit SymmetricProduct(const SparseMatrix& lower) : matrix_(lower) {}
+
+  /// @param x  n×m. @param y  n×m, may not overlap x
+  void apply(const Eigen::Ref<const Eigen::MatrixXd>& x, Eigen::Ref<Eigen::MatrixXd> y);
+  [[nodiscard]] Eigen::MatrixXd operator*(const Eigen::Ref<const Eigen::MatrixXd>& x);
+
+ private:
+  const SparseMatrix& matrix_;
+  std::vector<double> x_, y_;  // a row's values for all columns lie together
+};
+
+}  // namespace chladni::fem

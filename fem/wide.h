@@ -1,0 +1,9 @@
+// One program for all processors: the loader takes the widest vectors that this one has.
+#pragma once
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define CHLADNI_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CHLADNI_WIDE
+#endif
