@@ -28,16 +28,14 @@ std::set<Eigen::Index> columns_asked_for(const Study& study, const Solution& sol
                         plan.up_to_hz, flexible > 0 ? modes.frequency_hz(modes.rigid_count) : 0.0));
     return columns;
   }
-  for (const int mode : plan.modes) {
-    require(mode <= flexible,
-            fmt::format("placement.modes asks for flexible mode {}, but {} were computed; raise "
-                        "modes.count",
-                        mode, flexible));
-    columns.insert(modes.rigid_count + mode - 1);
-  }
-  for (Eigen::Index i = 0; columns.empty() && i < std::min<Eigen::Index>(3, flexible); ++i) {
-    columns.insert(modes.rigid_count + i);
-  }
+  for (const int mode : plan.modes) columns.insert(modes.rigid_count + mode - 1);
+  const Eigen::Index highest = columns.empty() ? 0 : *columns.rbegin() - modes.rigid_count + 1;
+  require(highest <= flexible,
+          fmt::format("placement.modes asks for flexible mode {}, but {} were computed; raise "
+                      "modes.count",
+                      highest, flexible));
+  const Eigen::Index ordinary = plan.modes.empty() ? std::min<Eigen::Index>(3, flexible) : 0;
+  for (Eigen::Index i = 0; i < ordinary; ++i) columns.insert(modes.rigid_count + i);
   require(!columns.empty(), study.file.string() + ": placement needs a flexible mode");
   return columns;
 }

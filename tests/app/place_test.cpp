@@ -1,0 +1,224 @@
+// chladni place: what it finds on bodies with known answers, what it leaves, what it refuses.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "app/placement.h"
+#include "base/error.h"
+#include "io/json.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPlate = R"(title = "square plate"
+geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "60 mm", order = 2 }
+modes = { count = 12, damping_ratio = 0.005 }
+sensor = [
+  { name = "s1", at = ["-250 mm", "250 mm"], direction = "z" },
+  { name = "s2", at = ["250 mm", "250 mm"], direction = "z" },
+  { name = "s3", at = ["200 mm", "-100 mm"], direction = "z" },
+]
+actuator = [
+  { name = "a1", at = ["200 mm", "-100 mm"], direction = "z" },
+  { name = "a2", at = ["0 mm", "120 mm"], direction = "z" },
+  { name = "a3", at = ["-150 mm", "-220 mm"], direction = "z" },
+]
+)";
+
+class Place : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("chladni_place_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // The result of a study whose [placement] is `placement`.
+  Placed placed_with(const std::string& placement) {
+    const Study study = parse_study(kPlate + "[placement]\n" + placement, "study.toml");
+    Options options;
+    options.folder = folder_ / "out";
+    options.pictures = false;
+    options.certificate = false;
+    Talk talk(said_, manner_of_stderr(true));
+    app::Run run(study, options, shown_, talk);
+    const Solution solution = solved(study, run);
+    Placed result = placed(study, solution, run);
+    run.show(placement_table(solution, result));
+    leave_placement(study, solution, result, run, true);
+    return result;
+  }
+
+  std::string refusal(const std::string& placement) {
+    try {
+      (void)placed_with(placement);
+    } catch (const InvalidInput& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  io::Json left() {
+    std::ifstream stream(folder_ / "out" / "placement.json");
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return io::parse_json(text.str());
+  }
+
+  fs::path folder_;
+  std::ostringstream shown_, said_;
+};
+
+testing::AssertionResult says(const std::string& text, const std::string& part) {
+  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "\"" << part << "\" is not in\n" << text;
+}
+
+// The eight places that the plate's symmetry makes of one, to 1 %.
+TEST_F(Place, FindsTheThesissPlacesOnTheSquarePlate) {
+  const auto placed = placed_with("modes = 3");
+  ASSERT_GE(placed.best.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(placed.best[i].score, 0.548, 0.01);
+    EXPECT_NEAR(placed.best[i].score / placed.best[0].score, 1.0, 0.01);
+    const Eigen::Array2d at = placed.best[i].position.head<2>().cwiseAbs();
+    EXPECT_NEAR(at.maxCoeff(), 0.3, 1e-6);
+    EXPECT_NEAR(at.minCoeff(), 0.185, 0.004);
+  }
+}
+
+TEST_F(Place, LeavesTheKeysOfTheContract) {
+  (void)placed_with("modes = 3");
+  const auto json = left();
+  EXPECT_EQ(json.at("criterion").string(), "weakest_mode");
+  const auto& best = json.at("best").array().at(0);
+  for (const auto* key : {"x_m", "y_m", "z_m", "score", "limiting_mode"}) {
+    EXPECT_TRUE(std::isfinite(best.at(key).number())) << key;
+  }
+  const auto& layout = json.at("layouts").array().at(0);
+  EXPECT_EQ(layout.at("sensors").array().size(), 3U);
+  EXPECT_EQ(layout.at("scores").at("observed_points").number(), 5.0);  // 3 + 3 - 1
+  const auto& optimum = json.at("optimum");
+  EXPECT_EQ(optimum.at("sites").array().size(), 5U);
+  EXPECT_GE(optimum.at("bound").number(), optimum.at("score").number());
+  EXPECT_NEAR(optimum.at("gap").number(),
+              optimum.at("bound").number() - optimum.at("score").number(), 1e-12);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "heat_map.vtu"));
+}
+
+TEST_F(Place, APairOfModesIsLookedAtWhole) {
+  const auto placed = placed_with("modes = [4]");
+  EXPECT_EQ(placed.wanted.columns.size(), 2U);
+  ASSERT_EQ(placed.notes.size(), 1U);
+  EXPECT_TRUE(says(placed.notes[0], "together with it"));
+}
+
+TEST_F(Place, AGridGivesItsPlacesAndAProvenOptimum) {
+  const auto placed = placed_with(
+      "modes = 5\ngrid = { pitch = \"60 mm\", columns = 9, rows = 9 }\n"
+      "choose = { sites = 7 }");
+  for (const auto& pair : placed.best) {
+    for (const double x : {pair.position.x(), pair.position.y()}) {
+      EXPECT_NEAR(std::remainder(x, 0.06), 0.0, 1e-9);
+      EXPECT_LE(std::abs(x), 0.2401);
+    }
+  }
+  EXPECT_TRUE(placed.optima[0].choice.proven);
+  EXPECT_EQ(placed.optima[0].sites.rows(), 7);
+  EXPECT_FALSE(placed.optima[0].equivalent.empty());
+}
+
+TEST_F(Place, KeepsToItsRules) {
+  const auto placed = placed_with(
+      "modes = 3\nedge_distance = \"50 mm\"\nfootprint = \"30 mm\"\npairs = 3\n"
+      "spacing = \"150 mm\"\n"
+      "keep_out = [{ disc = { at = [\"200 mm\", \"200 mm\"], diameter = \"200 mm\" } }]");
+  ASSERT_EQ(placed.pairs.size(), 3U);
+  for (const auto* pairs : {&placed.best, &placed.pairs}) {
+    for (const auto& pair : *pairs) {
+      const Eigen::Vector2d at = pair.position.head<2>();
+      EXPECT_LE(at.cwiseAbs().maxCoeff(), 0.2501);
+      EXPECT_GT((at - Eigen::Vector2d(0.2, 0.2)).norm(), 0.0999);
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GE((placed.pairs[i].position - placed.pairs[j].position).norm(), 0.1499);
+    }
+  }
+}
+
+TEST_F(Place, AnUncertainBodyScoresNoHigherAndMovesAwayFromNodalLines) {
+  const auto sure = placed_with("modes = 3");
+  const auto unsure = placed_with(
+      "modes = 3\nuncertainty = { modulus = \"10 %\", thickness = \"5 %\", "
+      "attached_mass = \"0.3 kg\", members = 16 }");
+  const auto& before = sure.maps[sure.chosen].score;
+  const auto& after = unsure.maps[unsure.chosen].score;
+  EXPECT_LE((after - before).maxCoeff(), 0.02 * before.maxCoeff());
+  EXPECT_LT(after.maxCoeff(), before.maxCoeff());
+  EXPECT_GT(after.maxCoeff(), 0.3 * before.maxCoeff());
+}
+
+TEST_F(Place, NoiseOfFrfsMakesHighModesLimit) {
+  const auto placed = placed_with(
+      "modes = 9\ncriterion = \"alpha_uncertainty\"\nfrf_noise = \"1e-9 m/N\"\n"
+      "frequency_resolution = \"0.5 Hz\"\nposition_error = \"0.2 mm\"");
+  EXPECT_GE(placed.best[0].limiting, 5);
+  const double percent = placed.criterion->for_people(placed.best[0].score);
+  EXPECT_GT(percent, 0.0);
+  EXPECT_LT(percent, 100.0);
+}
+
+TEST_F(Place, NamesTheModeThatALayoutCannotSee) {
+  (void)placed_with("modes = 9\non = [\"top\"]");
+  const auto text = shown_.str();
+  EXPECT_TRUE(says(text, "best places"));
+  const Study study = parse_study(
+      kPlate + "[[layout]]\nname = \"diagonal\"\nsensors = [\"s1\", \"s2\"]\n", "study.toml");
+  Options options;
+  options.folder = folder_ / "out2";
+  options.pictures = false;
+  Talk talk(said_, manner_of_stderr(false));
+  app::Run run(study, options, shown_, talk);
+  const auto solution = solved(study, run);
+  const auto result = placed(study, solution, run);
+  leave_placement(study, solution, result, run, true);
+  ASSERT_FALSE(result.layouts[0].blind.empty());
+  EXPECT_EQ(result.layouts[0].blind[0], 8);  // x^2 - y^2 vanishes on the diagonals
+  EXPECT_TRUE(says(said_.str(), "layout \"diagonal\" cannot see modes 8 (26"));
+}
+
+TEST_F(Place, RefusesWhatCannotBeMeant) {
+  EXPECT_TRUE(says(refusal("modes = 40"), "asks for flexible mode 40, but"));
+  EXPECT_TRUE(says(refusal("up_to = \"20 Hz\""), "first flexible mode lies at"));
+  EXPECT_TRUE(says(refusal("modes = 3\nkeep_out = [\"top\"]"), "no admissible site is left of"));
+  EXPECT_TRUE(says(refusal("modes = 3\nkeep_out = [\"lid\"]"), "the body has no patch \"lid\""));
+  EXPECT_TRUE(says(refusal("modes = 3\non = [\"lid\"]"), "the body has no patch \"lid\""));
+  EXPECT_TRUE(says(refusal("modes = 3\nedge_distance = \"400 mm\""),
+                   "the last ones went to the distance of 400 mm from edges"));
+  EXPECT_TRUE(says(refusal("modes = 3\ngrid = { pitch = \"60 mm\", columns = 2, rows = 2 }\n"
+                           "choose = { sites = 9 }"),
+                   "9 sites are to be chosen, but 4 are admissible"));
+  EXPECT_TRUE(says(refusal("modes = 3\ngrid = { pitch = \"60 mm\", columns = 2, rows = 2, "
+                           "centre = [\"2 m\", \"0 m\"] }"),
+                   "none of its places lies on the body"));
+  EXPECT_TRUE(says(refusal("modes = 0"), "placement.modes"));
+  EXPECT_TRUE(says(refusal("modes = 3\nspacing = \"500 mm\"\npairs = 9"), "do not fit"));
+  EXPECT_TRUE(says(refusal("modes = 3\nthere = [\"s9\"]"), "no channel of the study"));
+  EXPECT_TRUE(says(refusal("modes = 3\ncriterion = \"weakest\""), "weakest_mode"));
+  EXPECT_TRUE(says(refusal("modes = 3\nnoise = \"0 %\""), "expected more than 0"));
+  EXPECT_TRUE(says(refusal("modes = 3\nfrf_noise = \"1e-9 m/N\""), "frequency_resolution"));
+}
+
+}  // namespace
+}  // namespace chladni::app
