@@ -108,24 +108,24 @@ double area(const mesh::TetMesh& shell) {
   return sum;
 }
 
-/// Cells and boundary triangles of TetGen at an edge length, from volume and area; fitted to
-/// plates, a cube and a ribbed table, within a factor of 1.5. Walls thinner than the edges take
-/// smaller ones.
+/// Cells and boundary triangles of TetGen on an isotropic surface, from volume and area; fitted to
+/// plates, a disc, a torus and a ribbed table, within a factor of 1.2. What is thinner than an edge
+/// has cells between the two sides of its surface only.
 struct Count {
   double tets, faces;
 };
 
 Count tetgen_count(const Outline& outline, double edge) {
   const double surface = area(outline.shell);
-  const double wall = 3.0 * outline.volume / surface;
-  if (edge > wall) edge = std::sqrt(edge * wall);
-  const double faces = surface / (0.433 * edge * edge);
-  return {1.3 * outline.volume / (0.1179 * edge * edge * edge) + 2.2 * faces, faces};
+  const double faces = 1.16 * surface / (0.433 * edge * edge);
+  const double core = std::max(0.0, outline.volume - 0.5 * edge * surface);
+  return {1.6 * faces + 1.22 * core / (0.1179 * edge * edge * edge), faces};
 }
 
 /// Nodes by Euler's formula.
 double node_count(const Count& count, int order) {
-  const double vertices = 0.2 * count.tets + 0.65 * count.faces;
+  const double inner = std::max(0.0, count.tets - 1.6 * count.faces) / 5.5;
+  const double vertices = 0.5 * count.faces + inner;
   const double faces = 2.0 * count.tets + 0.5 * count.faces;
   const double edges = vertices + faces - count.tets;
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);

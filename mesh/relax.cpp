@@ -11,20 +11,71 @@
 namespace chladni::mesh {
 namespace {
 
+// The planes that the boundary has at a node, each with its patch.
+struct Plane {
+  Eigen::RowVector3d normal;
+  int patch = 0;
+};
+using Planes = std::vector<Plane>;
+
+Planes planes_of(const TetMesh& mesh, const std::vector<int>& faces) {
+  constexpr double parallel = 1e-4;  // radians: what single precision leaves of a small triangle
+  Planes planes;
+  for (const int f : faces) {
+    const Eigen::RowVector3d a = mesh.points.row(mesh.faces(f, 0));
+    const Eigen::RowVector3d u = mesh.points.row(mesh.faces(f, 1)) - a;
+    const Eigen::RowVector3d v = mesh.points.row(mesh.faces(f, 2)) - a;
+    const Plane plane{u.cross(v).normalized(), mesh.face_patch[f]};
+    const bool known = std::any_of(planes.begin(), planes.end(), [&](const Plane& p) {
+      return p.patch == plane.patch && p.normal.dot(plane.normal) > 0.0 &&
+             p.normal.cross(plane.normal).norm() < parallel;
+    });
+    if (!known) planes.push_back(plane);
+  }
+  return planes;
+}
+
+// Unit vectors along which a node may go without changing the body or its patches: all ways inside,
+// within a plane on one, along the edge where two meet.
+std::vector<Eigen::RowVector3d> directions_in(const Planes& planes) {
+  std::vector<Eigen::RowVector3d> directions;
+  if (planes.empty()) {
+    for (int k = 0; k < 3; ++k) directions.push_back(Eigen::RowVector3d::Unit(k));
+  } else if (planes.size() == 1) {
+    const Eigen::Vector3d normal = planes[0].normal.transpose();
+    const Eigen::Vector3d along = normal.unitOrthogonal();
+    directions = {along.transpose(), normal.cross(along).transpose()};
+  } else if (planes.size() == 2) {
+    const Eigen::RowVector3d edge = planes[0].normal.cross(planes[1].normal);
+    if (edge.norm() > 0.1) directions.push_back(edge.normalized());
+  }
+  for (std::size_t i = directions.size(); i-- > 0;) directions.push_back(-directions[i]);
+  return directions;
+}
+
+std::vector<std::vector<Eigen::RowVector3d>> ways_to_move(const TetMesh& mesh) {
+  std::vector<std::vector<int>> faces(static_cast<std::size_t>(mesh.node_count()));
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    for (const int i : mesh.faces.row(f)) faces[static_cast<std::size_t>(i)].push_back(f);
+  }
+  std::vector<std::vector<Eigen::RowVector3d>> ways;
+  for (const auto& around : faces) ways.push_back(directions_in(planes_of(mesh, around)));
+  return ways;
+}
+
 class Relaxer {
  public:
   Relaxer(TetMesh& mesh, double degrees)
       : mesh_(mesh),
         wanted_(degrees * std::numbers::pi / 180.0),
         star_(static_cast<std::size_t>(mesh.node_count())),
-        free_(static_cast<std::size_t>(mesh.node_count()), 1) {
+        directions_(ways_to_move(mesh)) {
     for (int t = 0; t < static_cast<int>(mesh.tet_count()); ++t) {
       for (const int i : mesh.tets.row(t)) star_[static_cast<std::size_t>(i)].push_back(t);
     }
-    for (const int i : mesh.faces.reshaped()) free_[static_cast<std::size_t>(i)] = 0;
     for (std::size_t i = 0; i < star_.size(); ++i) {
       for (const int t : star_[i]) {
-        if (mesh.region[t] != mesh.region[star_[i][0]]) free_[i] = 0;
+        if (mesh.region[t] != mesh.region[star_[i][0]]) directions_[i].clear();
       }
     }
   }
@@ -36,7 +87,7 @@ class Relaxer {
       for (int t = 0; t < static_cast<int>(mesh_.tet_count()); ++t) {
         if (worst_angle(t) >= wanted_) continue;
         for (const int i : mesh_.tets.row(t)) {
-          if (free_[static_cast<std::size_t>(i)] == 1) nodes.insert(i);
+          if (!directions_[static_cast<std::size_t>(i)].empty()) nodes.insert(i);
         }
       }
       bool moved = false;
@@ -90,9 +141,9 @@ class Relaxer {
     const double before = reached;
     double step = 0.3 * shortest_edge(i);
     for (int shrink = 0; shrink < 6; ++shrink, step *= 0.5) {
-      for (int k = 0; k < 6; ++k) {
+      for (const Eigen::RowVector3d& direction : directions_[static_cast<std::size_t>(i)]) {
         const Eigen::RowVector3d here = mesh_.points.row(i);
-        mesh_.points(i, k / 2) += k % 2 == 0 ? step : -step;
+        mesh_.points.row(i) += step * direction;
         const double now = worst_around(i);
         if (now > reached) {
           reached = now;
@@ -107,7 +158,7 @@ class Relaxer {
   TetMesh& mesh_;
   double wanted_;
   std::vector<std::vector<int>> star_;
-  std::vector<char> free_;
+  std::vector<std::vector<Eigen::RowVector3d>> directions_;  // per node
 };
 
 }  // namespace

@@ -288,8 +288,7 @@ TetMesh on_best_surface(const Surface& body, const MesherOptions& options, doubl
     reached = std::max(angle, reached);
     return reached > options.smallest_dihedral_degrees - nearly;
   };
-  if (is_curved(body, edge_length) &&
-      is_good(on_isotropic_surface(remesh(body, edge_length), options, edge_length))) {
+  if (is_good(on_isotropic_surface(remesh(body, edge_length), options, edge_length))) {
     return *best;
   }
   const Surface planes = with_fewest_planes(body, edge_length);
@@ -303,7 +302,7 @@ double default_edge_length(const Surface& surface) {
   const auto box = bounding_box(surface.points);
   const double enclosed = material(surface, shells(surface)).volume;
   const double wall = 2.0 * enclosed / area_of(surface);
-  const double wanted = std::min((box.row(1) - box.row(0)).maxCoeff() / 30.0, 1.5 * wall);
+  const double wanted = std::min((box.row(1) - box.row(0)).maxCoeff() / 30.0, 2.2 * wall);
   const double affordable = std::cbrt(enclosed / regular_tet_volume(1.0) / largest_cell_count);
   return std::max(wanted, affordable);
 }

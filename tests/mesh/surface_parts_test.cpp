@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -176,7 +177,12 @@ TEST(RestoreVolumes, UndoesAShrunkTorus) {
   EXPECT_EQ(enclosed_volume(held), enclosed_volume(shapes::torus(0.3, 0.098, 60, 30)));
 }
 
-TEST(Relax, RaisesTheWorstAngleAndMovesNothingOutside) {
+// Per axis whether a point lies on a face of the plate below.
+std::array<bool, 3> has_plane(const Eigen::RowVector3d& p) {
+  return {std::abs(p.x()) == 0.2, std::abs(p.y()) == 0.15, p.z() == 0.0 || p.z() == -0.2};
+}
+
+TEST(Relax, RaisesTheWorstAngleOfTheSameBody) {
   TetMesh mesh = layered(Plate{0.4, 0.3, 0.2}, 0.05, 4);
   std::set<int> rim;
   for (const int i : mesh.faces.reshaped()) rim.insert(i);
@@ -192,7 +198,40 @@ TEST(Relax, RaisesTheWorstAngleAndMovesNothingOutside) {
   EXPECT_GT(quality(mesh).smallest_dihedral_degrees,
             quality(before).smallest_dihedral_degrees + 5.0);
   EXPECT_NEAR(volume(mesh), volume(before), 1e-12);
-  for (const int i : rim) EXPECT_TRUE(mesh.points.row(i) == before.points.row(i));
+  for (const int i : rim) {
+    EXPECT_EQ(has_plane(mesh.points.row(i)), has_plane(before.points.row(i)));
+  }
+  for (int p = 0; p < static_cast<int>(mesh.patch_names.size()); ++p) {
+    EXPECT_NEAR(shapes::patch_area(mesh.points, mesh.faces, mesh.face_patch, p),
+                shapes::patch_area(before.points, before.faces, before.face_patch, p), 1e-12);
+  }
+}
+
+TEST(Relax, LeavesCurvedBoundariesAndRegionsWhereTheyAre) {
+  TetMesh ball = layered(Sphere{0.1, 0.0}, 0.04);
+  project_to_sphere(ball, Sphere{0.1, 0.0});
+  const TetMesh before = ball;
+  relax(ball, 60.0);
+  for (const int i : ball.faces.reshaped()) {
+    EXPECT_TRUE(ball.points.row(i) == before.points.row(i));
+  }
+  TetMesh two = layered(Plate{0.4, 0.3, 0.2}, 0.1, 2);
+  two.region_names = {"left", "right"};
+  for (Eigen::Index t = 0; t < two.tet_count(); ++t) {
+    double x = 0.0;
+    for (const int i : two.tets.row(t)) x += two.points(i, 0);
+    two.region[t] = x < 0.0 ? 0 : 1;
+  }
+  const auto left = [&] {
+    TetMesh part = two;
+    for (Eigen::Index t = 0; t < part.tet_count(); ++t) {
+      if (two.region[t] == 1) part.tets.row(t).setConstant(two.tets(t, 0));
+    }
+    return volume(part);
+  };
+  const double volume_before = left();
+  relax(two, 60.0);
+  EXPECT_NEAR(left(), volume_before, 1e-12);
 }
 
 }  // namespace
