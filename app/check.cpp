@@ -7,7 +7,12 @@ namespace {
 void run(const Study& study, Run& run) {
   auto introduction = introduced(study, run);
   const auto& shell = introduction.outline.shell;
-  for (const auto& note : places_of(study, shell).notes) run.talk().note(note);
+  const auto places = places_of(study, shell);
+  for (const auto& note : places.notes) run.talk().note(note);
+  for (const auto& warning : places.warnings) {
+    introduction.warnings.push_back(warning);
+    run.talk().warn(warning);
+  }
   static_cast<void>(materials_of(study, shell.region_names));
   run.show(introduction.cost.line() + "\n");
   run.leave("study.json", study_json(study, introduction), !run.options().expect);

@@ -23,7 +23,10 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
 class Placing {
  public:
   Placing(const Study& study, const mesh::TetMesh& body)
-      : finder_(body), top_(body.points.col(2).maxCoeff()), problems_(study.file.string()) {}
+      : file_(study.file.string()),
+        finder_(body),
+        top_(body.points.col(2).maxCoeff()),
+        problems_(file_) {}
 
   mesh::Site site(const std::string& what, const Place& place) {
     if (place.from_above) {
@@ -37,21 +40,33 @@ class Placing {
     const std::string found = fmt::format("{} at {} is {:.4g} mm off the body; nearest is {}", what,
                                           millimetres(place.point, place.from_above), 1e3 * off,
                                           millimetres(site.position, place.from_above));
-    if (off > kMovedAloud) problems_.add(place.line, 1, found);
-    if (off > kMovedSilently && off <= kMovedAloud) notes_.push_back(found + ", taken instead");
+    const bool inside = !place.from_above && site.normal.dot(wanted - site.position) < -0.9 * off;
+    if (off > kMovedAloud && inside) {
+      warnings_.push_back(
+          fmt::format("{}:{}: {} at {} is {:.4g} mm inside the body; the nearest "
+                      "place of its surface, {}, is taken instead",
+                      file_, place.line, what, millimetres(place.point, false), 1e3 * off,
+                      millimetres(site.position, false)));
+    } else if (off > kMovedAloud) {
+      problems_.add(place.line, 1, found);
+    } else if (off > kMovedSilently) {
+      notes_.push_back(found + ", taken instead");
+    }
     return site;
   }
 
-  void finish(std::vector<std::string>& notes) {
+  void finish(Places& places) {
     problems_.throw_if_any();
-    notes = std::move(notes_);
+    places.notes = std::move(notes_);
+    places.warnings = std::move(warnings_);
   }
 
  private:
+  std::string file_;
   mesh::SiteFinder finder_;
   double top_;
   Problems problems_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, warnings_;
 };
 
 std::vector<mesh::Site> sites_of(Placing& placing, const std::string& kind,
@@ -100,7 +115,7 @@ Places places_of(const Study& study, const mesh::TetMesh& body) {
     places.link_ends.push_back(plan.to ? placing.site("the end of " + what, *plan.to)
                                        : mesh::Site{});
   }
-  placing.finish(places.notes);
+  placing.finish(places);
   return places;
 }
 
@@ -136,6 +151,7 @@ Model model_of(const Study& study, mesh::TetMesh body) {
   model.sensors = std::move(places.sensors);
   model.actuators = std::move(places.actuators);
   model.notes = std::move(places.notes);
+  model.warnings = std::move(places.warnings);
   for (std::size_t i = 0; i < study.attachments.size(); ++i) {
     const auto& plan = study.attachments[i];
     fem::Attachment attachment{plan.name, places.attachments[i], plan.footprint, plan.what};

@@ -18,17 +18,19 @@ struct Model {
   std::vector<fem::Attachment> attachments;
   std::vector<mesh::Site> sensors, actuators;  ///< in the order of the study's channels
   fem::MassProperties mass;
-  std::vector<std::string> notes;  ///< channels that were moved onto the body
+  std::vector<std::string> notes;     ///< channels that were moved onto the body
+  std::vector<std::string> warnings;  ///< channels that were named inside the body
 };
 
 /// Places of the channels and attachments of a study.
 struct Places {
   std::vector<mesh::Site> sensors, actuators, attachments;
   std::vector<mesh::Site> link_ends;  ///< one per attachment; empty sites but for links
-  std::vector<std::string> notes;
+  std::vector<std::string> notes, warnings;
 };
 
-/// On the boundary of `body`, which may be a shell without cells.
+/// On the boundary of `body`, which may be a shell without cells; of a place inside the body the
+/// nearest of its boundary, with a warning.
 /// @throws InvalidInput  a place is more than 1 mm off the body: by how far, all of them at once
 [[nodiscard]] Places places_of(const Study& study, const mesh::TetMesh& body);
 

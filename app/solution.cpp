@@ -1,11 +1,15 @@
 #include "app/solution.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
+#include "app/blind_spots.h"
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/memory.h"
 #include "fem/error_estimate.h"
 
 namespace chladni::app {
@@ -66,6 +70,24 @@ fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& ru
   return result;
 }
 
+/// Forecasts are good to a third; what is beyond that need not be meshed first.
+void refuse_what_cannot_fit(const Study& study, const Cost& cost) {
+  const double have = static_cast<double>(available_memory());
+  if (0.75 * cost.memory_bytes <= have) return;
+  throw OutOfResources(fmt::format(
+      "{}: {:.0f} degrees of freedom are forecast to need {:.1f} GB of memory and there is {:.1f} "
+      "GB; edges {:.1f} times as long would fit (mesh.edge_length)",
+      study.file.string(), cost.degrees_of_freedom, 1e-9 * cost.memory_bytes, 1e-9 * have,
+      std::pow(cost.memory_bytes / have, 0.4)));
+}
+
+void warn(const std::vector<std::string>& lines, Solution& solution, Run& run) {
+  for (const auto& line : lines) {
+    solution.introduction.warnings.push_back(line);
+    run.talk().warn(line);
+  }
+}
+
 }  // namespace
 
 Introduction introduced(const Study& study, Run& run) {
@@ -93,12 +115,15 @@ Solution solved(const Study& study, Run& run) {
 Solution solved(const Study& study, Introduction introduction, Run& run) {
   const auto progress = run.talk().progress();
   throw_if_interrupted();
+  refuse_what_cannot_fit(study, introduction.cost);
   Solution solution;
   solution.introduction = std::move(introduction);
   const auto& outline = solution.introduction.outline;
   auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
   solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) run.talk().note(note);
+  warn(solution.model.warnings, solution, run);
+  warn(channels_kept_out(study, solution.model), solution, run);
   throw_if_interrupted();
 
   const auto& model = solution.model;
@@ -115,6 +140,8 @@ Solution solved(const Study& study, Introduction introduction, Run& run) {
   solution.summary = result.summary;
   solution.modes = std::move(result.modes);
   solution.modes.shapes = fem::on_nodes(system.dofs, solution.modes.shapes);
+  warn(coarse_mesh(solution), solution, run);
+  warn(blind_spots(study, solution), solution, run);
   return solution;
 }
 

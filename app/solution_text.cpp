@@ -74,6 +74,8 @@ io::JsonObject modes_json(const Study& study, const Solution& solution) {
   const auto& model = solution.model;
   const auto& modes = solution.modes;
   const auto& summary = solution.summary;
+  io::JsonArray texts;
+  for (const auto& line : solution.introduction.warnings) texts.emplace_back(line);
   return {{"rigid_body_modes", static_cast<long long>(modes.rigid_count)},
           {"frequency_hz", io::Json(modes.frequency_hz)},
           {"frequency_error_hz", io::Json(error_hz(solution))},
@@ -95,7 +97,8 @@ io::JsonObject modes_json(const Study& study, const Solution& solution) {
           {"blas_kernel", fem::blas_kernel()},
           {"sensors", channel_json(study.sensors, shapes_at(study.sensors, model.sensors, modes))},
           {"actuators",
-           channel_json(study.actuators, shapes_at(study.actuators, model.actuators, modes))}};
+           channel_json(study.actuators, shapes_at(study.actuators, model.actuators, modes))},
+          {"warnings", texts}};
 }
 
 std::vector<io::CsvColumn> modes_columns(const Solution& solution) {

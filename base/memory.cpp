@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,10 +38,20 @@ std::size_t left_in_group() {
   return limit > used ? limit - used : 0;
 }
 
+// Of the limit that `ulimit -v` sets on addresses.
+std::size_t left_in_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnknown;
+  const auto pages = number_in("/proc/self/statm");
+  if (pages == kUnknown) return kUnknown;
+  const std::size_t used = pages * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+  return limit.rlim_cur > used ? limit.rlim_cur - used : 0;
+}
+
 }  // namespace
 
 std::size_t available_memory() {
-  const auto least = std::min(kernel_available(), left_in_group());
+  const auto least = std::min({kernel_available(), left_in_group(), left_in_limit()});
   if (least != kUnknown) return least;
   return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
          static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));

@@ -6,7 +6,7 @@
 namespace chladni {
 
 /// Bytes that can be allocated without swapping: MemAvailable of the kernel, or what is left of the
-/// control group's limit where that is less; all there is where neither can be read.
+/// control group's limit or of `ulimit -v` where that is less; all there is where none can be read.
 [[nodiscard]] std::size_t available_memory();
 
 }  // namespace chladni
