@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -180,6 +181,61 @@ void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std:
   fill_greedily(layout, candidates, count);
 }
 
+// Exchange among some hundreds of candidates, then among the neighbours of what was chosen.
+class Search {
+ public:
+  explicit Search(const InterpolationProblem& problem)
+      : problem_(problem), empty_(problem), all_(all_of(problem.rows.rows())) {
+    is_large_ = problem.rows.rows() > 2 * kCoarse;
+    coarse_ = is_large_ ? thinned(problem.position, kCoarse) : all_;
+    if (is_large_) reach_ = reach_of(problem.position, coarse_);
+  }
+
+  // The first start is greedy, the others are half random; none where spacing leaves no room.
+  [[nodiscard]] std::optional<Layout> from_a_start(int start, std::mt19937& random) const {
+    Layout layout = empty_;
+    if (start > 0) fill_at_random(layout, coarse_, problem_.count, random);
+    if (!fill_greedily(layout, coarse_, problem_.count) &&
+        !fill_greedily(layout, all_, problem_.count)) {
+      return std::nullopt;
+    }
+    exchange(layout, 20, [&](Eigen::Index) -> const Indices& { return coarse_; });
+    if (is_large_) exchange(layout, 10, [&](Eigen::Index site) { return near(site); });
+    return layout;
+  }
+
+  // Among all candidates once more, where the search was among few.
+  [[nodiscard]] Indices polished(const Indices& sites) const {
+    if (!is_large_) return sites;
+    Layout layout = layout_at(sites);
+    exchange(layout, 2, [&](Eigen::Index) -> const Indices& { return all_; });
+    return layout.sites();
+  }
+
+  [[nodiscard]] Layout layout_at(const Indices& sites) const {
+    Layout layout = empty_;
+    for (const auto site : sites) layout.add(site);
+    return layout;
+  }
+
+ private:
+  [[nodiscard]] Indices near(Eigen::Index site) const {
+    Indices found;
+    for (const auto c : all_) {
+      if ((problem_.position.row(c) - problem_.position.row(site)).norm() <= reach_) {
+        found.push_back(c);
+      }
+    }
+    return found;
+  }
+
+  const InterpolationProblem& problem_;
+  Layout empty_;
+  Indices all_, coarse_;
+  bool is_large_ = false;
+  double reach_ = 0.0;  // [m] of a neighbour
+};
+
 void check(const InterpolationProblem& problem) {
   require(problem.rows.allFinite(), "layout: what a candidate sees is not finite");
   require(problem.count >= 1 && problem.count <= problem.rows.rows(),
@@ -197,49 +253,25 @@ void check(const InterpolationProblem& problem) {
 Choice best_interpolation(const InterpolationProblem& problem,
                           const InterpolationOptions& options) {
   check(problem);
-  const Eigen::Index n = problem.rows.rows();
-  const Indices all = all_of(n);
-  const bool is_large = n > 2 * kCoarse;
-  const Indices coarse = is_large ? thinned(problem.position, kCoarse) : all;
-  const double reach = is_large ? reach_of(problem.position, coarse) : 0.0;
-  const auto near = [&](Eigen::Index site) {
-    Indices found;
-    for (const auto c : all) {
-      if ((problem.position.row(c) - problem.position.row(site)).norm() <= reach) {
-        found.push_back(c);
-      }
-    }
-    return found;
-  };
-  const Layout empty(problem);
+  const Search search(problem);
   std::mt19937 random(options.seed);
   Choice best;
   double lowest = std::numeric_limits<double>::infinity();
   for (int start = 0; start < options.starts; ++start) {
-    Layout layout = empty;
-    if (start > 0) fill_at_random(layout, coarse, problem.count, random);
-    if (!fill_greedily(layout, start > 0 ? all : coarse, problem.count) &&
-        !fill_greedily(layout, all, problem.count)) {
+    const auto layout = search.from_a_start(start, random);
+    if (!layout) {
       require(start > 0, "layout: " + std::to_string(problem.count) + " sites at least " +
                              std::to_string(1e3 * problem.spacing) + " mm apart do not fit");
       continue;
     }
-    exchange(layout, 20, [&](Eigen::Index) -> const Indices& { return coarse; });
-    if (is_large) exchange(layout, 10, near);
-    if (layout.error() < lowest * (1.0 - 1e-9)) {
-      lowest = layout.error();
-      best.sites = layout.sites();
+    if (layout->error() < lowest * (1.0 - 1e-9)) {
+      lowest = layout->error();
+      best.sites = layout->sites();
     }
   }
-  if (is_large) {
-    Layout layout = empty;
-    for (const auto site : best.sites) layout.add(site);
-    exchange(layout, 2, [&](Eigen::Index) -> const Indices& { return all; });
-    lowest = layout.error();
-    best.sites = layout.sites();
-  }
+  best.sites = search.polished(best.sites);
   std::sort(best.sites.begin(), best.sites.end());
-  best.score = -lowest;
+  best.score = -search.layout_at(best.sites).error();
   return best;
 }
 

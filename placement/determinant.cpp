@@ -3,19 +3,20 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <string>
 
 #include "base/error.h"
+#include "placement/relaxation.h"
 #include "placement/search_tree.h"
 
 namespace chladni::placement {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-constexpr double kLowest = -std::numeric_limits<double>::infinity();
+constexpr double kRootTolerance = 1e-6;
 
 bool too_near(const DeterminantProblem& problem, Eigen::Index a, Eigen::Index b) {
   if (a == b) return true;
@@ -86,6 +87,36 @@ Swap best_swap(const DeterminantProblem& problem, const Indices& sites) {
   return best;
 }
 
+// Candidates that a choice better than `target` could have: the relaxation's bound falls by at
+// least last_in − d_c where c is forced in (reduced cost).
+Indices worth_looking_at(const DeterminantProblem& problem, const Relaxation& root, double target) {
+  Eigen::VectorXd sorted = root.gain;
+  std::sort(sorted.data(), sorted.data() + sorted.size(), std::greater<>());
+  const double last_in = sorted(problem.count - 1);
+  Indices worth;
+  for (Eigen::Index c = 0; c < root.gain.size(); ++c) {
+    if (last_in - root.gain(c) <= root.bound - target) worth.push_back(c);
+  }
+  const auto enough = static_cast<std::size_t>(std::min(2 * problem.count, problem.rows.rows()));
+  if (worth.size() >= enough) return worth;
+  worth.resize(static_cast<std::size_t>(problem.rows.rows()));  // as good as proven: look at all
+  std::iota(worth.begin(), worth.end(), 0);
+  return worth;
+}
+
+DeterminantProblem part(const DeterminantProblem& problem, const Indices& candidates) {
+  DeterminantProblem rest = problem;
+  rest.rows = problem.rows(candidates, Eigen::all);
+  if (problem.position.rows() > 0) rest.position = problem.position(candidates, Eigen::all);
+  return rest;
+}
+
+Indices among(const Indices& candidates, const Indices& chosen) {
+  Indices result;
+  for (const auto c : chosen) result.push_back(candidates[static_cast<std::size_t>(c)]);
+  return result;
+}
+
 }  // namespace
 
 double Choice::certificate(Eigen::Index r) const {
@@ -142,16 +173,28 @@ Indices exchanged(const DeterminantProblem& problem, Indices sites) {
 Choice best_determinant(const DeterminantProblem& problem, const DeterminantOptions& options) {
   check(problem);
   Choice best;
-  best.score = kLowest;
+  best.sites = exchanged(problem, greedy(problem));
+  best.score = log_determinant(problem, best.sites);
+  const auto root = relaxed(problem.rows, information(problem, {}), problem.count,
+                            best.score + options.enough, kRootTolerance);
+  const Indices worth = worth_looking_at(problem, root, best.score + options.enough);
+  const DeterminantProblem rest = part(problem, worth);
+  Choice found = best;
+  found.sites.clear();
   std::mt19937 random(options.seed);
-  for (int start = 0; start <= options.starts; ++start) {
-    const Indices from = start == 0 ? greedy(problem) : random_sites(problem, random);
+  for (int start = 0; start < options.starts; ++start) {
+    const Indices from = random_sites(rest, random);
     if (from.empty()) continue;
-    const Indices sites = exchanged(problem, from);
-    const double score = log_determinant(problem, sites);
-    if (score > best.score + 1e-12) best = {sites, score, 0.0, false, 0};
+    const Indices sites = exchanged(rest, from);
+    const double score = log_determinant(rest, sites);
+    if (score > found.score + 1e-12) found = {sites, score, 0.0, false, 0};
   }
-  search(problem, options, best);
+  search(rest, options, found);
+  if (!found.sites.empty()) best.sites = among(worth, found.sites);
+  best.score = log_determinant(problem, best.sites);
+  best.bound = std::max(best.score, std::min(root.bound, found.bound));
+  best.proven = best.bound <= best.score + options.enough;
+  best.nodes = found.nodes;
   return best;
 }
 

@@ -77,12 +77,12 @@ Counts counts_of(const fs::path& png) {
 TEST_F(Picture, ShowsBothSignsAndTheNodalLinesOnWhite) {
   draw_modes(png(), mesh_, modes_of(mesh_, std::vector<Shape>(9, twist)), "plate");
   const Counts counts = counts_of(png());
-  EXPECT_GE(counts.width, 1500);
+  EXPECT_EQ(counts.width, 1400);
   EXPECT_GT(counts.height, 1000);
   EXPECT_LT(fs::file_size(png()), 1'000'000U);
   EXPECT_GT(counts.red, 50'000);
   EXPECT_GT(counts.blue, 50'000);
-  EXPECT_GT(counts.black, 9 * 500);  // at least two lines in each panel
+  EXPECT_GT(counts.black, 9 * 400);  // at least two lines in each panel
   EXPECT_GT(counts.white, counts.width * counts.height / 3);
 }
 
@@ -127,7 +127,7 @@ TEST_F(Picture, AnyTitleAndAnyShapeOfBodyFit) {
     const mesh::TetMesh mesh = mesh::layered(body, 0.02, 1);
     draw_modes(png(), mesh, modes_of(mesh, {twist, twist, twist, twist}), title);
     const Counts counts = counts_of(png());
-    EXPECT_GE(counts.width, 1500);
+    EXPECT_EQ(counts.width, 1400);
     EXPECT_LT(counts.height, 2600);
     EXPECT_GT(counts.red + counts.blue, 500);
   }
