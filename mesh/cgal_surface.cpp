@@ -130,10 +130,13 @@ bool between_patches(const FanMesh& fans, Mesh::Edge_index edge) {
   return fans.patch[fans.mesh.face(half)] != fans.patch[fans.mesh.face(fans.mesh.opposite(half))];
 }
 
-std::vector<Mesh::Face_index> faces_of(const FanMesh& fans, int patch) {
-  std::vector<Mesh::Face_index> faces;
+// Patches of one edge length are resampled together: each call looks at the whole mesh.
+std::map<double, std::vector<Mesh::Face_index>> faces_by_length(
+    const FanMesh& fans, const std::vector<double>& edge_length) {
+  std::map<double, std::vector<Mesh::Face_index>> faces;
   for (const Mesh::Face_index face : fans.mesh.faces()) {
-    if (fans.patch[face] == patch) faces.push_back(face);
+    const double length = edge_length[static_cast<std::size_t>(fans.patch[face])];
+    if (length > 0.0) faces[length].push_back(face);
   }
   return faces;
 }
@@ -257,10 +260,8 @@ std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen
   std::optional<FanMesh> fans = fan_mesh(surface, kept);
   if (!fans) return std::nullopt;
   try {
-    for (std::size_t patch = 0; patch < edge_length.size(); ++patch) {
-      if (edge_length[patch] <= 0.0) continue;
-      pmp::isotropic_remeshing(faces_of(*fans, static_cast<int>(patch)), edge_length[patch],
-                               fans->mesh,
+    for (const auto& [length, faces] : faces_by_length(*fans, edge_length)) {
+      pmp::isotropic_remeshing(faces, length, fans->mesh,
                                CGAL::parameters::number_of_iterations(5)
                                    .number_of_relaxation_steps(3)
                                    .protect_constraints(true)

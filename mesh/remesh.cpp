@@ -51,8 +51,10 @@ std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted)
     if (parts.flat(static_cast<int>(p))) {
       lengths.push_back(wanted.flat == Flat::renewed ? wanted.edge_length : 0.0);
     } else {
-      lengths.push_back(wanted.deviation > 0.0 ? chord_length(parts.radius[p], wanted.sampling())
-                                               : wanted.edge_length);
+      // Closer lines do not ask for ever finer triangles between them.
+      Sampling sampling = wanted.sampling();
+      sampling.deviation = std::max(sampling.deviation, wanted.edge_length / 400.0);
+      lengths.push_back(chord_length(parts.radius[p], sampling));
     }
   }
   return lengths;
@@ -206,6 +208,7 @@ std::optional<Surface> remeshed(const Surface& before, const Wanted& wanted) {
   }
   restore_volumes(*after, ready->surface, most);
   if (wanted.flat == Flat::renewed) make_planes_delaunay(*after, *ready);
+  remove_degenerate_triangles(*after, smallest_length(before));
   Eigen::VectorXi patch(ready->edge_length.size());
   for (Eigen::Index t = 0; t < before.patch.size(); ++t) {
     patch[ready->of.part[static_cast<std::size_t>(t)]] = before.patch[t];
@@ -224,8 +227,7 @@ bool stands_for(const Surface& after, const Surface& before) {
   const double volume_before = material(before, shells(before)).volume;
   const double volume_after = material(after, shells(after)).volume;
   if (std::abs(volume_after - volume_before) > 1e-3 * volume_before) return false;
-  Surface flat = after;
-  return remove_degenerate_triangles(flat, smallest_length(after)) == 0 && crossings(after).empty();
+  return crossings(after).empty();
 }
 
 // The first of several ways, each closer to the surface than the one before, that stands for it.

@@ -21,7 +21,7 @@ struct MesherOptions {
 
 /// A length at which cubic cells give frequencies within 1 %: the smaller of a 30th of the largest
 /// extent and the typical wall (2 volume / area) times 2.2, but no more than 1e6 cells' worth [m].
-/// At the factor 2.2: 0.2 % on plates, 0.25 % in the torsion of a strip, 0.7 % in the twist of a
+/// At the factor 2.2: 0.2 % on plates, 0.25 % in the torsion of a strip, 0.5 % in the twist of a
 /// ribbed table, where quadratic cells need three times the unknowns.
 [[nodiscard]] double default_edge_length(const Surface& surface);
 

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "io/read.h"
+#include "mesh/tetrahedralize.h"
 #include "tests/io/samples.h"
 
 namespace chladni::io {
@@ -84,6 +85,20 @@ TEST_F(Step, TheUnitIsTheFilesOwn) {
   const auto geometry = read_geometry(data("sphere.step"), "");
   ASSERT_EQ(geometry.notes.size(), 1U);
   EXPECT_TRUE(says(geometry.notes[0], "length unit metre, from the file"));
+}
+
+// 60 x 40 x 10 mm, fillets of 8 mm on the uprights and 2 mm around the top, bores of 12 and 3 mm.
+TEST_F(Step, ADrilledAndFilletedPartMeshesWell) {
+  const auto part = surface_of(data("drilled_filleted.step"));
+  expect_watertight(part);
+  const double exact = 22091.477934e-9;  // of the solid, by OpenCASCADE
+  EXPECT_NEAR(mesh::enclosed_volume(part), exact, 2e-3 * exact);
+  const mesh::TetMesh cells = tetrahedralize(part, {});
+  EXPECT_NEAR(mesh::volume(cells), exact, 2e-3 * exact);
+  EXPECT_NEAR(mesh::volume(cells), mesh::enclosed_volume(part), 1e-3 * mesh::enclosed_volume(part));
+  EXPECT_GT(quality(cells).smallest_dihedral_degrees, 8.0);
+  EXPECT_LT(cells.tet_count(), 80'000);
+  EXPECT_EQ(cells.patch_names, part.patch_names);
 }
 
 TEST_F(Step, RefusesWhatIsNotOneSolid) {
