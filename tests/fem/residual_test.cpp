@@ -159,14 +159,18 @@ TEST_P(SoftSuspension, HasTheFrequenciesOfARigidBody) {
   EXPECT_EQ(system.suspended.cols(), 6);
   const auto [found, summary] = modes(system, {.count = 8});
   const auto expected = of_a_rigid_block(all);
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-6) << expected(i) << " Hz";
-  }
   EXPECT_GT(found.frequency_hz(6), 1e4);
-  // A shape is stored to 1e-16, and the residual multiplies that by λ_bending / λ.
+  // The block gives way by less than 1e-6. K and the shapes are stored to 1e-16; that is multiplied
+  // by λ_bending / λ, which is 2e9 at 0.3 Hz, and grows ninefold in the sums.
+  const auto rounding = [&](Eigen::Index i) {
+    return 1e-9 + 2e-15 * std::pow(found.frequency_hz(6) / found.frequency_hz(i), 2);
+  };
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-6 + 0.5 * rounding(i))
+        << expected(i) << " Hz";
+  }
   for (Eigen::Index i = 0; i < 8; ++i) {
-    const double softness = std::pow(found.frequency_hz(6) / found.frequency_hz(i), 2);
-    EXPECT_LT(summary.residual(i), 1e-9 + 1e-15 * softness) << found.frequency_hz(i) << " Hz";
+    EXPECT_LT(summary.residual(i), rounding(i)) << found.frequency_hz(i) << " Hz";
   }
 }
 
