@@ -35,6 +35,10 @@ struct ScoredLayout {
   Eigen::VectorXd scores;  ///< as placement::layout_criteria(); not a number: does not apply
   std::vector<int> blind;  ///< modes, counted from 1 with the rigid ones, that it cannot see
   int pairs = 0;           ///< collocated
+  std::vector<io::Marker> markers;  ///< sensors and actuators
+  /// Per point of the surface: expected error of an interpolated shape there, root mean square over
+  /// the wanted modes, over that of the shape; empty without channels.
+  Eigen::VectorXd deviation;
 };
 
 struct Optimum {
@@ -74,7 +78,7 @@ struct Placed {
 [[nodiscard]] std::string optimum_text(const Optimum& optimum);
 [[nodiscard]] std::string blind_text(const Solution& solution, const ScoredLayout& layout);
 
-/// placement.json, heat_map.vtu, heat_map.png.
+/// placement.json, heat_map.vtu, heat_map.png, layouts.png.
 void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
                      bool main_result);
 

@@ -118,6 +118,15 @@ ScoredLayout scored(const std::string& name, const placement::LayoutView& view,
     layout.scores(static_cast<Eigen::Index>(c)) = criteria[c]->value(view);
   }
   layout.blind = blind_modes(solution, plan, view, placed);
+  const auto points = placement::samples(view);
+  if (points.rows.rows() > 0) {
+    layout.deviation =
+        placement::expected_deviation(view.prior, points.rows, points.noise, view.surface_all)
+            .cwiseAbs2()
+            .rowwise()
+            .mean()
+            .cwiseSqrt();
+  }
   return layout;
 }
 
@@ -138,6 +147,9 @@ ScoredLayout scored_channels(const LayoutPlan& channels, placement::LayoutView v
   auto layout = scored(channels.name, view, solution, plan, placed);
   layout.sensors = channels.sensors;
   layout.actuators = channels.actuators;
+  const auto markers = markers_of(study, model);
+  for (const auto s : sensors) layout.markers.push_back(markers[s]);
+  for (const auto a : actuators) layout.markers.push_back(markers[study.sensors.size() + a]);
   return layout;
 }
 
@@ -157,7 +169,26 @@ ScoredLayout scored_optimum(const Optimum& optimum, placement::LayoutView view,
   view.actuators_all.resize(0, view.sensors_all.cols());
   view.sensors = wanted_part(view.sensors_all, placed.wanted);
   view.actuators = wanted_part(view.actuators_all, placed.wanted);
-  return scored("best by " + optimum.by, view, solution, plan, placed);
+  auto layout = scored("best by " + optimum.by, view, solution, plan, placed);
+  for (const auto at : optimum.sites.rowwise()) {
+    layout.markers.push_back({"", "sensor", at.transpose(), Eigen::Vector3d::UnitZ()});
+  }
+  return layout;
+}
+
+// Two of one kind in one place are one point with less noise.
+void note_coincident(const ScoredLayout& layout, std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < layout.markers.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& a = layout.markers[j];
+      const auto& b = layout.markers[i];
+      const bool same = a.kind == b.kind && (a.position - b.position).norm() < kCollocated &&
+                        std::abs(a.direction.dot(b.direction)) > 0.999;
+      if (!same || b.name.empty()) continue;
+      notes.push_back(fmt::format("layout \"{}\": {}s {} and {} are in one place and see the same",
+                                  layout.name, a.kind, a.name, b.name));
+    }
+  }
 }
 
 }  // namespace
@@ -170,6 +201,7 @@ void add_layouts(const Study& study, const Solution& solution, const PlacementPl
   if (layouts.empty() && has_channels) layouts.push_back(all_channels(study));
   for (const auto& layout : layouts) {
     placed.layouts.push_back(scored_channels(layout, view, study, solution, plan, placed));
+    note_coincident(placed.layouts.back(), placed.notes);
   }
   for (const auto& optimum : placed.optima) {
     placed.layouts.push_back(scored_optimum(optimum, view, solution, plan, placed));

@@ -50,7 +50,14 @@ io::Json names_json(const std::vector<std::string>& names) {
   return array;
 }
 
-io::Json layout_json(const ScoredLayout& layout) {
+io::Json worst_place_json(const Placed& placed, const ScoredLayout& layout) {
+  if (layout.deviation.size() == 0) return {};
+  Eigen::Index worst = 0;
+  layout.deviation.maxCoeff(&worst);
+  return place_json(placed.surface.sites.position.row(worst).transpose());
+}
+
+io::Json layout_json(const Placed& placed, const ScoredLayout& layout) {
   io::JsonObject scores;
   const auto criteria = placement::layout_criteria();
   for (std::size_t c = 0; c < criteria.size(); ++c) {
@@ -64,6 +71,7 @@ io::Json layout_json(const ScoredLayout& layout) {
                         {"actuators", names_json(layout.actuators)},
                         {"collocated_pairs", layout.pairs},
                         {"blind_modes", blind},
+                        {"worst_place", worst_place_json(placed, layout)},
                         {"scores", scores}};
 }
 
@@ -177,6 +185,31 @@ io::HeatMapPicture picture_of(const Study& study, const Solution& solution, cons
   return picture;
 }
 
+io::LayoutsPicture layouts_picture(const Study& study, const Placed& placed) {
+  io::LayoutsPicture picture;
+  picture.title = study.title + ": layouts";
+  picture.scale = "expected error of an interpolated shape, of its root mean square";
+  picture.points = placed.surface.sites.position;
+  picture.triangles = placed.surface.triangles;
+  double largest = 0.0;
+  for (const auto& layout : placed.layouts) {
+    if (layout.deviation.size() > 0) largest = std::max(largest, layout.deviation.maxCoeff());
+  }
+  picture.lightest = "0";
+  picture.darkest = fmt::format("{:.2g} %", 100.0 * largest);
+  for (const auto& layout : placed.layouts) {
+    if (layout.deviation.size() == 0) continue;
+    const Eigen::VectorXd& off = layout.deviation;
+    const double mean =
+        std::sqrt(off.cwiseAbs2().dot(placed.surface.sites.area) / placed.surface.sites.area.sum());
+    picture.panels.push_back(
+        {layout.name,
+         fmt::format("mean {:.2g} %, worst {:.2g} %", 100.0 * mean, 100.0 * off.maxCoeff()),
+         (1.0 - (off / largest).array().sqrt()).matrix(), layout.markers});
+  }
+  return picture;
+}
+
 void leave_fields(const Solution& solution, const Placed& placed, const std::string& title,
                   const Run& run) {
   std::vector<io::NodeField> fields;
@@ -228,7 +261,7 @@ std::string blind_text(const Solution& solution, const ScoredLayout& layout) {
 
 io::JsonObject placement_json(const Study&, const Solution& solution, const Placed& placed) {
   io::JsonArray layouts;
-  for (const auto& layout : placed.layouts) layouts.push_back(layout_json(layout));
+  for (const auto& layout : placed.layouts) layouts.push_back(layout_json(placed, layout));
   io::JsonArray optima;
   for (const auto& optimum : placed.optima) optima.push_back(optimum_json(optimum));
   io::JsonArray rules;
@@ -284,6 +317,8 @@ void leave_placement(const Study& study, const Solution& solution, const Placed&
   if (!run.options().pictures) return;
   tell(run.talk().progress(), "painting the heat map");
   io::draw_heat_map(run / "heat_map.png", picture_of(study, solution, placed));
+  const auto layouts = layouts_picture(study, placed);
+  if (!layouts.panels.empty()) io::draw_layouts(run / "layouts.png", layouts);
 }
 
 }  // namespace chladni::app

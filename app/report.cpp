@@ -64,6 +64,11 @@ io::Section placement_section(const Solution& solution, const Placed& placement,
   }
   section.blocks.emplace_back(best_table(solution, placement));
   if (!placement.layouts.empty()) section.blocks.emplace_back(layouts_table(placement));
+  if (run.options().pictures && !placement.layouts.empty()) {
+    const auto picture = io::picture_section(
+        "", run / "layouts.png", "Where shapes interpolated from each layout will be wrong.");
+    section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
+  }
   for (const auto& optimum : placement.optima) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, optimum_text(optimum)});
   }

@@ -1,4 +1,4 @@
-// The picture of a heat map.
+// Pictures of a surface that is coloured by how good its places are.
 #pragma once
 
 #include <filesystem>
@@ -31,5 +31,22 @@ struct HeatMapPicture {
 /// Seen along the surface's mean normal. PNG, 1000 px wide; the same input gives the same bytes.
 /// @throws WorkerDied  as draw_modes
 void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& picture);
+
+/// Several layouts on the same surface.
+struct LayoutsPicture {
+  std::string title, scale, lightest, darkest;
+  Points points;    ///< n×3 [m]
+  Cells triangles;  ///< t×3
+  struct Panel {
+    std::string title, note;
+    Eigen::VectorXd value;  ///< n, in [0, 1], light is good
+    std::vector<Marker> markers;
+  };
+  std::vector<Panel> panels;
+};
+
+/// Panels beside each other, each with its channels. PNG, 1000 px wide.
+/// @throws WorkerDied  as draw_modes
+void draw_layouts(const std::filesystem::path& png, const LayoutsPicture& picture);
 
 }  // namespace chladni::io

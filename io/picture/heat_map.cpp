@@ -7,6 +7,7 @@
 #include "io/picture/body.h"
 #include "io/picture/canvas.h"
 #include "io/picture/glyphs.h"
+#include "io/picture/map_frame.h"
 #include "io/picture/pictures.h"
 #include "io/picture/title.h"
 #include "io/view.h"
@@ -29,31 +30,7 @@ Colour line_colour(std::size_t k) {
   return colours[k % colours.size()];
 }
 
-struct Frame {
-  io::View view;
-  Eigen::Vector2d corner, size;  // of the panel [px]
-
-  [[nodiscard]] Eigen::Vector2d on_canvas(const Eigen::Vector3d& point) const {
-    return corner + 0.5 * size + view.at(point);
-  }
-};
-
-Frame frame_of(const Points& points) {
-  const auto box = mesh::bounding_box(points);
-  const Eigen::RowVector3d extent = box.row(1) - box.row(0);
-  Frame frame;
-  frame.size.x() = kWidth - 2.0 * kMargin;
-  const double aspect = extent.x() / std::max(extent.y(), 1e-12);
-  frame.size.y() = std::clamp(frame.size.x() / aspect, 160.0, 760.0);
-  frame.corner = {kMargin, kHeader};
-  frame.view.axes = Eigen::Matrix3d::Identity();
-  frame.view.centre = 0.5 * (box.row(0) + box.row(1)).transpose();
-  frame.view.pixels_per_metre =
-      0.98 * std::min(frame.size.x() / extent.x(), frame.size.y() / extent.y());
-  return frame;
-}
-
-void paint_surface(Canvas& canvas, const io::Message& request, const Frame& frame) {
+void paint_surface(Canvas& canvas, const io::Message& request, const MapFrame& frame) {
   Body map;
   map.points = request.numbers("points");
   map.triangles = request.cells("allowed");
@@ -87,7 +64,7 @@ void paint_star(Canvas& canvas, const Eigen::Vector2d& at, double radius) {
   canvas.polygon(corners, kBest, kWhite, 1.2);
 }
 
-void paint_best(Canvas& canvas, const io::Message& request, const Frame& frame) {
+void paint_best(Canvas& canvas, const io::Message& request, const MapFrame& frame) {
   const auto& places = request.numbers("best");
   const auto& labels = request.head.at("best").array();
   const TextStyle style{.size = 18.0, .colour = kInk, .bold = true};
@@ -105,13 +82,6 @@ void paint_best(Canvas& canvas, const io::Message& request, const Frame& frame) 
                    kWhite, kGrey, 0.6);
     canvas.text({left + 6.0, at.y() + 6.0}, words, style);
   }
-}
-
-void paint_rectangle(Canvas& canvas, double left, double top, double width, double height,
-                     const Colour& colour, double line) {
-  canvas.polygon(
-      {{left, top}, {left + width, top}, {left + width, top + height}, {left, top + height}},
-      colour, kGrey, line);
 }
 
 void paint_bar(Canvas& canvas, const io::Message& request, double top) {
@@ -168,7 +138,8 @@ void paint_legend(Canvas& canvas, const io::Message& request, double top) {
 }  // namespace
 
 std::string heat_map(const io::Message& request) {
-  const Frame frame = frame_of(request.numbers("points"));
+  const MapFrame frame =
+      map_frame(request.numbers("points"), {kMargin, kHeader}, kWidth - 2.0 * kMargin, 760.0);
   const double below = kHeader + frame.size.y() + 24.0;
   Canvas canvas(static_cast<int>(kWidth), static_cast<int>(std::ceil(below + 3.0 * kRow + 10.0)));
   paint_title(canvas, request.head.at("title").string(), kMargin, kWidth);

@@ -15,7 +15,8 @@ namespace {
 using Picture = std::string (*)(const chladni::io::Message&);
 
 const std::map<std::string, Picture> kPictures{{"contact_sheet", chladni::picture::contact_sheet},
-                                               {"heat_map", chladni::picture::heat_map}};
+                                               {"heat_map", chladni::picture::heat_map},
+                                               {"layouts", chladni::picture::layouts}};
 
 }  // namespace
 

@@ -22,4 +22,10 @@ namespace chladni::picture {
 /// `value` V×1, `lines` V×L, `best` B×3, `marker_places` M×3; `allowed`, `forbidden` T×3.
 [[nodiscard]] std::string heat_map(const io::Message& request);
 
+/// Layouts beside each other, each on the surface coloured by what is expected of it; PNG.
+///
+/// head: `title`, `scale`, `lightest`, `darkest`; `panels`: list of {`title`, `note`, `kinds`}.
+/// Arrays, in the paper's frame: `points` V×3, `triangles` T×3, `values` V×P, `places_0`, ... M×3.
+[[nodiscard]] std::string layouts(const io::Message& request);
+
 }  // namespace chladni::picture
