@@ -62,12 +62,26 @@ double shift(const System& system, const ModesOptions& options) {
   return 1e-5 * system.stiffness.diagonal().sum() / system.mass.diagonal().sum();
 }
 
-void refuse_what_does_not_fit(const Symbolic& symbolic, const System& system,
-                              const ModesOptions& options) {
+// Bytes beside K and M: the factor with the fronts or, later, with the vectors of the iteration,
+// whichever is more.
+struct Need {
+  double factor = 0.0, fronts = 0.0, vectors = 0.0;
+  [[nodiscard]] double total() const { return factor + std::max(fronts, vectors); }
+};
+
+Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOptions& options) {
   const auto forecast = symbolic.forecast();
   const auto n = static_cast<double>(system.mass.rows());
-  const double basis = 8.0 * n * lanczos_basis_size(options.count, options.block);
-  const double need = forecast.factor_bytes + forecast.work_bytes + basis;
+  // The basis, the block in work and its images, and what a solve keeps; then the shapes three
+  // times.
+  const double columns = lanczos_basis_size(options.count, options.block) + 8.0 * options.block +
+                         3.0 * (options.count + static_cast<double>(system.rigid.cols()));
+  return {forecast.factor_bytes, forecast.work_bytes, 8.0 * n * columns};
+}
+
+void refuse_what_does_not_fit(const Need& needed, const System& system,
+                              const ModesOptions& options) {
+  const double need = needed.total();
   const double have = options.memory_limit_bytes > 0
                           ? static_cast<double>(options.memory_limit_bytes)
                           : static_cast<double>(available_memory());
@@ -76,10 +90,9 @@ void refuse_what_does_not_fit(const Symbolic& symbolic, const System& system,
     return std::to_string(bytes / (1 << 30)).substr(0, 5) + " GiB";
   };
   throw OutOfResources("modes: " + std::to_string(system.mass.rows()) +
-                       " degrees of freedom need " + gib(need) + " (factor " +
-                       gib(forecast.factor_bytes) + ", work " + gib(forecast.work_bytes) +
-                       ", vectors " + gib(basis) + ") and there is " + gib(have) +
-                       "; use a coarser mesh: edge_length times " +
+                       " degrees of freedom need " + gib(need) + " (factor " + gib(needed.factor) +
+                       ", and work " + gib(needed.fronts) + " or vectors " + gib(needed.vectors) +
+                       ") and there is " + gib(have) + "; use a coarser mesh: edge_length times " +
                        std::to_string(std::sqrt(need / have)).substr(0, 4));
 }
 
@@ -225,8 +238,8 @@ ModesResult assembled(const System& system, const Found& found, Eigen::Index kep
   result.summary.residual << rigid_residuals(system, result.modes.shapes.leftCols(rigid)),
       found.residual.head(kept);
   require_small(result);
-  const Eigen::MatrixXd gram = result.modes.shapes.transpose() *
-                               (SymmetricProduct(system.mass) * result.modes.shapes);
+  const Eigen::MatrixXd gram =
+      result.modes.shapes.transpose() * (SymmetricProduct(system.mass) * result.modes.shapes);
   result.summary.orthogonality =
       (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
   if (!(result.summary.orthogonality < 1e-8)) {
@@ -244,7 +257,9 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   const auto start = Clock::now();
   tell(progress, "order");
   const Symbolic symbolic(system.stiffness);
-  refuse_what_does_not_fit(symbolic, system, options);
+  const auto needed = memory_needed(symbolic, system, options);
+  refuse_what_does_not_fit(needed, system, options);
+  summary.forecast_bytes = needed.total();
   summary.factor_bytes = symbolic.forecast().factor_bytes;
   summary.factor_seconds = seconds_since(start);
 

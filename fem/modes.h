@@ -34,6 +34,7 @@ struct ModesSummary {
   int counted = 0, found = 0;     ///< eigenvalues below it, rigid ones included
   std::vector<Cluster> clusters;  ///< of two and more
   int block_steps = 0, solves = 0;
+  double forecast_bytes = 0.0;  ///< of memory beside K and M, from the pattern alone
   double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
   std::string text;  ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
 };

