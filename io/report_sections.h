@@ -22,7 +22,7 @@ namespace chladni::io {
 /// takes about `bytes` in the page; the largest 64 modes at most.
 [[nodiscard]] Viewer modes_viewer(const mesh::TetMesh& mesh, const modal::Modes& modes,
                                   const std::vector<Marker>& markers = {},
-                                  std::size_t bytes = 330'000);
+                                  std::size_t bytes = 240'000);
 
 /// A picture that was written before, such as modes.png.
 /// @throws InvalidInput  as read_whole

@@ -23,7 +23,7 @@ void set_colour(vtkProperty2D* property, const Colour& colour) {
   property->SetColor(colour[0], colour[1], colour[2]);
 }
 
-// Mean of each kFiner x kFiner block of pixels, in steps of 3: the eye does not see them, and the
+// Mean of each kFiner x kFiner block of pixels, in steps of 5: the eye does not see them, and the
 // file is a third smaller.
 vtkNew<vtkImageData> averaged(vtkImageData* fine, int width, int height) {
   vtkNew<vtkImageData> image;
@@ -37,7 +37,7 @@ vtkNew<vtkImageData> averaged(vtkImageData* fine, int width, int height) {
       const unsigned char* block = from + kFiner * (y * row + 3 * x);
       for (int c = 0; c < 3; ++c) {
         const int sum = block[c] + block[c + 3] + block[c + row] + block[c + row + 3];
-        *to++ = static_cast<unsigned char>((sum + 6) / 12 * 3);
+        *to++ = static_cast<unsigned char>((sum + 10) / 20 * 5);
       }
     }
   }
