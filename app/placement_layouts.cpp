@@ -20,7 +20,6 @@ Eigen::MatrixXd wanted_part(const Eigen::MatrixXd& shapes, const WantedModes& wa
 // What all layouts of a study share; the channels are still to come.
 placement::LayoutView bare_view(const Study& study, const Solution& solution,
                                 const PlacementPlan& plan, const Placed& placed) {
-  (void)study;
   const auto& modes = solution.modes;
   const auto& wanted = placed.wanted;
   const auto& sites = placed.surface.sites;
