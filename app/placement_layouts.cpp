@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "app/placing.h"
 #include "base/error.h"
+#include "mesh/surface.h"
 
 namespace chladni::app {
 namespace {
@@ -47,20 +48,17 @@ placement::LayoutView bare_view(const Study& study, const Solution& solution,
   return view;
 }
 
-Points rows_of(const std::vector<mesh::Site>& sites, const std::vector<std::size_t>& chosen) {
-  Points points(static_cast<Eigen::Index>(chosen.size()), 3);
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    points.row(static_cast<Eigen::Index>(i)) = sites[chosen[i]].position.transpose();
+placement::Lines lines_of(const std::vector<Channel>& channels,
+                          const std::vector<mesh::Site>& sites,
+                          const std::vector<std::size_t>& chosen) {
+  const auto count = static_cast<Eigen::Index>(chosen.size());
+  placement::Lines lines{Points(count, 3), Points(count, 3)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t k = chosen[static_cast<std::size_t>(i)];
+    lines.position.row(i) = sites[k].position.transpose();
+    lines.direction.row(i) = channels[k].direction.transpose();
   }
-  return points;
-}
-
-Points directions_of(const std::vector<Channel>& channels, const std::vector<std::size_t>& chosen) {
-  Points points(static_cast<Eigen::Index>(chosen.size()), 3);
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    points.row(static_cast<Eigen::Index>(i)) = channels[chosen[i]].direction.transpose();
-  }
-  return points;
+  return lines;
 }
 
 std::vector<std::size_t> numbers_of(const std::vector<Channel>& channels,
@@ -140,9 +138,7 @@ ScoredLayout scored_channels(const LayoutPlan& channels, placement::LayoutView v
       shapes_at(study.actuators, model.actuators, solution.modes)(actuators, Eigen::all);
   view.sensors = wanted_part(view.sensors_all, placed.wanted);
   view.actuators = wanted_part(view.actuators_all, placed.wanted);
-  view.pairs = placement::collocated(
-      rows_of(model.sensors, sensors), directions_of(study.sensors, sensors),
-      rows_of(model.actuators, actuators), directions_of(study.actuators, actuators), kCollocated);
+  view.pairs = pairs_of(study, solution, sensors, actuators);
   auto layout = scored(channels.name, view, solution, plan, placed);
   layout.sensors = channels.sensors;
   layout.actuators = channels.actuators;
@@ -191,6 +187,24 @@ void note_coincident(const ScoredLayout& layout, std::vector<std::string>& notes
 }
 
 }  // namespace
+
+std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(
+    const Study& study, const Solution& solution, const std::vector<std::size_t>& sensors,
+    const std::vector<std::size_t>& actuators) {
+  const auto& model = solution.model;
+  const auto box = mesh::bounding_box(model.body.points);
+  return placement::collocated(lines_of(study.sensors, model.sensors, sensors),
+                               lines_of(study.actuators, model.actuators, actuators), kCollocated,
+                               0.05 * (box.row(1) - box.row(0)).norm());
+}
+
+std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(const Study& study,
+                                                            const Solution& solution) {
+  std::vector<std::size_t> sensors(study.sensors.size()), actuators(study.actuators.size());
+  std::iota(sensors.begin(), sensors.end(), 0U);
+  std::iota(actuators.begin(), actuators.end(), 0U);
+  return pairs_of(study, solution, sensors, actuators);
+}
 
 void add_layouts(const Study& study, const Solution& solution, const PlacementPlan& plan,
                  Placed& placed) {

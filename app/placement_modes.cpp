@@ -145,14 +145,13 @@ Views::Views(const Study& study, const Solution& solution, const PlacementPlan& 
   const auto is_there = [&](const Channel& channel) {
     return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
   };
-  for (std::size_t s = 0; s < study.sensors.size(); ++s) {
-    for (std::size_t a = 0; a < study.actuators.size(); ++a) {
-      const double apart =
-          (solution.model.sensors[s].position - solution.model.actuators[a].position).norm();
-      if (apart > 1e-3 || !is_there(study.sensors[s]) || !is_there(study.actuators[a])) continue;
-      present_.conservativeResize(present_.rows() + 1, Eigen::NoChange);
-      present_.bottomRows<1>() = actuators_.row(static_cast<Eigen::Index>(a));
+  for (const auto& [s, a] : pairs_of(study, solution)) {
+    if (!is_there(study.sensors[static_cast<std::size_t>(s)]) ||
+        !is_there(study.actuators[static_cast<std::size_t>(a)])) {
+      continue;
     }
+    present_.conservativeResize(present_.rows() + 1, Eigen::NoChange);
+    present_.bottomRows<1>() = actuators_.row(a);
   }
 }
 

@@ -39,11 +39,7 @@ Eigen::Index sites_wanted(const Study& study, const Solution& solution, const Pl
                           const WantedModes& wanted) {
   if (plan.sites > 0) return plan.sites;
   Eigen::Index points = static_cast<Eigen::Index>(study.sensors.size() + study.actuators.size());
-  for (const auto& sensor : solution.model.sensors) {
-    for (const auto& actuator : solution.model.actuators) {
-      if ((sensor.position - actuator.position).norm() < 1e-3) --points;
-    }
-  }
+  points -= static_cast<Eigen::Index>(pairs_of(study, solution).size());
   points -= static_cast<Eigen::Index>(plan.there.size());
   return points > 0 ? points : static_cast<Eigen::Index>(wanted.columns.size()) + 1;
 }

@@ -21,6 +21,14 @@ namespace chladni::app {
 [[nodiscard]] std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
                                                     const PlacementPlan& plan);
 
+/// The study's collocated sensors and actuators, by their numbers: on one line, at most 1 mm beside
+/// it and a twentieth of the body's diagonal apart along it.
+[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(
+    const Study& study, const Solution& solution, const std::vector<std::size_t>& sensors,
+    const std::vector<std::size_t>& actuators);
+[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(const Study& study,
+                                                                          const Solution& solution);
+
 /// Where devices may be: points of the surface, or of the mounting grid, that no rule forbids.
 struct Candidates {
   placement::Sites sites;

@@ -111,6 +111,20 @@ DeterminantProblem part(const DeterminantProblem& problem, const Indices& candid
   return rest;
 }
 
+// The heaviest of a relaxation that keep the spacing.
+Indices rounded(const DeterminantProblem& problem, const Eigen::VectorXd& weight) {
+  Indices order(static_cast<std::size_t>(weight.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return weight(a) > weight(b); });
+  Indices sites;
+  for (const auto c : order) {
+    if (static_cast<Eigen::Index>(sites.size()) == problem.count) break;
+    if (fits(problem, sites, c)) sites.push_back(c);
+  }
+  return static_cast<Eigen::Index>(sites.size()) == problem.count ? sites : Indices{};
+}
+
 Indices among(const Indices& candidates, const Indices& chosen) {
   Indices result;
   for (const auto c : chosen) result.push_back(candidates[static_cast<std::size_t>(c)]);
@@ -182,8 +196,8 @@ Choice best_determinant(const DeterminantProblem& problem, const DeterminantOpti
   Choice found = best;
   found.sites.clear();
   std::mt19937 random(options.seed);
-  for (int start = 0; start < options.starts; ++start) {
-    const Indices from = random_sites(rest, random);
+  for (int start = 0; start <= options.starts; ++start) {
+    const Indices from = start == 0 ? rounded(rest, root.z(worth)) : random_sites(rest, random);
     if (from.empty()) continue;
     const Indices sites = exchanged(rest, from);
     const double score = log_determinant(rest, sites);

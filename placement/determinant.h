@@ -44,15 +44,16 @@ struct Choice {
                                      const std::vector<Eigen::Index>& sites);
 
 struct DeterminantOptions {
-  int starts = 10;       ///< random ones beside greedy, each refined by exchange
+  int starts = 3;        ///< random ones beside greedy and the rounded relaxation
   int node_limit = 0;    ///< of the branch and bound that proves the optimum; 0: the bound alone
   double enough = 1e-9;  ///< stop when bound − score is below it
   unsigned seed = 1;     ///< of the random starts
 };
 
-/// Greedy and random starts refined by exchange; the bound from the concave relaxation 0 <= z <= 1
-/// (Joshi and Boyd 2009), which ignores spacing; then branch and bound with reduced-cost fixing.
-/// Where there are more modes than sites, or spacing decides, the bound is true but far.
+/// Greedy, the rounded relaxation and random starts, refined by exchange; the bound from the
+/// concave relaxation 0 <= z <= 1 (Joshi and Boyd 2009), which ignores spacing; then branch and
+/// bound with reduced-cost fixing. Where there are more modes than sites, or spacing decides, the
+/// bound is true but far.
 /// @throws InvalidInput  as greedy, or an entry is not finite
 [[nodiscard]] Choice best_determinant(const DeterminantProblem& problem,
                                       const DeterminantOptions& options = {});

@@ -88,22 +88,26 @@ Eigen::VectorXd sight(const LayoutView& view) {
   return least;
 }
 
-std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Points& sensors,
-                                                              const Points& sensor_directions,
-                                                              const Points& actuators,
-                                                              const Points& actuator_directions,
-                                                              double tolerance) {
+std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& sensors,
+                                                              const Lines& actuators, double beside,
+                                                              double along) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
-  std::vector<char> taken(static_cast<std::size_t>(actuators.rows()), 0);
-  for (Eigen::Index s = 0; s < sensors.rows(); ++s) {
+  std::vector<char> taken(static_cast<std::size_t>(actuators.position.rows()), 0);
+  for (Eigen::Index s = 0; s < sensors.position.rows(); ++s) {
     Eigen::Index nearest = -1;
-    double distance = tolerance;
-    for (Eigen::Index a = 0; a < actuators.rows(); ++a) {
-      const double apart = (sensors.row(s) - actuators.row(a)).norm();
-      const double aligned = std::abs(sensor_directions.row(s).dot(actuator_directions.row(a)));
-      if (taken[static_cast<std::size_t>(a)] != 0 || apart > distance || aligned < 0.999) continue;
+    double distance = std::hypot(beside, along);
+    const Eigen::RowVector3d direction = sensors.direction.row(s);
+    for (Eigen::Index a = 0; a < actuators.position.rows(); ++a) {
+      const Eigen::RowVector3d apart = sensors.position.row(s) - actuators.position.row(a);
+      const double ahead = std::abs(apart.dot(direction));
+      const double across = (apart - apart.dot(direction) * direction).norm();
+      const bool parallel = std::abs(direction.dot(actuators.direction.row(a))) > 0.999;
+      if (taken[static_cast<std::size_t>(a)] != 0 || !parallel || across > beside ||
+          ahead > along || apart.norm() > distance) {
+        continue;
+      }
       nearest = a;
-      distance = apart;
+      distance = apart.norm();
     }
     if (nearest < 0) continue;
     taken[static_cast<std::size_t>(nearest)] = 1;

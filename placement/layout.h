@@ -63,10 +63,17 @@ struct Samples {
 [[nodiscard]] Eigen::VectorXd sight(const LayoutView& view);
 inline constexpr double kBlind = 0.1;
 
-/// Sensors and actuators within `tolerance` [m] of each other that point the same way; each is in
-/// one pair at most.
-[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(
-    const Points& sensors, const Points& sensor_directions, const Points& actuators,
-    const Points& actuator_directions, double tolerance);
+/// A place and a direction, as pairs are told by: n×3 [m], n×3 (unit).
+struct Lines {
+  Points position, direction;
+};
+
+/// Sensors and actuators that act along one line: parallel, no more than `beside` [m] apart across
+/// it, nor `along` [m] along it (on both faces of a thin body). Each is in one pair at most, with
+/// the nearest.
+[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& sensors,
+                                                                            const Lines& actuators,
+                                                                            double beside,
+                                                                            double along);
 
 }  // namespace chladni::placement

@@ -173,7 +173,8 @@ TEST_F(Place, NoiseOfFrfsMakesHighModesLimit) {
   const auto placed = placed_with(
       "modes = 9\ncriterion = \"alpha_uncertainty\"\nfrf_noise = \"1e-9 m/N\"\n"
       "frequency_resolution = \"0.5 Hz\"\nposition_error = \"0.2 mm\"");
-  EXPECT_GE(placed.best[0].limiting, 5);
+  const Eigen::VectorXd noise = placed.wanted.sensor_noise.cwiseQuotient(placed.wanted.rms);
+  EXPECT_GT(noise.tail<1>()(0), 5.0 * noise(0));
   const double percent = placed.criterion->for_people(placed.best[0].score);
   EXPECT_GT(percent, 0.0);
   EXPECT_LT(percent, 100.0);
@@ -196,6 +197,22 @@ TEST_F(Place, NamesTheModeThatALayoutCannotSee) {
   ASSERT_FALSE(result.layouts[0].blind.empty());
   EXPECT_EQ(result.layouts[0].blind[0], 8);  // x^2 - y^2 vanishes on the diagonals
   EXPECT_TRUE(says(said_.str(), "layout \"diagonal\" cannot see modes 8 (26"));
+}
+
+TEST_F(Place, SaysThatTwoSensorsAreInOnePlace) {
+  std::string text = kPlate;
+  const std::string at = "at = [\"250 mm\", \"250 mm\"]";
+  text.replace(text.find(at), at.size(), "at = [\"-250 mm\", \"250 mm\"]");
+  const Study study = parse_study(text, "study.toml");
+  Options options;
+  options.folder = folder_ / "out";
+  options.pictures = false;
+  Talk talk(said_, manner_of_stderr(true));
+  app::Run run(study, options, shown_, talk);
+  const auto solution = solved(study, run);
+  const auto result = placed(study, solution, run);
+  ASSERT_EQ(result.notes.size(), 1U);
+  EXPECT_TRUE(says(result.notes[0], "sensors s1 and s2 are in one place"));
 }
 
 TEST_F(Place, RefusesWhatCannotBeMeant) {

@@ -44,8 +44,8 @@ LayoutView view_at(const std::vector<Eigen::Vector2d>& sensors,
   view.interest_all = seen({{0.05, 0.02}}).shapes;
   view.interest = view.interest_all(Eigen::all, kWanted);
   const Points up = Eigen::RowVector3d(0, 0, 1).replicate(20, 1);
-  view.pairs =
-      collocated(s.position, up.topRows(s.count()), a.position, up.topRows(a.count()), 1e-3);
+  view.pairs = collocated({s.position, up.topRows(s.count())}, {a.position, up.topRows(a.count())},
+                          1e-3, 1e-3);
   return view;
 }
 
@@ -176,9 +176,21 @@ TEST(Collocated, TakesEachActuatorOnceAndTheNearest) {
   sensors << 0, 0, 0, 0.5, 0, 0;
   actuators << 0.0005, 0, 0, 0.0001, 0, 0, 0.7, 0, 0;
   const Points up = Eigen::RowVector3d(0, 0, 1).replicate(3, 1);
-  const auto pairs = collocated(sensors, up.topRows(2), actuators, up, 1e-3);
+  const auto pairs = collocated({sensors, up.topRows(2)}, {actuators, up}, 1e-3, 1e-3);
   ASSERT_EQ(pairs.size(), 1U);
   EXPECT_EQ(pairs[0], std::pair(Eigen::Index{0}, Eigen::Index{1}));
+}
+
+TEST(Collocated, AreOnBothFacesOfAThinBodyButNotBesideEachOther) {
+  Points sensors(2, 3), actuators(2, 3);
+  sensors << 0, 0, 0, 0.5, 0, 0;
+  actuators << 0, 0, -0.02, 0.5, 0.01, 0;
+  const Points up = Eigen::RowVector3d(0, 0, 1).replicate(2, 1);
+  const Points down = -up;
+  EXPECT_EQ(collocated({sensors, up}, {actuators, down}, 1e-3, 0.03).size(), 1U);
+  EXPECT_TRUE(collocated({sensors, up}, {actuators, down}, 1e-3, 0.01).empty());
+  const Points aside = Eigen::RowVector3d(1, 0, 0).replicate(2, 1);
+  EXPECT_TRUE(collocated({sensors, up}, {actuators, aside}, 1e-3, 0.03).empty());
 }
 
 }  // namespace
