@@ -109,22 +109,27 @@ double paint_entry(Canvas& canvas, double x, double top, const std::string& word
 }
 
 void paint_legend(Canvas& canvas, const io::Message& request, double top) {
-  double x = kMargin;
+  double x = paint_entry(canvas, kMargin, top, "nodal lines of");
   const auto& lines = request.head.at("lines").array();
-  for (std::size_t k = 0; k < lines.size() && x < 0.8 * kWidth; ++k) {
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const double wide = 42.0 + canvas.text_width(lines[k].string(), kSmall);
+    if (x + wide > kWidth - kMargin - 110.0 && k + 1 < lines.size()) {
+      paint_entry(canvas, x, top, "and " + std::to_string(lines.size() - k) + " more");
+      break;
+    }
     paint_rectangle(canvas, x, top, 34.0, 18.0, io::sequential(0.08), 0.0);
     paint_rectangle(canvas, x, top + 7.5, 34.0, 3.0, line_colour(k), 0.0);
-    x = paint_entry(canvas, x + 42.0, top, "nodal lines, " + lines[k].string());
+    x = paint_entry(canvas, x + 42.0, top, lines[k].string());
   }
   x = kMargin;
   const double second = top + kRow;
   if (request.cells("forbidden").rows() > 0) {
     paint_rectangle(canvas, x, second, 34.0, 18.0, kForbidden, 0.6);
-    x = paint_entry(canvas, x + 42.0, second, "nothing may be placed");
+    x = paint_entry(canvas, x + 42.0, second, "forbidden");
   }
   if (request.numbers("best").rows() > 0) {
     paint_star(canvas, {x + 10.0, second + 9.0}, 11.0);
-    x = paint_entry(canvas, x + 28.0, second, "best places of a pair, with the limiting mode");
+    x = paint_entry(canvas, x + 28.0, second, "best places of a pair, limiting mode");
   }
   std::map<std::string, int> kinds;
   for (const auto& marker : request.head.at("markers").array()) ++kinds[marker.at("kind").string()];
