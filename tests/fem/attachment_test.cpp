@@ -141,7 +141,7 @@ TEST_P(AttachmentOn, GroundSpringsFeelTheRigidMotionOfTheirSite) {
 
 TEST_P(AttachmentOn, TorsionSpringsFeelRotationsExactlyAndTranslationsNotAtAll) {
   const auto t = of("torsion");
-  const auto& spring = std::get<GroundTorsionSpring>(only(all_, "torsion").front().what);
+  const auto spring = std::get<GroundTorsionSpring>(only(all_, "torsion").front().what);
   const double angle = spring.axis.dot(kAngle);
   const auto turned = on_all(body_, t, rotation(kAngle, kElsewhere));
   EXPECT_NEAR(quadratic(t.stiffness, turned), 40.0 * angle * angle,

@@ -160,15 +160,16 @@ TEST_P(SoftSuspension, HasTheFrequenciesOfARigidBody) {
   const auto [found, summary] = modes(system, {.count = 8});
   const auto expected = of_a_rigid_block(all);
   EXPECT_GT(found.frequency_hz(6), 1e4);
-  // The block gives way by less than 1e-6. K and the shapes are stored to 1e-16; that is multiplied
-  // by λ_bending / λ, which is 2e9 at 0.3 Hz, and grows ninefold in the sums.
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    // The block gives way a little where it is held, in proportion to the springs.
+    const double give = 1e-9 + 3e-10 * GetParam();
+    EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, give) << expected(i) << " Hz";
+  }
+  // Shapes are stored to 1e-16; the residual multiplies that by λ_bending / λ, which is 7e9 at
+  // 0.3 Hz.
   const auto rounding = [&](Eigen::Index i) {
     return 1e-9 + 2e-15 * std::pow(found.frequency_hz(6) / found.frequency_hz(i), 2);
   };
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-6 + 0.5 * rounding(i))
-        << expected(i) << " Hz";
-  }
   for (Eigen::Index i = 0; i < 8; ++i) {
     EXPECT_LT(summary.residual(i), rounding(i)) << found.frequency_hz(i) << " Hz";
   }
