@@ -33,8 +33,9 @@ placement::LayoutView bare_view(const Study& study, const Solution& solution,
   view.actuator_noise = wanted.actuator_noise;
   view.prior = placement::shape_prior(sites.shapes, sites.area, modes.frequency_hz, wanted.columns);
   view.surface_all = sites.shapes;
+  const placement::Sampler sampler(solution.model.body, modes, {plan.direction, 0.0});
+  const auto& finder = sampler.finder();
   std::vector<mesh::Site> points;
-  const mesh::SiteFinder finder(solution.model.body);
   for (const auto& place : plan.interest) {
     auto site = place.from_above ? finder.from_above(place.point.x(), place.point.y())
                                  : std::optional(finder.nearest(place.point));
@@ -42,7 +43,6 @@ placement::LayoutView bare_view(const Study& study, const Solution& solution,
                                                ": a point of interest is not on the body");
     points.push_back(*site);
   }
-  const placement::Sampler sampler(solution.model.body, modes, {plan.direction, 0.0});
   view.interest_all = sampler.at(points).shapes;
   view.interest = wanted_part(view.interest_all, wanted);
   return view;
@@ -80,12 +80,12 @@ std::vector<int> blind_modes(const Solution& solution, const PlacementPlan& plan
   const Eigen::Index flexible = modes.mode_count() - rigid;
   view.groups = modal::groups(modes.frequency_hz.tail(flexible), plan.frequency_tolerance);
   const auto& sites = placed.surface.sites;
+  const auto norms =
+      placement::group_norms(sites.shapes.rightCols(flexible), sites.area, view.groups);
   view.rms.resize(flexible);
-  for (const auto& [first, size] : view.groups) {
-    const double square =
-        sites.shapes.middleCols(rigid + first, size).rowwise().squaredNorm().dot(sites.area);
-    const double mean = square / (sites.area.sum() * static_cast<double>(size));
-    view.rms.segment(first, size).setConstant(std::sqrt(mean));
+  for (std::size_t g = 0; g < view.groups.size(); ++g) {
+    view.rms.segment(view.groups[g].first, view.groups[g].size)
+        .setConstant(norms.rms(static_cast<Eigen::Index>(g)));
   }
   view.sensors = view.sensors_all.rightCols(flexible).eval();
   view.actuators = view.actuators_all.rightCols(flexible).eval();

@@ -99,6 +99,10 @@ PlacementPlan placement_plan(const Study& study) {
   return study.placement.value_or(PlacementPlan{});
 }
 
+bool stays(const PlacementPlan& plan, const Channel& channel) {
+  return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
+}
+
 WantedModes wanted_modes(const Study& study, const Solution& solution, const PlacementPlan& plan,
                          const placement::Surface& surface, std::vector<std::string>& notes) {
   const auto& modes = solution.modes;
@@ -142,12 +146,9 @@ Views::Views(const Study& study, const Solution& solution, const PlacementPlan& 
   }
   actuators_ = shapes_at(study.actuators, solution.model.actuators, solution.modes);
   present_.resize(0, solution.modes.mode_count());
-  const auto is_there = [&](const Channel& channel) {
-    return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
-  };
   for (const auto& [s, a] : pairs_of(study, solution)) {
-    if (!is_there(study.sensors[static_cast<std::size_t>(s)]) ||
-        !is_there(study.actuators[static_cast<std::size_t>(a)])) {
+    if (!stays(plan, study.sensors[static_cast<std::size_t>(s)]) ||
+        !stays(plan, study.actuators[static_cast<std::size_t>(a)])) {
       continue;
     }
     present_.conservativeResize(present_.rows() + 1, Eigen::NoChange);

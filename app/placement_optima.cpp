@@ -22,9 +22,7 @@ Eigen::MatrixXd rows_there(const Study& study, const Solution& solution,
   Eigen::MatrixXd rows(0, solution.modes.mode_count());
   const auto add = [&](const std::vector<Channel>& channels, const Eigen::MatrixXd& shapes) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
-      if (std::find(plan.there.begin(), plan.there.end(), channels[i].name) == plan.there.end()) {
-        continue;
-      }
+      if (!stays(plan, channels[i])) continue;
       rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
       rows.bottomRows<1>() = shapes.row(static_cast<Eigen::Index>(i));
     }

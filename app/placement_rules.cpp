@@ -41,9 +41,7 @@ Points places_there(const Study& study, const Solution& solution, const Placemen
   std::vector<Eigen::Vector3d> places;
   const auto add = [&](const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
-      const bool stays =
-          std::find(plan.there.begin(), plan.there.end(), channels[i].name) != plan.there.end();
-      if (stays) places.push_back(sites[i].position);
+      if (stays(plan, channels[i])) places.push_back(sites[i].position);
     }
   };
   add(study.sensors, solution.model.sensors);

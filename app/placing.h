@@ -8,6 +8,9 @@ namespace chladni::app {
 /// The study's plan, or a default one.
 [[nodiscard]] PlacementPlan placement_plan(const Study& study);
 
+/// Whether the plan says that the channel stays where it is.
+[[nodiscard]] bool stays(const PlacementPlan& plan, const Channel& channel);
+
 /// @throws InvalidInput  a mode that is not there; says how many there are
 [[nodiscard]] WantedModes wanted_modes(const Study& study, const Solution& solution,
                                        const PlacementPlan& plan, const placement::Surface& surface,
