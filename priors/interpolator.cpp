@@ -1,0 +1,144 @@
+#include "priors/interpolator.h"
+
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr std::array<const Interpolator*, 0> kAll{};
+
+constexpr double kSamePlace = 1e-6;           // of the diagonal of the places
+constexpr double kSameValueDeviations = 8.0;  // a doubt of a channel, not noise
+
+std::string at(Eigen::Index place, Eigen::Index mode) {
+  return "place " + std::to_string(place + 1) + ", mode " + std::to_string(mode + 1);
+}
+
+void require_fitting(const Places& places, const std::string& what) {
+  const auto count = std::to_string(places.position.rows());
+  require(places.direction.rows() == places.position.rows(),
+          what + " have " + count + " positions and " + std::to_string(places.direction.rows()) +
+              " directions; expected as many");
+  require(places.position.allFinite() && places.direction.allFinite() && places.shapes.allFinite(),
+          what + " hold a position, direction or shape that is not finite");
+}
+
+void require_sizes(const MeasuredShapes& measured, const Simulation& simulation) {
+  const auto s = measured.places.count();
+  const auto m = measured.mode_count();
+  const auto size = [](const Eigen::MatrixXd& a) {
+    return std::to_string(a.rows()) + "x" + std::to_string(a.cols());
+  };
+  require(m > 0, "interpolation: no measured shapes");
+  require(s >= 3, "interpolation: " + std::to_string(s) +
+                      " measured place(s); expected three or more, a shape as a whole has three "
+                      "unknowns already");
+  for (const auto* array : {&measured.values, &measured.noise}) {
+    require(array->rows() == s && array->cols() == m,
+            "interpolation: values or noise are " + size(*array) + "; expected places x modes, " +
+                std::to_string(s) + "x" + std::to_string(m));
+  }
+  require_fitting(measured.places, "the measured places");
+  require_fitting(simulation.surface, "the points of the surface");
+  require(simulation.area.size() == simulation.surface.count(),
+          "interpolation: the surface has " + std::to_string(simulation.surface.count()) +
+              " points and " + std::to_string(simulation.area.size()) + " areas");
+}
+
+void require_sound_values(const MeasuredShapes& measured) {
+  for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
+    const double frequency = measured.frequency_hz(i);
+    require(std::isfinite(frequency) && frequency >= 0.0,
+            "interpolation: mode " + std::to_string(i + 1) + " has the frequency " +
+                std::to_string(frequency) + " Hz; expected a finite one, 0 or more");
+    for (Eigen::Index k = 0; k < measured.places.count(); ++k) {
+      require(std::isfinite(measured.values(k, i)),
+              "interpolation: the value at " + at(k, i) + " is not a finite number");
+      require(std::isfinite(measured.noise(k, i)) && measured.noise(k, i) > 0.0,
+              "interpolation: the noise at " + at(k, i) + " is " +
+                  std::to_string(measured.noise(k, i)) +
+                  "; expected a positive standard deviation");
+    }
+  }
+}
+
+// Two channels at one point cannot differ by more than their noise.
+void require_agreement(const MeasuredShapes& measured) {
+  const auto& position = measured.places.position;
+  const double size =
+      (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() * kSamePlace;
+  for (Eigen::Index a = 0; a < position.rows(); ++a) {
+    for (Eigen::Index b = a + 1; b < position.rows(); ++b) {
+      const bool same =
+          (position.row(a) - position.row(b)).norm() <= size &&
+          measured.places.direction.row(a).dot(measured.places.direction.row(b)) > 1.0 - 1e-9;
+      if (!same) continue;
+      for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
+        const double apart = std::abs(measured.values(a, i) - measured.values(b, i));
+        const double noise = std::hypot(measured.noise(a, i), measured.noise(b, i));
+        require(apart <= kSameValueDeviations * noise,
+                "interpolation: places " + std::to_string(a + 1) + " and " + std::to_string(b + 1) +
+                    " are the same point, and their values in mode " + std::to_string(i + 1) +
+                    " differ by " + std::to_string(apart / noise) +
+                    " deviations of their noise; expected at most 8");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Places part(const Places& places, const std::vector<Eigen::Index>& rows) {
+  Places chosen;
+  chosen.position = places.position(rows, Eigen::all);
+  chosen.direction = places.direction(rows, Eigen::all);
+  if (places.shapes.size() > 0) chosen.shapes = places.shapes(rows, Eigen::all);
+  return chosen;
+}
+
+std::span<const Interpolator* const> interpolators() { return kAll; }
+
+const Interpolator& interpolator(const std::string& name) {
+  std::string known;
+  for (const auto* one : interpolators()) {
+    if (name == one->name) return *one;
+    known += (known.empty() ? "" : ", ") + std::string(one->name);
+  }
+  throw InvalidInput("there is no interpolation \"" + name + "\"; there are: " + known);
+}
+
+std::unique_ptr<ModeField> mode_field(const Interpolator& method, const MeasuredShapes& measured,
+                                      const Simulation& simulation) {
+  require_sizes(measured, simulation);
+  require_sound_values(measured);
+  require_agreement(measured);
+  if (method.uses_modes) {
+    const auto r = simulation.mode_count();
+    require(r > 0 && measured.places.shapes.cols() == r && simulation.surface.shapes.cols() == r &&
+                measured.places.shapes.rows() == measured.places.count(),
+            std::string("interpolation: ") + method.name +
+                " needs the simulation's modes at every place; expected " + std::to_string(r) +
+                " columns, found " + std::to_string(measured.places.shapes.cols()));
+  }
+  return method.fit(measured, simulation);
+}
+
+Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean, const Eigen::MatrixXd& truth,
+                              const Eigen::VectorXd& area) {
+  const Eigen::VectorXd wrong = (mean - truth).array().square().matrix().transpose() * area;
+  const Eigen::VectorXd whole = truth.array().square().matrix().transpose() * area;
+  return wrong.cwiseQuotient(whole);
+}
+
+Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
+                         const Eigen::VectorXd& area) {
+  constexpr double kTwoSided95 = 1.959963984540054;
+  const Eigen::MatrixXd inside =
+      ((field.mean - truth).array().abs() <= kTwoSided95 * field.deviation.array()).cast<double>();
+  return inside.transpose() * area / area.sum();
+}
+
+}  // namespace chladni::priors

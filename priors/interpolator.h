@@ -1,0 +1,119 @@
+// Shapes measured at a few places in, fields over the whole body out: what every method shares.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/arrays.h"
+
+namespace chladni::priors {
+
+/// n places of the body, each with the direction that is measured or asked for there.
+struct Places {
+  Points position;         ///< n×3 [m]
+  Points direction;        ///< n×3, unit
+  Eigen::MatrixXd shapes;  ///< n×r [kg^-1/2]: the simulation's modes there, along the direction
+
+  [[nodiscard]] Eigen::Index count() const { return position.rows(); }
+};
+
+/// The chosen rows.
+[[nodiscard]] Places part(const Places& places, const std::vector<Eigen::Index>& rows);
+
+/// What the simulation says: r mass-normalised modes, rigid-body ones first, seen at N points that
+/// stand for the surface whose shapes are wanted.
+struct Simulation {
+  Eigen::VectorXd frequency_hz;  ///< r, ascending; rigid-body modes exactly 0
+  Places surface;                ///< N
+  Eigen::VectorXd area;          ///< N [m²]: that each point stands for
+
+  [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
+  [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }
+};
+
+/// m shapes measured at s places. One unit for all values of a shape, any unit; kg^-1/2 where the
+/// shapes are mass-normalised.
+struct MeasuredShapes {
+  Places places;
+  Eigen::VectorXd frequency_hz;  ///< m, identified
+  Eigen::MatrixXd values;        ///< s×m
+  Eigen::MatrixXd noise;         ///< s×m: standard deviation of each value, in its unit
+
+  [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
+};
+
+/// Shapes at n places.
+struct Field {
+  Eigen::MatrixXd mean;       ///< n×m, in the unit of the measured values
+  Eigen::MatrixXd deviation;  ///< n×m: standard deviation; not a number where a method has none
+};
+
+/// How a fit went, per mode and in all.
+struct FitSummary {
+  /// What was learned: name, unit, and one value per mode (or one for all).
+  struct Parameter {
+    std::string name, unit;
+    Eigen::VectorXd value;
+    bool at_bound = false;  ///< some value is at the end of its range
+  };
+  std::vector<Parameter> parameters;
+  Eigen::VectorXd log_evidence;    ///< m, or empty: natural logarithm of the density of the values
+  std::vector<std::string> notes;  ///< what a user must know: bounds, rank, doubts of the model
+};
+
+/// m mode shapes on the whole body with their uncertainty.
+class ModeField {
+ public:
+  virtual ~ModeField() = default;
+  ModeField(const ModeField&) = delete;
+  ModeField& operator=(const ModeField&) = delete;
+
+  /// @throws InvalidInput  `places` lacks what the method needs (shapes, a common direction)
+  [[nodiscard]] virtual Field at(const Places& places) const = 0;
+  [[nodiscard]] const FitSummary& summary() const { return summary_; }
+
+ protected:
+  explicit ModeField(FitSummary summary) : summary_(std::move(summary)) {}
+
+ private:
+  FitSummary summary_;
+};
+
+/// A way to interpolate. To add one: a file with one of these and a line in interpolators().
+struct Interpolator {
+  const char* name;     ///< in a study: "dynamic_residual"
+  const char* summary;  ///< one line
+  const char* source;   ///< where it is from
+  bool uses_modes;      ///< needs Places::shapes
+  bool has_deviation;   ///< gives a standard deviation
+  std::unique_ptr<ModeField> (*fit)(const MeasuredShapes&, const Simulation&);
+};
+
+/// All there are, the default first.
+[[nodiscard]] std::span<const Interpolator* const> interpolators();
+
+/// @throws InvalidInput  there is none of that name; lists those there are
+[[nodiscard]] const Interpolator& interpolator(const std::string& name);
+
+/// Fits after checking what no method can do without.
+/// @throws InvalidInput      fewer than three places, arrays that do not fit each other, a value or
+///                           frequency that is not finite, noise that is not positive, places at
+///                           one point whose values differ by more than 8 deviations of the noise
+/// @throws NumericalFailure  the method failed; says at which mode
+[[nodiscard]] std::unique_ptr<ModeField> mode_field(const Interpolator& method,
+                                                    const MeasuredShapes& measured,
+                                                    const Simulation& simulation);
+
+/// Error of a field against the truth on the simulation's surface, per mode: Σ w (φ̂−φ)² / Σ w φ²
+/// (thesis, figure 5.12), w the area. @param mean, truth  N×m
+[[nodiscard]] Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean,
+                                            const Eigen::MatrixXd& truth,
+                                            const Eigen::VectorXd& area);
+
+/// The part of the surface, per mode, where the truth lies within ±1.96 deviations.
+[[nodiscard]] Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
+                                       const Eigen::VectorXd& area);
+
+}  // namespace chladni::priors
