@@ -29,6 +29,7 @@ DOORS = {
     r"fftw3": ["identification/fft.cpp"],
     r".*\.hxx": ["io/step*.cpp"],
     r"pybind11/": ["python/*.cpp"],
+    r"nlopt": ["priors/optimum.cpp"],
     r"toml": ["app/study*.cpp"],
     r"CLI/": ["app/main.cpp"],
 }

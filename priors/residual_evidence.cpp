@@ -1,0 +1,177 @@
+#include "priors/residual_evidence.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "priors/optimum.h"
+#include "priors/random_coefficients.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr Eigen::Index kBeyond = 200;  // modes guessed above those that were computed
+constexpr double kFarDeviations = 2.5;
+
+// Frequencies of the modes above the last one: the power of their number that the upper half grows
+// with, between a cubic body's and a bar's.
+Eigen::VectorXd frequencies_beyond(const Eigen::VectorXd& frequency_hz, Eigen::Index rigid) {
+  const Eigen::Index flexible = frequency_hz.size() - rigid;
+  if (flexible < 4) return {};
+  const double last = frequency_hz(frequency_hz.size() - 1);
+  const double half = frequency_hz(rigid + flexible / 2 - 1);
+  const double octaves =
+      std::log(static_cast<double>(flexible) / static_cast<double>(flexible / 2));
+  const double power = std::clamp(std::log(last / half) / octaves, 1.0 / 3.0, 2.0);
+  Eigen::VectorXd beyond(kBeyond);
+  for (Eigen::Index j = 0; j < kBeyond; ++j) {
+    beyond(j) =
+        last * std::pow(1.0 + static_cast<double>(j + 1) / static_cast<double>(flexible), power);
+  }
+  return beyond;
+}
+
+// d ln q with ln η, ln κ, ln γ; r×3.
+Eigen::MatrixXd variance_slopes(const Eigen::VectorXd& frequency_hz, double real_hz,
+                                const DynamicResidual& prior) {
+  const Eigen::ArrayXd r = prior.gamma * (frequency_hz / real_hz).array().square();
+  const Eigen::ArrayXd resonance = (r - 1.0).square() + prior.eta * prior.eta;
+  Eigen::MatrixXd slopes(r.size(), 3);
+  slopes.col(0) = -2.0 * prior.eta * prior.eta / resonance;
+  slopes.col(1) = prior.kappa / (r + prior.kappa);
+  slopes.col(2) = r / (r + prior.kappa) - 2.0 * r * (r - 1.0) / resonance;
+  return slopes;
+}
+
+void add_beyond(const Simulation& simulation, double real_hz, const DynamicResidual& prior,
+                const Eigen::VectorXd& mean_square, CoefficientPrior& known) {
+  const auto rigid = simulation.rigid_count();
+  const auto higher = frequencies_beyond(simulation.frequency_hz, rigid);
+  if (higher.size() == 0) return;
+  const Eigen::VectorXd q = coefficient_variances(higher, real_hz, prior);
+  const double of_one = mean_square.tail(mean_square.size() - rigid).mean();
+  const double above = of_one * q.sum();
+  const Eigen::Vector3d above_slopes =
+      of_one * variance_slopes(higher, real_hz, prior).transpose() * q;
+  const Eigen::VectorXd squares = known.variance.cwiseProduct(mean_square);
+  const double below = squares.sum();
+  const Eigen::Vector3d below_slopes = known.slopes.transpose() * squares;
+  const double all = above + below;
+  known.beyond = above / all;
+  known.beyond_slopes = (above_slopes * below - above * below_slopes) / (all * all);
+}
+
+ResidualErrors errors_of(const Eigen::Vector4d& logarithms) {
+  const Eigen::Vector4d value = logarithms.array().exp();
+  return {{value(0), value(1), value(2)}, value(3)};
+}
+
+// One shape's part of the pooled evidence.
+PooledEvidence evidence_of(const MeasuredShapes& measured, const Simulation& simulation,
+                           Eigen::Index mode, const ResidualErrors& errors) {
+  const auto known = coefficient_prior(simulation, measured.frequency_hz(mode), errors.prior);
+  const auto deviation = deviation_of_values(measured, mode, errors.noise, known.beyond);
+  const RandomCoefficients shape(measured.places.shapes * known.variance.cwiseSqrt().asDiagonal(),
+                                 measured.values.col(mode), deviation);
+  PooledEvidence evidence{shape.log_evidence()};
+  evidence.slopes.head<3>() = known.slopes.transpose() * shape.variance_slopes();
+  // σ² = (noise σ0)² + beyond v: with ln noise and with `beyond`.
+  const Eigen::ArrayXd of_noise = shape.noise_slopes();
+  const Eigen::ArrayXd variance = deviation.array().square();
+  const double square =
+      measured.values.col(mode).squaredNorm() / static_cast<double>(measured.values.rows());
+  const Eigen::ArrayXd own = (errors.noise * measured.noise.col(mode).array()).square();
+  evidence.slopes.head<3>() += (of_noise * 0.5 * square / variance).sum() * known.beyond_slopes;
+  evidence.slopes(3) = (of_noise * own / variance).sum();
+  return evidence;
+}
+
+std::vector<std::string> doubts_of(const Eigen::Vector4d& logarithms,
+                                   const ResidualPlausible& plausible) {
+  constexpr std::array kNames{"eta (relative error of the squared frequencies)",
+                              "kappa (errors of the mass against those of the stiffness)",
+                              "gamma (real stiffness per mass over the simulation's)",
+                              "the noise over the stated one"};
+  std::vector<std::string> doubts;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const double middle = plausible.middle(k);
+    const double away = (logarithms(k) - std::log(middle)) / plausible.spread(k);
+    if (std::abs(away) < kFarDeviations) continue;
+    doubts.push_back(
+        fmt::format("{} is {:.3g}, far from the plausible {:.3g} (a factor {:.2g} "
+                    "either way): the simulation or the data may be wrong",
+                    kNames[static_cast<std::size_t>(k)], std::exp(logarithms(k)), middle,
+                    std::exp(plausible.spread(k))));
+  }
+  return doubts;
+}
+
+}  // namespace
+
+Eigen::VectorXd mean_squares(const Simulation& simulation) {
+  return simulation.surface.shapes.cwiseAbs2().transpose() * simulation.area /
+         simulation.area.sum();
+}
+
+CoefficientPrior coefficient_prior(const Simulation& simulation, double real_hz,
+                                   const DynamicResidual& prior) {
+  CoefficientPrior known;
+  const auto r = simulation.mode_count();
+  if (real_hz == 0.0) {
+    known.variance = (simulation.frequency_hz.array() == 0.0).cast<double>();
+    known.slopes.setZero(r, 3);
+    return known;
+  }
+  known.variance = coefficient_variances(simulation.frequency_hz, real_hz, prior);
+  known.slopes = variance_slopes(simulation.frequency_hz, real_hz, prior);
+  add_beyond(simulation, real_hz, prior, mean_squares(simulation), known);
+  return known;
+}
+
+Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index mode, double noise,
+                                    double beyond) {
+  const double square =
+      measured.values.col(mode).squaredNorm() / static_cast<double>(measured.values.rows());
+  return ((noise * measured.noise.col(mode).array()).square() + beyond * square).sqrt();
+}
+
+PooledEvidence pooled_evidence(const MeasuredShapes& measured, const Simulation& simulation,
+                               const ResidualErrors& errors) {
+  PooledEvidence pooled;
+  for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
+    const auto one = evidence_of(measured, simulation, i, errors);
+    pooled.log_evidence += one.log_evidence;
+    pooled.slopes += one.slopes;
+  }
+  return pooled;
+}
+
+LearnedErrors learned_errors(const MeasuredShapes& measured, const Simulation& simulation,
+                             const ResidualPlausible& plausible) {
+  const Eigen::Vector4d middle = plausible.middle.array().log();
+  const Eigen::Vector4d weight = plausible.spread.array().square().inverse();
+  LearnedErrors learned;
+  const Objective implausibility = [&](const Eigen::VectorXd& logarithms, Eigen::VectorXd& slopes) {
+    const auto pooled = pooled_evidence(measured, simulation, errors_of(logarithms));
+    const Eigen::Vector4d away = logarithms - middle;
+    slopes = weight.cwiseProduct(away) - pooled.slopes;
+    ++learned.evaluations;
+    return 0.5 * weight.dot(away.cwiseAbs2()) - pooled.log_evidence;
+  };
+  const Eigen::Vector4d range = 4.0 * plausible.spread;
+  Optimum best;
+  for (const double stiffness : {0.5, 1.0}) {  // real over simulated: the one hill too many is γ
+    Eigen::VectorXd start = middle;
+    start(2) = std::log(stiffness);
+    const auto found = minimum(implausibility, start, middle - range, middle + range);
+    if (best.at.size() == 0 || found.value < best.value) best = found;
+  }
+  learned.errors = errors_of(best.at);
+  learned.log_evidence = pooled_evidence(measured, simulation, learned.errors).log_evidence;
+  learned.doubts = doubts_of(best.at, plausible);
+  return learned;
+}
+
+}  // namespace chladni::priors

@@ -1,0 +1,63 @@
+// What all measured shapes together say of the errors of a simulation.
+#pragma once
+
+#include "priors/dynamic_residual.h"
+#include "priors/interpolator.h"
+
+namespace chladni::priors {
+
+/// The numbers that the dynamic residual's prior has, and the noise that the data have.
+struct ResidualErrors {
+  DynamicResidual prior;
+  double noise = 1.0;  ///< the real noise over the stated one
+};
+
+/// How the squares of shape coefficients on the simulation's modes are distributed.
+struct CoefficientPrior {
+  Eigen::VectorXd variance;  ///< r, up to one scale
+  double beyond = 0.0;     ///< part of a shape's expected mean square that modes beyond the r carry
+  Eigen::MatrixXd slopes;  ///< r×3: of ln variance with ln η, ln κ, ln γ
+  Eigen::Vector3d beyond_slopes = Eigen::Vector3d::Zero();  ///< of `beyond`
+};
+
+/// The prior of one real shape. Modes beyond the r that were computed are guessed from how the
+/// frequencies of the upper half grow (a power of their number). A shape at 0 Hz is a motion as a
+/// whole: only rigid-body modes carry it.
+[[nodiscard]] CoefficientPrior coefficient_prior(const Simulation& simulation, double real_hz,
+                                                 const DynamicResidual& prior);
+
+/// Root mean squares over the surface of the simulation's modes along the surface's directions, r.
+[[nodiscard]] Eigen::VectorXd mean_squares(const Simulation& simulation);
+
+/// The noise of a shape's values and what the r modes cannot show of it, s.
+[[nodiscard]] Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index mode,
+                                                  double noise, double beyond);
+
+/// Σ ln p(y_i) over the shapes, each with its likeliest amplitude, and its slopes with ln η, ln κ,
+/// ln γ and ln noise. Cost per shape: a decomposition of as many rows as places or modes.
+struct PooledEvidence {
+  double log_evidence = 0.0;
+  Eigen::Vector4d slopes = Eigen::Vector4d::Zero();
+};
+[[nodiscard]] PooledEvidence pooled_evidence(const MeasuredShapes& measured,
+                                             const Simulation& simulation,
+                                             const ResidualErrors& errors);
+
+/// What is thought of the errors before anything is measured: each number log-normal.
+struct ResidualPlausible {
+  Eigen::Vector4d middle{0.1, 5.0, 0.8, 1.0};   ///< η, κ, γ, noise
+  Eigen::Vector4d spread{1.0, 1.5, 0.5, 0.25};  ///< of their logarithms
+};
+
+/// The likeliest errors under what is measured and what is plausible, from several starts.
+struct LearnedErrors {
+  ResidualErrors errors;
+  double log_evidence = 0.0;
+  int evaluations = 0;
+  std::vector<std::string> doubts;  ///< numbers that are far from what is plausible
+};
+[[nodiscard]] LearnedErrors learned_errors(const MeasuredShapes& measured,
+                                           const Simulation& simulation,
+                                           const ResidualPlausible& plausible = {});
+
+}  // namespace chladni::priors
