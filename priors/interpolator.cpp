@@ -4,11 +4,20 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "priors/interpolators.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr std::array<const Interpolator*, 0> kAll{};
+constexpr std::array kAll{
+    &dynamic_residual_interpolator,
+    &dynamic_residual_alone_interpolator,
+    &energy_spline_interpolator,
+    &strain_energy_spline_interpolator,
+    &ensemble_interpolator,
+    &modal_expansion_interpolator,
+    &serep_interpolator,
+};
 
 constexpr double kSamePlace = 1e-6;           // of the diagonal of the places
 constexpr double kSameValueDeviations = 8.0;  // a doubt of a channel, not noise

@@ -22,12 +22,19 @@ struct Places {
 /// The chosen rows.
 [[nodiscard]] Places part(const Places& places, const std::vector<Eigen::Index>& rows);
 
+/// A model that differs from the simulation in what is not known of it, on the simulation's modes.
+struct SimilarModel {
+  Eigen::VectorXd frequency_hz;  ///< r
+  Eigen::MatrixXd turn;          ///< r×r: its mass-normalised shapes are Φ · turn
+};
+
 /// What the simulation says: r mass-normalised modes, rigid-body ones first, seen at N points that
 /// stand for the surface whose shapes are wanted.
 struct Simulation {
-  Eigen::VectorXd frequency_hz;  ///< r, ascending; rigid-body modes exactly 0
-  Places surface;                ///< N
-  Eigen::VectorXd area;          ///< N [m²]: that each point stands for
+  Eigen::VectorXd frequency_hz;       ///< r, ascending; rigid-body modes exactly 0
+  Places surface;                     ///< N
+  Eigen::VectorXd area;               ///< N [m²]: that each point stands for
+  std::vector<SimilarModel> similar;  ///< may be empty
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }

@@ -45,17 +45,14 @@ Eigen::MatrixXd variance_slopes(const Eigen::VectorXd& frequency_hz, double real
   return slopes;
 }
 
-void add_beyond(const Simulation& simulation, double real_hz, const DynamicResidual& prior,
-                const Eigen::VectorXd& mean_square, CoefficientPrior& known) {
-  const auto rigid = simulation.rigid_count();
-  const auto higher = frequencies_beyond(simulation.frequency_hz, rigid);
-  if (higher.size() == 0) return;
-  const Eigen::VectorXd q = coefficient_variances(higher, real_hz, prior);
-  const double of_one = mean_square.tail(mean_square.size() - rigid).mean();
-  const double above = of_one * q.sum();
+void add_beyond(const ModalBasis& basis, double real_hz, const DynamicResidual& prior,
+                CoefficientPrior& known) {
+  if (basis.beyond_hz.size() == 0) return;
+  const Eigen::VectorXd q = coefficient_variances(basis.beyond_hz, real_hz, prior);
+  const double above = basis.beyond_square * q.sum();
   const Eigen::Vector3d above_slopes =
-      of_one * variance_slopes(higher, real_hz, prior).transpose() * q;
-  const Eigen::VectorXd squares = known.variance.cwiseProduct(mean_square);
+      basis.beyond_square * variance_slopes(basis.beyond_hz, real_hz, prior).transpose() * q;
+  const Eigen::VectorXd squares = known.variance.cwiseProduct(basis.gram.diagonal());
   const double below = squares.sum();
   const Eigen::Vector3d below_slopes = known.slopes.transpose() * squares;
   const double all = above + below;
@@ -69,9 +66,9 @@ ResidualErrors errors_of(const Eigen::Vector4d& logarithms) {
 }
 
 // One shape's part of the pooled evidence.
-PooledEvidence evidence_of(const MeasuredShapes& measured, const Simulation& simulation,
+PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& basis,
                            Eigen::Index mode, const ResidualErrors& errors) {
-  const auto known = coefficient_prior(simulation, measured.frequency_hz(mode), errors.prior);
+  const auto known = coefficient_prior(basis, measured.frequency_hz(mode), errors.prior);
   const auto deviation = deviation_of_values(measured, mode, errors.noise, known.beyond);
   const RandomCoefficients shape(measured.places.shapes * known.variance.cwiseSqrt().asDiagonal(),
                                  measured.values.col(mode), deviation);
@@ -110,23 +107,32 @@ std::vector<std::string> doubts_of(const Eigen::Vector4d& logarithms,
 
 }  // namespace
 
-Eigen::VectorXd mean_squares(const Simulation& simulation) {
-  return simulation.surface.shapes.cwiseAbs2().transpose() * simulation.area /
-         simulation.area.sum();
+ModalBasis modal_basis(const Simulation& simulation) {
+  ModalBasis basis;
+  basis.frequency_hz = simulation.frequency_hz;
+  const auto& shapes = simulation.surface.shapes;
+  const Eigen::MatrixXd weighted = (simulation.area / simulation.area.sum()).asDiagonal() * shapes;
+  basis.gram = shapes.transpose() * weighted;
+  const auto rigid = simulation.rigid_count();
+  basis.beyond_hz = frequencies_beyond(basis.frequency_hz, rigid);
+  if (basis.beyond_hz.size() > 0) {
+    basis.beyond_square = basis.gram.diagonal().tail(simulation.mode_count() - rigid).mean();
+  }
+  return basis;
 }
 
-CoefficientPrior coefficient_prior(const Simulation& simulation, double real_hz,
+CoefficientPrior coefficient_prior(const ModalBasis& basis, double real_hz,
                                    const DynamicResidual& prior) {
   CoefficientPrior known;
-  const auto r = simulation.mode_count();
+  const auto r = basis.frequency_hz.size();
   if (real_hz == 0.0) {
-    known.variance = (simulation.frequency_hz.array() == 0.0).cast<double>();
+    known.variance = (basis.frequency_hz.array() == 0.0).cast<double>();
     known.slopes.setZero(r, 3);
     return known;
   }
-  known.variance = coefficient_variances(simulation.frequency_hz, real_hz, prior);
-  known.slopes = variance_slopes(simulation.frequency_hz, real_hz, prior);
-  add_beyond(simulation, real_hz, prior, mean_squares(simulation), known);
+  known.variance = coefficient_variances(basis.frequency_hz, real_hz, prior);
+  known.slopes = variance_slopes(basis.frequency_hz, real_hz, prior);
+  add_beyond(basis, real_hz, prior, known);
   return known;
 }
 
@@ -137,24 +143,24 @@ Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index
   return ((noise * measured.noise.col(mode).array()).square() + beyond * square).sqrt();
 }
 
-PooledEvidence pooled_evidence(const MeasuredShapes& measured, const Simulation& simulation,
+PooledEvidence pooled_evidence(const MeasuredShapes& measured, const ModalBasis& basis,
                                const ResidualErrors& errors) {
   PooledEvidence pooled;
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    const auto one = evidence_of(measured, simulation, i, errors);
+    const auto one = evidence_of(measured, basis, i, errors);
     pooled.log_evidence += one.log_evidence;
     pooled.slopes += one.slopes;
   }
   return pooled;
 }
 
-LearnedErrors learned_errors(const MeasuredShapes& measured, const Simulation& simulation,
+LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& basis,
                              const ResidualPlausible& plausible) {
   const Eigen::Vector4d middle = plausible.middle.array().log();
   const Eigen::Vector4d weight = plausible.spread.array().square().inverse();
   LearnedErrors learned;
   const Objective implausibility = [&](const Eigen::VectorXd& logarithms, Eigen::VectorXd& slopes) {
-    const auto pooled = pooled_evidence(measured, simulation, errors_of(logarithms));
+    const auto pooled = pooled_evidence(measured, basis, errors_of(logarithms));
     const Eigen::Vector4d away = logarithms - middle;
     slopes = weight.cwiseProduct(away) - pooled.slopes;
     ++learned.evaluations;
@@ -169,7 +175,7 @@ LearnedErrors learned_errors(const MeasuredShapes& measured, const Simulation& s
     if (best.at.size() == 0 || found.value < best.value) best = found;
   }
   learned.errors = errors_of(best.at);
-  learned.log_evidence = pooled_evidence(measured, simulation, learned.errors).log_evidence;
+  learned.log_evidence = pooled_evidence(measured, basis, learned.errors).log_evidence;
   learned.doubts = doubts_of(best.at, plausible);
   return learned;
 }

@@ -12,22 +12,29 @@ struct ResidualErrors {
   double noise = 1.0;  ///< the real noise over the stated one
 };
 
-/// How the squares of shape coefficients on the simulation's modes are distributed.
+/// What the prior needs to know of the simulation's modes: those that were computed, and those
+/// above them, guessed from how the frequencies of the upper half grow (a power of their number).
+struct ModalBasis {
+  Eigen::VectorXd frequency_hz;  ///< r
+  Eigen::MatrixXd gram;          ///< r×r: mean of ψ ψᵀ over the surface, along its directions
+  Eigen::VectorXd beyond_hz;     ///< of some higher modes; may be empty
+  double beyond_square = 0.0;    ///< mean square of each of those
+};
+/// Cost: N r².
+[[nodiscard]] ModalBasis modal_basis(const Simulation& simulation);
+
+/// How the coefficients of one real shape on the simulation's modes are distributed.
 struct CoefficientPrior {
   Eigen::VectorXd variance;  ///< r, up to one scale
-  double beyond = 0.0;     ///< part of a shape's expected mean square that modes beyond the r carry
-  Eigen::MatrixXd slopes;  ///< r×3: of ln variance with ln η, ln κ, ln γ
+  double beyond = 0.0;       ///< the part of its expected mean square that higher modes carry
+  Eigen::MatrixXd slopes;    ///< r×3: of ln variance with ln η, ln κ, ln γ
   Eigen::Vector3d beyond_slopes = Eigen::Vector3d::Zero();  ///< of `beyond`
 };
 
-/// The prior of one real shape. Modes beyond the r that were computed are guessed from how the
-/// frequencies of the upper half grow (a power of their number). A shape at 0 Hz is a motion as a
-/// whole: only rigid-body modes carry it.
-[[nodiscard]] CoefficientPrior coefficient_prior(const Simulation& simulation, double real_hz,
+/// The prior of the real shape at `real_hz`; at 0 Hz it is a motion as a whole, which only
+/// rigid-body modes carry.
+[[nodiscard]] CoefficientPrior coefficient_prior(const ModalBasis& basis, double real_hz,
                                                  const DynamicResidual& prior);
-
-/// Root mean squares over the surface of the simulation's modes along the surface's directions, r.
-[[nodiscard]] Eigen::VectorXd mean_squares(const Simulation& simulation);
 
 /// The noise of a shape's values and what the r modes cannot show of it, s.
 [[nodiscard]] Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index mode,
@@ -40,8 +47,7 @@ struct PooledEvidence {
   Eigen::Vector4d slopes = Eigen::Vector4d::Zero();
 };
 [[nodiscard]] PooledEvidence pooled_evidence(const MeasuredShapes& measured,
-                                             const Simulation& simulation,
-                                             const ResidualErrors& errors);
+                                             const ModalBasis& basis, const ResidualErrors& errors);
 
 /// What is thought of the errors before anything is measured: each number log-normal.
 struct ResidualPlausible {
@@ -56,8 +62,7 @@ struct LearnedErrors {
   int evaluations = 0;
   std::vector<std::string> doubts;  ///< numbers that are far from what is plausible
 };
-[[nodiscard]] LearnedErrors learned_errors(const MeasuredShapes& measured,
-                                           const Simulation& simulation,
+[[nodiscard]] LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& basis,
                                            const ResidualPlausible& plausible = {});
 
 }  // namespace chladni::priors

@@ -1,0 +1,148 @@
+#include "priors/gain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "priors/random_coefficients.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr double kRange = 8.0;  // of ln β about what the sizes of both sides suggest
+constexpr double kStep = 0.25;
+constexpr double kNarrow = 1e-6;  // of ln β, where the noise is next to nothing
+constexpr int kFine = 80;
+
+// [L; R] with both sides on one scale, and the functions that they see.
+struct Sides {
+  Eigen::MatrixXd rows;  // (s+a)×r, weighted
+  Eigen::VectorXd values, noise;
+  Eigen::Index sensors = 0;
+};
+
+double evidence_of(const Sides& sides, double log_gain, int sign) {
+  Eigen::MatrixXd rows = sides.rows;
+  rows.topRows(sides.sensors) *= std::exp(0.5 * log_gain);
+  rows.bottomRows(rows.rows() - sides.sensors) *= sign * std::exp(-0.5 * log_gain);
+  return RandomCoefficients(rows, sides.values, sides.noise).log_evidence();
+}
+
+struct Peak {
+  double at = 0.0, height = -std::numeric_limits<double>::infinity(), width = 1.0;
+};
+
+// The highest of a scan, then golden sections; its width from the curvature.
+Peak peak_of(const Sides& sides, double centre, int sign) {
+  Peak peak;
+  for (double step = -kRange; step <= kRange; step += kStep) {
+    const double height = evidence_of(sides, centre + step, sign);
+    if (height > peak.height) peak = {centre + step, height, 1.0};
+  }
+  double low = peak.at - kStep;
+  double high = peak.at + kStep;
+  const double section = 0.5 * (std::sqrt(5.0) - 1.0);
+  while (high - low > kNarrow) {
+    const double left = high - section * (high - low);
+    const double right = low + section * (high - low);
+    const bool is_left = evidence_of(sides, left, sign) > evidence_of(sides, right, sign);
+    (is_left ? high : low) = is_left ? right : left;
+  }
+  peak.at = 0.5 * (low + high);
+  peak.height = evidence_of(sides, peak.at, sign);
+  const double step = 1e-2;
+  const double curvature = (2.0 * peak.height - evidence_of(sides, peak.at - step, sign) -
+                            evidence_of(sides, peak.at + step, sign)) /
+                           (step * step);
+  peak.width = std::clamp(1.0 / std::sqrt(std::max(curvature, 1e-2)), 10.0 * kNarrow, 2.0);
+  return peak;
+}
+
+// Mean, deviation and mass of the evidence about a peak, relative to `reference`.
+struct Moments {
+  double mean = 0.0, deviation = 0.0, mass = 0.0;
+};
+
+Moments moments_of(const Sides& sides, const Peak& peak, int sign, double reference) {
+  const double step = 10.0 * peak.width / kFine;
+  Eigen::ArrayXd at(kFine + 1);
+  Eigen::ArrayXd weight(kFine + 1);
+  for (int k = 0; k <= kFine; ++k) {
+    at(k) = peak.at + (k - kFine / 2) * step;
+    weight(k) = std::exp(evidence_of(sides, at(k), sign) - reference);
+  }
+  Moments found;
+  found.mass = weight.sum() * step;
+  if (found.mass <= 0.0) return found;
+  found.mean = (at * weight).sum() / weight.sum();
+  found.deviation = std::sqrt(((at - found.mean).square() * weight).sum() / weight.sum());
+  return found;
+}
+
+// With what higher modes bring, as a part of the values' own mean square.
+Eigen::VectorXd widened(const Eigen::VectorXd& noise, const Eigen::VectorXd& values,
+                        double beyond) {
+  const double square = values.squaredNorm() / static_cast<double>(values.size());
+  return (noise.array().square() + beyond * square).sqrt();
+}
+
+Sides sides_of(const TwoSidedShape& shape, const CoefficientPrior& known) {
+  const auto& variance = known.variance;
+  const auto s = shape.sensors.count();
+  const auto a = shape.actuators.count();
+  require(s > 0 && a > 0 && shape.sensor_values.size() == s && shape.sensor_noise.size() == s &&
+              shape.actuator_values.size() == a && shape.actuator_noise.size() == a,
+          "gain match: sensors or actuators are missing, or their values do not fit them");
+  require(shape.sensors.shapes.cols() == variance.size() &&
+              shape.actuators.shapes.cols() == variance.size(),
+          "gain match: the places do not carry the simulation's modes");
+  Sides sides{Eigen::MatrixXd(s + a, variance.size()), Eigen::VectorXd(s + a),
+              Eigen::VectorXd(s + a), s};
+  sides.rows << shape.sensors.shapes, shape.actuators.shapes;
+  sides.rows *= variance.cwiseSqrt().asDiagonal();
+  sides.values << shape.sensor_values, shape.actuator_values;
+  sides.noise << widened(shape.sensor_noise, shape.sensor_values, known.beyond),
+      widened(shape.actuator_noise, shape.actuator_values, known.beyond);
+  return sides;
+}
+
+// ln β from nothing but how large both sides are.
+double rough_gain(const Sides& sides) {
+  const auto actuators = sides.values.size() - sides.sensors;
+  const double of_sensors =
+      sides.values.head(sides.sensors).norm() / sides.rows.topRows(sides.sensors).norm();
+  const double of_actuators =
+      sides.values.tail(actuators).norm() / sides.rows.bottomRows(actuators).norm();
+  require(of_sensors > 0.0 && of_actuators > 0.0 && std::isfinite(of_sensors / of_actuators),
+          "gain match: a side sees nothing of the mode");
+  return std::log(of_sensors / of_actuators);
+}
+
+}  // namespace
+
+GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
+                     const DynamicResidual& prior) {
+  const auto known = coefficient_prior(basis, shape.frequency_hz, prior);
+  const auto sides = sides_of(shape, known);
+  const double centre = rough_gain(sides);
+  constexpr std::array kSigns{1, -1};
+  std::array<Peak, 2> peaks;
+  for (std::size_t i = 0; i < 2; ++i) peaks[i] = peak_of(sides, centre, kSigns[i]);
+  const double highest = std::max(peaks[0].height, peaks[1].height);
+  std::array<Moments, 2> moments;
+  for (std::size_t i = 0; i < 2; ++i) {
+    moments[i] = moments_of(sides, peaks[i], kSigns[i], highest);
+  }
+  const std::size_t best = moments[0].mass >= moments[1].mass ? 0 : 1;
+  GainMatch match;
+  match.log_gain = moments[best].mean;
+  match.deviation = moments[best].deviation;
+  match.sign = kSigns[best];
+  match.certainty = moments[best].mass / (moments[0].mass + moments[1].mass);
+  match.log_evidence = peaks[best].height;
+  return match;
+}
+
+}  // namespace chladni::priors

@@ -1,0 +1,35 @@
+// How much larger a mode looks to the sensors than to the actuators, without a collocated pair.
+#pragma once
+
+#include "priors/dynamic_residual.h"
+#include "priors/residual_evidence.h"
+
+namespace chladni::priors {
+
+/// One identified mode: what s sensors see of it and, by reciprocity, a actuators. An
+/// identification leaves L = α φ at the sensors and R = φ/α at the actuators with α unknown.
+struct TwoSidedShape {
+  double frequency_hz = 0.0;
+  Places sensors, actuators;
+  Eigen::VectorXd sensor_values, actuator_values;  ///< L, s; R, a
+  Eigen::VectorXd sensor_noise, actuator_noise;    ///< standard deviations
+};
+
+/// ln β = 2 ln α: dividing L by e^(ln β / 2) and multiplying R by it gives one shape.
+struct GainMatch {
+  double log_gain = 0.0;      ///< mean of ln β
+  double deviation = 0.0;     ///< standard deviation of ln β
+  int sign = 1;               ///< −1: a polarity is turned around between the two sides
+  double certainty = 1.0;     ///< posterior probability of that sign
+  double log_evidence = 0.0;  ///< at the likeliest gain
+};
+
+/// The evidence of the gain under the dynamic residual's prior, over all sensors and actuators at
+/// once (in place of the thesis' 5.5, which needs a pair at one place): [L; R] ~ N(0, a² D K D +
+/// Σ), D = diag(e^(ln β / 2), e^(−ln β / 2)), a² the likeliest. A collocated pair is used as one,
+/// since both its rows are the same. Cost: about 200 decompositions of s + a rows.
+/// @throws InvalidInput  a side is empty, sizes differ, a noise is not positive
+[[nodiscard]] GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
+                                   const DynamicResidual& prior = {});
+
+}  // namespace chladni::priors

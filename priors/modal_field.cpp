@@ -1,0 +1,107 @@
+#include "priors/modal_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "priors/random_coefficients.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr Eigen::Index kBlock = 512;  // places at a time: the block stays in the cache
+constexpr double kUnseen = 0.5;       // of a shape's mean square
+
+// Deviations of the shapes at places [first, first + count).
+void add_deviations(const Places& places, const std::vector<ShapeCoefficients>& shapes,
+                    Eigen::Index first, Eigen::Index count, Eigen::MatrixXd& deviation) {
+  const Eigen::MatrixXd block = places.shapes.middleRows(first, count);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Eigen::MatrixXd spread = block * shapes[i].root;
+    deviation.col(static_cast<Eigen::Index>(i)).segment(first, count) =
+        (spread.rowwise().squaredNorm().array() + shapes[i].beyond).sqrt();
+  }
+}
+
+}  // namespace
+
+ModalField::ModalField(std::vector<ShapeCoefficients> shapes, FitSummary summary)
+    : ModeField(std::move(summary)), shapes_(std::move(shapes)) {
+  means_.resize(shapes_.front().mean.size(), static_cast<Eigen::Index>(shapes_.size()));
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    means_.col(static_cast<Eigen::Index>(i)) = shapes_[i].mean;
+  }
+}
+
+Field ModalField::at(const Places& places) const {
+  const auto n = places.count();
+  require(places.shapes.rows() == n && places.shapes.cols() == means_.rows(),
+          "mode field: the places carry " + std::to_string(places.shapes.cols()) +
+              " modes of the simulation; expected " + std::to_string(means_.rows()));
+  Field field{Eigen::MatrixXd(n, means_.cols()), Eigen::MatrixXd(n, means_.cols())};
+  const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
+  parallel_ranges(blocks, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto first = static_cast<Eigen::Index>(b) * kBlock;
+      const auto count = std::min(kBlock, n - first);
+      field.mean.middleRows(first, count).noalias() =
+          places.shapes.middleRows(first, count) * means_;
+      add_deviations(places, shapes_, first, count, field.deviation);
+    }
+  });
+  return field;
+}
+
+FittedShape fitted_shape(const MeasuredShapes& measured, const ModalBasis& basis, Eigen::Index mode,
+                         const Eigen::MatrixXd& root, double noise, double beyond) {
+  const auto deviation = deviation_of_values(measured, mode, noise, beyond);
+  const RandomCoefficients random(measured.places.shapes * root, measured.values.col(mode),
+                                  deviation);
+  const auto known = random.posterior();
+  const auto left_out = random.left_out();
+  FittedShape shape;
+  const double square =
+      measured.values.col(mode).squaredNorm() / static_cast<double>(measured.values.rows());
+  shape.coefficients = {root * known.mean, root * known.root, beyond * square};
+  shape.log_evidence = random.log_evidence();
+  shape.left_out_log_density = left_out.log_density;
+  shape.misfit = left_out.standardised.squaredNorm() / static_cast<double>(deviation.size());
+  shape.vanishes = random.vanishes();
+  const auto& known_of = shape.coefficients;
+  const double left =
+      (basis.gram * known_of.root).cwiseProduct(known_of.root).sum() + known_of.beyond;
+  const double seen = known_of.mean.dot(basis.gram * known_of.mean);
+  shape.expected_error = left / (seen + left);
+  return shape;
+}
+
+FitSummary modal_summary(const std::vector<FittedShape>& shapes) {
+  const auto m = static_cast<Eigen::Index>(shapes.size());
+  FitSummary summary;
+  Eigen::VectorXd misfit(m);
+  Eigen::VectorXd expected(m);
+  summary.log_evidence.resize(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const auto& shape = shapes[static_cast<std::size_t>(i)];
+    misfit(i) = shape.misfit;
+    expected(i) = shape.expected_error;
+    summary.log_evidence(i) = shape.log_evidence;
+    if (shape.vanishes) {
+      summary.notes.push_back(fmt::format(
+          "mode {}: its values are no more than their noise, all places may lie on its nodal lines",
+          i + 1));
+    } else if (shape.expected_error > kUnseen) {
+      summary.notes.push_back(
+          fmt::format("mode {}: the places do not see it, {:.0f} % of its mean square is expected "
+                      "to be wrong",
+                      i + 1, 100.0 * shape.expected_error));
+    }
+  }
+  summary.parameters = {{"misfit", "1", misfit}, {"expected_error", "1", expected}};
+  return summary;
+}
+
+}  // namespace chladni::priors

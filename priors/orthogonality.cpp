@@ -1,0 +1,57 @@
+#include "priors/orthogonality.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace chladni::priors {
+namespace {
+
+// Shape i given that its products with the others of `known` are near zero. `alone` is what was
+// known of it from its own values.
+ShapeCoefficients given_others(const ShapeCoefficients& alone,
+                               const std::vector<ShapeCoefficients>& known, std::size_t i,
+                               double tolerance) {
+  const auto m = static_cast<Eigen::Index>(known.size());
+  const Eigen::Index k = alone.root.cols();
+  const Eigen::VectorXd& mean = known[i].mean;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(m, alone.mean.size());
+  for (Eigen::Index j = 0; j < m; ++j) {
+    const auto& other = known[static_cast<std::size_t>(j)];
+    const double length = other.mean.norm();
+    if (static_cast<std::size_t>(j) == i || length == 0.0) continue;
+    const double variance = tolerance * tolerance * mean.squaredNorm() +
+                            (other.root.transpose() * mean).squaredNorm() / (length * length);
+    if (variance > 0.0) rows.row(j) = other.mean.transpose() / (length * std::sqrt(variance));
+  }
+  const Eigen::MatrixXd seen = rows * alone.root;
+  const Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(k, k) + seen.transpose() * seen;
+  const Eigen::LLT<Eigen::MatrixXd> factor(precision);
+  if (factor.info() != Eigen::Success) {
+    throw NumericalFailure("orthogonality: the shapes leave no positive covariance");
+  }
+  ShapeCoefficients better = alone;
+  better.mean -= alone.root * factor.solve(seen.transpose() * (rows * alone.mean));
+  better.root = factor.matrixU().solve<Eigen::OnTheRight>(alone.root);
+  return better;
+}
+
+}  // namespace
+
+std::vector<ShapeCoefficients> orthogonal_shapes(const std::vector<ShapeCoefficients>& shapes,
+                                                 const OrthogonalityOptions& options) {
+  require(options.tolerance > 0.0 && options.sweeps >= 0,
+          "orthogonality: the tolerance must be more than 0 and the sweeps 0 or more");
+  auto known = shapes;
+  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
+    auto next = known;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      next[i] = given_others(shapes[i], known, i, options.tolerance);
+    }
+    known = std::move(next);
+  }
+  return known;
+}
+
+}  // namespace chladni::priors
