@@ -1,0 +1,53 @@
+// Twenty wafer tables that differ from what anybody would model, and the models made of them.
+#pragma once
+
+#include <string>
+
+#include "simulators/kirchhoff_plate.h"
+
+namespace chladni::simulators {
+
+/// What a table has beside the plate: aluminium (70 GPa, 0.3, 2700 kg/m³), 600×600×20 mm, whose
+/// first flexible mode alone is at 183.5 Hz.
+struct TableParts {
+  bool pockets = false;  ///< 36×36 mm (cells permitting) in each 60 mm square between the mounts:
+                         ///< mass per area ×0.5, D ×0.35
+  bool corner_masses = false;    ///< 0.35 kg on each corner
+  bool edge_masses = false;      ///< 0.3 kg on each edge, 75 mm off its middle
+  bool actuator_masses = false;  ///< 0.1 kg at the 13 places of the quincunx
+  bool cut_outs = false;         ///< 60×24 mm out of the middle of each edge
+};
+
+/// Cells along an edge: whole ones per 60 mm square, and 3 of each 5 in a pocket.
+inline constexpr int kTableCells = 50;
+
+/// The table as drawn. With pockets the grid must have kTableCells cells along an edge.
+/// @throws InvalidInput  pockets or cut-outs on another grid
+[[nodiscard]] KirchhoffPlate nominal_table(const TableParts& parts, int cells = kTableCells);
+
+/// What the priors of placement-priors.md are: P0, the thesis's minimal model; P1, with the nominal
+/// corner masses; P2, all that is drawn.
+[[nodiscard]] KirchhoffPlate minimal_table(int cells = 20);
+[[nodiscard]] KirchhoffPlate minimal_table_with_corner_masses(int cells = 20);
+[[nodiscard]] KirchhoffPlate accurate_table();
+
+/// A table as built, seed 1 to 20 in the studies: all parts; beside them a smooth field of
+/// thickness (mean 0, 10 % rms, correlated over 200 mm), a stiffness along x and y off by up to ±12
+/// % in opposite senses, corner masses off by up to ±20 %, pocket skins whose D and mass are off by
+/// up to ±15 % and ±5 %. First flexible mode: 118 to 134 Hz, 126 Hz in the mean. Cost: 0.4 s of
+/// modes each, with 12 modes.
+[[nodiscard]] KirchhoffPlate real_table(unsigned seed);
+inline constexpr unsigned kRealTables = 20;
+
+/// Thirteen places of the 9×9 grid of mounts (pitch 60 mm, ±240 mm), n×2 [m]:
+/// - "quincunx": 3×3 at 0 and ±240 mm, 2×2 at ±120 mm; all on mirror lines of the square
+/// - "rings": by hand; eight near the rim, four on a turned inner square and one off the centre; no
+///   mirror or rotation maps it onto itself, every one of the modes 1 to 12 is seen
+/// - "rand1", "rand2": drawn
+/// Any other list of places is as good. @throws InvalidInput  another name
+[[nodiscard]] Eigen::MatrixX2d layout(const std::string& name);
+
+/// All 81 mounts, n×2 [m], x fastest.
+[[nodiscard]] Eigen::MatrixX2d mounts();
+
+}  // namespace chladni::simulators
