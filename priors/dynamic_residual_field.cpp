@@ -35,7 +35,11 @@ std::unique_ptr<ModeField> field(const MeasuredShapes& measured, const Simulatio
   summary.notes.insert(summary.notes.end(), learned.doubts.begin(), learned.doubts.end());
   std::vector<ShapeCoefficients> known;
   for (const auto& shape : shapes) known.push_back(shape.coefficients);
-  if (orthogonal) known = orthogonal_shapes(known);
+  if (orthogonal) {
+    const double tolerance = learned_tolerance(known);
+    summary.parameters.push_back({"orthogonality_tolerance", "1", one(tolerance)});
+    known = orthogonal_shapes(known, {.tolerance = tolerance});
+  }
   return std::make_unique<ModalField>(std::move(known), std::move(summary));
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 
@@ -37,7 +38,52 @@ ShapeCoefficients given_others(const ShapeCoefficients& alone,
   return better;
 }
 
+// Squares of the products of unit shapes, and how well each product is known.
+struct Products {
+  std::vector<double> square, variance;
+};
+
+Products products_of(const std::vector<ShapeCoefficients>& shapes) {
+  Products products;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double lengths = shapes[i].mean.squaredNorm() * shapes[j].mean.squaredNorm();
+      if (lengths == 0.0) continue;
+      const double product = shapes[i].mean.dot(shapes[j].mean);
+      const double variance = (shapes[i].root.transpose() * shapes[j].mean).squaredNorm() +
+                              (shapes[j].root.transpose() * shapes[i].mean).squaredNorm() +
+                              (shapes[i].root.transpose() * shapes[j].root).squaredNorm();
+      products.square.push_back(product * product / lengths);
+      products.variance.push_back(variance / lengths);
+    }
+  }
+  return products;
+}
+
 }  // namespace
+
+double learned_tolerance(const std::vector<ShapeCoefficients>& shapes) {
+  constexpr double kMiddle = 0.1;
+  constexpr double kLeast = 0.01;
+  constexpr double kMost = 1.0;
+  constexpr int kSteps = 60;
+  const auto products = products_of(shapes);
+  double best = kMiddle;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= kSteps; ++step) {
+    const double spread = kLeast * std::pow(kMost / kLeast, static_cast<double>(step) / kSteps);
+    const double away = std::log(spread / kMiddle);
+    double likelihood = -0.5 * away * away;
+    for (std::size_t k = 0; k < products.square.size(); ++k) {
+      const double variance = spread * spread + products.variance[k];
+      likelihood -= 0.5 * (std::log(variance) + products.square[k] / variance);
+    }
+    if (likelihood <= highest) continue;
+    highest = likelihood;
+    best = spread;
+  }
+  return 2.0 * best;
+}
 
 std::vector<ShapeCoefficients> orthogonal_shapes(const std::vector<ShapeCoefficients>& shapes,
                                                  const OrthogonalityOptions& options) {
