@@ -51,12 +51,24 @@ class Run {
     const auto start = std::chrono::steady_clock::now();
     const auto keep = [&] {
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-      seconds_.emplace_back(name, took.count());
+      seconds_.emplace_back(part_ + name, took.count());
     };
     auto result = step();
     keep();
     return result;
   }
+  /// While it lives, steps and what is shown are named after a part of the run: "truth: mesh".
+  class Part {
+   public:
+    Part(Run& run, std::string name) : run_(run) { run_.part_ = std::move(name); }
+    ~Part() { run_.part_.clear(); }
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+   private:
+    Run& run_;
+  };
+  [[nodiscard]] Part part(std::string name) { return {*this, std::move(name)}; }
   /// Writes `content` as a JSON file, headed by what every one carries (version, study, seed,
   /// seconds); the one that `--json` prints is the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
@@ -69,6 +81,7 @@ class Run {
   OutputFolder folder_;
   unsigned seed_;
   std::vector<std::pair<std::string, double>> seconds_;
+  std::string part_;
 };
 
 struct Command {
@@ -81,6 +94,7 @@ extern const Command check_command;
 extern const Command mesh_command;
 extern const Command modes_command;
 extern const Command place_command;
+extern const Command interpolate_command;
 extern const Command study_command;
 
 /// The verbs that take no study. They return the exit code.

@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
-#include <random>
 
+#include "base/draw.h"
 #include "base/error.h"
 #include "fem/field_matrices.h"
 #include "mesh/surface.h"
@@ -14,20 +14,6 @@ namespace {
 
 constexpr int kWaves = 4;  // half waves of a field along each of the two longest sides, less one
 constexpr int kMasses = 4;
-
-// The same sequence on every machine: std::normal_distribution is not.
-class Draw {
- public:
-  explicit Draw(unsigned seed) : random_(seed) {}
-  double uniform() { return (static_cast<double>(random_()) + 0.5) / 4294967296.0; }
-  double normal() {
-    const double length = std::sqrt(-2.0 * std::log(uniform()));
-    return length * std::cos(2.0 * std::numbers::pi * uniform());
-  }
-
- private:
-  std::mt19937 random_;
-};
 
 // Cosines over the two longest sides of the body, at the centres of its cells; cells×kWaves².
 Eigen::MatrixXd waves(const mesh::TetMesh& body) {

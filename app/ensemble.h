@@ -4,14 +4,12 @@
 #include <vector>
 
 #include "app/solution.h"
+#include "priors/interpolator.h"
 
 namespace chladni::app {
 
 /// A body that differs from the study's, in the basis of the study's modes.
-struct Member {
-  Eigen::VectorXd frequency_hz;  ///< m
-  Eigen::MatrixXd turn;          ///< m×m: its mass-normalised shapes are Φ · turn
-};
+using Member = priors::SimilarModel;
 
 /// `plan.members` draws of smooth random fields of modulus, density and thickness, and of four
 /// attached masses at random places of the surface. Rayleigh-Ritz on the modes that were computed:

@@ -103,7 +103,7 @@ Placed placed(const Study& study, const Solution& solution, Run& run) {
   const placement::Sampler sampler(body, solution.modes, device_of(plan));
   Placed placed;
   run.timed("surface", [&] {
-    placed.surface = sampler.surface(patches_of(body, plan));
+    placed.surface = sampler.surface(patches_of(body, plan.on, "placement.on"));
     return 0;
   });
   placed.wanted = wanted_modes(study, solution, plan, placed.surface, placed.notes);

@@ -66,6 +66,12 @@ struct Placed {
   std::vector<std::string> notes;
 };
 
+/// The named patches; without names the top, or all where the body has none.
+/// @param key  of the study that names them, for messages
+[[nodiscard]] std::vector<std::string> patches_of(const mesh::TetMesh& body,
+                                                  const std::vector<std::string>& on,
+                                                  const std::string& key);
+
 /// @throws InvalidInput  modes that are not there, no admissible site, more devices than sites, a
 ///                       patch or channel that does not exist
 [[nodiscard]] Placed placed(const Study& study, const Solution& solution, Run& run);

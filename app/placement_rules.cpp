@@ -55,9 +55,10 @@ Points places_there(const Study& study, const Solution& solution, const Placemen
 
 }  // namespace
 
-std::vector<std::string> patches_of(const mesh::TetMesh& body, const PlacementPlan& plan) {
-  for (const auto& name : plan.on) (void)patch_number(body, name, "placement.on");
-  if (!plan.on.empty()) return plan.on;
+std::vector<std::string> patches_of(const mesh::TetMesh& body, const std::vector<std::string>& on,
+                                    const std::string& key) {
+  for (const auto& name : on) (void)patch_number(body, name, key);
+  if (!on.empty()) return on;
   const auto& names = body.patch_names;
   const bool has_top = std::find(names.begin(), names.end(), "top") != names.end();
   return has_top ? std::vector<std::string>{"top"} : std::vector<std::string>{};
@@ -74,8 +75,9 @@ std::vector<placement::Rule> rules_of(const Study& study, const Solution& soluti
          placement::WholeFootprints{}});
   }
   if (plan.edge_distance > 0.0) {
-    rules.push_back({fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
-                     placement::edges_of(body, patches_of(body, plan), plan.edge_distance)});
+    rules.push_back(
+        {fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
+         placement::edges_of(body, patches_of(body, plan.on, "placement.on"), plan.edge_distance)});
   }
   const Points there = places_there(study, solution, plan);
   const double apart = std::max({plan.spacing, plan.footprint, 1e-4});

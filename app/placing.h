@@ -16,9 +16,6 @@ namespace chladni::app {
                                        const PlacementPlan& plan, const placement::Surface& surface,
                                        std::vector<std::string>& notes);
 
-/// The patches that devices may be on.
-[[nodiscard]] std::vector<std::string> patches_of(const mesh::TetMesh& body,
-                                                  const PlacementPlan& plan);
 
 /// @throws InvalidInput  a rule names a patch that is not there
 [[nodiscard]] std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,

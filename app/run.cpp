@@ -27,7 +27,7 @@ std::filesystem::path Run::operator/(std::string_view name) const { return folde
 
 void Run::show(std::string_view text) {
   talk_.clear_progress();
-  if (!options_.json) results_ << text << std::flush;
+  if (!options_.json) results_ << part_ << text << std::flush;
 }
 
 std::vector<std::pair<std::string, double>> Run::seconds() const {

@@ -129,8 +129,27 @@ struct PlacementPlan {
 };
 
 struct MeasurementPlan {
-  std::filesystem::path frf;          ///< may not exist yet: `simulate` writes it
+  std::filesystem::path frf;     ///< may not exist yet: `simulate` writes it; or empty
+  std::filesystem::path shapes;  ///< a table of measured mode shapes (io/shape_table.h); or empty
+  std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
+  double noise = 0.01;  ///< of a shape's value over its root mean square, where none is stated
+  int modes = 0;        ///< flexible ones of `truth` that are measured; 0: those in view, at most 12
   std::vector<std::string> hold_out;  ///< names of channels that no fit may see
+};
+
+/// A point whose motion is asked for.
+struct PointPlan {
+  std::string name;
+  Place at;
+};
+
+struct InterpolationPlan {
+  std::vector<std::string> methods;  ///< names; empty: the default and the thesis' two
+  std::vector<std::string> on;       ///< patches; empty: "top" where there is one, else all
+  std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normal
+  std::vector<PointPlan> points;
+  double table_pitch = 0.0;   ///< [m] of the lookup table; 0: none
+  int polynomial_degree = 0;  ///< in x and y; 0: none
 };
 
 struct Expectation {
@@ -158,6 +177,7 @@ struct Study {
   std::vector<LayoutPlan> layouts;
   std::optional<PlacementPlan> placement;
   std::optional<MeasurementPlan> measurement;
+  std::optional<InterpolationPlan> interpolation;
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< plausibility: "<file>:<line>:<column>: ..."
 };

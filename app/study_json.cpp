@@ -190,6 +190,28 @@ io::Json placement_plan_json(const PlacementPlan& plan) {
   return object;
 }
 
+io::Json measurement_json(const MeasurementPlan& plan) {
+  return io::JsonObject{{"frf", plan.frf.filename().string()},
+                        {"shapes", plan.shapes.filename().string()},
+                        {"truth", plan.truth.filename().string()},
+                        {"noise", plan.noise},
+                        {"modes", plan.modes},
+                        {"hold_out", texts(plan.hold_out)}};
+}
+
+io::Json interpolation_json(const InterpolationPlan& plan) {
+  io::JsonArray points;
+  for (const auto& point : plan.points) {
+    points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
+  }
+  return io::JsonObject{{"methods", texts(plan.methods)},
+                        {"on", texts(plan.on)},
+                        {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
+                        {"points", points},
+                        {"table_pitch_m", plan.table_pitch},
+                        {"polynomial_degree", plan.polynomial_degree}};
+}
+
 io::Json expectations_json(const std::vector<Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -238,9 +260,10 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
       {"layouts", layouts_json(study.layouts)}};
   if (study.placement) object.emplace_back("placement", placement_plan_json(*study.placement));
   if (study.measurement) {
-    object.emplace_back("measurement",
-                        io::JsonObject{{"frf", study.measurement->frf.filename().string()},
-                                       {"hold_out", texts(study.measurement->hold_out)}});
+    object.emplace_back("measurement", measurement_json(*study.measurement));
+  }
+  if (study.interpolation) {
+    object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));

@@ -113,24 +113,6 @@ void read_layouts(TableReader& root, Study& study) {
   }
 }
 
-void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
-  auto table = root.table("measurement");
-  if (!table) return;
-  study.measurement.emplace();
-  const std::string frf = table->required_text("frf");
-  try {
-    if (!frf.empty()) study.measurement->frf = folder.resolved(frf);
-  } catch (const InvalidInput& e) {
-    table->wrong(*table->find("frf"), std::string("measurement.frf: ") + e.what());
-  }
-  auto known = names_of(study.sensors);
-  const auto actuators = names_of(study.actuators);
-  known.insert(known.end(), actuators.begin(), actuators.end());
-  study.measurement->hold_out = table->texts("hold_out");
-  refuse_strangers(*table, "hold_out", "channel", study.measurement->hold_out, known);
-  table->refuse_unknown();
-}
-
 void read_expectations(TableReader& root, Study& study) {
   auto table = root.table("expect");
   if (!table) return;

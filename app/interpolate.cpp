@@ -1,0 +1,22 @@
+// chladni interpolate STUDY: every mode shape everywhere, from a few measured points.
+#include "app/interpolation.h"
+
+namespace chladni::app {
+namespace {
+
+void run(const Study& study, Run& run) {
+  const Solution solution = solved(study, run);
+  const Interpolated result = interpolated(study, solution, run);
+  run.show(interpolation_table(result));
+  leave_interpolation(study, solution, result, run, true);
+}
+
+}  // namespace
+
+constinit const Command interpolate_command{
+    .name = "interpolate",
+    .summary = "mode shapes at any point with their uncertainty, from a few measured ones",
+    .run = run,
+};
+
+}  // namespace chladni::app

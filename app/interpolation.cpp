@@ -1,0 +1,184 @@
+#include "app/interpolation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "app/placement.h"
+#include "base/error.h"
+#include "modal/frf.h"
+#include "placement/interpolation.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kTwoSided95 = 1.959963984540054;
+constexpr double kAssumedDamping = 0.005;  // of FRFs compared where none was measured
+constexpr int kFrfLines = 400;
+
+// The default and what the thesis compares it with; those of them that there are.
+std::vector<std::string> default_methods() {
+  constexpr std::array kNames{"dynamic_residual", "thin_plate_spline", "squared_exponential"};
+  std::vector<std::string> names;
+  for (const auto* method : priors::interpolators()) {
+    if (std::find(kNames.begin(), kNames.end(), std::string_view(method->name)) != kNames.end()) {
+      names.emplace_back(method->name);
+    }
+  }
+  return names;
+}
+
+InterpolationPlan plan_of(const Study& study) {
+  auto plan = study.interpolation.value_or(InterpolationPlan{});
+  if (plan.methods.empty()) plan.methods = default_methods();
+  return plan;
+}
+
+priors::Simulation simulation_of(const Study& study, const Solution& solution,
+                                 const InterpolationPlan& plan, const placement::Surface& surface,
+                                 unsigned seed) {
+  const auto& sites = surface.sites;
+  priors::Simulation simulation;
+  simulation.frequency_hz = solution.modes.frequency_hz;
+  simulation.surface = {sites.position, sites.normal, sites.shapes};
+  if (plan.direction) {
+    simulation.surface.direction = plan.direction->transpose().replicate(sites.position.rows(), 1);
+  }
+  simulation.area = sites.area;
+  const bool wants_similar =
+      std::find(plan.methods.begin(), plan.methods.end(), "ensemble") != plan.methods.end();
+  if (wants_similar) {
+    UncertaintyPlan unknown{.modulus = 0.05, .density = 0.05, .thickness = 0.05};
+    unknown.attached_mass = 0.01 * solution.model.mass.mass_kg;
+    unknown.members = 120;
+    if (study.placement && study.placement->uncertainty) unknown = *study.placement->uncertainty;
+    simulation.similar = ensemble(solution, unknown, seed);
+  }
+  return simulation;
+}
+
+void add_points(const Study& study, const InterpolationPlan& plan, const Solution& solution,
+                const mesh::SiteFinder& finder, Interpolated& result) {
+  std::vector<mesh::Site> sites;
+  Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
+  for (const auto& point : plan.points) {
+    const auto& at = point.at;
+    auto site = at.from_above ? finder.from_above(at.point.x(), at.point.y())
+                              : std::optional(finder.nearest(at.point));
+    require(site.has_value(), study.file.string() + ":" + std::to_string(at.line) + ": point \"" +
+                                  point.name + "\" is not on the body");
+    directions.row(static_cast<Eigen::Index>(sites.size())) =
+        plan.direction.value_or(site->normal).transpose();
+    sites.push_back(*site);
+    result.points.push_back(point.name);
+  }
+  result.point_places = places_at(sites, directions, solution.modes);
+}
+
+// What the measured channels would leave unknown of each mode of the simulation.
+Eigen::VectorXd expected_before(const Interpolated& result, double noise) {
+  const auto& simulation = result.simulation;
+  std::vector<Eigen::Index> flexible;
+  for (auto j = simulation.rigid_count(); j < simulation.mode_count(); ++j) flexible.push_back(j);
+  const auto prior = placement::shape_prior(simulation.surface.shapes, simulation.area,
+                                            simulation.frequency_hz, flexible);
+  const auto& rows = result.measured.shapes.places.shapes;
+  const auto m = static_cast<Eigen::Index>(flexible.size());
+  Eigen::VectorXd expected =
+      Eigen::VectorXd::Constant(simulation.mode_count(), std::numeric_limits<double>::quiet_NaN());
+  expected.tail(m) =
+      placement::expected_error(prior, rows, Eigen::MatrixXd::Constant(rows.rows(), m, noise))
+          .per_mode;
+  return expected;
+}
+
+// FRFs between one place and the measured channels: k·s values in one column.
+Eigen::VectorXcd responses(const Measured& measured, const Eigen::RowVectorXd& shape) {
+  modal::ReducedModel model;
+  model.frequency_hz = measured.shapes.frequency_hz;
+  model.damping_ratio = measured.damping_ratio;
+  for (double& ratio : model.damping_ratio) ratio = ratio > 0.0 ? ratio : kAssumedDamping;
+  model.output_shapes = shape;
+  model.input_shapes = measured.shapes.values.transpose();
+  model.residual = Eigen::MatrixXd::Zero(1, measured.shapes.places.count());
+  const double low = 0.5 * model.frequency_hz.minCoeff();
+  const double high = 1.1 * model.frequency_hz.maxCoeff();
+  const auto frf = modal::frf(model, Eigen::VectorXd::LinSpaced(kFrfLines, low, high));
+  Eigen::VectorXcd all(kFrfLines * model.input_count());
+  for (Eigen::Index k = 0; k < kFrfLines; ++k) {
+    all.segment(k * model.input_count(), model.input_count()) =
+        frf.value[static_cast<std::size_t>(k)].row(0).transpose();
+  }
+  return all;
+}
+
+void score_hidden(const Measured& measured, Interpolation& one) {
+  const auto& hidden = measured.hidden;
+  const auto h = hidden.places.count();
+  one.hidden_error.resize(h);
+  one.hidden_frf_error.resize(h);
+  one.hidden_covered.resize(h);
+  const bool has_frf = measured.shapes.frequency_hz.minCoeff() > 0.0;
+  for (Eigen::Index c = 0; c < h; ++c) {
+    const Eigen::RowVectorXd wrong = one.hidden.mean.row(c) - hidden.values.row(c);
+    one.hidden_error(c) = wrong.norm() / hidden.values.row(c).norm();
+    const Eigen::ArrayXd band =
+        (one.hidden.deviation.row(c).array().square() + hidden.noise.row(c).array().square())
+            .sqrt();
+    one.hidden_covered(c) =
+        (wrong.transpose().array().abs() <= kTwoSided95 * band).cast<double>().mean();
+    one.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
+    if (!has_frf) continue;
+    const auto real = responses(measured, hidden.values.row(c));
+    one.hidden_frf_error(c) =
+        (responses(measured, one.hidden.mean.row(c)) - real).norm() / real.norm();
+  }
+}
+
+Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
+  const auto& measured = result.measured;
+  Interpolation one;
+  one.method = &method;
+  one.field = priors::mode_field(method, measured.shapes, result.simulation);
+  one.surface = one.field->at(result.simulation.surface);
+  if (measured.hidden.places.count() > 0) {
+    one.hidden = one.field->at(measured.hidden.places);
+    score_hidden(measured, one);
+  }
+  if (!result.points.empty()) one.points = one.field->at(result.point_places);
+  if (measured.truth.size() > 0) {
+    one.error = priors::squared_error(one.surface.mean, measured.truth, result.simulation.area);
+    one.covered = priors::coverage(one.surface, measured.truth, result.simulation.area);
+  }
+  return one;
+}
+
+}  // namespace
+
+Interpolated interpolated(const Study& study, const Solution& solution, Run& run) {
+  const auto plan = plan_of(study);
+  const auto& body = solution.model.body;
+  const placement::Sampler sampler(body, solution.modes, {plan.direction, 0.0});
+  Interpolated result;
+  result.surface = sampler.surface(patches_of(body, plan.on, "interpolation.on"));
+  result.simulation = simulation_of(study, solution, plan, result.surface, run.seed());
+  result.measured = measured(study, solution, result.simulation, run);
+  add_points(study, plan, solution, sampler.finder(), result);
+  const double noise = study.measurement->noise;
+  if (result.measured.shapes.places.count() > 0) {
+    result.expected_error = expected_before(result, noise);
+  }
+  for (const auto& name : plan.methods) {
+    tell(run.talk().progress(), "interpolating: " + name);
+    run.timed("interpolate: " + name, [&] {
+      result.methods.push_back(interpolation_by(priors::interpolator(name), result));
+      return 0;
+    });
+  }
+  return result;
+}
+
+}  // namespace chladni::app

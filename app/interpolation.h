@@ -1,0 +1,68 @@
+// Mode shapes everywhere on the body from what was measured at a few places.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/ensemble.h"
+#include "app/solution.h"
+#include "placement/sites.h"
+#include "priors/interpolator.h"
+
+namespace chladni::app {
+
+/// What the study's measurement says.
+struct Measured {
+  std::vector<std::string> channels, hidden_channels;
+  priors::MeasuredShapes shapes;  ///< at `channels`
+  priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
+  Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
+  Eigen::MatrixXd truth;          ///< on the surface, without noise; empty where nothing knows it
+};
+
+/// One way to interpolate and what came of it.
+struct Interpolation {
+  const priors::Interpolator* method = nullptr;
+  std::unique_ptr<priors::ModeField> field;
+  priors::Field surface, hidden, points;
+  Eigen::VectorXd error, covered;    ///< per mode on the surface, where the truth is known
+  Eigen::VectorXd hidden_error;      ///< per held-out channel: of its shape values, relative
+  Eigen::VectorXd hidden_frf_error;  ///< of its FRFs to all measured channels, relative
+  Eigen::VectorXd hidden_covered;    ///< part of its values within the 95 % band
+};
+
+struct Interpolated {
+  placement::Surface surface;
+  priors::Simulation simulation;
+  Measured measured;
+  std::vector<std::string> points;  ///< names
+  priors::Places point_places;
+  /// Per mode of the simulation: what of its mean square the channels would leave unknown, before
+  /// anything is measured; not a number for rigid-body modes.
+  Eigen::VectorXd expected_error;
+  std::vector<Interpolation> methods;  ///< the first is the one that is shown
+  std::vector<std::string> notes;
+};
+
+/// @throws InvalidInput  nothing measured, channels that the table lacks, patches that are not
+///                       there, a method that was asked for and cannot be used here
+[[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Run& run);
+
+/// The step of `interpolated` that reads a table or asks a study that stands for the real body.
+[[nodiscard]] Measured measured(const Study& study, const Solution& solution,
+                                const priors::Simulation& simulation, Run& run);
+
+/// Places with the simulation's modes along `directions`, n×3.
+[[nodiscard]] priors::Places places_at(const std::vector<mesh::Site>& sites,
+                                       const Points& directions, const modal::Modes& modes);
+
+[[nodiscard]] std::string interpolation_table(const Interpolated& result);
+[[nodiscard]] io::JsonObject interpolation_json(const Interpolated& result);
+
+/// interpolation.json, mode_field.vtu, mode_field.png, and on request mode_field.csv (a lookup
+/// table) and mode_field_polynomial.json.
+void leave_interpolation(const Study& study, const Solution& solution, const Interpolated& result,
+                         Run& run, bool main_result);
+
+}  // namespace chladni::app

@@ -1,0 +1,213 @@
+// What was measured: from a table, or from a study that stands for the real body.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/interpolation.h"
+#include "base/draw.h"
+#include "base/error.h"
+#include "io/shape_table.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr int kModesOfTruth = 12;
+constexpr double kInView = 1e-2;  // a mode moves along the surface's directions by at least so much
+
+struct ChannelSite {
+  std::string name;
+  mesh::Site site;
+  Eigen::Vector3d direction;
+};
+
+// @throws InvalidInput  a sensor and an actuator have one name: a table could not tell them apart
+std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
+  for (const auto& sensor : study.sensors) {
+    for (const auto& actuator : study.actuators) {
+      require(sensor.name != actuator.name,
+              study.file.string() + ": a sensor and an actuator are both called \"" + sensor.name +
+                  "\"; expected different names, a table of shapes has one column for each");
+    }
+  }
+  std::vector<ChannelSite> all;
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    all.push_back({study.sensors[i].name, model.sensors[i], study.sensors[i].direction});
+  }
+  for (std::size_t i = 0; i < study.actuators.size(); ++i) {
+    all.push_back({study.actuators[i].name, model.actuators[i], study.actuators[i].direction});
+  }
+  return all;
+}
+
+priors::Places places_of_channels(const std::vector<ChannelSite>& channels,
+                                  const modal::Modes& modes) {
+  std::vector<mesh::Site> sites;
+  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    sites.push_back(channels[i].site);
+    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
+  }
+  return places_at(sites, directions, modes);
+}
+
+// Shapes of another body at given places, n×modes: at the nearest point of its surface.
+Eigen::MatrixXd shapes_there(const Solution& real, const mesh::SiteFinder& finder,
+                             const priors::Places& places) {
+  std::vector<mesh::Site> sites;
+  for (Eigen::Index i = 0; i < places.count(); ++i) {
+    sites.push_back(finder.nearest(places.position.row(i).transpose()));
+  }
+  return places_at(sites, places.direction, real.modes).shapes;
+}
+
+// Flexible modes of the real body that move along the surface's directions, lowest first.
+std::vector<Eigen::Index> modes_in_view(const Solution& real, const Eigen::MatrixXd& surface,
+                                        int count) {
+  const Eigen::VectorXd norm = surface.colwise().norm();
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index j = real.modes.rigid_count; j < norm.size(); ++j) {
+    if (static_cast<int>(columns.size()) < count && norm(j) > kInView * norm.maxCoeff()) {
+      columns.push_back(j);
+    }
+  }
+  return columns;
+}
+
+struct Values {
+  io::ShapeTable table;   // all channels
+  Eigen::MatrixXd truth;  // on the surface
+};
+
+Values values_of_truth(const Study& study, const Solution& solution,
+                       const std::vector<ChannelSite>& channels,
+                       const priors::Simulation& simulation, Run& run) {
+  const auto& plan = *study.measurement;
+  const Study real_study = read_study(plan.truth, run.options().allowed);
+  const auto part = run.part("truth: ");
+  const Solution real = solved(real_study, run);
+  const mesh::SiteFinder finder(real.model.body);
+  const auto surface = shapes_there(real, finder, simulation.surface);
+  const int count = plan.modes > 0 ? plan.modes : kModesOfTruth;
+  const auto columns = modes_in_view(real, surface, count);
+  require(
+      plan.modes == 0 || static_cast<int>(columns.size()) == count,
+      fmt::format("{}: measurement.modes asks for {} modes and the truth has {} that move along "
+                  "the surface's directions; raise modes.count in {}",
+                  study.file.string(), count, columns.size(), plan.truth.string()));
+  Values values;
+  values.truth = surface(Eigen::all, columns);
+  auto& table = values.table;
+  for (const auto& channel : channels) table.channels.push_back(channel.name);
+  table.frequency_hz = real.modes.frequency_hz(columns);
+  table.damping_ratio = real.modes.damping_ratio(columns);
+  table.values =
+      shapes_there(real, finder, places_of_channels(channels, solution.modes))(Eigen::all, columns);
+  const Eigen::VectorXd rms =
+      (values.truth.cwiseAbs2().transpose() * simulation.area / simulation.area.sum()).cwiseSqrt();
+  table.deviation = plan.noise * Eigen::VectorXd::Ones(table.values.rows()) * rms.transpose();
+  Draw draw(run.seed());
+  for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
+    for (Eigen::Index k = 0; k < table.values.rows(); ++k) {
+      table.values(k, i) += table.deviation(k, i) * draw.normal();
+    }
+  }
+  return values;
+}
+
+io::ShapeTable table_of_file(const MeasurementPlan& plan) {
+  auto table = io::read_shapes(plan.shapes);
+  for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
+    const double rms =
+        table.values.col(i).norm() / std::sqrt(static_cast<double>(table.values.rows()));
+    for (Eigen::Index k = 0; k < table.values.rows(); ++k) {
+      if (table.deviation(k, i) == 0.0) table.deviation(k, i) = plan.noise * rms;
+    }
+    require(rms > 0.0, fmt::format("{}: all values of mode {} ({:.6g} Hz) are 0",
+                                   plan.shapes.string(), i + 1, table.frequency_hz(i)));
+  }
+  return table;
+}
+
+// The rows of the table that are the wanted channels, as measured shapes.
+priors::MeasuredShapes part_of(const io::ShapeTable& table,
+                               const std::vector<ChannelSite>& channels,
+                               const modal::Modes& modes) {
+  std::vector<Eigen::Index> rows;
+  for (const auto& channel : channels) {
+    const auto found = std::find(table.channels.begin(), table.channels.end(), channel.name);
+    rows.push_back(found - table.channels.begin());
+  }
+  return {places_of_channels(channels, modes), table.frequency_hz, table.values(rows, Eigen::all),
+          table.deviation(rows, Eigen::all)};
+}
+
+// Columns that are no channel, and channels that are no column.
+void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSite>& channels,
+                       const std::string& file, Run& run) {
+  for (const auto& name : table.channels) {
+    const bool known = std::any_of(channels.begin(), channels.end(),
+                                   [&](const auto& channel) { return channel.name == name; });
+    require(known, file + ": the column \"" + name + "\" is no sensor or actuator of the study");
+  }
+  for (const auto& channel : channels) {
+    if (std::find(table.channels.begin(), table.channels.end(), channel.name) ==
+        table.channels.end()) {
+      run.talk().note("\"" + channel.name + "\" was not measured: " + file +
+                      " has no column of that name");
+    }
+  }
+}
+
+}  // namespace
+
+priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& directions,
+                         const modal::Modes& modes) {
+  const auto n = static_cast<Eigen::Index>(sites.size());
+  priors::Places places{Points(n, 3), directions, Eigen::MatrixXd(n, modes.mode_count())};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& site = sites[static_cast<std::size_t>(i)];
+    places.position.row(i) = site.position.transpose();
+    const auto row = mesh::row_at(site, directions.row(i).transpose(), modes.dof_count() / 3);
+    places.shapes.row(i) = row.transpose() * modes.shapes;
+  }
+  return places;
+}
+
+Measured measured(const Study& study, const Solution& solution,
+                  const priors::Simulation& simulation, Run& run) {
+  const bool has_shapes = study.measurement && !study.measurement->shapes.empty();
+  const bool has_truth = study.measurement && !study.measurement->truth.empty();
+  require(has_shapes || has_truth,
+          study.file.string() +
+              ": nothing is measured; expected [measurement] with shapes = \"shapes.csv\" or truth "
+              "= \"real.toml\"");
+  const auto channels = channel_sites(study, solution.model);
+  Values values;
+  if (has_truth) {
+    values = values_of_truth(study, solution, channels, simulation, run);
+  } else {
+    values.table = table_of_file(*study.measurement);
+    warn_of_strangers(values.table, channels, study.measurement->shapes.string(), run);
+  }
+  const auto& hold_out = study.measurement->hold_out;
+  std::vector<ChannelSite> used;
+  std::vector<ChannelSite> hidden;
+  for (const auto& channel : channels) {
+    const auto& known = values.table.channels;
+    if (std::find(known.begin(), known.end(), channel.name) == known.end()) continue;
+    const bool held_out =
+        std::find(hold_out.begin(), hold_out.end(), channel.name) != hold_out.end();
+    (held_out ? hidden : used).push_back(channel);
+  }
+  Measured result;
+  for (const auto& channel : used) result.channels.push_back(channel.name);
+  for (const auto& channel : hidden) result.hidden_channels.push_back(channel.name);
+  result.shapes = part_of(values.table, used, solution.modes);
+  result.hidden = part_of(values.table, hidden, solution.modes);
+  result.damping_ratio = values.table.damping_ratio;
+  result.truth = std::move(values.truth);
+  return result;
+}
+
+}  // namespace chladni::app

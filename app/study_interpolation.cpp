@@ -1,0 +1,82 @@
+// [measurement] and [interpolation] of a study: what was measured, and what it is asked for.
+#include <algorithm>
+
+#include "app/study_parts.h"
+#include "base/error.h"
+#include "priors/interpolator.h"
+
+namespace chladni::app {
+namespace {
+
+std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
+                                std::string_view key) {
+  const auto text = table.text(key);
+  if (!text) return {};
+  try {
+    return folder.resolved(*text);
+  } catch (const InvalidInput& e) {
+    table.wrong(*table.find(key), table.name(key) + ": " + e.what());
+    return {};
+  }
+}
+
+std::vector<std::string> channels_of(const Study& study) {
+  auto known = names_of(study.sensors);
+  const auto actuators = names_of(study.actuators);
+  known.insert(known.end(), actuators.begin(), actuators.end());
+  return known;
+}
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
+  return names;
+}
+
+}  // namespace
+
+void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
+  auto table = root.table("measurement");
+  if (!table) return;
+  auto& plan = study.measurement.emplace();
+  plan.frf = read_path(*table, folder, "frf");
+  plan.shapes = read_path(*table, folder, "shapes");
+  plan.truth = read_path(*table, folder, "truth");
+  if (!table->has("frf") && !table->has("shapes") && !table->has("truth")) {
+    table->missing("frf",
+                   "frf = \"measured.uff\", shapes = \"shapes.csv\" or truth = \"real.toml\" (a "
+                   "study whose modes stand for measured ones)");
+  }
+  if (table->has("shapes") && table->has("truth")) {
+    table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");
+  }
+  plan.noise = table->quantity("noise", "1", Sign::positive).value_or(0.01);
+  plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
+  plan.hold_out = table->texts("hold_out");
+  refuse_strangers(*table, "hold_out", "channel", plan.hold_out, channels_of(study));
+  table->refuse_unknown();
+}
+
+void read_interpolation(TableReader& root, Study& study) {
+  auto table = root.table("interpolation");
+  if (!table) return;
+  auto& plan = study.interpolation.emplace();
+  plan.methods = table->texts("methods");
+  refuse_strangers(*table, "methods", "method", plan.methods, method_names());
+  plan.on = table->texts("on");
+  const TomlNode* direction = table->find("direction");
+  if (direction != nullptr && direction->text != "normal") {
+    plan.direction = table->direction("direction");
+  }
+  Names names("point");
+  for (auto& point : table->tables("point")) {
+    plan.points.push_back({point.required_text("name"), read_place(point, "at")});
+    names.add(point, plan.points.back().name);
+    point.refuse_unknown();
+  }
+  plan.table_pitch = table->quantity("table_pitch", "m", Sign::positive).value_or(0.0);
+  plan.polynomial_degree = static_cast<int>(table->integer("polynomial_degree", 1, 30).value_or(0));
+  table->refuse_unknown();
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,35 @@
+// Measured mode shapes as a table: one line per mode, one column per channel.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace chladni::io {
+
+/// m modes at s channels.
+struct ShapeTable {
+  std::vector<std::string> channels;  ///< s
+  Eigen::VectorXd frequency_hz;       ///< m
+  Eigen::VectorXd damping_ratio;      ///< m; 0 where the table has none
+  Eigen::MatrixXd values;             ///< s×m, one unit for each mode
+  Eigen::MatrixXd deviation;          ///< s×m: standard deviations; 0 where the table has none
+};
+
+/// CSV with a first line of names: `frequency_hz`, optionally `damping_ratio` and `mode` (not
+/// read), then for each channel its name and optionally `std_` and its name. Numbers with a decimal
+/// point, fields in quotes or not, lines ended by LF or CR LF; empty lines and lines that begin
+/// with # are passed over. At most 100 000 modes and 10 000 columns.
+/// @param name  of the file, for messages
+/// @throws InvalidInput  names the line, what was found and what was expected
+[[nodiscard]] ShapeTable parse_shapes(std::string_view bytes, const std::string& name);
+
+/// @throws InvalidInput  as parse_shapes, or the file cannot be read
+[[nodiscard]] ShapeTable read_shapes(const std::filesystem::path& file);
+
+/// What read_shapes reads back to the last bit. @throws as write_atomically
+void write_shapes(const std::filesystem::path& file, const ShapeTable& table);
+
+}  // namespace chladni::io
