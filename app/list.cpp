@@ -10,6 +10,7 @@
 #include "fem/element.h"
 #include "placement/criteria.h"
 #include "placement/layout.h"
+#include "priors/kernel.h"
 
 namespace chladni::app {
 namespace {
@@ -72,10 +73,16 @@ void print_criteria(std::ostream& results) {
   }
 }
 
+void print_kernels(std::ostream& results) {
+  for (const auto* one : priors::kernels()) {
+    results << fmt::format("{:<20} {} ({})\n", one->name, one->summary, one->source);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> listable() {
-  return {"attachments", "bodies", "criteria", "elements", "formats", "materials"};
+  return {"attachments", "bodies", "criteria", "elements", "formats", "kernels", "materials"};
 }
 
 int list(std::string_view what, std::ostream& results) {
@@ -84,6 +91,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "formats") print(kFormats, results);
   if (what == "materials") print(kMaterials, results);
   if (what == "criteria") print_criteria(results);
+  if (what == "kernels") print_kernels(results);
   if (what != "elements") return 0;
   for (const auto* element : fem::elements()) {
     results << fmt::format("{:<16} {} nodes, order {}: {} [{}]\n", element->name, element->nodes,

@@ -1,0 +1,55 @@
+#include "priors/dense.h"
+
+// The Fortran interfaces, declared here: no header of a BLAS is needed.
+extern "C" {
+void dpotrf_(const char*, const int*, double*, const int*, int*);
+void dpotri_(const char*, const int*, double*, const int*, int*);
+void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*,
+            const double*, const double*, const int*, double*, const int*);
+void dsyrk_(const char*, const char*, const int*, const int*, const double*, const double*,
+            const int*, const double*, double*, const int*);
+}
+
+namespace chladni::priors::dense {
+namespace {
+
+int narrow(Eigen::Index n) { return static_cast<int>(n); }
+
+void triangular_solve(const char* transposed, const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
+  if (b.size() == 0) return;
+  constexpr double kOne = 1.0;
+  const int m = narrow(b.rows());
+  const int n = narrow(b.cols());
+  dtrsm_("L", "L", transposed, "N", &m, &n, &kOne, factor.data(), &m, b.data(), &m);
+}
+
+}  // namespace
+
+bool cholesky(Eigen::MatrixXd& a) {
+  const int n = narrow(a.rows());
+  int info = 0;
+  if (n > 0) dpotrf_("L", &n, a.data(), &n, &info);
+  return info == 0;
+}
+
+void solve(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) { triangular_solve("N", factor, b); }
+
+void solve_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
+  triangular_solve("T", factor, b);
+}
+
+void invert(Eigen::MatrixXd& factor) {
+  const int n = narrow(factor.rows());
+  int info = 0;
+  if (n > 0) dpotri_("L", &n, factor.data(), &n, &info);
+}
+
+void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c) {
+  if (a.size() == 0) return;
+  constexpr double kOne = 1.0;
+  const int n = narrow(a.rows());
+  const int k = narrow(a.cols());
+  dsyrk_("L", "N", &n, &k, &s, a.data(), &n, &kOne, c.data(), &n);
+}
+
+}  // namespace chladni::priors::dense

@@ -1,0 +1,21 @@
+// Dense symmetric matrices at the speed of BLAS and LAPACK. Of this room only.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace chladni::priors::dense {
+
+/// A = LLᵀ in place, lower triangle. False where a pivot is not positive.
+[[nodiscard]] bool cholesky(Eigen::MatrixXd& a);
+
+/// B := L⁻¹ B and B := L⁻ᵀ B.
+void solve(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
+void solve_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
+
+/// Lower triangle of A⁻¹ from that of L, in place.
+void invert(Eigen::MatrixXd& factor);
+
+/// C := C + s A Aᵀ, lower triangle only.
+void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c);
+
+}  // namespace chladni::priors::dense
