@@ -1,5 +1,7 @@
 #include "priors/dense.h"
 
+#include "priors/exponential.h"
+
 // The Fortran interfaces, declared here: no header of a BLAS is needed.
 extern "C" {
 void dpotrf_(const char*, const int*, double*, const int*, int*);
@@ -17,6 +19,7 @@ int narrow(Eigen::Index n) { return static_cast<int>(n); }
 
 void triangular_solve(const char* transposed, const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
   if (b.size() == 0) return;
+  const FlushToZero flush;
   constexpr double kOne = 1.0;
   const int m = narrow(b.rows());
   const int n = narrow(b.cols());
@@ -26,6 +29,7 @@ void triangular_solve(const char* transposed, const Eigen::MatrixXd& factor, Eig
 }  // namespace
 
 bool cholesky(Eigen::MatrixXd& a) {
+  const FlushToZero flush;
   const int n = narrow(a.rows());
   int info = 0;
   if (n > 0) dpotrf_("L", &n, a.data(), &n, &info);
@@ -39,6 +43,7 @@ void solve_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
 }
 
 void invert(Eigen::MatrixXd& factor) {
+  const FlushToZero flush;
   const int n = narrow(factor.rows());
   int info = 0;
   if (n > 0) dpotri_("L", &n, factor.data(), &n, &info);
@@ -46,6 +51,7 @@ void invert(Eigen::MatrixXd& factor) {
 
 void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c) {
   if (a.size() == 0) return;
+  const FlushToZero flush;
   constexpr double kOne = 1.0;
   const int n = narrow(a.rows());
   const int k = narrow(a.cols());

@@ -39,18 +39,20 @@ GaussianProcess::GaussianProcess(GaussianPrior prior, const Points& points,
 }
 
 void GaussianProcess::factorise() {
-  Eigen::MatrixXd matrix = covariance(prior_.kernel, prior_.parameters, points_);
-  matrix *= prior_.amplitude * prior_.amplitude;
-  matrix.diagonal() += noise_;
-  const double scale = matrix.diagonal().mean();
-  factor_ = matrix;
+  const auto fill = [&] {
+    factor_ = covariance(prior_.kernel, prior_.parameters, points_);
+    factor_.triangularView<Eigen::Lower>() *= prior_.amplitude * prior_.amplitude;
+    factor_.diagonal() += noise_;
+    return factor_.diagonal().mean();
+  };
+  const double scale = fill();
   for (double relative = 1e-14; !dense::cholesky(factor_); relative *= 100.0) {
     if (relative > 1e-4) {
       throw NumericalFailure("Gaussian process: the covariance of kernel " + prior_.kernel.name() +
                              " is not positive definite, even with 1e-4 of its diagonal added");
     }
     jitter_ = relative * scale;
-    factor_ = matrix;
+    (void)fill();
     factor_.diagonal().array() += jitter_;
   }
   noise_.array() += jitter_;
@@ -98,11 +100,10 @@ Eigen::MatrixXd GaussianProcess::projected_inverse() const {
   return inverse;
 }
 
-Score GaussianProcess::score(Objective objective, const Eigen::MatrixXd& values,
-                             bool best_factor) const {
+Score GaussianProcess::score(Merit merit, const Eigen::MatrixXd& values, bool best_factor) const {
   require_values(values);
   const Eigen::MatrixXd alpha = projected(values);
-  const bool marginal = objective == Objective::marginal_likelihood;
+  const bool marginal = merit == Merit::marginal_likelihood;
   const double free =
       static_cast<double>(marginal ? points_.rows() - trend_.cols() : points_.rows());
   Eigen::VectorXd square = values.cwiseProduct(alpha).colwise().sum().transpose();
@@ -126,11 +127,11 @@ Score GaussianProcess::score(Objective objective, const Eigen::MatrixXd& values,
   return score;
 }
 
-Slopes GaussianProcess::slopes(Objective objective, const Eigen::MatrixXd& values,
+Slopes GaussianProcess::slopes(Merit merit, const Eigen::MatrixXd& values,
                                const Eigen::VectorXd& factor) const {
   require_values(values);
-  return objective == Objective::marginal_likelihood ? likelihood_slopes(values, factor)
-                                                     : leave_one_out_slopes(values, factor);
+  return merit == Merit::marginal_likelihood ? likelihood_slopes(values, factor)
+                                             : leave_one_out_slopes(values, factor);
 }
 
 // dL/dt = ½ (αᵀ dC α − tr(P dC)); a² dK/da² follows from C = a² K + N without another product.
@@ -189,6 +190,21 @@ LeaveOneOut GaussianProcess::leave_one_out(const Eigen::MatrixXd& values) const 
   result.variance = projected_inverse().diagonal().cwiseInverse();
   result.mean = values - result.variance.asDiagonal() * projected(values);
   return result;
+}
+
+Eigen::MatrixXd GaussianProcess::weights(const Points& places) const {
+  const double variance = prior_.amplitude * prior_.amplitude;
+  Eigen::MatrixXd solved = variance * covariance(prior_.kernel, prior_.parameters, points_, places);
+  Eigen::MatrixXd free = prior_.trend.at(places).transpose();
+  if (free.rows() > 0) free -= trend_solved_.transpose() * solved;
+  dense::solve(factor_, solved);
+  dense::solve_transposed(factor_, solved);
+  if (free.rows() > 0) {
+    dense::solve(gram_factor_, free);
+    dense::solve_transposed(gram_factor_, free);
+    solved += trend_solved_ * free;
+  }
+  return solved.transpose();
 }
 
 Prediction GaussianProcess::at(const Points& places, const Eigen::MatrixXd& values) const {

@@ -15,7 +15,7 @@ struct GaussianPrior {
 };
 
 /// What hyper-parameters are chosen by.
-enum class Objective {
+enum class Merit {
   marginal_likelihood,  ///< ln p(y); with a trend, of what the trend leaves (REML)
   leave_one_out,        ///< Σ_i ln p(y_i | all others)
 };
@@ -60,16 +60,18 @@ class GaussianProcess {
   [[nodiscard]] double jitter() const { return jitter_; }
 
   /// @param values  N×m; with `best_factor` each output's own b is chosen
-  [[nodiscard]] Score score(Objective objective, const Eigen::MatrixXd& values,
+  [[nodiscard]] Score score(Merit merit, const Eigen::MatrixXd& values,
                             bool best_factor = false) const;
   /// Of that score at the factors given, exactly; where they are the best ones it is the gradient
   /// of the profile. Cost 2N³ / 3, and as much again per output for leave-one-out.
-  [[nodiscard]] Slopes slopes(Objective objective, const Eigen::MatrixXd& values,
+  [[nodiscard]] Slopes slopes(Merit merit, const Eigen::MatrixXd& values,
                               const Eigen::VectorXd& factor) const;
   /// In closed form (Dubrule 1983); cost as of `slopes`.
   [[nodiscard]] LeaveOneOut leave_one_out(const Eigen::MatrixXd& values) const;
   /// At n places; cost n N² in blocks of bounded memory.
   [[nodiscard]] Prediction at(const Points& places, const Eigen::MatrixXd& values) const;
+  /// The prediction's mean is these times the values: n×N.
+  [[nodiscard]] Eigen::MatrixXd weights(const Points& places) const;
 
  private:
   // P = C⁻¹ − C⁻¹H (HᵀC⁻¹H)⁻¹ HᵀC⁻¹: what the trend leaves of the inverse.

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "priors/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {
@@ -10,7 +11,8 @@ void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
   const auto scale = lengths(parameters, 0);
   const Eigen::ArrayXd s = scaled_square(points, other, scale);
   const Eigen::ArrayXd r = std::sqrt(3.0) * s.sqrt();
-  const Eigen::ArrayXd decay = (-r).exp();
+  Eigen::ArrayXd decay = -r;
+  exponentiate(decay);
   column.value = (1.0 + r) * decay;
   if (!column.wants_gradient) return;
   const Eigen::ArrayXd slope = -1.5 * decay;

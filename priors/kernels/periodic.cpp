@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "priors/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {
@@ -21,7 +22,8 @@ void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
   };
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(points.rows());
   for (Eigen::Index a = 0; a < 3; ++a) sum += angle(a).sin().square();
-  column.value = (-factor * sum).exp();
+  column.value = -factor * sum;
+  exponentiate(column.value);
   if (!column.wants_gradient) return;
   column.gradient.setZero(points.rows(), last + 1);
   for (Eigen::Index a = 0; a < 3; ++a) {

@@ -14,9 +14,10 @@ Eigen::RowVector3d lengths(const Eigen::VectorXd& parameters, Eigen::Index other
 
 Eigen::ArrayXd scaled_square(const CoordinatesView& points, const Eigen::RowVector3d& other,
                              const Eigen::RowVector3d& lengths) {
-  return ((points.col(0).array() - other(0)) / lengths(0)).square() +
-         ((points.col(1).array() - other(1)) / lengths(1)).square() +
-         ((points.col(2).array() - other(2)) / lengths(2)).square();
+  const Eigen::RowVector3d w = lengths.cwiseAbs2().cwiseInverse();
+  return w(0) * (points.col(0).array() - other(0)).square() +
+         w(1) * (points.col(1).array() - other(1)).square() +
+         w(2) * (points.col(2).array() - other(2)).square();
 }
 
 void set_length_gradient(const CoordinatesView& points, const Eigen::RowVector3d& other,

@@ -1,3 +1,4 @@
+#include "priors/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {
@@ -17,7 +18,8 @@ void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
   const Eigen::ArrayXd s = scaled_square(points, other, scale);
   const Eigen::ArrayXd base = 1.0 + s / (2.0 * alpha);
   const Eigen::ArrayXd logarithm = base.log();
-  column.value = (-alpha * logarithm).exp();
+  column.value = -alpha * logarithm;
+  exponentiate(column.value);
   if (!column.wants_gradient) return;
   const Eigen::ArrayXd slope = -0.5 * column.value / base;
   set_length_gradient(points, other, scale, last, s, slope, column, 1);

@@ -1,3 +1,4 @@
+#include "priors/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {
@@ -7,7 +8,8 @@ void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
               const Eigen::VectorXd& parameters, KernelColumn& column) {
   const auto scale = lengths(parameters, 0);
   const Eigen::ArrayXd s = scaled_square(points, other, scale);
-  column.value = (-0.5 * s).exp();
+  column.value = -0.5 * s;
+  exponentiate(column.value);
   if (!column.wants_gradient) return;
   const Eigen::ArrayXd slope = -0.5 * column.value;
   set_length_gradient(points, other, scale, parameters.size(), s, slope, column);

@@ -74,7 +74,7 @@ TEST(GaussianProcess, IsTheTextbooksFormula) {
         p.amplitude * p.amplitude - across.row(i) * inverse * across.row(i).transpose();
     EXPECT_NEAR(found.deviation(i) * found.deviation(i), variance, 1e-12);
   }
-  const auto score = process.score(Objective::marginal_likelihood, y);
+  const auto score = process.score(Merit::marginal_likelihood, y);
   for (Eigen::Index i = 0; i < 2; ++i) {
     const double expected = -0.5 * y.col(i).dot(inverse * y.col(i)) -
                             0.5 * std::log(c.determinant()) -
@@ -92,6 +92,16 @@ TEST(GaussianProcess, InterpolatesWithoutNoise) {
     const auto found = process.at(points, y);
     EXPECT_LT((found.mean - y).cwiseAbs().maxCoeff(), 1e-9);
     EXPECT_LT(found.deviation.maxCoeff(), 1e-6);
+  }
+}
+
+TEST(GaussianProcess, MeanIsItsWeightsTimesTheValues) {
+  for (const bool with_trend : {false, true}) {
+    const auto points = random_points(12);
+    const auto places = random_points(30, kSeed + 2);
+    const auto y = shapes(points, 2);
+    const GaussianProcess process(prior(points, with_trend), points, noise(12));
+    EXPECT_LT((process.weights(places) * y - process.at(places, y).mean).norm(), 1e-11);
   }
 }
 
@@ -141,22 +151,22 @@ TEST(GaussianProcess, RestrictedLikelihoodIsThatOfWhatTheTrendLeaves) {
   const double expected = -0.5 * z.dot(c.inverse() * z) - 0.5 * std::log(c.determinant()) -
                           3.5 * std::log(2.0 * std::numbers::pi);
   const GaussianProcess process(p, points, noise(10));
-  EXPECT_NEAR(process.score(Objective::marginal_likelihood, y).value(0), expected, 1e-9);
+  EXPECT_NEAR(process.score(Merit::marginal_likelihood, y).value(0), expected, 1e-9);
 }
 
 TEST(GaussianProcess, BestFactorIsTheBest) {
   const auto points = random_points(14);
   const auto y = shapes(points, 3);
-  for (const auto objective : {Objective::marginal_likelihood, Objective::leave_one_out}) {
+  for (const auto merit : {Merit::marginal_likelihood, Merit::leave_one_out}) {
     const auto p = prior(points, true);
-    const auto best = GaussianProcess(p, points, noise(14)).score(objective, y, true);
+    const auto best = GaussianProcess(p, points, noise(14)).score(merit, y, true);
     for (Eigen::Index i = 0; i < 3; ++i) {
       for (const double off : {0.99, 1.0, 1.01}) {
         const double b = off * best.factor(i);
         auto scaled = p;
         scaled.amplitude *= b;
         const GaussianProcess process(scaled, points, b * b * noise(14));
-        const double value = process.score(objective, y.col(i)).value(0);
+        const double value = process.score(merit, y.col(i)).value(0);
         if (off == 1.0) {
           EXPECT_NEAR(value, best.value(i), 1e-9);
         } else {
@@ -191,7 +201,7 @@ TEST(GaussianProcess, LeaveOneOutIsTheRefitWithoutThePoint) {
         density(m) -= 0.5 * (std::log(2.0 * std::numbers::pi * variance) + off * off / variance);
       }
     }
-    const auto score = process.score(Objective::leave_one_out, y);
+    const auto score = process.score(Merit::leave_one_out, y);
     EXPECT_LT((score.value - density).cwiseAbs().maxCoeff(), 1e-8);
   }
 }
@@ -201,7 +211,7 @@ TEST(GaussianProcess, SlopesAreDifferences) {
   const auto y = shapes(points, 3);
   const Eigen::VectorXd factor = Eigen::Vector3d(1.0, 0.8, 1.2);
   const double h = 1e-4;
-  for (const auto objective : {Objective::marginal_likelihood, Objective::leave_one_out}) {
+  for (const auto merit : {Merit::marginal_likelihood, Merit::leave_one_out}) {
     for (const bool with_trend : {false, true}) {
       const auto p = prior(points, with_trend);
       // The scores with ln of parameter k (then of the amplitude, then of the noise) moved by d.
@@ -212,9 +222,9 @@ TEST(GaussianProcess, SlopesAreDifferences) {
         if (k == 3) moved.amplitude *= std::exp(d);
         if (k == 4) louder = std::exp(d);
         const GaussianProcess process(moved, points, louder * noise(13));
-        return process.score(objective, y * factor.cwiseInverse().asDiagonal()).value;
+        return process.score(merit, y * factor.cwiseInverse().asDiagonal()).value;
       };
-      const auto exact = GaussianProcess(p, points, noise(13)).slopes(objective, y, factor);
+      const auto exact = GaussianProcess(p, points, noise(13)).slopes(merit, y, factor);
       for (Eigen::Index k = 0; k < 5; ++k) {
         const Eigen::VectorXd difference =
             (8.0 * (score(k, h) - score(k, -h)) - (score(k, 2.0 * h) - score(k, -2.0 * h))) /
@@ -233,14 +243,14 @@ TEST(GaussianProcess, SeveralOutputsAreSingleOnes) {
   const auto places = random_points(8, kSeed + 4);
   const auto y = shapes(points, 3);
   const GaussianProcess process(prior(points, true), points, noise(13));
-  for (const auto objective : {Objective::marginal_likelihood, Objective::leave_one_out}) {
-    const auto all = process.score(objective, y, true);
-    const auto slopes = process.slopes(objective, y, all.factor);
+  for (const auto merit : {Merit::marginal_likelihood, Merit::leave_one_out}) {
+    const auto all = process.score(merit, y, true);
+    const auto slopes = process.slopes(merit, y, all.factor);
     for (Eigen::Index i = 0; i < 3; ++i) {
-      const auto one = process.score(objective, y.col(i), true);
+      const auto one = process.score(merit, y.col(i), true);
       EXPECT_NEAR(all.value(i), one.value(0), 1e-10);
       EXPECT_NEAR(all.factor(i), one.factor(0), 1e-12);
-      const auto slope = process.slopes(objective, y.col(i), one.factor);
+      const auto slope = process.slopes(merit, y.col(i), one.factor);
       EXPECT_LT((slopes.parameters.col(i) - slope.parameters).norm(), 1e-9);
     }
   }
@@ -293,7 +303,7 @@ TEST(BestAmplitude, MaximisesTheLikelihood) {
       auto there = p;
       there.amplitude = amplitude;
       return GaussianProcess(there, points, noise(13))
-          .score(Objective::marginal_likelihood, y)
+          .score(Merit::marginal_likelihood, y)
           .value(0);
     };
     EXPECT_GT(value(best), value(1.01 * best));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "priors/exponential.h"
 #include "priors/kernel.h"
 
 namespace chladni::priors {
@@ -232,6 +233,21 @@ std::vector<Case> isotropic_cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, EverySymmetry, ::testing::ValuesIn(isotropic_cases()), name_of);
+
+TEST(Exponentiate, IsTheExponentialToItsLastDigits) {
+  Eigen::ArrayXd x(100003);  // no multiple of what a register holds
+  for (Eigen::Index i = 0; i < x.size(); ++i) x(i) = -690.0 * std::pow(static_cast<double>(i) / 100002.0, 3.0);
+  Eigen::ArrayXd found = x;
+  exponentiate(found);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    ASSERT_NEAR(found(i) / std::exp(x(i)), 1.0, 5e-16) << x(i);
+  }
+  EXPECT_EQ(found(0), 1.0);
+  Eigen::ArrayXd far = Eigen::ArrayXd::Constant(3, -1e6);
+  exponentiate(far);
+  EXPECT_LT(far(2), 1e-299);
+  EXPECT_GE(far(2), 0.0);
+}
 
 TEST(Kernel, OfTheSourceHasItsFormula) {
   const Points points = (Points(2, 3) << 0.1, 0.2, 0.0, 0.4, 0.6, 0.0).finished();
