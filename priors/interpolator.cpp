@@ -17,6 +17,9 @@ constexpr std::array kAll{
     &ensemble_interpolator,
     &modal_expansion_interpolator,
     &serep_interpolator,
+    &thin_plate_spline_interpolator,
+    &thin_plate_spline_gcv_interpolator,
+    &thin_plate_spline_leave_one_out_interpolator,
 };
 
 constexpr double kSamePlace = 1e-6;           // of the diagonal of the places

@@ -12,5 +12,8 @@ extern const Interpolator strain_energy_spline_interpolator;
 extern const Interpolator ensemble_interpolator;
 extern const Interpolator modal_expansion_interpolator;
 extern const Interpolator serep_interpolator;
+extern const Interpolator thin_plate_spline_interpolator;
+extern const Interpolator thin_plate_spline_gcv_interpolator;
+extern const Interpolator thin_plate_spline_leave_one_out_interpolator;
 
 }  // namespace chladni::priors
