@@ -17,7 +17,6 @@ constexpr double kYoung = 70e9;
 constexpr double kPoisson = 0.3;
 constexpr double kDensity = 2700.0;
 constexpr double kPitch = 0.06;
-constexpr double kThicknessRms = 0.10;
 
 constexpr TableParts kAll{true, true, true, true, true};
 
@@ -65,11 +64,11 @@ Eigen::VectorXd smooth_field(const PlateGrid& grid, double length, Dice& dice) {
   return field / std::sqrt(field.squaredNorm() / static_cast<double>(field.size()));
 }
 
-Scatter scatter(unsigned seed) {
+Scatter scatter(unsigned seed, double thickness_rms) {
   Dice dice(seed);
   Scatter s;
   const PlateGrid grid{kSide, kSide, kTableCells, kTableCells};
-  s.thickness = (1.0 + kThicknessRms * smooth_field(grid, 0.2, dice).array()).max(0.5);
+  s.thickness = (1.0 + thickness_rms * smooth_field(grid, 0.2, dice).array()).max(0.5);
   s.orthotropy = dice.between(-0.12, 0.12);
   for (double& kg : s.corner_kg) kg *= dice.between(0.8, 1.2);
   s.pocket_stiffness *= dice.between(0.85, 1.15);
@@ -155,7 +154,12 @@ KirchhoffPlate minimal_table_with_corner_masses(int cells) {
 
 KirchhoffPlate accurate_table() { return nominal_table(kAll); }
 
-KirchhoffPlate real_table(unsigned seed) { return table(kAll, scatter(seed), kTableCells); }
+KirchhoffPlate real_table(unsigned seed, double thickness_rms) {
+  require(thickness_rms >= 0.0 && thickness_rms <= 0.2, "table: the thickness varies by " +
+                                                            std::to_string(thickness_rms) +
+                                                            " rms; expected 0 to 0.2");
+  return table(kAll, scatter(seed, thickness_rms), kTableCells);
+}
 
 Eigen::MatrixX2d mounts() {
   Eigen::MatrixX2d places(81, 2);
@@ -183,19 +187,19 @@ Eigen::MatrixX2d layout(const std::string& name) {
                       {240, 240}});
   }
   if (name == "rings") {
-    return at_mounts({{-240, -180},
-                      {-60, -240},
-                      {180, -240},
-                      {240, -60},
-                      {240, 180},
-                      {60, 240},
-                      {-180, 240},
-                      {-240, 60},
-                      {120, 60},
-                      {-60, 120},
-                      {-120, -60},
-                      {60, -120},
-                      {60, 0}});
+    return at_mounts({{-240, -240},
+                      {240, -240},
+                      {240, 240},
+                      {-240, 240},
+                      {60, -240},
+                      {240, 60},
+                      {-60, 240},
+                      {-240, -60},
+                      {60, 120},
+                      {-120, 60},
+                      {-60, -120},
+                      {120, -60},
+                      {0, 60}});
   }
   if (name == "rand1") return drawn(101);
   if (name == "rand2") return drawn(102);
