@@ -8,7 +8,7 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kUnseen = 0.5;  // of a mode's mean square
+constexpr double kUnseen = 0.3;  // of a mode's mean square
 
 std::string percent(double part) {
   return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : std::string("-");
@@ -159,7 +159,9 @@ std::string interpolation_table(const Interpolated& result) {
       fmt::format("{} shapes measured at {} places, {} held out\n", measured.shapes.mode_count(),
                   measured.channels.size(), measured.hidden_channels.size());
   const auto unseen = unseen_text(result);
-  if (!unseen.empty()) text += "these places cannot see modes of the simulation: " + unseen + "\n";
+  if (!unseen.empty())
+    text += "these places hardly see modes of the simulation (what is expected to stay unknown): " +
+            unseen + "\n";
   text += "\n" + methods_text(result) + modes_text(result) + points_text(result);
   for (const auto& one : result.methods) {
     for (const auto& note : one.field->summary().notes) {

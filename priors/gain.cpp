@@ -81,30 +81,47 @@ Moments moments_of(const Sides& sides, const Peak& peak, int sign, double refere
   return found;
 }
 
-// With what higher modes bring, as a part of the values' own mean square.
-Eigen::VectorXd widened(const Eigen::VectorXd& noise, const Eigen::VectorXd& values,
-                        double beyond) {
-  const double square = values.squaredNorm() / static_cast<double>(values.size());
-  return (noise.array().square() + beyond * square).sqrt();
+bool is_same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j) {
+  constexpr double kSame = 1e-6;  // [m], and of the directions
+  return (a.position.row(i) - b.position.row(j)).norm() <= kSame &&
+         (a.direction.row(i) - b.direction.row(j)).norm() <= kSame;
 }
 
-Sides sides_of(const TwoSidedShape& shape, const CoefficientPrior& known) {
+// What higher modes bring: one more function for each place, alike for a collocated pair.
+Eigen::MatrixXd functions_beyond(const TwoSidedShape& shape, double deviation) {
+  const auto s = shape.sensors.count();
+  const auto a = shape.actuators.count();
+  Eigen::MatrixXd functions = deviation * Eigen::MatrixXd::Identity(s + a, s + a);
+  for (Eigen::Index k = 0; k < a; ++k) {
+    for (Eigen::Index i = 0; i < s; ++i) {
+      if (!is_same_place(shape.sensors, i, shape.actuators, k)) continue;
+      functions(s + k, s + k) = 0.0;
+      functions(s + k, i) = deviation;
+      break;
+    }
+  }
+  return functions;
+}
+
+Sides sides_of(const TwoSidedShape& shape, const ModalBasis& basis, const CoefficientPrior& known) {
   const auto& variance = known.variance;
+  const auto r = variance.size();
   const auto s = shape.sensors.count();
   const auto a = shape.actuators.count();
   require(s > 0 && a > 0 && shape.sensor_values.size() == s && shape.sensor_noise.size() == s &&
               shape.actuator_values.size() == a && shape.actuator_noise.size() == a,
           "gain match: sensors or actuators are missing, or their values do not fit them");
-  require(shape.sensors.shapes.cols() == variance.size() &&
-              shape.actuators.shapes.cols() == variance.size(),
+  require(shape.sensors.shapes.cols() == r && shape.actuators.shapes.cols() == r,
           "gain match: the places do not carry the simulation's modes");
-  Sides sides{Eigen::MatrixXd(s + a, variance.size()), Eigen::VectorXd(s + a),
-              Eigen::VectorXd(s + a), s};
-  sides.rows << shape.sensors.shapes, shape.actuators.shapes;
-  sides.rows *= variance.cwiseSqrt().asDiagonal();
+  Sides sides{Eigen::MatrixXd(s + a, r + s + a), Eigen::VectorXd(s + a), Eigen::VectorXd(s + a), s};
+  sides.rows.topLeftCorner(s, r) = shape.sensors.shapes;
+  sides.rows.bottomLeftCorner(a, r) = shape.actuators.shapes;
+  sides.rows.leftCols(r) *= variance.cwiseSqrt().asDiagonal();
+  const double shown = variance.dot(basis.gram.diagonal());
+  sides.rows.rightCols(s + a) =
+      functions_beyond(shape, std::sqrt(shown * known.beyond / (1.0 - known.beyond)));
   sides.values << shape.sensor_values, shape.actuator_values;
-  sides.noise << widened(shape.sensor_noise, shape.sensor_values, known.beyond),
-      widened(shape.actuator_noise, shape.actuator_values, known.beyond);
+  sides.noise << shape.sensor_noise, shape.actuator_noise;
   return sides;
 }
 
@@ -125,7 +142,7 @@ double rough_gain(const Sides& sides) {
 GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
                      const DynamicResidual& prior) {
   const auto known = coefficient_prior(basis, shape.frequency_hz, prior);
-  const auto sides = sides_of(shape, known);
+  const auto sides = sides_of(shape, basis, known);
   const double centre = rough_gain(sides);
   constexpr std::array kSigns{1, -1};
   std::array<Peak, 2> peaks;

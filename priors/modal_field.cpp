@@ -13,7 +13,7 @@ namespace chladni::priors {
 namespace {
 
 constexpr Eigen::Index kBlock = 512;  // places at a time: the block stays in the cache
-constexpr double kUnseen = 0.5;       // of a shape's mean square
+constexpr double kUnseen = 0.3;       // of a shape's mean square
 
 // Deviations of the shapes at places [first, first + count).
 void add_deviations(const Places& places, const std::vector<ShapeCoefficients>& shapes,
@@ -95,7 +95,7 @@ FitSummary modal_summary(const std::vector<FittedShape>& shapes) {
           i + 1));
     } else if (shape.expected_error > kUnseen) {
       summary.notes.push_back(
-          fmt::format("mode {}: the places do not see it, {:.0f} % of its mean square is expected "
+          fmt::format("mode {}: the places hardly see it, {:.0f} % of its mean square is expected "
                       "to be wrong",
                       i + 1, 100.0 * shape.expected_error));
     }

@@ -236,7 +236,8 @@ INSTANTIATE_TEST_SUITE_P(Kernels, EverySymmetry, ::testing::ValuesIn(isotropic_c
 
 TEST(Exponentiate, IsTheExponentialToItsLastDigits) {
   Eigen::ArrayXd x(100003);  // no multiple of what a register holds
-  for (Eigen::Index i = 0; i < x.size(); ++i) x(i) = -690.0 * std::pow(static_cast<double>(i) / 100002.0, 3.0);
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x(i) = -690.0 * std::pow(static_cast<double>(i) / 100002.0, 3.0);
   Eigen::ArrayXd found = x;
   exponentiate(found);
   for (Eigen::Index i = 0; i < x.size(); ++i) {

@@ -1,0 +1,74 @@
+#include "io/shape_table.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "base/error.h"
+
+namespace chladni::io {
+namespace {
+
+TEST(ShapeTable, ReadsModesByLineAndChannelsByColumn) {
+  const auto table = parse_shapes(
+      "# thesis table 4\r\nmode,frequency_hz,damping_ratio,s1,\"s,2\",std_s1\r\n"
+      "1,139.2,0.004,0.1,-2e-1,0.01\r\n\r\n2,250,0.002,0.3,0.4,0.02\r\n",
+      "t.csv");
+  ASSERT_EQ(table.channels, (std::vector<std::string>{"s1", "s,2"}));
+  EXPECT_EQ(table.frequency_hz, Eigen::Vector2d(139.2, 250.0));
+  EXPECT_EQ(table.damping_ratio, Eigen::Vector2d(0.004, 0.002));
+  EXPECT_EQ(table.values, (Eigen::Matrix2d() << 0.1, 0.3, -0.2, 0.4).finished());
+  EXPECT_EQ(table.deviation, (Eigen::Matrix2d() << 0.01, 0.02, 0.0, 0.0).finished());
+}
+
+TEST(ShapeTable, ReadsBackWhatItWrote) {
+  const auto file = std::filesystem::temp_directory_path() / "chladni_shape_table_test.csv";
+  ShapeTable table{{"a", "b"},
+                   Eigen::Vector2d(1.0 / 3.0, 20.0),
+                   Eigen::Vector2d(0.0, 0.1),
+                   Eigen::Matrix2d::Random(),
+                   Eigen::Matrix2d::Constant(0.1 / 3.0)};
+  write_shapes(file, table);
+  const auto back = read_shapes(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(back.channels, table.channels);
+  EXPECT_EQ(back.frequency_hz, table.frequency_hz);
+  EXPECT_EQ(back.values, table.values);
+  EXPECT_EQ(back.deviation, table.deviation);
+}
+
+struct Bad {
+  const char *bytes, *word;
+};
+
+class BadTable : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadTable, IsRefusedWithItsLine) {
+  try {
+    (void)parse_shapes(GetParam().bytes, "t.csv");
+    FAIL() << "taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find(GetParam().word), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find("t.csv"), 0U) << e.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ShapeTable, BadTable,
+                         testing::Values(Bad{"", "no lines"}, Bad{"frequency_hz,s1\n", "no mode"},
+                                         Bad{"f,s1\n1,2\n", "no column frequency_hz"},
+                                         Bad{"frequency_hz\n1\n", "no column of a channel"},
+                                         Bad{"frequency_hz,s1\n1\n",
+                                             "line 2: 1 fields; expected 2"},
+                                         Bad{"frequency_hz,s1\n1,x\n", "line 2: s1"},
+                                         Bad{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
+                                         Bad{"frequency_hz,s1\n1,\n", "line 2: s1"},
+                                         Bad{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
+                                         Bad{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
+                                         Bad{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
+                                         Bad{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
+                                         Bad{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
+                                         Bad{"frequency_hz,\"s1\n1,2\n", "quote"}));
+
+}  // namespace
+}  // namespace chladni::io

@@ -1,0 +1,192 @@
+// Laws that every way to interpolate keeps, and what all of them refuse.
+#include "priors/interpolator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+#include "plate_case.h"
+
+namespace chladni::priors {
+namespace {
+
+Field field_of(const Interpolator& method, const PlateCase& one) {
+  return mode_field(method, one.measured, one.simulation)->at(one.simulation.surface);
+}
+
+double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return (a - b).norm() / b.norm();
+}
+
+class Every : public testing::TestWithParam<const Interpolator*> {
+ protected:
+  const Interpolator& method = *GetParam();
+  PlateCase made = plate_case("rings", 1, 8);
+};
+
+TEST_P(Every, GivesAMeanAndADeviationForEachPlaceAndMode) {
+  const auto field = field_of(method, made);
+  EXPECT_EQ(field.mean.rows(), made.simulation.surface.count());
+  EXPECT_EQ(field.mean.cols(), 8);
+  EXPECT_TRUE(field.mean.allFinite());
+  if (!method.has_deviation) return;
+  EXPECT_TRUE(field.deviation.allFinite());
+  EXPECT_GE(field.deviation.minCoeff(), 0.0);
+}
+
+TEST_P(Every, ScalesWithTheUnitOfTheValues) {
+  const auto field = field_of(method, made);
+  made.measured.values *= 1e-6;
+  made.measured.noise *= 1e-6;
+  const auto scaled = field_of(method, made);
+  EXPECT_LT(difference(1e6 * scaled.mean, field.mean), 2e-3);
+  if (!method.has_deviation) return;
+  EXPECT_LT(difference(1e6 * scaled.deviation, field.deviation), 2e-3);
+}
+
+TEST_P(Every, TurnsAroundWithASign) {
+  const auto field = field_of(method, made);
+  made.measured.values *= -1.0;
+  const auto turned = field_of(method, made);
+  EXPECT_LT(difference(-turned.mean, field.mean), 1e-6);
+}
+
+TEST_P(Every, DoesNotCareForTheOrderOfThePlaces) {
+  const auto field = field_of(method, made);
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index k = made.measured.places.count(); k-- > 0;) order.push_back(k);
+  made.measured.places = part(made.measured.places, order);
+  made.measured.values = made.measured.values(order, Eigen::all).eval();
+  made.measured.noise = made.measured.noise(order, Eigen::all).eval();
+  EXPECT_LT(difference(field_of(method, made).mean, field.mean), 2e-3);
+}
+
+TEST_P(Every, DoesNotCareForSignsAndTurnsOfTheSimulatedModes) {
+  const auto field = field_of(method, made);
+  // Modes 4 and 5 of the square are one pair: flexible columns 3 and 4 after three rigid ones.
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  for (auto* places : {&made.measured.places, &made.simulation.surface}) {
+    const Eigen::MatrixXd pair = places->shapes.middleCols<2>(6);
+    places->shapes.col(6) = c * pair.col(0) + s * pair.col(1);
+    places->shapes.col(7) = -s * pair.col(0) + c * pair.col(1);
+    places->shapes.col(4) *= -1.0;
+  }
+  for (auto& model : made.simulation.similar) {
+    const Eigen::MatrixXd rows = model.turn.middleRows<2>(6);
+    model.turn.row(6) = c * rows.row(0) + s * rows.row(1);
+    model.turn.row(7) = -s * rows.row(0) + c * rows.row(1);
+    model.turn.row(4) *= -1.0;
+  }
+  EXPECT_LT(difference(field_of(method, made).mean, field.mean), 2e-3);
+}
+
+TEST_P(Every, GivesTheSameBitsTwice) {
+  const auto once = field_of(method, made);
+  const auto twice = field_of(method, made);
+  EXPECT_EQ(once.mean, twice.mean);
+}
+
+TEST_P(Every, SaysNothingOfPlacesWithoutWhatItNeeds) {
+  const auto field = mode_field(method, made.measured, made.simulation);
+  Places bare = made.simulation.surface;
+  bare.shapes.resize(bare.count(), 0);
+  if (method.uses_modes) {
+    EXPECT_THROW((void)field->at(bare), InvalidInput);
+  } else {
+    EXPECT_EQ(field->at(bare).mean, field->at(made.simulation.surface).mean);
+  }
+}
+
+TEST_P(Every, RefusesWhatNoMethodCanUse) {
+  const auto refused = [&](PlateCase bad, const std::string& word) {
+    try {
+      (void)mode_field(method, bad.measured, bad.simulation);
+      ADD_FAILURE() << method.name << " took it; expected a refusal about " << word;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  };
+  auto few = made;
+  few.measured.places = part(made.measured.places, {0, 1});
+  few.measured.values = made.measured.values.topRows(2);
+  few.measured.noise = made.measured.noise.topRows(2);
+  refused(few, "three or more");
+  auto bad = made;
+  bad.measured.values(3, 2) = std::numeric_limits<double>::quiet_NaN();
+  refused(bad, "place 4, mode 3");
+  bad = made;
+  bad.measured.noise(1, 0) = 0.0;
+  refused(bad, "positive standard deviation");
+  bad = made;
+  bad.measured.frequency_hz(0) = -1.0;
+  refused(bad, "mode 1");
+  bad = made;
+  bad.measured.places.position.row(5) = bad.measured.places.position.row(2);
+  if (method.uses_modes) {
+    bad.measured.places.shapes.row(5) = bad.measured.places.shapes.row(2);
+  }
+  refused(bad, "same point");
+}
+
+INSTANTIATE_TEST_SUITE_P(Interpolator, Every,
+                         testing::ValuesIn(interpolators().begin(), interpolators().end()),
+                         [](const auto& one) { return std::string(one.param->name); });
+
+// Methods that trust the values: near the measured ones, surer there than elsewhere.
+class Trusting : public testing::TestWithParam<const char*> {};
+
+TEST_P(Trusting, PassNearTheMeasuredValues) {
+  const auto made = plate_case("rings", 2, 6, 0.001);
+  const auto field = mode_field(interpolator(GetParam()), made.measured, made.simulation);
+  const auto there = field->at(made.measured.places);
+  const Eigen::ArrayXXd away =
+      (there.mean - made.measured.values).array().abs() /
+      (made.measured.noise.array().square() + there.deviation.array().square()).sqrt();
+  EXPECT_LT(away.maxCoeff(), 4.0);
+  const auto everywhere = field->at(made.simulation.surface);
+  EXPECT_LT(there.deviation.col(5).maxCoeff(), everywhere.deviation.col(5).maxCoeff());
+}
+
+INSTANTIATE_TEST_SUITE_P(Interpolator, Trusting,
+                         testing::Values("dynamic_residual", "dynamic_residual_alone",
+                                         "energy_spline", "thin_plate_spline"));
+
+TEST(Interpolator, NamesItsNeighboursWhenThereIsNoneOfAName) {
+  try {
+    (void)interpolator("kriging");
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("dynamic_residual"), std::string::npos);
+  }
+}
+
+TEST(Interpolator, SquaredErrorIsNoneForTheTruthAndOneForNothing) {
+  const auto made = plate_case("rings", 1, 3);
+  const auto& area = made.simulation.area;
+  EXPECT_EQ(squared_error(made.truth, made.truth, area).maxCoeff(), 0.0);
+  EXPECT_NEAR(squared_error(0.0 * made.truth, made.truth, area)(1), 1.0, 1e-12);
+}
+
+// Places on mirror lines of the square cannot see the shape that is odd about all of them.
+TEST(Interpolator, SaysWhichModeThePlacesCannotSee) {
+  auto made = plate_case("quincunx", 1, 12);
+  const auto field = mode_field(interpolator("dynamic_residual"), made.measured, made.simulation);
+  const auto error =
+      squared_error(field->at(made.simulation.surface).mean, made.truth, made.simulation.area);
+  Eigen::Index worst = 0;
+  ASSERT_GT(error.maxCoeff(&worst), 0.5);
+  std::string notes;
+  bool said = false;
+  for (const auto& note : field->summary().notes) {
+    notes += note + "\n";
+    said |= note.starts_with("mode " + std::to_string(worst + 1) + ":");
+  }
+  EXPECT_TRUE(said) << "mode " << worst + 1 << ", error " << error.transpose() << "\n" << notes;
+}
+
+}  // namespace
+}  // namespace chladni::priors
