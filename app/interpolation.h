@@ -45,6 +45,9 @@ struct Interpolated {
   std::vector<std::string> notes;
 };
 
+/// Whether shapes can be had from it: a table, or a study that stands for the real body.
+[[nodiscard]] bool has_shapes(const MeasurementPlan& plan);
+
 /// @throws InvalidInput  nothing measured, channels that the table lacks, patches that are not
 ///                       there, a method that was asked for and cannot be used here
 [[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Run& run);

@@ -174,17 +174,17 @@ priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& dir
   return places;
 }
 
+bool has_shapes(const MeasurementPlan& plan) { return !plan.shapes.empty() || !plan.truth.empty(); }
+
 Measured measured(const Study& study, const Solution& solution,
                   const priors::Simulation& simulation, Run& run) {
-  const bool has_shapes = study.measurement && !study.measurement->shapes.empty();
-  const bool has_truth = study.measurement && !study.measurement->truth.empty();
-  require(has_shapes || has_truth,
+  require(study.measurement && has_shapes(*study.measurement),
           study.file.string() +
               ": nothing is measured; expected [measurement] with shapes = \"shapes.csv\" or truth "
               "= \"real.toml\"");
   const auto channels = channel_sites(study, solution.model);
   Values values;
-  if (has_truth) {
+  if (!study.measurement->truth.empty()) {
     values = values_of_truth(study, solution, channels, simulation, run);
   } else {
     values.table = table_of_file(*study.measurement);

@@ -88,10 +88,6 @@ struct Placed {
 void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
                      bool main_result);
 
-/// report.html: the modes with a viewer, where devices belong (`placement` may be null), the body,
-/// the channels, where it all comes from. Shows modes.png and heat_map.png where they are there.
-void leave_report(const Study& study, const Solution& solution, const Placed* placement, Run& run);
-
 /// "7 (flex 1, 178.92 Hz)"; a group "10-11 (flex 4-5, 463.4 Hz)".
 [[nodiscard]] std::string group_name(const Solution& solution, const WantedModes& wanted,
                                      int group);

@@ -1,13 +1,13 @@
 // report.html: what exists so far, on one page.
-#include "io/report.h"
+#include "app/report.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "app/placement.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
+#include "io/report.h"
 #include "io/report_sections.h"
 
 namespace chladni::app {
@@ -80,6 +80,54 @@ io::Section placement_section(const Solution& solution, const Placed& placement,
   return section;
 }
 
+// A number as a part of a hundred, or a dash.
+std::string percent(double part) {
+  return std::isfinite(part) ? fmt::format("{:.3g}", 100.0 * part) : "\u2013";
+}
+
+io::Table methods_table(const Interpolated& shapes) {
+  const bool has_truth = shapes.measured.truth.size() > 0;
+  const bool has_hidden = !shapes.measured.hidden_channels.empty();
+  io::Table table{"Ways to interpolate", {{"method", false}}, {}};
+  if (has_truth) {
+    table.columns.push_back({"squared error [%]"});
+    table.columns.push_back({"95 % band covers [%]"});
+  }
+  if (has_hidden) {
+    table.columns.push_back({"held-out shapes, error [%]"});
+    table.columns.push_back({"held-out FRFs, error [%]"});
+  }
+  for (const auto& one : shapes.methods) {
+    io::Table::Row row{{one.method->name}};
+    if (has_truth) {
+      row.cells.push_back(percent(one.error.mean()));
+      row.cells.push_back(percent(one.covered.mean()));
+    }
+    if (has_hidden) {
+      row.cells.push_back(percent(one.hidden_error.mean()));
+      row.cells.push_back(percent(one.hidden_frf_error.mean()));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+io::Section shapes_section(const Interpolated& shapes, const Run& run) {
+  io::Section section{"Shapes between the sensors", {}};
+  const auto& shown = shapes.methods.front();
+  if (run.options().pictures) {
+    const auto picture = io::picture_section(
+        "", run / "mode_field.png",
+        std::string("How well each shape is known: ") + shown.method->summary + ".");
+    section.blocks = picture.blocks;
+  }
+  section.blocks.emplace_back(methods_table(shapes));
+  for (const auto& note : shown.field->summary().notes) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, note + "."});
+  }
+  return section;
+}
+
 io::Section provenance_of(const Study& study, const Run& run) {
   std::vector<std::pair<std::string, std::string>> lines = {
       {"chladni", CHLADNI_VERSION},
@@ -96,7 +144,7 @@ io::Section provenance_of(const Study& study, const Run& run) {
 
 }  // namespace
 
-void leave_report(const Study& study, const Solution& solution, const Placed* placement, Run& run) {
+void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run) {
   const auto& model = solution.model;
   io::Report report;
   report.title = study.title;
@@ -108,9 +156,10 @@ void leave_report(const Study& study, const Solution& solution, const Placed* pl
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));
   }
-  if (placement != nullptr) {
-    report.sections.push_back(placement_section(solution, *placement, run));
+  if (found.placement != nullptr) {
+    report.sections.push_back(placement_section(solution, *found.placement, run));
   }
+  if (found.shapes != nullptr) report.sections.push_back(shapes_section(*found.shapes, run));
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
                                              solution.degrees_of_freedom));
   if (!study.sensors.empty() || !study.actuators.empty()) {

@@ -1,7 +1,7 @@
 // chladni study STUDY: every step for which the study has the data.
 #include <optional>
 
-#include "app/placement.h"
+#include "app/report.h"
 
 namespace chladni::app {
 namespace {
@@ -17,7 +17,14 @@ void run(const Study& study, Run& run) {
     run.show("\n" + placement_table(solution, *placement));
     leave_placement(study, solution, *placement, run, false);
   }
-  leave_report(study, solution, placement ? &*placement : nullptr, run);
+  std::optional<Interpolated> shapes;
+  if (study.measurement && has_shapes(*study.measurement)) {
+    shapes = interpolated(study, solution, run);
+    run.show("\n" + interpolation_table(*shapes));
+    leave_interpolation(study, solution, *shapes, run, false);
+  }
+  leave_report(study, solution,
+               {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr}, run);
   if (!study.expectations.empty()) judge(study, solution, run);
 }
 

@@ -1,0 +1,199 @@
+// chladni interpolate: what it makes of a body that its model does not know, and what it refuses.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "app/interpolation.h"
+#include "base/error.h"
+#include "io/json.h"
+#include "io/shape_table.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kBody =
+    R"(material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "60 mm", order = 2 }
+modes = { count = 16, damping_ratio = 0.005 }
+)";
+const std::string kPlate =
+    "geometry = { plate = { length = \"600 mm\", width = \"500 mm\", thickness = \"20 mm\" } }\n" +
+    kBody;
+// Thicker, with a mass on a corner.
+const std::string kReal =
+    "geometry = { plate = { length = \"600 mm\", width = \"500 mm\", thickness = \"22 mm\" } }\n" +
+    kBody + R"([[attachment]]
+kind = "mass"
+name = "bracket"
+at = ["250 mm", "200 mm"]
+mass = "0.5 kg"
+)";
+const std::string kChannels = R"(
+[[sensor]]
+name = "s1"
+at = ["-250 mm", "210 mm"]
+direction = "z"
+[[sensor]]
+name = "s2"
+at = ["240 mm", "190 mm"]
+direction = "z"
+[[sensor]]
+name = "s3"
+at = ["200 mm", "-100 mm"]
+direction = "z"
+[[sensor]]
+name = "s4"
+at = ["-110 mm", "-230 mm"]
+direction = "z"
+[[sensor]]
+name = "s5"
+at = ["30 mm", "20 mm"]
+direction = "z"
+[[actuator]]
+name = "a1"
+at = ["-270 mm", "-60 mm"]
+direction = "z"
+[[actuator]]
+name = "a2"
+at = ["20 mm", "230 mm"]
+direction = "z"
+[[actuator]]
+name = "a3"
+at = ["280 mm", "-240 mm"]
+direction = "z"
+)";
+
+class Interpolate : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("chladni_interpolate_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    write("real.toml", kReal);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+
+  Interpolated interpolated_with(const std::string& parts) {
+    const Study study = parse_study(kPlate + kChannels + parts, folder_ / "study.toml");
+    Options options;
+    options.folder = folder_ / "out";
+    options.pictures = false;
+    options.certificate = false;
+    Talk talk(said_, manner_of_stderr(true));
+    app::Run run(study, options, shown_, talk);
+    const Solution solution = solved(study, run);
+    auto result = interpolated(study, solution, run);
+    run.show(interpolation_table(result));
+    leave_interpolation(study, solution, result, run, true);
+    return result;
+  }
+
+  void refused(const std::string& parts, const std::string& word) {
+    try {
+      (void)interpolated_with(parts);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  }
+
+  io::Json json(const std::string& name) const {
+    std::ifstream stream(folder_ / "out" / name);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return io::parse_json(text.str());
+  }
+
+  fs::path folder_;
+  std::ostringstream said_, shown_;
+};
+
+const std::string kTruth = "[measurement]\ntruth = \"real.toml\"\nmodes = 6\n";
+
+TEST_F(Interpolate, KnowsTheWholeShapeOfABodyThatTheModelDoesNotKnow) {
+  const auto result = interpolated_with(kTruth + "hold_out = [\"s5\"]\n");
+  const auto& ours = result.methods.front();
+  EXPECT_STREQ(ours.method->name, "dynamic_residual");
+  EXPECT_LT(ours.error.head(4).maxCoeff(), 0.02);
+  EXPECT_LT(ours.hidden_error(0), 0.2);
+  EXPECT_GT(ours.covered.mean(), 0.85);
+  for (const auto& other : result.methods) EXPECT_LE(ours.error.mean(), other.error.mean());
+}
+
+TEST_F(Interpolate, LeavesTheKeysOfTheContract) {
+  (void)interpolated_with(kTruth +
+                          "hold_out = [\"s5\", \"a2\"]\n[interpolation]\nmethods = "
+                          "[\"dynamic_residual\"]\npoint = [{ name = \"tip\", at = [\"0 mm\", "
+                          "\"0 mm\"] }]\n");
+  const auto left = json("interpolation.json");
+  EXPECT_EQ(left.at("held_out").array().size(), 2U);
+  const auto& method = left.at("methods").array().at(0);
+  EXPECT_EQ(method.at("method").string(), "dynamic_residual");
+  const auto& channel = method.at("held_out").array().at(1);
+  EXPECT_EQ(channel.at("channel").string(), "a2");
+  EXPECT_LT(channel.at("frf_error").number(), 0.5);
+  EXPECT_LT(channel.at("shape_error").number(), 0.5);
+  EXPECT_GE(channel.at("coverage").number(), 0.5);
+  EXPECT_EQ(method.at("points").array().at(0).at("mean").array().size(), 6U);
+  EXPECT_EQ(method.at("surface").at("squared_error").array().size(), 6U);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "mode_field.vtu"));
+}
+
+TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
+  const auto virtually = interpolated_with(kTruth);
+  const auto& measured = virtually.measured;
+  io::write_shapes(folder_ / "shapes.csv",
+                   {measured.channels, measured.shapes.frequency_hz, measured.damping_ratio,
+                    measured.shapes.values, measured.shapes.noise});
+  const auto read = interpolated_with("[measurement]\nshapes = \"shapes.csv\"\n");
+  EXPECT_EQ(read.methods.front().surface.mean, virtually.methods.front().surface.mean);
+  EXPECT_EQ(read.measured.truth.size(), 0);
+}
+
+TEST_F(Interpolate, LeavesATableAndPolynomialsForAController) {
+  const auto result = interpolated_with(
+      kTruth + "[interpolation]\ntable_pitch = \"100 mm\"\npolynomial_degree = 8\n");
+  std::ifstream stream(folder_ / "out" / "mode_field.csv");
+  std::string head;
+  std::getline(stream, head);
+  EXPECT_EQ(head.substr(0, 28), "x_m,y_m,z_m,mean_1,std_1,mea");
+  int lines = 0;
+  for (std::string line; std::getline(stream, line);) ++lines;
+  EXPECT_EQ(lines, 7 * 6);
+  const auto left = json("mode_field_polynomial.json");
+  EXPECT_EQ(left.at("coefficients").array().size(), 6U);
+  EXPECT_LT(left.at("rms_error").array().at(0).number(), 0.01);
+}
+
+TEST_F(Interpolate, RefusesWhatCannotBeMeant) {
+  refused("", "nothing is measured");
+  refused("[measurement]\nnoise = \"1 %\"\n", "measurement lacks");
+  refused("[measurement]\ntruth = \"real.toml\"\nmodes = 40\n", "raise modes.count");
+  refused("[measurement]\ntruth = \"real.toml\"\nshapes = \"s.csv\"\n", "expected one of them");
+  refused(kTruth + "[interpolation]\nmethods = [\"dynamic_residuals\"]\n",
+          "did you mean \"dynamic_residual\"");
+  refused(kTruth + "[interpolation]\non = [\"lid\"]\n", "lid");
+  refused(kTruth + "[interpolation]\npoint = [{ name = \"p\", at = [\"400 mm\", \"0 mm\"] }]\n",
+          "not on the body");
+  refused(kTruth + "hold_out = [\"s1\", \"s2\", \"s3\", \"s4\", \"s5\", \"a1\"]\n",
+          "three or more");
+  write("s.csv", "frequency_hz,s1,s2,s3,s9\n200,1,2,3,4\n");
+  refused("[measurement]\nshapes = \"s.csv\"\n", "\"s9\"");
+  write("s.csv", "frequency_hz,s1,s2,s3\n200,1,2,x\n");
+  refused("[measurement]\nshapes = \"s.csv\"\n", "line 2: s3");
+  write("s.csv", "frequency_hz,s1,s2,s3\n200,0,0,0\n");
+  refused("[measurement]\nshapes = \"s.csv\"\n", "are 0");
+}
+
+}  // namespace
+}  // namespace chladni::app
