@@ -20,6 +20,7 @@ constexpr std::array kAll{
     &thin_plate_spline_interpolator,
     &thin_plate_spline_gcv_interpolator,
     &thin_plate_spline_leave_one_out_interpolator,
+    &surface_matern_interpolator,
 };
 
 constexpr double kSamePlace = 1e-6;           // of the diagonal of the places
@@ -34,7 +35,8 @@ void require_fitting(const Places& places, const std::string& what) {
   require(places.direction.rows() == places.position.rows(),
           what + " have " + count + " positions and " + std::to_string(places.direction.rows()) +
               " directions; expected as many");
-  require(places.position.allFinite() && places.direction.allFinite() && places.shapes.allFinite(),
+  require(places.position.allFinite() && places.direction.allFinite() &&
+              places.shapes.allFinite() && places.harmonics.allFinite(),
           what + " hold a position, direction or shape that is not finite");
 }
 
@@ -108,6 +110,7 @@ Places part(const Places& places, const std::vector<Eigen::Index>& rows) {
   chosen.position = places.position(rows, Eigen::all);
   chosen.direction = places.direction(rows, Eigen::all);
   if (places.shapes.size() > 0) chosen.shapes = places.shapes(rows, Eigen::all);
+  if (places.harmonics.size() > 0) chosen.harmonics = places.harmonics(rows, Eigen::all);
   return chosen;
 }
 

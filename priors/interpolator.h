@@ -15,6 +15,7 @@ struct Places {
   Points position;         ///< n×3 [m]
   Points direction;        ///< n×3, unit
   Eigen::MatrixXd shapes;  ///< n×r [kg^-1/2]: the simulation's modes there, along the direction
+  Eigen::MatrixXd harmonics = {};  ///< n×h: those of the surface there; may be empty
 
   [[nodiscard]] Eigen::Index count() const { return position.rows(); }
 };
@@ -31,10 +32,11 @@ struct SimilarModel {
 /// What the simulation says: r mass-normalised modes, rigid-body ones first, seen at N points that
 /// stand for the surface whose shapes are wanted.
 struct Simulation {
-  Eigen::VectorXd frequency_hz;       ///< r, ascending; rigid-body modes exactly 0
-  Places surface;                     ///< N
-  Eigen::VectorXd area;               ///< N [m²]: that each point stands for
-  std::vector<SimilarModel> similar;  ///< may be empty
+  Eigen::VectorXd frequency_hz;              ///< r, ascending; rigid-body modes exactly 0
+  Places surface;                            ///< N
+  Eigen::VectorXd area;                      ///< N [m²]: that each point stands for
+  std::vector<SimilarModel> similar;         ///< may be empty
+  Eigen::VectorXd harmonic_eigenvalue = {};  ///< h [1/m²]: of Places::harmonics; may be empty
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }

@@ -15,5 +15,6 @@ extern const Interpolator serep_interpolator;
 extern const Interpolator thin_plate_spline_interpolator;
 extern const Interpolator thin_plate_spline_gcv_interpolator;
 extern const Interpolator thin_plate_spline_leave_one_out_interpolator;
+extern const Interpolator surface_matern_interpolator;
 
 }  // namespace chladni::priors

@@ -33,7 +33,7 @@ SplineDomain spline_domain(const Places& places) {
   require(places.count() > 0, "thin plate spline: no places");
   SplineDomain domain;
   domain.direction = places.direction.row(0).transpose().normalized();
-  (void)senses(domain, places.direction);
+  (void)senses(domain.direction, places.direction);
   domain.origin = places.position.colwise().mean().transpose();
   Eigen::MatrixXd off = places.position.rowwise() - domain.origin.transpose();
   off -= (off * domain.direction) * domain.direction.transpose();
@@ -53,13 +53,13 @@ Eigen::MatrixXd coordinates(const SplineDomain& domain, const Points& positions)
   return off * domain.axes / domain.size;
 }
 
-Eigen::VectorXd senses(const SplineDomain& domain, const Points& directions) {
+Eigen::VectorXd senses(const Eigen::Vector3d& direction, const Points& directions) {
   Eigen::VectorXd sense(directions.rows());
   for (Eigen::Index k = 0; k < directions.rows(); ++k) {
     const double length = directions.row(k).norm();
-    const double cosine = directions.row(k).dot(domain.direction.transpose()) / length;
+    const double cosine = directions.row(k).dot(direction.transpose()) / length;
     require(length > 0.0 && std::abs(cosine) > 1.0 - kParallel,
-            "thin plate spline: place " + std::to_string(k + 1) + " is measured or asked for " +
+            "interpolation: place " + std::to_string(k + 1) + " is measured or asked for " +
                 degrees(cosine) +
                 " degrees away from the first one's direction; expected one "
                 "direction for all, as across a plate");

@@ -26,9 +26,9 @@ struct SplineDomain {
 /// n×2 or n×1: in the domain's axes, over its size.
 [[nodiscard]] Eigen::MatrixXd coordinates(const SplineDomain& domain, const Points& positions);
 
-/// ±1 per place: which way it measures.
-/// @throws InvalidInput  a direction that is not the domain's
-[[nodiscard]] Eigen::VectorXd senses(const SplineDomain& domain, const Points& directions);
+/// ±1 per place: which way along `direction` (unit) it measures.
+/// @throws InvalidInput  a direction that is not parallel to it
+[[nodiscard]] Eigen::VectorXd senses(const Eigen::Vector3d& direction, const Points& directions);
 
 /// r² ln r / 8π between the rows of a and b in two dimensions, r³/12 in one: what Δ² (the fourth
 /// derivative) turns into a point load. For weights with Σ c = 0 and Σ c x = 0 (A.5) the function

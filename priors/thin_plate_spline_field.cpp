@@ -49,7 +49,7 @@ class SplineField final : public ModeField {
 
   [[nodiscard]] Field at(const Places& places) const override {
     const auto n = places.count();
-    const Eigen::VectorXd sense = senses(domain_, places.direction);
+    const Eigen::VectorXd sense = senses(domain_.direction, places.direction);
     const Eigen::MatrixXd where = coordinates(domain_, places.position);
     Field field{Eigen::MatrixXd(n, weights_.cols()), Eigen::MatrixXd(n, weights_.cols())};
     const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
@@ -160,7 +160,7 @@ std::unique_ptr<ModeField> thin_plate_spline(const MeasuredShapes& measured,
               " places, expected three or more");
   auto domain = spline_domain(measured.places);
   const Eigen::MatrixXd knots = coordinates(domain, measured.places.position);
-  const Eigen::VectorXd sense = senses(domain, measured.places.direction);
+  const Eigen::VectorXd sense = senses(domain.direction, measured.places.direction);
   Eigen::MatrixXd weights(knots.rows(), m);
   Eigen::MatrixXd trends(1 + knots.cols(), m);
   std::vector<AlikeShapes> groups;

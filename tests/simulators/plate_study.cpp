@@ -1,9 +1,37 @@
 #include "simulators/plate_study.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "base/error.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::simulators {
+
+namespace {
+
+constexpr int kHalfWaves = 10;  // 0 to 9 along each side
+
+Eigen::VectorXd harmonic_eigenvalues(const PlateGrid& grid) {
+  Eigen::VectorXd mu(kHalfWaves * kHalfWaves);
+  for (int j = 0; j < mu.size(); ++j) {
+    mu(j) = std::pow(std::numbers::pi * (j % kHalfWaves) / grid.length, 2) +
+            std::pow(std::numbers::pi * (j / kHalfWaves) / grid.width, 2);
+  }
+  return mu;
+}
+
+Eigen::MatrixXd harmonics_at(const PlateGrid& grid, const Eigen::MatrixX2d& places) {
+  const Eigen::ArrayXd x = std::numbers::pi * (places.col(0).array() / grid.length + 0.5);
+  const Eigen::ArrayXd y = std::numbers::pi * (places.col(1).array() / grid.width + 0.5);
+  Eigen::MatrixXd values(places.rows(), kHalfWaves * kHalfWaves);
+  for (int j = 0; j < values.cols(); ++j) {
+    values.col(j) = (x * (j % kHalfWaves)).cos() * (y * (j / kHalfWaves)).cos();
+  }
+  return values;
+}
+
+}  // namespace
 
 priors::Places plate_places(const PlateModes& modes, const Eigen::MatrixX2d& places) {
   priors::Places seen;
@@ -12,6 +40,7 @@ priors::Places plate_places(const PlateModes& modes, const Eigen::MatrixX2d& pla
   seen.direction = Points::Zero(places.rows(), 3);
   seen.direction.col(2).setOnes();
   seen.shapes = shapes_at(modes, places);
+  seen.harmonics = harmonics_at(modes.grid, places);
   return seen;
 }
 
@@ -20,6 +49,7 @@ priors::Simulation plate_simulation(const PlateModes& believed, const PlateSurfa
   simulation.frequency_hz = believed.frequency_hz;
   simulation.surface = plate_places(believed, surface.places);
   simulation.area = surface.area;
+  simulation.harmonic_eigenvalue = harmonic_eigenvalues(believed.grid);
   return simulation;
 }
 

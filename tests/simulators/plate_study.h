@@ -7,7 +7,8 @@
 
 namespace chladni::simulators {
 
-/// Places in the plane z = 0, measured along z; `modes` gives the shapes.
+/// Places in the plane z = 0, measured along z; `modes` gives the shapes, the rectangle (cut-outs
+/// not known) the harmonics, cos cos of up to nine half waves along each side.
 /// @throws InvalidInput  a place is not on the plate
 [[nodiscard]] priors::Places plate_places(const PlateModes& modes, const Eigen::MatrixX2d& places);
 

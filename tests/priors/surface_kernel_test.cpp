@@ -1,0 +1,235 @@
+#include "priors/surface_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "fem/laplace_spectrum.h"
+#include "mesh/bodies.h"
+#include "simulators/portable_random.h"
+
+namespace chladni::priors {
+namespace {
+
+using simulators::Dice;
+constexpr double kPi = std::numbers::pi;
+
+// The harmonics of a free rectangle, cos cos, in closed form.
+struct Rectangle {
+  double a = 1.0, b = 1.0;
+  int count = 40;  // per direction
+
+  [[nodiscard]] Eigen::VectorXd eigenvalue() const {
+    Eigen::VectorXd mu(count * count);
+    for (int j = 0; j < mu.size(); ++j) {
+      mu(j) = std::pow(kPi * (j % count) / a, 2) + std::pow(kPi * (j / count) / b, 2);
+    }
+    return mu;
+  }
+  [[nodiscard]] Eigen::MatrixXd at(const Eigen::MatrixX2d& places) const {
+    Eigen::MatrixXd values(places.rows(), count * count);
+    for (int j = 0; j < values.cols(); ++j) {
+      const double scale = (j % count > 0 ? std::numbers::sqrt2 : 1.0) *
+                           (j / count > 0 ? std::numbers::sqrt2 : 1.0) / std::sqrt(a * b);
+      values.col(j) = scale * (kPi * (j % count) / a * places.col(0)).array().cos() *
+                      (kPi * (j / count) / b * places.col(1)).array().cos();
+    }
+    return values;
+  }
+  [[nodiscard]] Eigen::VectorXd mean_square() const {
+    return Eigen::VectorXd::Constant(count * count, 1.0 / (a * b));
+  }
+};
+
+Eigen::MatrixX2d within(const Rectangle& rectangle, Eigen::Index n, unsigned seed) {
+  Dice dice(seed);
+  Eigen::MatrixX2d places(n, 2);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    places.row(k) << dice.between(0.0, rectangle.a), dice.between(0.0, rectangle.b);
+  }
+  return places;
+}
+
+TEST(SurfaceKernel, IsTheMaternKernelOfThePlaneFarFromTheRims) {
+  const Rectangle square{1.0, 1.0, 120};
+  constexpr double kLength = 0.06;
+  Eigen::MatrixX2d places(6, 2);
+  places << 0.5, 0.5, 0.52, 0.5, 0.5, 0.56, 0.44, 0.47, 0.6, 0.5, 0.55, 0.62;
+  const Eigen::MatrixXd u = square.at(places);
+  const auto compare = [&](double smoothness, auto known) {
+    const auto variances =
+        harmonic_variances(square.eigenvalue(), square.mean_square(), kLength, smoothness);
+    const Eigen::MatrixXd k = surface_covariance(variances, u, u);
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      const double r = (places.row(i) - places.row(0)).norm() / kLength;
+      EXPECT_NEAR(k(i, 0) / k(0, 0), known(r), 2e-3) << i;
+    }
+  };
+  compare(2.5, [](double r) {
+    return (1.0 + std::sqrt(5.0) * r + 5.0 * r * r / 3.0) * std::exp(-std::sqrt(5.0) * r);
+  });
+  compare(1.5, [](double r) { return (1.0 + std::sqrt(3.0) * r) * std::exp(-std::sqrt(3.0) * r); });
+  compare(kInfinitelySmooth, [](double r) { return std::exp(-0.5 * r * r); });
+}
+
+TEST(SurfaceKernel, HasTheMeanVarianceOneAndTheSlopesThatDifferencesShow) {
+  const Rectangle rectangle{0.6, 0.4, 12};
+  const auto mu = rectangle.eigenvalue();
+  const auto square = rectangle.mean_square();
+  for (const double smoothness : {0.5, 2.5, kInfinitelySmooth}) {
+    for (const double length : {0.03, 0.2, 1.0}) {
+      const auto there = harmonic_variances(mu, square, length, smoothness);
+      EXPECT_NEAR(there.value.dot(square), 1.0, 1e-12);
+      constexpr double kStep = 1e-5;
+      const auto more = harmonic_variances(mu, square, length * std::exp(kStep), smoothness);
+      const auto less = harmonic_variances(mu, square, length * std::exp(-kStep), smoothness);
+      for (Eigen::Index j = 0; j < mu.size(); ++j) {
+        if (there.value(j) < 1e-200) continue;
+        const double slope = (std::log(more.value(j)) - std::log(less.value(j))) / (2.0 * kStep);
+        EXPECT_NEAR(there.slopes(j), slope, 1e-4 * (1.0 + std::abs(slope)));
+      }
+    }
+  }
+}
+
+TEST(SurfaceKernel, IsPositiveSemidefiniteOnRandomPoints) {
+  const Rectangle rectangle{0.6, 0.4, 8};
+  const Eigen::MatrixXd u = rectangle.at(within(rectangle, 80, 3));
+  for (const double smoothness : {0.5, 2.5, kInfinitelySmooth}) {
+    const auto variances =
+        harmonic_variances(rectangle.eigenvalue(), rectangle.mean_square(), 0.1, smoothness);
+    const Eigen::MatrixXd k = surface_covariance(variances, u, u);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(k);
+    EXPECT_GT(eigen.eigenvalues()(0), -1e-12 * eigen.eigenvalues()(79));
+  }
+}
+
+// Slots from the middle of each edge halfway to the centre.
+TEST(SurfaceKernel, DoesNotReachAcrossASlot) {
+  mesh::WaferTable table{.length = 0.6, .width = 0.6, .height = 0.02, .face_sheet = 0.02};
+  table.edge_cutout_length = 0.01;
+  table.edge_cutout_depth = 0.2;
+  const auto slotted = mesh::layered(table, 0.03, 1);
+  const auto whole = mesh::layered(mesh::Plate{0.6, 0.6, 0.02}, 0.03, 1);
+  const auto correlation = [](const mesh::TetMesh& body, const mesh::Laplacian& laplacian) {
+    const auto spectrum = fem::laplace_spectrum(laplacian, 60);
+    const mesh::SiteFinder finder(body);
+    const Eigen::MatrixXd u = fem::functions_at(
+        spectrum, {*finder.from_above(-0.02, 0.28), *finder.from_above(0.02, 0.28),
+                   *finder.from_above(-0.06, 0.28)});
+    const double area = 0.36;  // a scale; correlations do not feel it
+    const auto variances =
+        harmonic_variances(spectrum.eigenvalue,
+                           Eigen::VectorXd::Constant(spectrum.eigenvalue.size(), 1.0 / area), 0.12);
+    const Eigen::MatrixXd k = surface_covariance(variances, u, u);
+    return Eigen::Vector2d(k(0, 1) / std::sqrt(k(0, 0) * k(1, 1)),
+                           k(0, 2) / std::sqrt(k(0, 0) * k(2, 2)));
+  };
+  for (const bool as_body : {false, true}) {
+    const auto cut = correlation(slotted, as_body ? mesh::body_laplacian(slotted)
+                                                  : mesh::surface_laplacian(slotted, {"top"}));
+    const auto sound = correlation(
+        whole, as_body ? mesh::body_laplacian(whole) : mesh::surface_laplacian(whole, {"top"}));
+    EXPECT_GT(sound(0), 0.85);  // 40 mm apart
+    EXPECT_LT(cut(0), 0.2);     // 40 mm apart, 400 mm around the slot
+    EXPECT_GT(cut(1), 0.85);    // 40 mm apart on one side of it
+  }
+}
+
+TEST(SurfaceKernel, LearnsTheLengthOfItsOwnDraws) {
+  const Rectangle rectangle{0.6, 0.4, 10};
+  const auto mu = rectangle.eigenvalue();
+  const auto square = rectangle.mean_square();
+  const Eigen::MatrixXd u = rectangle.at(within(rectangle, 60, 5));
+  Dice dice(6);
+  const Eigen::VectorXd noise = Eigen::VectorXd::Constant(60, 0.01);
+  for (const double length : {0.08, 0.2}) {
+    double sum = 0.0;
+    for (int draw = 0; draw < 20; ++draw) {
+      const auto variances = harmonic_variances(mu, square, length);
+      const Eigen::VectorXd values =
+          3.0 * u * variances.value.cwiseSqrt().cwiseProduct(dice.normal(mu.size(), 1)) +
+          0.01 * dice.normal(60, 1);
+      const auto learned = learned_length(values, noise, u, mu, square);
+      sum += std::log(learned.length / length) / 20.0;
+    }
+    EXPECT_NEAR(sum, 0.0, 0.15) << length;
+  }
+}
+
+// A simulation of N points of the rectangle, values drawn at 13 of them.
+struct Experiment {
+  Simulation simulation;
+  MeasuredShapes measured;
+  Eigen::MatrixXd truth;
+};
+
+Experiment experiment(Eigen::Index shapes, double noise) {
+  const Rectangle rectangle{0.6, 0.4, 9};
+  const auto xy = within(rectangle, 400, 7);
+  Experiment e;
+  auto& surface = e.simulation.surface;
+  surface.position = Points::Zero(400, 3);
+  surface.position.leftCols<2>() = xy;
+  surface.direction = Points::Zero(400, 3);
+  surface.direction.col(2).setOnes();
+  surface.harmonics = rectangle.at(xy);
+  e.simulation.area = Eigen::VectorXd::Constant(400, 0.24 / 400.0);
+  e.simulation.harmonic_eigenvalue = rectangle.eigenvalue();
+  Dice dice(8);
+  const auto variances = harmonic_variances(rectangle.eigenvalue(), rectangle.mean_square(), 0.25);
+  e.truth = surface.harmonics * variances.value.cwiseSqrt().asDiagonal() *
+            dice.normal(variances.value.size(), shapes);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index k = 0; k < 13; ++k) rows.push_back(30 * k);
+  e.measured.places = part(surface, rows);
+  e.measured.frequency_hz = Eigen::VectorXd::Constant(shapes, 100.0);
+  e.measured.values = e.truth(rows, Eigen::all) + noise * dice.normal(13, shapes);
+  e.measured.noise = Eigen::MatrixXd::Constant(13, shapes, noise);
+  return e;
+}
+
+TEST(SurfaceMatern, FollowsTheValuesAndCoversDrawsOfItsPrior) {
+  const auto quiet = experiment(3, 1e-5);
+  const auto& method = interpolator("surface_matern");
+  const auto field = mode_field(method, quiet.measured, quiet.simulation);
+  EXPECT_LT((field->at(quiet.measured.places).mean - quiet.measured.values).norm(), 1e-3);
+
+  const auto noisy = experiment(150, 0.02);
+  const auto known = mode_field(method, noisy.measured, noisy.simulation);
+  const double covered =
+      coverage(known->at(noisy.simulation.surface), noisy.truth, noisy.simulation.area).mean();
+  EXPECT_GT(covered, 0.88);  // the length is learned from 13 values
+  EXPECT_LT(covered, 0.97);
+}
+
+TEST(SurfaceMatern, TakesEitherSenseOfTheDirection) {
+  auto e = experiment(2, 0.01);
+  const auto& method = interpolator("surface_matern");
+  const auto straight = mode_field(method, e.measured, e.simulation)->at(e.simulation.surface);
+  e.measured.places.direction.row(5) *= -1.0;
+  e.measured.values.row(5) *= -1.0;
+  const auto turned = mode_field(method, e.measured, e.simulation)->at(e.simulation.surface);
+  EXPECT_LT((turned.mean - straight.mean).norm(), 1e-9);
+}
+
+TEST(SurfaceMatern, RefusesPlacesWithoutHarmonics) {
+  auto e = experiment(2, 0.01);
+  const auto& method = interpolator("surface_matern");
+  const auto field = mode_field(method, e.measured, e.simulation);
+  auto bare = e.measured.places;
+  bare.harmonics.resize(0, 0);
+  EXPECT_THROW((void)field->at(bare), InvalidInput);
+  e.measured.places = bare;
+  EXPECT_THROW((void)mode_field(method, e.measured, e.simulation), InvalidInput);
+  e.simulation.harmonic_eigenvalue.resize(0);
+  EXPECT_THROW((void)mode_field(method, e.measured, e.simulation), InvalidInput);
+  EXPECT_THROW((void)harmonic_variances(Eigen::VectorXd::Ones(3), Eigen::VectorXd::Ones(3), 0.0),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::priors
