@@ -18,6 +18,7 @@ namespace {
 constexpr double kTwoSided95 = 1.959963984540054;
 constexpr double kAssumedDamping = 0.005;  // of FRFs compared where none was measured
 constexpr int kFrfLines = 400;
+constexpr int kHarmonics = 80;  // of the body, for methods that go along it
 
 // The default and what the thesis compares it with; those of them that there are.
 std::vector<std::string> default_methods() {
@@ -37,27 +38,36 @@ InterpolationPlan plan_of(const Study& study) {
   return plan;
 }
 
-priors::Simulation simulation_of(const Study& study, const Solution& solution,
-                                 const InterpolationPlan& plan, const placement::Surface& surface,
-                                 unsigned seed) {
-  const auto& sites = surface.sites;
-  priors::Simulation simulation;
+bool wants(const InterpolationPlan& plan, std::string_view method) {
+  return std::find(plan.methods.begin(), plan.methods.end(), method) != plan.methods.end();
+}
+
+std::vector<priors::SimilarModel> similar_models(const Study& study, const Solution& solution,
+                                                 unsigned seed) {
+  UncertaintyPlan unknown{.modulus = 0.05, .density = 0.05, .thickness = 0.05};
+  unknown.attached_mass = 0.01 * solution.model.mass.mass_kg;
+  unknown.members = 120;
+  if (study.placement && study.placement->uncertainty) unknown = *study.placement->uncertainty;
+  return ensemble(solution, unknown, seed);
+}
+
+// The simulation on the surface, with what the wanted methods need beside its modes.
+void add_simulation(const Study& study, const Solution& solution, const InterpolationPlan& plan,
+                    unsigned seed, Interpolated& result) {
+  const auto& sites = result.surface.sites;
+  auto& simulation = result.simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
   simulation.surface = {sites.position, sites.normal, sites.shapes};
   if (plan.direction) {
     simulation.surface.direction = plan.direction->transpose().replicate(sites.position.rows(), 1);
   }
   simulation.area = sites.area;
-  const bool wants_similar =
-      std::find(plan.methods.begin(), plan.methods.end(), "ensemble") != plan.methods.end();
-  if (wants_similar) {
-    UncertaintyPlan unknown{.modulus = 0.05, .density = 0.05, .thickness = 0.05};
-    unknown.attached_mass = 0.01 * solution.model.mass.mass_kg;
-    unknown.members = 120;
-    if (study.placement && study.placement->uncertainty) unknown = *study.placement->uncertainty;
-    simulation.similar = ensemble(solution, unknown, seed);
+  if (wants(plan, "ensemble")) simulation.similar = similar_models(study, solution, seed);
+  if (wants(plan, "surface_matern")) {
+    result.harmonics = fem::laplace_spectrum(mesh::body_laplacian(solution.model.body), kHarmonics);
+    simulation.harmonic_eigenvalue = result.harmonics.eigenvalue;
+    simulation.surface.harmonics = result.harmonics.functions(result.surface.node, Eigen::all);
   }
-  return simulation;
 }
 
 void add_points(const Study& study, const InterpolationPlan& plan, const Solution& solution,
@@ -75,7 +85,7 @@ void add_points(const Study& study, const InterpolationPlan& plan, const Solutio
     sites.push_back(*site);
     result.points.push_back(point.name);
   }
-  result.point_places = places_at(sites, directions, solution.modes);
+  result.point_places = places_at(sites, directions, solution.modes, result.harmonics);
 }
 
 // What the measured channels would leave unknown of each mode of the simulation.
@@ -164,8 +174,8 @@ Interpolated interpolated(const Study& study, const Solution& solution, Run& run
   const placement::Sampler sampler(body, solution.modes, {plan.direction, 0.0});
   Interpolated result;
   result.surface = sampler.surface(patches_of(body, plan.on, "interpolation.on"));
-  result.simulation = simulation_of(study, solution, plan, result.surface, run.seed());
-  result.measured = measured(study, solution, result.simulation, run);
+  add_simulation(study, solution, plan, run.seed(), result);
+  result.measured = measured(study, solution, result.simulation, result.harmonics, run);
   add_points(study, plan, solution, sampler.finder(), result);
   const double noise = study.measurement->noise;
   if (result.measured.shapes.places.count() > 0) {

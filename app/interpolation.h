@@ -7,6 +7,7 @@
 
 #include "app/ensemble.h"
 #include "app/solution.h"
+#include "fem/laplace_spectrum.h"
 #include "placement/sites.h"
 #include "priors/interpolator.h"
 
@@ -35,6 +36,7 @@ struct Interpolation {
 struct Interpolated {
   placement::Surface surface;
   priors::Simulation simulation;
+  fem::LaplaceSpectrum harmonics;  ///< of the body; empty where no method needs them
   Measured measured;
   std::vector<std::string> points;  ///< names
   priors::Places point_places;
@@ -54,11 +56,13 @@ struct Interpolated {
 
 /// The step of `interpolated` that reads a table or asks a study that stands for the real body.
 [[nodiscard]] Measured measured(const Study& study, const Solution& solution,
-                                const priors::Simulation& simulation, Run& run);
+                                const priors::Simulation& simulation,
+                                const fem::LaplaceSpectrum& harmonics, Run& run);
 
-/// Places with the simulation's modes along `directions`, n×3.
+/// Places with the simulation's modes along `directions`, n×3, and the body's harmonics.
 [[nodiscard]] priors::Places places_at(const std::vector<mesh::Site>& sites,
-                                       const Points& directions, const modal::Modes& modes);
+                                       const Points& directions, const modal::Modes& modes,
+                                       const fem::LaplaceSpectrum& harmonics = {});
 
 [[nodiscard]] std::string interpolation_table(const Interpolated& result);
 [[nodiscard]] io::JsonObject interpolation_json(const Interpolated& result);

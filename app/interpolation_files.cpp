@@ -100,7 +100,7 @@ void leave_table(const Interpolated& result, const Solution& solution,
     directions.row(static_cast<Eigen::Index>(k)) =
         plan.direction.value_or(sites[k].normal).transpose();
   }
-  const auto places = places_at(sites, directions, solution.modes);
+  const auto places = places_at(sites, directions, solution.modes, result.harmonics);
   const auto field = result.methods.front().field->at(places);
   std::vector<io::CsvColumn> columns = {{"x_m", Eigen::VectorXd(places.position.col(0))},
                                         {"y_m", Eigen::VectorXd(places.position.col(1))},

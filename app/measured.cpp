@@ -41,14 +41,15 @@ std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
 }
 
 priors::Places places_of_channels(const std::vector<ChannelSite>& channels,
-                                  const modal::Modes& modes) {
+                                  const modal::Modes& modes,
+                                  const fem::LaplaceSpectrum& harmonics = {}) {
   std::vector<mesh::Site> sites;
   Points directions(static_cast<Eigen::Index>(channels.size()), 3);
   for (std::size_t i = 0; i < channels.size(); ++i) {
     sites.push_back(channels[i].site);
     directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
   }
-  return places_at(sites, directions, modes);
+  return places_at(sites, directions, modes, harmonics);
 }
 
 // Shapes of another body at given places, n×modes: at the nearest point of its surface.
@@ -131,15 +132,15 @@ io::ShapeTable table_of_file(const MeasurementPlan& plan) {
 
 // The rows of the table that are the wanted channels, as measured shapes.
 priors::MeasuredShapes part_of(const io::ShapeTable& table,
-                               const std::vector<ChannelSite>& channels,
-                               const modal::Modes& modes) {
+                               const std::vector<ChannelSite>& channels, const modal::Modes& modes,
+                               const fem::LaplaceSpectrum& harmonics) {
   std::vector<Eigen::Index> rows;
   for (const auto& channel : channels) {
     const auto found = std::find(table.channels.begin(), table.channels.end(), channel.name);
     rows.push_back(found - table.channels.begin());
   }
-  return {places_of_channels(channels, modes), table.frequency_hz, table.values(rows, Eigen::all),
-          table.deviation(rows, Eigen::all)};
+  return {places_of_channels(channels, modes, harmonics), table.frequency_hz,
+          table.values(rows, Eigen::all), table.deviation(rows, Eigen::all)};
 }
 
 // Columns that are no channel, and channels that are no column.
@@ -162,7 +163,7 @@ void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSit
 }  // namespace
 
 priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& directions,
-                         const modal::Modes& modes) {
+                         const modal::Modes& modes, const fem::LaplaceSpectrum& harmonics) {
   const auto n = static_cast<Eigen::Index>(sites.size());
   priors::Places places{Points(n, 3), directions, Eigen::MatrixXd(n, modes.mode_count())};
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -171,13 +172,15 @@ priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& dir
     const auto row = mesh::row_at(site, directions.row(i).transpose(), modes.dof_count() / 3);
     places.shapes.row(i) = row.transpose() * modes.shapes;
   }
+  if (harmonics.eigenvalue.size() > 0) places.harmonics = fem::functions_at(harmonics, sites);
   return places;
 }
 
 bool has_shapes(const MeasurementPlan& plan) { return !plan.shapes.empty() || !plan.truth.empty(); }
 
 Measured measured(const Study& study, const Solution& solution,
-                  const priors::Simulation& simulation, Run& run) {
+                  const priors::Simulation& simulation, const fem::LaplaceSpectrum& harmonics,
+                  Run& run) {
   require(study.measurement && has_shapes(*study.measurement),
           study.file.string() +
               ": nothing is measured; expected [measurement] with shapes = \"shapes.csv\" or truth "
@@ -203,8 +206,8 @@ Measured measured(const Study& study, const Solution& solution,
   Measured result;
   for (const auto& channel : used) result.channels.push_back(channel.name);
   for (const auto& channel : hidden) result.hidden_channels.push_back(channel.name);
-  result.shapes = part_of(values.table, used, solution.modes);
-  result.hidden = part_of(values.table, hidden, solution.modes);
+  result.shapes = part_of(values.table, used, solution.modes, harmonics);
+  result.hidden = part_of(values.table, hidden, solution.modes, harmonics);
   result.damping_ratio = values.table.damping_ratio;
   result.truth = std::move(values.truth);
   return result;
