@@ -10,6 +10,7 @@
 #include "fem/element.h"
 #include "placement/criteria.h"
 #include "placement/layout.h"
+#include "priors/interpolator.h"
 #include "priors/kernel.h"
 
 namespace chladni::app {
@@ -73,6 +74,12 @@ void print_criteria(std::ostream& results) {
   }
 }
 
+void print_interpolations(std::ostream& results) {
+  for (const auto* one : priors::interpolators()) {
+    results << fmt::format("{:<32} {} [{}]\n", one->name, one->summary, one->source);
+  }
+}
+
 void print_kernels(std::ostream& results) {
   for (const auto* one : priors::kernels()) {
     results << fmt::format("{:<20} {} ({})\n", one->name, one->summary, one->source);
@@ -82,7 +89,8 @@ void print_kernels(std::ostream& results) {
 }  // namespace
 
 std::vector<std::string> listable() {
-  return {"attachments", "bodies", "criteria", "elements", "formats", "kernels", "materials"};
+  return {"attachments", "bodies",         "criteria", "elements",
+          "formats",     "interpolations", "kernels",  "materials"};
 }
 
 int list(std::string_view what, std::ostream& results) {
@@ -91,6 +99,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "formats") print(kFormats, results);
   if (what == "materials") print(kMaterials, results);
   if (what == "criteria") print_criteria(results);
+  if (what == "interpolations") print_interpolations(results);
   if (what == "kernels") print_kernels(results);
   if (what != "elements") return 0;
   for (const auto* element : fem::elements()) {
