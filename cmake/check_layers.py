@@ -15,6 +15,7 @@ MAY_INCLUDE = {
     "diagnosis": "base mesh modal fem priors identification",
     "io": "base mesh modal fem priors placement identification diagnosis",
     "app": "base mesh modal fem priors placement identification diagnosis io",
+    "python": "base mesh modal fem priors placement identification diagnosis io app",
 }
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],
@@ -28,7 +29,7 @@ DOORS = {
     r"matio": ["io/mat.cpp"],
     r"fftw3": ["identification/fft.cpp"],
     r".*\.hxx": ["io/step*.cpp"],
-    r"pybind11/": ["python/*.cpp"],
+    r"pybind11/": ["python/*.cpp", "python/rooms.h"],
     r"nlopt": ["priors/optimum.cpp"],
     r"toml": ["app/study*.cpp"],
     r"CLI/": ["app/main.cpp"],

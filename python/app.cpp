@@ -1,0 +1,102 @@
+// Studies from Python.
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "app/interpolation.h"
+#include "base/error.h"
+#include "mesh/site.h"
+#include "python/rooms.h"
+
+namespace chladni::python {
+namespace {
+
+namespace py = pybind11;
+
+// A study's shapes, with all that they stand on.
+class StudyField {
+ public:
+  StudyField(app::Solution solution, app::Interpolated result)
+      : solution_(std::move(solution)), result_(std::move(result)), finder_(solution_.model.body) {}
+  StudyField(const StudyField&) = delete;
+  StudyField& operator=(const StudyField&) = delete;
+
+  // Mean and deviation at the points of the surface nearest to `points`, n×3.
+  py::tuple at(const Points& points, const std::optional<Eigen::Vector3d>& direction,
+               const std::string& method) const {
+    std::vector<mesh::Site> sites;
+    Points directions(points.rows(), 3);
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      sites.push_back(finder_.nearest(points.row(i).transpose()));
+      directions.row(i) = direction.value_or(sites.back().normal).transpose();
+    }
+    const auto places = app::places_at(sites, directions, solution_.modes, result_.harmonics);
+    auto [mean, deviation] = method_called(method).field->at(places);
+    return py::make_tuple(std::move(mean), std::move(deviation));
+  }
+
+  [[nodiscard]] const Eigen::VectorXd& frequency_hz() const {
+    return result_.measured.shapes.frequency_hz;
+  }
+  [[nodiscard]] std::vector<std::string> methods() const {
+    std::vector<std::string> names;
+    for (const auto& one : result_.methods) names.emplace_back(one.method->name);
+    return names;
+  }
+  [[nodiscard]] std::string text() const { return app::interpolation_table(result_); }
+
+ private:
+  [[nodiscard]] const app::Interpolation& method_called(const std::string& name) const {
+    if (name.empty()) return result_.methods.front();
+    const auto found =
+        std::find_if(result_.methods.begin(), result_.methods.end(),
+                     [&](const app::Interpolation& one) { return name == one.method->name; });
+    require(found != result_.methods.end(),
+            "the study was not interpolated by \"" + name + "\"; interpolation.methods names how");
+    return *found;
+  }
+
+  app::Solution solution_;
+  app::Interpolated result_;
+  mesh::SiteFinder finder_;
+};
+
+std::unique_ptr<StudyField> interpolate(const std::filesystem::path& file,
+                                        const std::filesystem::path& folder) {
+  const auto study = app::read_study(file);
+  app::Options options;
+  options.folder = folder;
+  options.pictures = false;
+  std::ostringstream results;
+  std::ostringstream said;
+  app::Talk talk(said, {.quiet = true});
+  app::Run run(study, options, results, talk);
+  auto solution = app::solved(study, run);
+  auto result = app::interpolated(study, solution, run);
+  app::leave_interpolation(study, solution, result, run, true);
+  return std::make_unique<StudyField>(std::move(solution), std::move(result));
+}
+
+}  // namespace
+
+void add_app(py::module_& module) {
+  py::class_<StudyField>(module, "StudyField", "mode shapes on the body of a study")
+      .def(
+          "at", &StudyField::at, py::arg("points"), py::arg("direction") = py::none(),
+          py::arg("method") = "",
+          "Mean and standard deviation, each n x m, at the places of the surface nearest to points "
+          "(n x 3 [m]), along direction or the outward normal.")
+      .def_property_readonly("frequency_hz", &StudyField::frequency_hz)
+      .def_property_readonly("methods", &StudyField::methods)
+      .def("__str__", &StudyField::text);
+  module.def("interpolate", &interpolate, py::arg("study"), py::arg("folder") = "",
+             "chladni interpolate STUDY: leaves its files in folder (default out/<study name>) and "
+             "gives the shapes.");
+}
+
+}  // namespace chladni::python

@@ -1,0 +1,11 @@
+// What each room adds to the module.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace chladni::python {
+
+void add_priors(pybind11::module_& module);
+void add_app(pybind11::module_& module);
+
+}  // namespace chladni::python

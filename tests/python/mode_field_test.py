@@ -1,0 +1,73 @@
+"""The module as a user meets it: fields from arrays, fields from a study, refusals."""
+import pathlib
+import tempfile
+import unittest
+
+import chladni
+import numpy as np
+
+STUDY = """
+geometry = { plate = { length = "600 mm", width = "500 mm", thickness = "%s" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "60 mm", order = 2 }
+modes = { count = 14 }
+"""
+PLACES = [(-250, 210), (240, 190), (200, -100), (-110, -230), (30, 20), (-270, -60), (20, 230)]
+
+
+def channels():
+    return "".join(
+        f'[[sensor]]\nname = "s{i}"\nat = ["{x} mm", "{y} mm"]\ndirection = "z"\n'
+        for i, (x, y) in enumerate(PLACES))
+
+
+def spline_case(s=9):
+    random = np.random.default_rng(1)
+    position = np.column_stack([random.uniform(-0.3, 0.3, (s, 2)), np.zeros(s)])
+    direction = np.tile([0.0, 0.0, 1.0], (s, 1))
+    places = chladni.Places(position, direction)
+    return places, position, chladni.Simulation(np.zeros(0), places, np.ones(s))
+
+
+class Fields(unittest.TestCase):
+    def test_a_plane_is_a_plane_everywhere(self):
+        places, position, simulation = spline_case()
+        values = (1.0 + 2.0 * position[:, :1] - position[:, 1:2])
+        measured = chladni.MeasuredShapes(places, [100.0], values, np.full_like(values, 1e-6))
+        field = chladni.mode_field("thin_plate_spline", measured, simulation)
+        mean, deviation = field.at(chladni.Places([[0.1, -0.2, 0.0]], [[0.0, 0.0, 1.0]]))
+        self.assertAlmostEqual(mean[0, 0], 1.4, places=6)
+        self.assertGreaterEqual(deviation[0, 0], 0.0)
+
+    def test_what_cannot_be_meant_is_a_value_error(self):
+        places, _, simulation = spline_case(2)
+        measured = chladni.MeasuredShapes(places, [100.0], np.ones((2, 1)), np.ones((2, 1)))
+        with self.assertRaisesRegex(ValueError, "three or more"):
+            chladni.mode_field("thin_plate_spline", measured, simulation)
+        with self.assertRaisesRegex(chladni.InvalidInput, "dynamic_residual"):
+            chladni.mode_field("kriging", measured, simulation)
+
+    def test_a_study_becomes_a_field(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "real.toml").write_text(STUDY % "21 mm")
+            study = folder / "study.toml"
+            study.write_text(STUDY % "20 mm" + channels() +
+                             '[measurement]\ntruth = "real.toml"\nmodes = 4\n')
+            field = chladni.interpolate(study, folder / "out")
+            points = np.array([[x / 1e3, y / 1e3, 0.0] for x, y in PLACES])
+            mean, deviation = field.at(points)
+            self.assertEqual(mean.shape, (7, 4))
+            self.assertTrue((deviation > 0).all())
+            beside, _ = field.at(points + [0.0, 0.0, 0.001], direction=[0.0, 0.0, 1.0],
+                                 method="thin_plate_spline")
+            np.testing.assert_allclose(mean[:, 0], beside[:, 0], rtol=0.2, atol=0.02)
+            self.assertEqual(len(field.frequency_hz), 4)
+            self.assertIn("dynamic_residual", str(field))
+            self.assertTrue((folder / "out" / "interpolation.json").exists())
+            with self.assertRaisesRegex(ValueError, "was not interpolated by"):
+                field.at(points, method="serep")
+
+
+if __name__ == "__main__":
+    unittest.main()
