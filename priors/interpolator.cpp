@@ -21,6 +21,13 @@ constexpr std::array kAll{
     &thin_plate_spline_gcv_interpolator,
     &thin_plate_spline_leave_one_out_interpolator,
     &surface_matern_interpolator,
+    &squared_exponential_interpolator,
+    &squared_exponential_per_mode_interpolator,
+    &squared_exponential_symmetrised_interpolator,
+    &squared_exponential_matched_interpolator,
+    &squared_exponential_evidence_interpolator,
+    &matern_5_2_interpolator,
+    &matern_3_2_interpolator,
 };
 
 constexpr double kSamePlace = 1e-6;           // of the diagonal of the places

@@ -16,5 +16,12 @@ extern const Interpolator thin_plate_spline_interpolator;
 extern const Interpolator thin_plate_spline_gcv_interpolator;
 extern const Interpolator thin_plate_spline_leave_one_out_interpolator;
 extern const Interpolator surface_matern_interpolator;
+extern const Interpolator squared_exponential_interpolator;
+extern const Interpolator squared_exponential_per_mode_interpolator;
+extern const Interpolator squared_exponential_symmetrised_interpolator;
+extern const Interpolator squared_exponential_matched_interpolator;
+extern const Interpolator squared_exponential_evidence_interpolator;
+extern const Interpolator matern_5_2_interpolator;
+extern const Interpolator matern_3_2_interpolator;
 
 }  // namespace chladni::priors

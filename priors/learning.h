@@ -93,4 +93,10 @@ struct MatchedLength {
 [[nodiscard]] MatchedLength matched_length(const Kernel& kernel, const Task& task,
                                            int lengths = 25);
 
+/// The same for a random shape that is the sum of the f with independent coefficients of variance
+/// 1: its expected squared error over its expected square, in closed form. The amplitude is the
+/// random shape's own root mean square over the surface; `noise` is in parts of it.
+[[nodiscard]] MatchedLength expected_length(const Kernel& kernel, const Task& task,
+                                            int lengths = 25);
+
 }  // namespace chladni::priors

@@ -40,9 +40,23 @@ double mean_error(const Kernel& kernel, const Task& task, double length) {
   return sum / static_cast<double>(task.at_places.cols());
 }
 
-}  // namespace
+// Of a random shape: E |W (Ψ_S c + e) − Ψ c|² / E |Ψ c|².
+double expected_error(const Kernel& kernel, const Task& task, double length) {
+  const Eigen::VectorXd theta = Eigen::VectorXd::Constant(1, length);
+  const double square = task.on_surface.rowwise().squaredNorm().dot(task.area) / task.area.sum();
+  const double variance = task.noise * task.noise * square;
+  const Eigen::VectorXd noise = Eigen::VectorXd::Constant(task.places.rows(), variance);
+  const GaussianProcess process({kernel, theta, std::sqrt(square), task.trend}, task.places, noise);
+  const Eigen::MatrixXd weights = process.weights(task.surface);
+  const Eigen::MatrixXd off = weights * task.at_places - task.on_surface;
+  const Eigen::VectorXd error =
+      off.rowwise().squaredNorm() + variance * weights.rowwise().squaredNorm();
+  return error.dot(task.area) / (square * task.area.sum());
+}
 
-MatchedLength matched_length(const Kernel& kernel, const Task& task, int lengths) {
+using ErrorOf = double (*)(const Kernel& kernel, const Task& task, double length);
+
+MatchedLength best_on_grid(ErrorOf error, const Kernel& kernel, const Task& task, int lengths) {
   require_sound(kernel, task, lengths);
   const auto [low, high] = length_range(task.places);
   MatchedLength result;
@@ -51,13 +65,23 @@ MatchedLength matched_length(const Kernel& kernel, const Task& task, int lengths
   for (Eigen::Index k = 0; k < lengths; ++k) {
     const double part = static_cast<double>(k) / (lengths - 1);
     result.lengths(k) = low * std::pow(high / low, part);
-    result.errors(k) = mean_error(kernel, task, result.lengths(k));
+    result.errors(k) = error(kernel, task, result.lengths(k));
   }
   Eigen::Index best = 0;
   result.error = result.errors.minCoeff(&best);
   result.length = result.lengths(best);
   result.at_bound = best == 0 || best == lengths - 1;
   return result;
+}
+
+}  // namespace
+
+MatchedLength matched_length(const Kernel& kernel, const Task& task, int lengths) {
+  return best_on_grid(mean_error, kernel, task, lengths);
+}
+
+MatchedLength expected_length(const Kernel& kernel, const Task& task, int lengths) {
+  return best_on_grid(expected_error, kernel, task, lengths);
 }
 
 }  // namespace chladni::priors

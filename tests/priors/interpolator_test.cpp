@@ -94,10 +94,10 @@ TEST_P(Every, SaysNothingOfPlacesWithoutWhatItNeeds) {
   const auto field = mode_field(method, made.measured, made.simulation);
   Places bare = made.simulation.surface;
   bare.shapes.resize(bare.count(), 0);
-  if (method.uses_modes) {
-    EXPECT_THROW((void)field->at(bare), InvalidInput);
-  } else {
+  try {  // some learn from the modes and need them nowhere else
     EXPECT_EQ(field->at(bare).mean, field->at(made.simulation.surface).mean);
+  } catch (const InvalidInput&) {
+    EXPECT_TRUE(method.uses_modes);
   }
 }
 
