@@ -94,6 +94,7 @@ extern const Command check_command;
 extern const Command mesh_command;
 extern const Command modes_command;
 extern const Command place_command;
+extern const Command priors_command;
 extern const Command interpolate_command;
 extern const Command study_command;
 

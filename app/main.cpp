@@ -20,6 +20,7 @@ constexpr const app::Command* kCommands[] = {
     &app::mesh_command,
     &app::modes_command,
     &app::place_command,
+    &app::priors_command,
     &app::interpolate_command,
     &app::study_command,
 };

@@ -133,7 +133,7 @@ struct MeasurementPlan {
   std::filesystem::path shapes;  ///< a table of measured mode shapes (io/shape_table.h); or empty
   std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
   double noise = 0.01;  ///< of a shape's value over its root mean square, where none is stated
-  int modes = 0;        ///< flexible ones of `truth` that are measured; 0: those in view, at most 12
+  int modes = 0;  ///< flexible ones of `truth` that are measured; 0: those in view, at most 12
   std::vector<std::string> hold_out;  ///< names of channels that no fit may see
 };
 
@@ -144,12 +144,25 @@ struct PointPlan {
 };
 
 struct InterpolationPlan {
-  std::vector<std::string> methods;  ///< names; empty: the default and the thesis' two
-  std::vector<std::string> on;       ///< patches; empty: "top" where there is one, else all
+  std::vector<std::string> methods;          ///< names; empty: the default and the thesis' two
+  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
   std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normal
   std::vector<PointPlan> points;
   double table_pitch = 0.0;   ///< [m] of the lookup table; 0: none
   int polynomial_degree = 0;  ///< in x and y; 0: none
+};
+
+/// What is learned from the modes: hyper-parameters of a Gaussian process.
+struct PriorsPlan {
+  std::string kernel = "squared_exponential";
+  bool per_axis = false;  ///< a length scale for each axis
+  std::string by = "marginal_likelihood";
+  int modes = 0;                                       ///< flexible ones; 0: the first 12
+  std::vector<int> samples = {25, 50, 100, 200, 400};  ///< ascending
+  double noise_ratio = 1e-8;  ///< variance of the noise over that of the prior
+  bool learn_noise = false;
+  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
+  std::optional<Eigen::Vector3d> direction;  ///< none: the surface's normal
 };
 
 struct Expectation {
@@ -178,6 +191,7 @@ struct Study {
   std::optional<PlacementPlan> placement;
   std::optional<MeasurementPlan> measurement;
   std::optional<InterpolationPlan> interpolation;
+  std::optional<PriorsPlan> priors;
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< plausibility: "<file>:<line>:<column>: ..."
 };

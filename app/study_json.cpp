@@ -190,6 +190,20 @@ io::Json placement_plan_json(const PlacementPlan& plan) {
   return object;
 }
 
+io::Json priors_plan_json(const PriorsPlan& plan) {
+  io::JsonArray samples;
+  for (const int count : plan.samples) samples.emplace_back(count);
+  return io::JsonObject{
+      {"kernel", plan.kernel},
+      {"axes", plan.per_axis ? "per_axis" : "isotropic"},
+      {"by", plan.by},
+      {"modes", plan.modes},
+      {"samples", samples},
+      {"noise_ratio", plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio)},
+      {"on", texts(plan.on)},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
+}
+
 io::Json measurement_json(const MeasurementPlan& plan) {
   return io::JsonObject{{"frf", plan.frf.filename().string()},
                         {"shapes", plan.shapes.filename().string()},
@@ -204,12 +218,13 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
   for (const auto& point : plan.points) {
     points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
   }
-  return io::JsonObject{{"methods", texts(plan.methods)},
-                        {"on", texts(plan.on)},
-                        {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
-                        {"points", points},
-                        {"table_pitch_m", plan.table_pitch},
-                        {"polynomial_degree", plan.polynomial_degree}};
+  return io::JsonObject{
+      {"methods", texts(plan.methods)},
+      {"on", texts(plan.on)},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
+      {"points", points},
+      {"table_pitch_m", plan.table_pitch},
+      {"polynomial_degree", plan.polynomial_degree}};
 }
 
 io::Json expectations_json(const std::vector<Expectation>& expectations) {
@@ -265,6 +280,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
   if (study.interpolation) {
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }
+  if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", texts(introduction.warnings));

@@ -1,0 +1,50 @@
+// Hyper-parameters that a study's own modes teach.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/solution.h"
+#include "placement/sites.h"
+#include "priors/learning.h"
+
+namespace chladni::app {
+
+/// What so many samples of each mode say.
+struct LearnedAt {
+  Eigen::Index samples = 0;
+  std::vector<priors::Learned> per_mode;
+  priors::Learned shared;
+  /// By modes, then shared: the change of ln σ and ln θ when the noise ratio is a hundred times as
+  /// large (priors::noise_dependence); 0 where the noise is learned.
+  Eigen::VectorXd noise_dependence;
+};
+
+struct LearnedPriors {
+  LearnedPriors(PriorsPlan wanted, priors::Kernel of) : plan(std::move(wanted)), kernel(of) {}
+
+  PriorsPlan plan;
+  priors::Kernel kernel;
+  placement::Surface surface;
+  std::vector<Eigen::Index> columns;  ///< of the study's modes
+  Eigen::VectorXd rms;                ///< of those, over the surface [kg^-1/2]
+  std::vector<LearnedAt> by_samples;  ///< ascending; the last one counts
+  int most_complex = 0;               ///< of `columns`: the shortest length
+  /// Length of least expected error at the study's channels, per mode, and that error over the
+  /// shape's square (priors::expected_length); empty without channels or for other kernels than
+  /// those of one length.
+  Eigen::VectorXd matched_length, expected_error;
+  std::vector<std::string> notes, warnings;
+
+  [[nodiscard]] const LearnedAt& last() const { return by_samples.back(); }
+};
+
+/// @throws InvalidInput  a patch that is not there, more modes than were computed, no mode that
+///                       moves the surface
+[[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run);
+
+[[nodiscard]] std::string priors_table(const Solution& solution, const LearnedPriors& result);
+[[nodiscard]] io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result);
+
+}  // namespace chladni::app

@@ -1,0 +1,189 @@
+// chladni priors: what it learns of bodies whose shapes are known, what it leaves, what it refuses.
+#include "app/priors.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.h"
+#include "io/json.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPlate = R"(title = "square plate"
+geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "40 mm", order = 2 }
+modes = { count = 12, damping_ratio = 0.005 }
+)";
+const std::string kChannels = R"(
+[[sensor]]
+name = "s1"
+at = ["-250 mm", "210 mm"]
+direction = "z"
+[[sensor]]
+name = "s2"
+at = ["240 mm", "190 mm"]
+direction = "z"
+[[sensor]]
+name = "s3"
+at = ["200 mm", "-100 mm"]
+direction = "z"
+[[actuator]]
+name = "a1"
+at = ["-110 mm", "-230 mm"]
+direction = "z"
+[[actuator]]
+name = "a2"
+at = ["-20 mm", "30 mm"]
+direction = "z"
+)";
+
+class Priors : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("chladni_priors_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Study study_with(const std::string& priors, const std::string& rest = "") const {
+    return parse_study(kPlate + rest + "[priors]\n" + priors, folder_ / "study.toml");
+  }
+
+  LearnedPriors learned_with(const std::string& priors, const std::string& rest = "") {
+    const Study study = study_with(priors, rest);
+    Options options;
+    options.folder = folder_ / "out";
+    options.pictures = false;
+    options.certificate = false;
+    Talk talk(said_, manner_of_stderr(true));
+    app::Run run(study, options, shown_, talk);
+    const Solution solution = solved(study, run);
+    auto result = learned_priors(study, solution, run);
+    table_ = priors_table(solution, result);
+    run.leave("priors.json", priors_json(solution, result), true);
+    return result;
+  }
+
+  void refused(const std::string& priors, const std::string& word) {
+    try {
+      (void)learned_with(priors);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  }
+
+  io::Json left() const {
+    std::ifstream stream(folder_ / "out" / "priors.json");
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return io::parse_json(text.str());
+  }
+
+  fs::path folder_;
+  std::string table_;
+  std::ostringstream shown_, said_;
+};
+
+TEST_F(Priors, LengthsFallAsModesGetMoreComplex) {
+  const auto found = learned_with("samples = [100, 200]");
+  const auto& modes = found.last().per_mode;
+  ASSERT_EQ(modes.size(), 12U);
+  EXPECT_LT(modes[11].parameters(0), 0.8 * modes[0].parameters(0));
+  EXPECT_GT(found.most_complex, 7);
+  for (const auto& one : modes) {
+    EXPECT_GT(one.parameters(0), 0.05);
+    EXPECT_LT(one.parameters(0), 0.5);
+  }
+  // Between the shortest and the longest of them.
+  EXPECT_LT(found.last().shared.parameters(0), modes[0].parameters(0));
+}
+
+// The plate's repeated modes are each other's image.
+TEST_F(Priors, RepeatedModesHaveOneLength) {
+  const auto found = learned_with("samples = [400]\nmodes = 7");
+  const auto& modes = found.last().per_mode;
+  EXPECT_NEAR(modes[3].parameters(0) / modes[4].parameters(0), 1.0, 0.02);
+  EXPECT_NEAR(modes[5].parameters(0) / modes[6].parameters(0), 1.0, 0.02);
+}
+
+TEST_F(Priors, SaysTheRidgeInItsHeading) {
+  const auto found = learned_with("samples = [200]\nmodes = 4");
+  EXPECT_GT(found.last().noise_dependence.maxCoeff(), 0.05);
+  EXPECT_TRUE(table_.starts_with("! on the ridge of sigma and length")) << table_;
+  const auto noisy = learned_with("samples = [200]\nmodes = 4\nnoise_ratio = \"learned\"");
+  EXPECT_EQ(noisy.last().noise_dependence.maxCoeff(), 0.0);
+}
+
+TEST_F(Priors, SaysWhatIsAtItsBound) {
+  (void)learned_with("samples = [9]");  // too few for the last modes
+  EXPECT_NE(table_.find("at the end of their range"), std::string::npos) << table_;
+}
+
+// The first mode, x y, looks the same along x and along y.
+TEST_F(Priors, LearnsALengthPerAxis) {
+  const auto found = learned_with("samples = [200]\nmodes = 1\naxes = \"per_axis\"");
+  const auto& lengths = found.last().per_mode[0].parameters;
+  ASSERT_EQ(lengths.size(), 3);
+  EXPECT_NEAR(lengths(0) / lengths(1), 1.0, 0.05);
+}
+
+TEST_F(Priors, LeavesTheKeysOfTheContract) {
+  (void)learned_with(
+      "samples = [50, 100]\nmodes = 3\nkernel = \"matern_5_2\"\nby = \"leave_one_out\"", kChannels);
+  const auto json = left();
+  const auto& one = json.at("modes").array().at(2);
+  for (const auto* key : {"length_scale_m", "sigma", "noise", "log_marginal_likelihood", "samples",
+                          "frequency_hz", "matched_length_m", "expected_error"}) {
+    EXPECT_TRUE(std::isfinite(one.at(key).number())) << key;
+  }
+  EXPECT_EQ(json.at("by").string(), "leave_one_out");
+  EXPECT_EQ(one.at("kernel").string(), "matern_5_2");
+  EXPECT_EQ(one.at("mode").number(), 3.0);
+  EXPECT_EQ(json.at("shared").at("samples").number(), 100.0);
+  EXPECT_EQ(json.at("by_samples").array().size(), 2U);
+  EXPECT_EQ(json.at("by_samples").array().at(0).at("modes").array().size(), 3U);
+}
+
+TEST_F(Priors, MatchesTheLengthToTheChannels) {
+  const auto with = learned_with("samples = [200]\nmodes = 6", kChannels);
+  ASSERT_EQ(with.matched_length.size(), 6);
+  EXPECT_GT(with.matched_length(0), with.last().per_mode[0].parameters(0));
+  EXPECT_LT(with.expected_error(0), with.expected_error(5));  // five places see six modes badly
+  EXPECT_EQ(learned_with("samples = [50]\nmodes = 1").matched_length.size(), 0);
+}
+
+TEST_F(Priors, TakesNoMoreSamplesThanThereAre) {
+  const auto found = learned_with("samples = [4, 50, 4000, 3900]\nmodes = 1\nnoise_ratio = 1e-6");
+  EXPECT_EQ(found.by_samples.size(), 3U);
+  EXPECT_LT(found.last().samples, 3900);
+  ASSERT_FALSE(found.notes.empty());
+  EXPECT_NE(found.notes[0].find("cannot be had"), std::string::npos);
+}
+
+TEST_F(Priors, RefusesWhatCannotBeMeant) {
+  refused("kernel = \"matern\"", "matern_5_2");
+  refused("samples = [1]", "4 to 4000");
+  refused("samples = [100000]", "4 to 4000");
+  refused("samples = \"many\"", "4 to 4000");
+  refused("samples = []", "4 to 4000");
+  refused("noise_ratio = 1e-12", "1e-8");
+  refused("modes = 40", "40 flexible modes");
+  refused("on = [\"lid\"]", "lid");
+  refused("by = \"luck\"", "leave_one_out");
+  refused("smaples = [10]", "samples");
+}
+
+}  // namespace
+}  // namespace chladni::app
