@@ -22,6 +22,21 @@ constexpr double kPerDecade = 8.0;
 constexpr double kFlat = std::numeric_limits<double>::infinity();
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
+// Of contrasts z with variances noise²/h.
+Smoother::Criterion likelihood(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h, double noise) {
+  const Eigen::ArrayXd square = (z / noise).square() * h;
+  const auto count = static_cast<double>(z.size());
+  return {0.5 * ((square - h.log()).sum() + count * (kLogTwoPi + 2.0 * std::log(noise))),
+          0.5 * ((1.0 - h) * (square - 1.0)).sum()};
+}
+
+Smoother::Criterion profiled_likelihood(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h) {
+  const auto count = static_cast<double>(z.size());
+  const double sum = (z.square() * h).sum();
+  const double slope = count * (z.square() * h * (1.0 - h)).sum() / sum - (1.0 - h).sum();
+  return {0.5 * (count * (kLogTwoPi + std::log(sum / count) + 1.0) - h.log().sum()), 0.5 * slope};
+}
+
 }  // namespace
 
 Smoother::Smoother(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& trend,
@@ -75,22 +90,6 @@ Eigen::ArrayXd Smoother::contrasts(const Eigen::VectorXd& values) const {
 
 Eigen::ArrayXd Smoother::shrinkage(double lambda) const {
   return 1.0 / (1.0 + eigenvalue_.array() / lambda);
-}
-
-Smoother::Criterion Smoother::likelihood(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h,
-                                         double noise) const {
-  const Eigen::ArrayXd square = (z / noise).square() * h;
-  const auto count = static_cast<double>(z.size());
-  return {0.5 * ((square - h.log()).sum() + count * (kLogTwoPi + 2.0 * std::log(noise))),
-          0.5 * ((1.0 - h) * (square - 1.0)).sum()};
-}
-
-Smoother::Criterion Smoother::profiled_likelihood(const Eigen::ArrayXd& z,
-                                                  const Eigen::ArrayXd& h) const {
-  const auto count = static_cast<double>(z.size());
-  const double sum = (z.square() * h).sum();
-  const double slope = count * (z.square() * h * (1.0 - h)).sum() / sum - (1.0 - h).sum();
-  return {0.5 * (count * (kLogTwoPi + std::log(sum / count) + 1.0) - h.log().sum()), 0.5 * slope};
 }
 
 Smoother::Criterion Smoother::cross_validation(const Eigen::ArrayXd& z,
@@ -180,7 +179,7 @@ Smoothing Smoother::chosen(const Eigen::VectorXd& values, SmoothingRule rule, do
   if (rule == SmoothingRule::reml) {
     noise = std::sqrt((z.square() * h).mean());
   } else if (!known) {
-    noise = std::sqrt((z * h).square().sum() / h.sum());
+    noise = std::max(noise, std::sqrt((z * h).square().sum() / h.sum()));
   }
   auto smoothing = given(values, found.lambda, noise);
   smoothing.interpolates = found.at_lower_bound;

@@ -52,8 +52,9 @@ class Smoother {
                                     double lambda) const;
 
   /// The lowest point of the criterion: the best of a grid of 8 per decade, then bisected to
-  /// rounding. @param noise  σ as stated. The cross-validations and `reml` learn their own, from
-  /// Σ z² h / Σ h, respectively Σ z² h / (n − p). Cost: n² for each of some 250 points.
+  /// rounding. @param noise  σ as stated. `reml` learns its own, Σ z² h / (n − p); the
+  /// cross-validations Σ z² h² / Σ h (Wahba 1983), but no less than is stated: where they follow
+  /// the values too closely it would vanish. Cost: n² for each of some 250 points.
   [[nodiscard]] Smoothing chosen(const Eigen::VectorXd& values, SmoothingRule rule,
                                  double noise) const;
 
@@ -85,10 +86,6 @@ class Smoother {
   void decompose(const Eigen::MatrixXd& rest);
   [[nodiscard]] Eigen::ArrayXd contrasts(const Eigen::VectorXd& values) const;
   [[nodiscard]] Eigen::ArrayXd shrinkage(double lambda) const;
-  [[nodiscard]] Criterion likelihood(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h,
-                                     double noise) const;
-  [[nodiscard]] Criterion profiled_likelihood(const Eigen::ArrayXd& z,
-                                              const Eigen::ArrayXd& h) const;
   [[nodiscard]] Criterion cross_validation(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h) const;
   [[nodiscard]] double bisected(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
                                 double low, double high) const;

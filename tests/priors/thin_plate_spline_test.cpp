@@ -242,6 +242,54 @@ TEST(ThinPlateSpline, CoversDrawsOfItsOwnPrior) {
   EXPECT_LT(learned, 0.97);
 }
 
+// Figure 5.10: a shape of many waves on few places, as the source draws it.
+struct Undersensed {
+  Places places, everywhere;
+  Eigen::VectorXd values, truth;
+
+  Undersensed(Eigen::Index count, double waves) {
+    const auto line = [](Eigen::Index n) {
+      Eigen::MatrixX2d xy = Eigen::MatrixX2d::Zero(n, 2);
+      xy.col(0).setLinSpaced(0.0, 1.0);
+      return flat_places(xy);
+    };
+    const auto shape = [&](const Places& p) -> Eigen::VectorXd {
+      return (2.0 * std::numbers::pi * waves * p.position.col(0).array() + 0.4).sin();
+    };
+    places = line(count);
+    everywhere = line(400);
+    values = shape(places) + 0.01 * Dice(3).normal(count, 1);
+    truth = shape(everywhere);
+  }
+  [[nodiscard]] double error(SmoothingRule rule) const {
+    const auto field = thin_plate_spline(measured(places, values, 0.01), {rule, {}});
+    return squared_error(field->at(everywhere).mean, truth, Eigen::VectorXd::Ones(400))(0);
+  }
+  [[nodiscard]] double covered(SmoothingRule rule) const {
+    const auto field = thin_plate_spline(measured(places, values, 0.01), {rule, {}});
+    return coverage(field->at(everywhere), truth, Eigen::VectorXd::Ones(400))(0);
+  }
+};
+
+TEST(ThinPlateSpline, IsNotFlattenedWhereLeaveOneOutIs) {
+  for (const auto& [count, waves] : {std::pair{8, 2.5}, {9, 2.5}, {9, 3.0}, {10, 3.0}}) {
+    const Undersensed few(count, waves);
+    EXPECT_GT(few.error(SmoothingRule::leave_one_out), 0.9) << count << " " << waves;
+    EXPECT_LT(few.error(SmoothingRule::reml_known_noise), 0.05) << count << " " << waves;
+    EXPECT_GT(few.covered(SmoothingRule::reml_known_noise), 0.95) << count << " " << waves;
+  }
+  const Undersensed enough(14, 2.0);
+  EXPECT_LT(enough.error(SmoothingRule::leave_one_out), 0.001);
+  EXPECT_LT(enough.error(SmoothingRule::reml_known_noise), 0.001);
+}
+
+// Where leave-one-out follows the values, the noise that it leaves is no measure of theirs.
+TEST(ThinPlateSpline, DoesNotBelieveANoiseBelowTheStatedOne) {
+  const Undersensed enough(14, 1.5);
+  EXPECT_GT(enough.covered(SmoothingRule::leave_one_out), 0.9);
+  EXPECT_GT(enough.covered(SmoothingRule::generalised_cross_validation), 0.9);
+}
+
 TEST(ThinPlateSpline, KnowsNothingOfTheBendingBetweenThreePlaces) {
   const auto places = random_places(3, 6);
   const auto field = thin_plate_spline(measured(places, Eigen::Vector3d(1.0, -2.0, 0.5), 0.1));
