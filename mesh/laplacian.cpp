@@ -93,7 +93,7 @@ std::vector<char> wanted_patches(const TetMesh& mesh, const std::vector<std::str
     const auto found = std::find(mesh.patch_names.begin(), mesh.patch_names.end(), name);
     if (found == mesh.patch_names.end()) {
       std::string known;
-      for (const auto& one : mesh.patch_names) known += (known.empty() ? "" : ", ") + one;
+      for (const auto& one : mesh.patch_names) known.append(known.empty() ? "" : ", ").append(one);
       throw InvalidInput("surface: there is no patch \"" + name + "\"; there are: " + known);
     }
     wanted[static_cast<std::size_t>(found - mesh.patch_names.begin())] = 1;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kRankLost = 1e-10;     // of the triangle's largest entry
 constexpr double kIndefinite = 1e-8;    // of the largest eigenvalue
+constexpr double kRounding = 1e-14;     // of the kernel
 constexpr double kNoEnergy = 1e-13;     // eigenvalues below are 0: places at one point
 constexpr double kNothingLeft = 1e-26;  // of the values' squares: all of it lies in the free part
 constexpr double kPerDecade = 8.0;
@@ -74,11 +75,13 @@ void Smoother::decompose(const Eigen::MatrixXd& rest) {
   directions_ = rest * eigen.eigenvectors();
   eigenvalue_ = eigen.eigenvalues();
   const double largest = std::max(eigenvalue_.maxCoeff(), 0.0);
-  if (eigenvalue_.minCoeff() < -kIndefinite * largest) {
+  // What rounding leaves of a kernel that is mostly free part.
+  const double rounding = kRounding * scaled_.norm();
+  if (eigenvalue_.minCoeff() < -kIndefinite * largest - rounding) {
     throw NumericalFailure("smoother: the kernel is not positive semidefinite, one eigenvalue is " +
                            std::to_string(eigenvalue_.minCoeff() / largest) + " of the largest");
   }
-  eigenvalue_ = (eigenvalue_.array() > kNoEnergy * largest).select(eigenvalue_, 0.0);
+  eigenvalue_ = (eigenvalue_.array() > kNoEnergy * largest + rounding).select(eigenvalue_, 0.0);
 }
 
 Eigen::ArrayXd Smoother::contrasts(const Eigen::VectorXd& values) const {

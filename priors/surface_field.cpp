@@ -1,59 +1,128 @@
 // Measured shapes as random fields on the surface's own harmonics.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "priors/interpolators.h"
-#include "priors/modal_field.h"
 #include "priors/surface_kernel.h"
 #include "priors/thin_plate_spline.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kSmoothness = 2.5;
+constexpr Eigen::Index kBlock = 512;  // places at a time
+constexpr double kUnseen = 0.5;       // of a shape's mean square
 
-// The places as a modal field wants them, with harmonics where modes would be.
-Places on_harmonics(const Places& places, Eigen::Index count) {
+const Eigen::MatrixXd& harmonics_of(const Places& places, Eigen::Index count) {
   require(places.harmonics.rows() == places.count() && places.harmonics.cols() == count,
           "surface_matern needs the surface's harmonics at every place; expected " +
-              std::to_string(count) + ", found " + std::to_string(places.harmonics.cols()));
-  Places seen;
-  seen.position = places.position;
-  seen.direction = places.direction;
-  seen.shapes = places.harmonics;
-  return seen;
+              std::to_string(places.count()) + "x" + std::to_string(count) + ", found " +
+              std::to_string(places.harmonics.rows()) + "x" +
+              std::to_string(places.harmonics.cols()));
+  return places.harmonics;
 }
+
+// One shape, on h harmonics and s places.
+struct SurfaceShape {
+  SurfaceFit fit;
+  Smoother smoother;
+  Eigen::MatrixXd images;  // h×s: harmonics at the places, times their variances
+  Eigen::VectorXd coefficients;
+  double constant = 0.0;
+
+  SurfaceShape(SurfaceFit learned, const Eigen::MatrixXd& harmonics, const Eigen::VectorXd& values)
+      : fit(std::move(learned)),
+        smoother(surface_smoother(fit, harmonics)),
+        images(fit.variances.asDiagonal() * harmonics.transpose()) {
+    const auto function = smoother.fit(values, fit.smoothing.lambda);
+    coefficients = images * function.weights;
+    constant = function.trend(0);
+  }
+
+  [[nodiscard]] Eigen::VectorXd mean(const Eigen::MatrixXd& harmonics) const {
+    return (harmonics * coefficients).array() + constant;
+  }
+  [[nodiscard]] Eigen::VectorXd variance(const Eigen::MatrixXd& harmonics) const {
+    return smoother.variance(harmonics * images, harmonics.cwiseAbs2() * fit.variances,
+                             Eigen::MatrixXd::Ones(harmonics.rows(), 1), {fit.smoothing});
+  }
+};
 
 class SurfaceField final : public ModeField {
  public:
-  SurfaceField(Eigen::Vector3d direction, std::vector<ShapeCoefficients> shapes, FitSummary summary)
+  SurfaceField(Eigen::Vector3d direction, std::vector<SurfaceShape> shapes, FitSummary summary)
       : ModeField(std::move(summary)),
         direction_(std::move(direction)),
-        count_(shapes.front().mean.size()),
-        field_(std::move(shapes), {}) {}
+        shapes_(std::move(shapes)) {}
 
   [[nodiscard]] Field at(const Places& places) const override {
-    auto field = field_.at(on_harmonics(places, count_));
-    field.mean.array().colwise() *= senses(direction_, places.direction).array();
+    const auto& harmonics = harmonics_of(places, shapes_.front().coefficients.size());
+    const Eigen::VectorXd sense = senses(direction_, places.direction);
+    const auto n = places.count();
+    const auto m = static_cast<Eigen::Index>(shapes_.size());
+    Field field{Eigen::MatrixXd(n, m), Eigen::MatrixXd(n, m)};
+    const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
+    parallel_ranges(blocks, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) {
+        const auto first = static_cast<Eigen::Index>(b) * kBlock;
+        const Eigen::MatrixXd block = harmonics.middleRows(first, std::min(kBlock, n - first));
+        for (Eigen::Index i = 0; i < m; ++i) {
+          const auto& shape = shapes_[static_cast<std::size_t>(i)];
+          field.mean.col(i).segment(first, block.rows()) = shape.mean(block);
+          field.deviation.col(i).segment(first, block.rows()) = shape.variance(block).cwiseSqrt();
+        }
+      }
+    });
+    field.mean.array().colwise() *= sense.array();
     return field;
   }
 
  private:
   Eigen::Vector3d direction_;
-  Eigen::Index count_;
-  ModalField field_;
+  std::vector<SurfaceShape> shapes_;
 };
 
-// The gram matrix of the harmonics over the surface, where a modal method has that of the modes.
-ModalBasis harmonic_basis(const Simulation& simulation) {
-  const auto seen = on_harmonics(simulation.surface, simulation.harmonic_eigenvalue.size());
-  ModalBasis basis;
-  basis.frequency_hz = simulation.harmonic_eigenvalue.cwiseMax(0.0).cwiseSqrt();
-  basis.gram = seen.shapes.transpose() * (simulation.area / simulation.area.sum()).asDiagonal() *
-               seen.shapes;
-  return basis;
+// Variance over mean square and variance, over the surface: what is expected to be wrong.
+double expected_error(const SurfaceShape& shape, const Simulation& simulation) {
+  const auto& harmonics = simulation.surface.harmonics;
+  const double left = shape.variance(harmonics).dot(simulation.area);
+  const double seen = shape.mean(harmonics).cwiseAbs2().dot(simulation.area);
+  return left / (seen + left);
+}
+
+FitSummary summary_of(const std::vector<SurfaceShape>& shapes, const Simulation& simulation) {
+  const auto m = static_cast<Eigen::Index>(shapes.size());
+  FitSummary summary;
+  Eigen::VectorXd length(m);
+  Eigen::VectorXd expected(m);
+  summary.log_evidence.resize(m);
+  bool at_bound = false;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const auto& shape = shapes[static_cast<std::size_t>(i)];
+    length(i) = shape.fit.length;
+    expected(i) = expected_error(shape, simulation);
+    summary.log_evidence(i) = shape.fit.smoothing.log_likelihood;
+    at_bound = at_bound || shape.fit.at_bound;
+    if (std::isinf(shape.fit.smoothing.lambda)) {
+      summary.notes.push_back(
+          fmt::format("mode {}: nothing but a constant is found beyond the noise", i + 1));
+    } else if (expected(i) > kUnseen) {
+      summary.notes.push_back(fmt::format(
+          "mode {}: the places do not see it, {:.0f} % of its mean square is expected to be wrong",
+          i + 1, 100.0 * expected(i)));
+    } else if (shape.fit.at_bound) {
+      summary.notes.push_back(fmt::format(
+          "mode {}: its length, {:.3g} m, is at the end of its range", i + 1, shape.fit.length));
+    }
+  }
+  summary.parameters = {{"length", "m", length, at_bound}, {"expected_error", "1", expected}};
+  return summary;
 }
 
 std::unique_ptr<ModeField> surface_matern(const MeasuredShapes& measured,
@@ -61,34 +130,20 @@ std::unique_ptr<ModeField> surface_matern(const MeasuredShapes& measured,
   const auto h = simulation.harmonic_eigenvalue.size();
   require(h > 1, "surface_matern needs the harmonics of the surface; the simulation has " +
                      std::to_string(h));
-  const auto basis = harmonic_basis(simulation);
+  const auto& harmonics = harmonics_of(measured.places, h);
+  const Eigen::VectorXd mean_square = harmonics_of(simulation.surface, h).cwiseAbs2().transpose() *
+                                      simulation.area / simulation.area.sum();
   const Eigen::Vector3d direction = measured.places.direction.row(0).transpose().normalized();
-  auto seen = measured;
-  seen.places = on_harmonics(measured.places, h);
-  seen.values.array().colwise() *= senses(direction, measured.places.direction).array();
-  std::vector<FittedShape> shapes;
-  std::vector<std::string> doubts;
-  Eigen::VectorXd length(measured.mode_count());
+  const Eigen::VectorXd sense = senses(direction, measured.places.direction);
+  std::vector<SurfaceShape> shapes;
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    const auto learned =
-        learned_length(seen.values.col(i), seen.noise.col(i), seen.places.shapes,
-                       simulation.harmonic_eigenvalue, basis.gram.diagonal(), kSmoothness);
-    length(i) = learned.length;
-    if (learned.at_bound) {
-      doubts.push_back(fmt::format("mode {}: its length, {:.3g} m, is at the end of its range",
-                                   i + 1, learned.length));
-    }
-    const auto variances = harmonic_variances(simulation.harmonic_eigenvalue, basis.gram.diagonal(),
-                                              learned.length, kSmoothness);
-    const Eigen::MatrixXd root = variances.value.cwiseSqrt().asDiagonal();
-    shapes.push_back(fitted_shape(seen, basis, i, root, 1.0, 0.0));
+    const Eigen::VectorXd values = measured.values.col(i).cwiseProduct(sense);
+    shapes.emplace_back(surface_fit(values, measured.noise.col(i), harmonics,
+                                    simulation.harmonic_eigenvalue, mean_square),
+                        harmonics, values);
   }
-  auto summary = modal_summary(shapes);
-  summary.parameters.push_back({"length", "m", length, !doubts.empty()});
-  summary.notes.insert(summary.notes.end(), doubts.begin(), doubts.end());
-  std::vector<ShapeCoefficients> known;
-  for (auto& shape : shapes) known.push_back(std::move(shape.coefficients));
-  return std::make_unique<SurfaceField>(direction, std::move(known), std::move(summary));
+  auto summary = summary_of(shapes, simulation);
+  return std::make_unique<SurfaceField>(direction, std::move(shapes), std::move(summary));
 }
 
 }  // namespace

@@ -126,7 +126,8 @@ void note(Eigen::Index mode, const Smoothing& smoothing, const Smoother& smoothe
 FitSummary summary_of(const SplineDomain& domain, const std::vector<AlikeShapes>& groups,
                       Eigen::Index m, bool given) {
   FitSummary summary;
-  Eigen::VectorXd lambda(m), noise(m);
+  Eigen::VectorXd lambda(m);
+  Eigen::VectorXd noise(m);
   bool at_bound = false;
   summary.log_evidence.resize(m);
   if (domain.dimensions() == 1) {

@@ -238,6 +238,24 @@ TEST(Smoother, TakesPlacesAtOnePointAsWeightedMean) {
   }
 }
 
+// A kernel may hold any amount of what is free anyway.
+TEST(Smoother, DoesNotFeelTheFreePartOfItsKernel) {
+  const Case data;
+  const auto plain = data.smoother();
+  const Eigen::MatrixXd much = data.kernel + 1e9 * data.trend * data.trend.transpose();
+  const Smoother loaded(much, data.trend, data.deviation);
+  const double lambda = 0.05;
+  for (const auto rule : kRules) {
+    const double value = plain.criterion(data.values, rule, 0.2, lambda).value;
+    EXPECT_NEAR(loaded.criterion(data.values, rule, 0.2, lambda).value, value,
+                1e-4 * std::abs(value));
+  }
+  const Eigen::MatrixXd rank_one = Eigen::MatrixXd::Constant(13, 13, 1e3);
+  const Smoother flat(rank_one, Eigen::MatrixXd::Ones(13, 1), data.deviation);
+  const auto chosen = flat.chosen(data.values, SmoothingRule::reml_known_noise, 0.2);
+  EXPECT_TRUE(std::isinf(chosen.lambda));
+}
+
 TEST(Smoother, RefusesWhatCannotBeMeant) {
   const Case data;
   EXPECT_THROW(Smoother(data.kernel, data.trend.topRows(5), data.deviation), InvalidInput);
