@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
 
 namespace chladni::app {
@@ -97,17 +98,6 @@ std::string bytes_text(double bytes) {
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-double area(const mesh::TetMesh& shell) {
-  double sum = 0.0;
-  for (Eigen::Index f = 0; f < shell.faces.rows(); ++f) {
-    const Eigen::Vector3d a = shell.points.row(shell.faces(f, 0));
-    const Eigen::Vector3d b = shell.points.row(shell.faces(f, 1));
-    const Eigen::Vector3d c = shell.points.row(shell.faces(f, 2));
-    sum += 0.5 * (b - a).cross(c - a).norm();
-  }
-  return sum;
-}
-
 /// Cells and boundary triangles of TetGen on an isotropic surface, from volume and area; fitted to
 /// plates, a disc, a torus and a ribbed table, within a factor of 1.2. What is thinner than an edge
 /// has cells between the two sides of its surface only.
@@ -116,7 +106,7 @@ struct Count {
 };
 
 Count tetgen_count(const Outline& outline, double edge) {
-  const double surface = area(outline.shell);
+  const double surface = mesh::area(outline.shell.points, outline.shell.faces);
   const double faces = 1.16 * surface / (0.433 * edge * edge);
   const double core = std::max(0.0, outline.volume - 0.5 * edge * surface);
   return {1.6 * faces + 1.22 * core / (0.1179 * edge * edge * edge), faces};

@@ -24,4 +24,15 @@ Eigen::Matrix<double, 2, 3, Eigen::RowMajor> bounding_box(const Points& points) 
   return box;
 }
 
+double area(const Points& points, const Cells& triangles) {
+  double sum = 0.0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::Vector3d a = points.row(triangles(t, 0));
+    const Eigen::Vector3d b = points.row(triangles(t, 1));
+    const Eigen::Vector3d c = points.row(triangles(t, 2));
+    sum += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return sum;
+}
+
 }  // namespace chladni::mesh

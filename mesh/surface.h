@@ -28,6 +28,9 @@ struct Surface {
 /// when inside out.
 [[nodiscard]] double enclosed_volume(const Surface& surface);
 
+/// Of all triangles together [m^2]; of a face of order 2 or 3 the flat of its corners counts.
+[[nodiscard]] double area(const Points& points, const Cells& triangles);
+
 /// Smallest and largest coordinates, two rows [m].
 [[nodiscard]] Eigen::Matrix<double, 2, 3, Eigen::RowMajor> bounding_box(const Points& points);
 

@@ -36,17 +36,6 @@ std::string in_mm(double length) {
   return text;
 }
 
-double area_of(const Surface& surface) {
-  double area = 0.0;
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const Eigen::Vector3d a = surface.points.row(surface.triangles(t, 0));
-    const Eigen::Vector3d b = surface.points.row(surface.triangles(t, 1));
-    const Eigen::Vector3d c = surface.points.row(surface.triangles(t, 2));
-    area += 0.5 * (b - a).cross(c - a).norm();
-  }
-  return area;
-}
-
 void check_options(const MesherOptions& options) {
   require(std::isfinite(options.edge_length) && options.edge_length >= 0.0,
           "mesh: edge_length is " + in_mm(options.edge_length) + ", expected a positive length");
@@ -301,7 +290,7 @@ TetMesh on_best_surface(const Surface& body, const MesherOptions& options, doubl
 double default_edge_length(const Surface& surface) {
   const auto box = bounding_box(surface.points);
   const double enclosed = material(surface, shells(surface)).volume;
-  const double wall = 2.0 * enclosed / area_of(surface);
+  const double wall = 2.0 * enclosed / area(surface.points, surface.triangles);
   const double wanted = std::min((box.row(1) - box.row(0)).maxCoeff() / 30.0, 2.2 * wall);
   const double affordable = std::cbrt(enclosed / regular_tet_volume(1.0) / largest_cell_count);
   return std::max(wanted, affordable);

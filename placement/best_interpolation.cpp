@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "placement/interpolation.h"
+#include "placement/spacing.h"
 
 namespace chladni::placement {
 namespace {
@@ -106,12 +107,7 @@ class Layout {
   }
 
   [[nodiscard]] bool fits(Eigen::Index candidate) const {
-    return std::none_of(sites_.begin(), sites_.end(), [&](Eigen::Index other) {
-      if (other == candidate) return true;
-      return problem_.spacing > 0.0 &&
-             (problem_.position.row(other) - problem_.position.row(candidate)).norm() <
-                 problem_.spacing * (1.0 - 1e-9);
-    });
+    return placement::fits(problem_.position, problem_.spacing, sites_, candidate);
   }
 
   const InterpolationProblem& problem_;

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "placement/relaxation.h"
 #include "placement/search_tree.h"
+#include "placement/spacing.h"
 
 namespace chladni::placement {
 namespace {
@@ -18,15 +19,8 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 constexpr double kRootTolerance = 1e-6;
 
-bool too_near(const DeterminantProblem& problem, Eigen::Index a, Eigen::Index b) {
-  if (a == b) return true;
-  return problem.spacing > 0.0 && (problem.position.row(a) - problem.position.row(b)).norm() <
-                                      problem.spacing * (1.0 - 1e-9);
-}
-
 bool fits(const DeterminantProblem& problem, const Indices& sites, Eigen::Index candidate) {
-  return std::none_of(sites.begin(), sites.end(),
-                      [&](Eigen::Index s) { return too_near(problem, s, candidate); });
+  return placement::fits(problem.position, problem.spacing, sites, candidate);
 }
 
 void check(const DeterminantProblem& problem) {

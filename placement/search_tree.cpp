@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "placement/relaxation.h"
+#include "placement/spacing.h"
 
 namespace chladni::placement {
 namespace {
@@ -143,12 +144,9 @@ class Search {
   }
 
   [[nodiscard]] bool spaced(const Indices& sites) const {
-    if (problem_.spacing <= 0.0) return true;
     for (std::size_t a = 0; a < sites.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
-        const double apart =
-            (problem_.position.row(sites[a]) - problem_.position.row(sites[b])).norm();
-        if (apart < problem_.spacing * (1.0 - 1e-9)) return false;
+        if (too_near(problem_.position, problem_.spacing, sites[a], sites[b])) return false;
       }
     }
     return true;

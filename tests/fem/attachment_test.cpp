@@ -4,28 +4,15 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 
 #include "base/error.h"
 #include "fem/assemble.h"
-#include "mesh/bodies.h"
+#include "field_on_plate.h"
 
 namespace chladni::fem {
 namespace {
-
-using Field = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
-
-mesh::TetMesh plate(int order = 2, double edge_length = 0.05) {
-  return mesh::with_order(
-      mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.04}, edge_length, 1),
-      order);
-}
-
-mesh::Site site_on(const mesh::TetMesh& body, double x, double y) {
-  return mesh::SiteFinder(body).from_above(x, y).value();
-}
 
 Eigen::VectorXd on_nodes(const mesh::TetMesh& body, const Field& field) {
   Eigen::VectorXd u(3 * body.node_count());

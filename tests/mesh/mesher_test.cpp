@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/worker.h"
 #include "mesh/mesher/wire.h"
+#include "said.h"
 #include "shapes.h"
 
 namespace chladni::mesh {
@@ -19,26 +20,6 @@ class Mesher : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1); }
 };
-
-template <typename Error, typename Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  } catch (const std::exception& error) {
-    ADD_FAILURE() << "another exception: " << error.what();
-    return "";
-  }
-  ADD_FAILURE() << "no exception";
-  return "";
-}
-
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    EXPECT_NE(text.find(word), std::string::npos) << "\"" << word << "\" is not in: " << text;
-  }
-}
 
 wire::Request request_of(const Surface& surface) {
   wire::Request request;
