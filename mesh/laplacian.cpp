@@ -87,14 +87,18 @@ class Assembly {
   Triplets stiffness_, mass_;
 };
 
+std::string no_such_patch(const std::string& name, const std::vector<std::string>& patches) {
+  std::string known;
+  for (const auto& one : patches) known.append(known.empty() ? "" : ", ").append(one);
+  return "surface: there is no patch \"" + name + "\"; there are: " + known;
+}
+
 std::vector<char> wanted_patches(const TetMesh& mesh, const std::vector<std::string>& patches) {
   std::vector<char> wanted(mesh.patch_names.size(), patches.empty() ? 1 : 0);
   for (const auto& name : patches) {
     const auto found = std::find(mesh.patch_names.begin(), mesh.patch_names.end(), name);
     if (found == mesh.patch_names.end()) {
-      std::string known;
-      for (const auto& one : mesh.patch_names) known.append(known.empty() ? "" : ", ").append(one);
-      throw InvalidInput("surface: there is no patch \"" + name + "\"; there are: " + known);
+      throw InvalidInput(no_such_patch(name, mesh.patch_names));
     }
     wanted[static_cast<std::size_t>(found - mesh.patch_names.begin())] = 1;
   }

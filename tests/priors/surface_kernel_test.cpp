@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "fem/assemble.h"
 #include "fem/laplace_spectrum.h"
+#include "fem/modes.h"
 #include "mesh/bodies.h"
 #include "priors/interpolator.h"
 #include "simulators/portable_random.h"
@@ -206,6 +208,86 @@ TEST(SurfaceMatern, FollowsTheValuesAndCoversDrawsOfItsPrior) {
       coverage(known->at(noisy.simulation.surface), noisy.truth, noisy.simulation.area).mean();
   EXPECT_GT(covered, 0.88);  // the length is learned from 13 values
   EXPECT_LT(covered, 0.97);
+}
+
+// Modes of the plate with four slots, whose flaps move against each other; 36 places.
+struct SlottedTest {
+  Simulation simulation;
+  MeasuredShapes measured;
+  Eigen::MatrixXd truth;
+
+  SlottedTest() {
+    mesh::WaferTable table{.length = 0.6, .width = 0.6, .height = 0.02, .face_sheet = 0.02};
+    table.edge_cutout_length = 0.01;
+    table.edge_cutout_depth = 0.2;
+    const auto body = mesh::with_order(mesh::layered(table, 0.05, 1), 2);
+    const auto system = fem::assemble(body, {fem::isotropic(70e9, 0.33, 2700.0)});
+    auto modes = fem::modes(system, {.count = 8, .certificate = false}).modes;
+    modes.shapes = fem::on_nodes(system.dofs, modes.shapes);
+    const auto spectrum = fem::laplace_spectrum(mesh::body_laplacian(body), 150);
+    const mesh::SiteFinder finder(body);
+    const auto seen = [&](const std::vector<double>& along) {
+      std::vector<mesh::Site> sites;
+      for (const double x : along) {
+        for (const double y : along) {
+          const auto site = finder.from_above(x, y);
+          if (site) sites.push_back(*site);
+        }
+      }
+      return places_at(sites, body, modes, fem::functions_at(spectrum, sites));
+    };
+    measured.places = seen({-0.27, -0.15, -0.03, 0.03, 0.15, 0.27});
+    std::vector<double> fine;
+    for (int k = 0; k < 30; ++k) fine.push_back(-0.29 + 0.02 * k);
+    simulation.surface = seen(fine);
+    simulation.frequency_hz = modes.frequency_hz;
+    simulation.harmonic_eigenvalue = spectrum.eigenvalue;
+    measure();
+  }
+
+  void measure() {
+    simulation.area = Eigen::VectorXd::Ones(simulation.surface.count());
+    truth = simulation.surface.shapes.middleCols(6, 8);
+    const Eigen::VectorXd rms = truth.cwiseAbs2().colwise().mean().cwiseSqrt();
+    const Eigen::MatrixXd scale = rms.cwiseInverse().asDiagonal();
+    truth *= scale;
+    const auto n = measured.places.count();
+    measured.frequency_hz = simulation.frequency_hz.segment(6, 8);
+    measured.values = measured.places.shapes.middleCols(6, 8) * scale + 0.01 * Dice(2).normal(n, 8);
+    measured.noise = Eigen::MatrixXd::Constant(n, 8, 0.01);
+  }
+
+  static Places places_at(const std::vector<mesh::Site>& sites, const mesh::TetMesh& body,
+                          const modal::Modes& modes, Eigen::MatrixXd harmonics) {
+    const auto n = static_cast<Eigen::Index>(sites.size());
+    Places places{Points(n, 3), Points::Zero(n, 3), Eigen::MatrixXd(n, modes.mode_count())};
+    places.direction.col(2).setOnes();
+    places.harmonics = std::move(harmonics);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto& site = sites[static_cast<std::size_t>(k)];
+      places.position.row(k) = site.position.transpose();
+      const auto row = mesh::row_at(site, Eigen::Vector3d::UnitZ(), body.node_count());
+      places.shapes.row(k) = row.transpose() * modes.shapes;
+    }
+    return places;
+  }
+};
+
+TEST(SurfaceMatern, MeetsShapesThatASlotParts) {
+  const SlottedTest test;
+  const auto field_of = [&](const char* name) {
+    return mode_field(interpolator(name), test.measured, test.simulation)
+        ->at(test.simulation.surface);
+  };
+  const auto along = field_of("surface_matern");
+  const auto across = field_of("thin_plate_spline");
+  const auto& area = test.simulation.area;
+  const auto error = squared_error(along.mean, test.truth, area);
+  EXPECT_LT(error.maxCoeff(), 0.025);
+  EXPECT_GT(squared_error(across.mean, test.truth, area).maxCoeff(), 4.0 * error.maxCoeff());
+  const double covered = coverage(along, test.truth, area).mean();
+  EXPECT_GT(covered, 0.90);
+  EXPECT_LT(covered, 0.98);
 }
 
 TEST(SurfaceMatern, TakesEitherSenseOfTheDirection) {
