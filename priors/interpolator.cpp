@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::array kAll{
     &dynamic_residual_interpolator,
+    &dynamic_residual_orthogonal_interpolator,
     &dynamic_residual_alone_interpolator,
     &energy_spline_interpolator,
     &strain_energy_spline_interpolator,

@@ -29,6 +29,15 @@ struct SimilarModel {
   Eigen::MatrixXd turn;          ///< r×r: its mass-normalised shapes are Φ · turn
 };
 
+/// One way in which the real structure may differ from the simulation: what a unit of the parameter
+/// adds to the stiffness and to the mass, seen by the simulation's mass-normalised modes.
+struct Correction {
+  std::string name;
+  Eigen::MatrixXd stiffness;  ///< r×r, symmetric [s^-2]; empty: nothing
+  Eigen::MatrixXd mass;       ///< r×r, symmetric [1]; empty: nothing
+  double deviation = 0.0;     ///< of the parameter about 0, before anything is measured
+};
+
 /// What the simulation says: r mass-normalised modes, rigid-body ones first, seen at N points that
 /// stand for the surface whose shapes are wanted.
 struct Simulation {
@@ -36,6 +45,7 @@ struct Simulation {
   Places surface;                            ///< N
   Eigen::VectorXd area;                      ///< N [m²]: that each point stands for
   std::vector<SimilarModel> similar;         ///< may be empty
+  std::vector<Correction> corrections = {};  ///< may be empty
   Eigen::VectorXd harmonic_eigenvalue = {};  ///< h [1/m²]: of Places::harmonics; may be empty
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }

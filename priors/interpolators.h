@@ -6,6 +6,7 @@
 namespace chladni::priors {
 
 extern const Interpolator dynamic_residual_interpolator;
+extern const Interpolator dynamic_residual_orthogonal_interpolator;
 extern const Interpolator dynamic_residual_alone_interpolator;
 extern const Interpolator energy_spline_interpolator;
 extern const Interpolator strain_energy_spline_interpolator;

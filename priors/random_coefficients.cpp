@@ -109,8 +109,21 @@ Eigen::VectorXd RandomCoefficients::variance_slopes() const {
   return 0.5 * square_ * (pull.cwiseAbs2() - quadratic);
 }
 
+Eigen::MatrixXd RandomCoefficients::covariance_slopes(const Eigen::MatrixXd& functions) const {
+  const Eigen::MatrixXd whitened = noise_.cwiseInverse().asDiagonal() * functions;
+  const Eigen::VectorXd pull = whitened.transpose() * solved(values_);
+  const Eigen::MatrixXd seen = directions_.transpose() * whitened;
+  return 0.5 * square_ *
+         (pull * pull.transpose() - whitened.transpose() * whitened +
+          seen.transpose() * damping().asDiagonal() * seen);
+}
+
 Eigen::VectorXd RandomCoefficients::noise_slopes() const {
   return solved(values_).cwiseAbs2() - inverse_diagonal();
+}
+
+Eigen::VectorXd RandomCoefficients::mean() const {
+  return square_ * (whitened_.transpose() * solved(values_));
 }
 
 RandomCoefficients::Posterior RandomCoefficients::posterior() const {

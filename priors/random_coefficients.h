@@ -26,9 +26,14 @@ class RandomCoefficients {
 
   /// How the evidence changes with ln q_j, where column j is scaled by the root of q_j; k.
   [[nodiscard]] Eigen::VectorXd variance_slopes() const;
+  /// How it changes with the coefficients' covariance a² C; k'×k', symmetric: the change is the sum
+  /// of products of its entries with those of dC. @param functions  s×k': W = functions · root of C
+  [[nodiscard]] Eigen::MatrixXd covariance_slopes(const Eigen::MatrixXd& functions) const;
   /// How it changes with ln σ; s.
   [[nodiscard]] Eigen::VectorXd noise_slopes() const;
 
+  /// The coefficients' mean, k; cheaper than posterior().
+  [[nodiscard]] Eigen::VectorXd mean() const;
   /// The coefficients' mean, k, and a root F of their covariance F Fᵀ, k×k.
   struct Posterior {
     Eigen::VectorXd mean;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.h"
 #include "priors/optimum.h"
@@ -65,14 +66,43 @@ ResidualErrors errors_of(const Eigen::Vector4d& logarithms) {
   return {{value(0), value(1), value(2)}, value(3)};
 }
 
+// Divided differences between the simulation's eigenvalues λ_a and λ_b of q(λ) and of λ q(λ), r×r,
+// without cancellation where two are near each other.
+struct DividedDifferences {
+  Eigen::MatrixXd q, lambda_q;
+};
+
+DividedDifferences divided_differences(const Eigen::VectorXd& frequency_hz, double real_hz,
+                                       const DynamicResidual& prior) {
+  const auto r = frequency_hz.size();
+  if (real_hz == 0.0) {  // q is 1 at 0 and 0 elsewhere
+    const Eigen::VectorXd rigid = (frequency_hz.array() == 0.0).cast<double>();
+    return {Eigen::MatrixXd::Zero(r, r), rigid * rigid.transpose()};
+  }
+  const double scale = prior.gamma / std::pow(2.0 * std::numbers::pi * real_hz, 2);
+  const Eigen::ArrayXd ratio = prior.gamma * (frequency_hz / real_hz).array().square();
+  const Eigen::ArrayXd above = ratio + prior.kappa;
+  const Eigen::ArrayXd below = (ratio - 1.0).square() + prior.eta * prior.eta;
+  DividedDifferences found{Eigen::MatrixXd(r, r), Eigen::MatrixXd(r, r)};
+  for (Eigen::Index b = 0; b < r; ++b) {
+    for (Eigen::Index a = 0; a < r; ++a) {
+      const double q = (below(a) - above(a) * (ratio(a) + ratio(b) - 2.0)) / (below(a) * below(b));
+      found.q(a, b) = scale * q;
+      found.lambda_q(a, b) = above(a) / below(a) + ratio(b) * q;
+    }
+  }
+  return found;
+}
+
 // One shape's part of the pooled evidence.
 PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& basis,
-                           Eigen::Index mode, const ResidualErrors& errors) {
+                           Eigen::Index mode, const ResidualErrors& errors, bool matrix_slopes) {
   const auto known = coefficient_prior(basis, measured.frequency_hz(mode), errors.prior);
   const auto deviation = deviation_of_values(measured, mode, errors.noise, known.beyond);
   const RandomCoefficients shape(measured.places.shapes * known.variance.cwiseSqrt().asDiagonal(),
                                  measured.values.col(mode), deviation);
-  PooledEvidence evidence{shape.log_evidence()};
+  PooledEvidence evidence;
+  evidence.log_evidence = shape.log_evidence();
   evidence.slopes.head<3>() = known.slopes.transpose() * shape.variance_slopes();
   // σ² = (noise σ0)² + beyond v: with ln noise and with `beyond`.
   const Eigen::ArrayXd of_noise = shape.noise_slopes();
@@ -80,8 +110,20 @@ PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& bas
   const double square =
       measured.values.col(mode).squaredNorm() / static_cast<double>(measured.values.rows());
   const Eigen::ArrayXd own = (errors.noise * measured.noise.col(mode).array()).square();
-  evidence.slopes.head<3>() += (of_noise * 0.5 * square / variance).sum() * known.beyond_slopes;
+  const double of_beyond = (of_noise * 0.5 * square / variance).sum();
+  evidence.slopes.head<3>() += of_beyond * known.beyond_slopes;
   evidence.slopes(3) = (of_noise * own / variance).sum();
+  if (!matrix_slopes) return evidence;
+  // The prior's covariance T q Tᵀ turns and stretches with the eigenvectors T of (λ + dK, I + dM).
+  Eigen::MatrixXd of_covariance = shape.covariance_slopes(measured.places.shapes);
+  if (known.beyond > 0.0) {
+    const double seen = known.variance.dot(basis.gram.diagonal());
+    of_covariance -= of_beyond * known.beyond * (1.0 - known.beyond) / seen * basis.gram;
+  }
+  const auto differences =
+      divided_differences(basis.frequency_hz, measured.frequency_hz(mode), errors.prior);
+  evidence.stiffness_slopes = of_covariance.cwiseProduct(differences.q);
+  evidence.mass_slopes = -of_covariance.cwiseProduct(differences.lambda_q);
   return evidence;
 }
 
@@ -144,12 +186,20 @@ Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index
 }
 
 PooledEvidence pooled_evidence(const MeasuredShapes& measured, const ModalBasis& basis,
-                               const ResidualErrors& errors) {
+                               const ResidualErrors& errors, bool matrix_slopes) {
   PooledEvidence pooled;
+  if (matrix_slopes) {
+    const auto r = basis.frequency_hz.size();
+    pooled.stiffness_slopes.setZero(r, r);
+    pooled.mass_slopes.setZero(r, r);
+  }
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    const auto one = evidence_of(measured, basis, i, errors);
+    const auto one = evidence_of(measured, basis, i, errors, matrix_slopes);
     pooled.log_evidence += one.log_evidence;
     pooled.slopes += one.slopes;
+    if (!matrix_slopes) continue;
+    pooled.stiffness_slopes += one.stiffness_slopes;
+    pooled.mass_slopes += one.mass_slopes;
   }
   return pooled;
 }

@@ -45,9 +45,13 @@ struct CoefficientPrior {
 struct PooledEvidence {
   double log_evidence = 0.0;
   Eigen::Vector4d slopes = Eigen::Vector4d::Zero();
+  /// r×r, symmetric: small changes dK of the simulation's stiffness diag λ [s^-2] and dM of its
+  /// mass I add the sum of products of their entries with these. Empty unless asked for.
+  Eigen::MatrixXd stiffness_slopes, mass_slopes;
 };
 [[nodiscard]] PooledEvidence pooled_evidence(const MeasuredShapes& measured,
-                                             const ModalBasis& basis, const ResidualErrors& errors);
+                                             const ModalBasis& basis, const ResidualErrors& errors,
+                                             bool matrix_slopes = false);
 
 /// What is thought of the errors before anything is measured: each number log-normal.
 struct ResidualPlausible {

@@ -57,6 +57,11 @@ TEST_P(Sizes, EvidenceIsTheTextbooks) {
   EXPECT_NEAR(shape.log_evidence(), textbook_evidence(made, shape.amplitude_square()), 1e-8);
 }
 
+TEST_P(Sizes, MeanIsThePosteriors) {
+  const auto mean = shape.posterior().mean;
+  EXPECT_LT((shape.mean() - mean).norm(), 1e-8 * mean.norm());
+}
+
 TEST_P(Sizes, NoAmplitudeIsLikelier) {
   for (double ln = -8.0; ln < 8.0; ln += 0.01) {
     EXPECT_LE(textbook_evidence(made, shape.amplitude_square() * std::exp(ln)),

@@ -287,6 +287,30 @@ PlateModes plate_modes(const KirchhoffPlate& plate, int flexible) {
   return modes;
 }
 
+PlateFieldMatrices plate_field_matrices(const KirchhoffPlate& plate, const PlateModes& modes,
+                                        const Eigen::MatrixXd& fields) {
+  check(plate);
+  require(fields.rows() == plate.grid.cell_count(), "plate: a field has not one value per cell");
+  const auto unit = cell_matrices(plate.grid);
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(modes.mode_count(), modes.mode_count());
+  const std::vector<Eigen::MatrixXd> none(static_cast<std::size_t>(fields.cols()), zero);
+  PlateFieldMatrices sum{none, none};
+  for (Eigen::Index c = 0; c < plate.grid.cell_count(); ++c) {
+    if (modes.present[static_cast<std::size_t>(c)] == 0) continue;
+    const auto& d = plate.bending[static_cast<std::size_t>(c)];
+    const Eigen::MatrixXd local = modes.dofs(cell_dofs(plate.grid, c), Eigen::all);
+    const Eigen::MatrixXd stiffness =
+        local.transpose() *
+        (d.d11 * unit.xx + d.d12 * unit.cross + d.d22 * unit.yy + d.d66 * unit.xy) * local;
+    const Eigen::MatrixXd mass = plate.areal_mass(c) * local.transpose() * unit.mass * local;
+    for (Eigen::Index f = 0; f < fields.cols(); ++f) {
+      sum.stiffness[static_cast<std::size_t>(f)] += fields(c, f) * stiffness;
+      sum.mass[static_cast<std::size_t>(f)] += fields(c, f) * mass;
+    }
+  }
+  return sum;
+}
+
 bool covers(const PlateModes& modes, const Eigen::Vector2d& place) {
   return spot(modes.grid, modes.present, place).cell >= 0;
 }

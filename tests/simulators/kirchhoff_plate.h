@@ -60,6 +60,16 @@ struct PlateModes {
 /// @throws NumericalFailure  the iteration did not converge
 [[nodiscard]] PlateModes plate_modes(const KirchhoffPlate& plate, int flexible);
 
+/// Per field f: Φᵀ K_f Φ [s^-2] and Φᵀ M_f Φ, K_f and M_f being those of the plate without its
+/// point masses, its bending and areal mass multiplied by the field. A field of ones gives diag λ.
+struct PlateFieldMatrices {
+  std::vector<Eigen::MatrixXd> stiffness, mass;
+};
+/// @param fields  cells×F; @throws InvalidInput  it does not fit the plate
+[[nodiscard]] PlateFieldMatrices plate_field_matrices(const KirchhoffPlate& plate,
+                                                      const PlateModes& modes,
+                                                      const Eigen::MatrixXd& fields);
+
 /// Whether (x, y) lies on a cell that is there; rims count.
 [[nodiscard]] bool covers(const PlateModes& modes, const Eigen::Vector2d& place);
 

@@ -126,6 +126,41 @@ TEST(KirchhoffPlate, KnowsItsCutOuts) {
   EXPECT_NEAR(plate_surface(modes).area.sum(), 0.9 * 0.6 * (1.0 - 3.0 / 144.0), 1e-12);
 }
 
+TEST(KirchhoffPlate, FieldsOfOnesGiveBackStiffnessAndMass) {
+  auto plate = uneven();
+  plate.masses.clear();
+  const auto modes = plate_modes(plate, 6);
+  const auto sums =
+      plate_field_matrices(plate, modes, Eigen::MatrixXd::Ones(plate.grid.cell_count(), 1));
+  const Eigen::MatrixXd lambda =
+      (2.0 * std::numbers::pi * modes.frequency_hz).cwiseAbs2().asDiagonal();
+  EXPECT_LT((sums.stiffness.front() - lambda).norm(), 1e-9 * lambda.norm());
+  EXPECT_TRUE(sums.mass.front().isIdentity(1e-9));
+}
+
+// First-order perturbation: λ changes by the diagonal of the field's matrix.
+TEST(KirchhoffPlate, FieldsSayHowFrequenciesChange) {
+  const auto plate = uneven();
+  const auto modes = plate_modes(plate, 6);
+  const auto cells = plate.grid.cell_count();
+  Eigen::MatrixXd field = Dice(9).normal(cells, 1);
+  const auto sums = plate_field_matrices(plate, modes, field);
+  auto changed = plate;
+  constexpr double kStep = 1e-5;
+  for (Eigen::Index c = 0; c < cells; ++c) {
+    changed.areal_mass(c) *= 1.0 + kStep * field(c);
+    auto& bending = changed.bending[static_cast<std::size_t>(c)];
+    for (double* d : {&bending.d11, &bending.d12, &bending.d22, &bending.d66}) {
+      *d *= 1.0 - kStep * field(c);
+    }
+  }
+  const Eigen::VectorXd lambda = numbers_of(modes).cwiseAbs2();
+  const Eigen::VectorXd after = numbers_of(plate_modes(changed, 6)).cwiseAbs2();
+  const Eigen::VectorXd expected =
+      -sums.stiffness.front().diagonal() - lambda.cwiseProduct(sums.mass.front().diagonal());
+  EXPECT_LT(((after - lambda) / kStep - expected).norm(), 1e-3 * expected.norm());
+}
+
 TEST(KirchhoffPlate, RefusesWhatCannotBeMeant) {
   auto off = unit_square(4);
   off.masses = {{{0.6, 0.0}, 1.0}};

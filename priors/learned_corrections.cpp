@@ -1,0 +1,189 @@
+#include "priors/learned_corrections.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "base/error.h"
+#include "priors/optimum.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr double kLeastShare = 0.25;  // of η that corrections leave
+constexpr double kMiddleKappa = 1.0;  // of what they leave
+constexpr double kKappaSpread = 0.05;
+constexpr int kStages = 3;         // of η, from what it is without corrections to what they leave
+constexpr double kFarthest = 5.0;  // deviations of a correction
+constexpr double kFar = 2.5;       // deviations that are worth a word
+constexpr double kImpossible = 1e10;  // stands for minus the logarithm of 0
+constexpr double kStep = 1e-4;        // of differences of slopes, in deviations
+constexpr Eigen::Index kEta = 0, kKappa = 1, kGamma = 2, kFirst = 3;
+
+void require_fitting(const std::vector<Correction>& corrections, Eigen::Index r) {
+  for (const auto& one : corrections) {
+    const auto rows = std::to_string(r);
+    for (const auto* matrix : {&one.stiffness, &one.mass}) {
+      require(matrix->size() == 0 || (matrix->rows() == r && matrix->cols() == r),
+              "correction " + one.name + ": its matrices are " + std::to_string(matrix->rows()) +
+                  "x" + std::to_string(matrix->cols()) + ", the simulation has " + rows + " modes");
+      require(matrix->allFinite(), "correction " + one.name + ": its matrices are not finite");
+    }
+    require(one.deviation > 0.0 && std::isfinite(one.deviation),
+            "correction " + one.name + ": its deviation must be more than 0");
+  }
+}
+
+// ln η, and κ, γ and the corrections as deviations from what is thought of them: what is sought.
+class Search {
+ public:
+  Search(const MeasuredShapes& measured, const ModalBasis& basis,
+         const std::vector<Correction>& corrections, const ResidualErrors& plain,
+         const ResidualPlausible& plausible)
+      : measured_(measured), basis_(basis), corrections_(corrections), plain_(plain) {
+    middle_ = {0.0, std::log(kMiddleKappa), std::log(plausible.middle(2))};
+    spread_ = {1.0, kKappaSpread, plausible.spread(2)};
+    deviation_.resize(static_cast<Eigen::Index>(corrections.size()));
+    for (Eigen::Index f = 0; f < deviation_.size(); ++f) {
+      deviation_(f) = corrections[static_cast<std::size_t>(f)].deviation;
+    }
+  }
+
+  [[nodiscard]] Eigen::VectorXd start() const {
+    Eigen::VectorXd at = Eigen::VectorXd::Zero(kFirst + deviation_.size());
+    at(kEta) = std::log(plain_.prior.eta);
+    at(kGamma) = (std::log(plain_.prior.gamma) - middle_(kGamma)) / spread_(kGamma);
+    return at;
+  }
+
+  [[nodiscard]] ResidualErrors errors(const Eigen::VectorXd& at) const {
+    const Eigen::Vector3d value = (middle_ + spread_.cwiseProduct(at.head<3>())).array().exp();
+    return {{value(kEta), value(kKappa), value(kGamma)}, plain_.noise};
+  }
+
+  [[nodiscard]] Eigen::VectorXd parameters(const Eigen::VectorXd& at) const {
+    return deviation_.cwiseProduct(at.tail(deviation_.size()));
+  }
+
+  [[nodiscard]] std::optional<CorrectedModes> modes(const Eigen::VectorXd& at) const {
+    return corrected_modes(basis_.frequency_hz, corrections_, parameters(at));
+  }
+
+  // Minus the logarithm of the posterior density, but for a constant.
+  double implausibility(const Eigen::VectorXd& at, Eigen::VectorXd& slopes) const {
+    const auto found =
+        corrected_evidence(measured_, basis_, corrections_, errors(at), parameters(at));
+    slopes = at;
+    slopes(kEta) = 0.0;
+    if (!found) return kImpossible;
+    const double value = 0.5 * slopes.squaredNorm() - found->log_evidence;
+    slopes.head<3>() -= spread_.cwiseProduct(found->slopes.head<3>());
+    slopes.tail(deviation_.size()) -=
+        deviation_.cwiseProduct(found->slopes.tail(deviation_.size()));
+    return value;
+  }
+
+ private:
+  const MeasuredShapes& measured_;
+  const ModalBasis& basis_;
+  const std::vector<Correction>& corrections_;
+  ResidualErrors plain_;
+  Eigen::Vector3d middle_, spread_;  // of ln η, ln κ, ln γ
+  Eigen::VectorXd deviation_;
+};
+
+// The lowest point, followed from the large η, whose hills are wide, to the small one.
+Optimum lowest(const Search& search) {
+  const Objective objective = [&](const Eigen::VectorXd& at, Eigen::VectorXd& slopes) {
+    return search.implausibility(at, slopes);
+  };
+  Eigen::VectorXd at = search.start();
+  const double most = at(kEta);
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(at.size(), kFarthest);
+  Eigen::VectorXd lower = -upper;
+  Optimum best;
+  int evaluations = 0;
+  for (int stage = 0; stage < kStages; ++stage) {
+    const bool last = stage + 1 == kStages;
+    at(kEta) = most + std::log(kLeastShare) * stage / (kStages - 1);
+    lower(kEta) = at(kEta);
+    upper(kEta) = last ? most : at(kEta);
+    best = minimum(objective, at, lower, upper,
+                   last ? OptimumOptions{1e-5, 300} : OptimumOptions{1e-2, 40});
+    evaluations += best.evaluations;
+    at = best.at;
+  }
+  best.evaluations = evaluations;
+  return best;
+}
+
+// Of what is known of γ and the corrections, in their deviations: F with the covariance F Fᵀ. No
+// direction is less well known than it was before the measurement.
+Eigen::MatrixXd posterior_root(const Search& search, const Eigen::VectorXd& at) {
+  const Eigen::Index n = at.size() - kGamma;
+  Eigen::VectorXd here;
+  Eigen::VectorXd there;
+  search.implausibility(at, here);
+  Eigen::MatrixXd curvature(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Eigen::VectorXd moved = at;
+    moved(kGamma + k) += kStep;
+    search.implausibility(moved, there);
+    curvature.col(k) = (there - here).tail(n) / kStep;
+  }
+  const Eigen::MatrixXd symmetric = 0.5 * (curvature + curvature.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
+  if (solver.info() != Eigen::Success || !symmetric.allFinite()) {
+    throw NumericalFailure("corrections: the posterior has no finite curvature");
+  }
+  return solver.eigenvectors() *
+         solver.eigenvalues().cwiseMax(1.0).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+std::vector<CorrectedSimulation> simulations_aside(const Search& search, const Eigen::VectorXd& at,
+                                                   const Eigen::MatrixXd& root) {
+  std::vector<CorrectedSimulation> aside;
+  for (Eigen::Index k = 0; k < root.cols(); ++k) {
+    for (const double side : {1.0, -1.0}) {  // one of them may have no positive mass
+      Eigen::VectorXd moved = at;
+      moved.tail(root.rows()) += side * root.col(k);
+      auto modes = search.modes(moved);
+      if (!modes) continue;
+      aside.push_back({std::move(*modes), search.errors(moved)});
+      break;
+    }
+  }
+  return aside;
+}
+
+}  // namespace
+
+LearnedCorrections learned_corrections(const MeasuredShapes& measured, const ModalBasis& basis,
+                                       const std::vector<Correction>& corrections,
+                                       const ResidualPlausible& plausible) {
+  require_fitting(corrections, basis.frequency_hz.size());
+  const auto plain = learned_errors(measured, basis, plausible);
+  const Search search(measured, basis, corrections, plain.errors, plausible);
+  const auto best = lowest(search);
+  LearnedCorrections learned;
+  learned.evaluations = best.evaluations + plain.evaluations;
+  learned.parameters = search.parameters(best.at);
+  learned.likeliest = {search.modes(best.at).value(), search.errors(best.at)};
+  const auto root = posterior_root(search, best.at);
+  learned.aside = simulations_aside(search, best.at, root);
+  learned.log_evidence = 0.5 * best.at.tail(best.at.size() - 1).squaredNorm() - best.value;
+  learned.deviation.resize(learned.parameters.size());
+  for (Eigen::Index f = 0; f < learned.parameters.size(); ++f) {
+    const auto& one = corrections[static_cast<std::size_t>(f)];
+    learned.deviation(f) = one.deviation * root.row(1 + f).norm();
+    const double away = std::abs(best.at(kFirst + f));
+    if (away < kFar) continue;
+    learned.doubts.push_back(
+        fmt::format("correction {} is {:.3g}, {:.1f} of the deviations that were thought plausible",
+                    one.name, learned.parameters(f), away));
+  }
+  return learned;
+}
+
+}  // namespace chladni::priors

@@ -1,0 +1,21 @@
+// What may be wrong of a believed plate, without knowing what is.
+#pragma once
+
+#include "priors/interpolator.h"
+#include "simulators/kirchhoff_plate.h"
+
+namespace chladni::simulators {
+
+struct PlateUncertainty {
+  int waves = 4;            ///< 0 to waves − 1 half waves along each side
+  double stiffness = 0.2;   ///< relative, of the longest waves; as 1/wave number beyond
+  double anisotropy = 0.2;  ///< relative: along x against y, d12, d66
+  int masses = 8;           ///< on a regular grid of as many by as many, the rim included
+  double point_mass = 0.5;  ///< of each, over its share of the plate's mass
+};
+
+/// Cosines over both sides as fields of stiffness, its anisotropy, and masses on a regular grid.
+[[nodiscard]] std::vector<priors::Correction> plate_corrections(
+    const KirchhoffPlate& plate, const PlateModes& modes, const PlateUncertainty& uncertain = {});
+
+}  // namespace chladni::simulators
