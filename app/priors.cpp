@@ -90,7 +90,8 @@ LearnedAt learned_at(const LearnedPriors& result, Eigen::Index samples, unsigned
 
 // Where the study has channels that look along the surface's own direction.
 void add_matched(const Study& study, const Solution& solution, LearnedPriors& result) {
-  if (study.sensors.empty() || result.kernel.parameter_count() != 1) return;
+  if (study.sensors.size() + study.actuators.size() < 2 || result.kernel.parameter_count() != 1)
+    return;
   std::vector<Channel> channels = study.sensors;
   channels.insert(channels.end(), study.actuators.begin(), study.actuators.end());
   std::vector<mesh::Site> sites = solution.model.sensors;
@@ -158,6 +159,22 @@ void add_warnings(const Solution& solution, LearnedPriors& result) {
   }
 }
 
+// The mode of the shortest length, of those that the channels see; of all where they see none.
+int most_complex_of(const LearnedPriors& result) {
+  constexpr double kSeen = 0.5;  // so much of a shape's square stays unknown at most
+  const auto& modes = result.last().per_mode;
+  const auto sees = [&](std::size_t i) {
+    return result.expected_error.size() == 0 ||
+           result.expected_error(static_cast<Eigen::Index>(i)) < kSeen;
+  };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < modes.size(); ++i) {
+    const bool shorter = modes[i].parameters(0) < modes[best].parameters(0);
+    if (sees(i) != sees(best) ? sees(i) : shorter) best = i;
+  }
+  return static_cast<int>(best);
+}
+
 void run(const Study& study, Run& run) {
   const Solution solution = solved(study, run);
   const LearnedPriors result = learned_priors(study, solution, run);
@@ -189,13 +206,10 @@ LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& 
                       result.last().samples, samples));
     }
     add_matched(study, solution, result);
+    add_channel_errors(study, solution, result);
     return 0;
   });
-  const auto& last = result.last().per_mode;
-  const auto shortest = std::min_element(
-      last.begin(), last.end(),
-      [](const auto& a, const auto& b) { return a.parameters(0) < b.parameters(0); });
-  result.most_complex = static_cast<int>(shortest - last.begin());
+  result.most_complex = most_complex_of(result);
   add_warnings(solution, result);
   return result;
 }

@@ -19,6 +19,10 @@ struct LearnedAt {
   /// By modes, then shared: the change of ln σ and ln θ when the noise ratio is a hundred times as
   /// large (priors::noise_dependence); 0 where the noise is learned.
   Eigen::VectorXd noise_dependence;
+  /// Per mode: squared error over the shape's square, over the surface, of the mode interpolated
+  /// with these hyper-parameters from its noise-free values at the study's channels; empty where
+  /// there are fewer than three.
+  Eigen::VectorXd channel_error;
 };
 
 struct LearnedPriors {
@@ -30,11 +34,13 @@ struct LearnedPriors {
   std::vector<Eigen::Index> columns;  ///< of the study's modes
   Eigen::VectorXd rms;                ///< of those, over the surface [kg^-1/2]
   std::vector<LearnedAt> by_samples;  ///< ascending; the last one counts
-  int most_complex = 0;               ///< of `columns`: the shortest length
+  int most_complex = 0;  ///< of `columns`: the shortest length of those that the channels see
   /// Length of least expected error at the study's channels, per mode, and that error over the
   /// shape's square (priors::expected_length); empty without channels or for other kernels than
   /// those of one length.
   Eigen::VectorXd matched_length, expected_error;
+  /// The same error of thin-plate splines, by name; they learn nothing from samples.
+  std::vector<std::pair<std::string, Eigen::VectorXd>> spline_error;
   std::vector<std::string> notes, warnings;
 
   [[nodiscard]] const LearnedAt& last() const { return by_samples.back(); }
@@ -43,6 +49,10 @@ struct LearnedPriors {
 /// @throws InvalidInput  a patch that is not there, more modes than were computed, no mode that
 ///                       moves the surface
 [[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run);
+
+/// The step of `learned_priors` that tries what was learned at the study's channels.
+/// @throws InvalidInput  channels of different directions, several in one place
+void add_channel_errors(const Study& study, const Solution& solution, LearnedPriors& result);
 
 [[nodiscard]] std::string priors_table(const Solution& solution, const LearnedPriors& result);
 [[nodiscard]] io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result);

@@ -79,7 +79,8 @@ io::Json at_json(const Solution& solution, const LearnedPriors& result, const Le
   const double dependence = at.noise_dependence(at.noise_dependence.size() - 1);
   return io::JsonObject{{"samples", static_cast<long long>(at.samples)},
                         {"modes", modes},
-                        {"shared", learned_json(result, at.shared, at.samples, dependence)}};
+                        {"shared", learned_json(result, at.shared, at.samples, dependence)},
+                        {"channel_error", io::Json(at.channel_error)}};
 }
 
 std::string modes_text(const Solution& solution, const LearnedPriors& result) {
@@ -124,14 +125,22 @@ std::string priors_table(const Solution& solution, const LearnedPriors& result) 
   if (result.by_samples.size() < 2) return text;
   const auto i = static_cast<std::size_t>(result.most_complex);
   const double rms = result.rms(result.most_complex);
+  const bool has_channels = result.last().channel_error.size() > 0;
   text += fmt::format(
       "\nmode {}, the most complex one, and all together by number of samples\n"
-      "{:>8}{:>14}{:>14}{:>14}{:>14}\n",
-      result.columns[i] + 1, "samples", "length [mm]", "sigma / rms", "length [mm]", "sigma / rms");
+      "{:>8}{:>14}{:>14}{}{:>14}{:>14}\n",
+      result.columns[i] + 1, "samples", "length [mm]", "sigma / rms",
+      has_channels ? "  error from channels" : "", "length [mm]", "sigma / rms");
   for (const auto& at : result.by_samples) {
-    text += fmt::format("{:>8}{:>14}{:>14.3f}{:>14}{:>14.3f}\n", at.samples,
-                        lengths_text(result, at.per_mode[i]), at.per_mode[i].sigma / rms,
+    const std::string error =
+        has_channels ? fmt::format("{:>19.3g} %", 100.0 * at.channel_error(result.most_complex))
+                     : "";
+    text += fmt::format("{:>8}{:>14}{:>14.3f}{}{:>14}{:>14.3f}\n", at.samples,
+                        lengths_text(result, at.per_mode[i]), at.per_mode[i].sigma / rms, error,
                         lengths_text(result, at.shared), at.shared.sigma);
+  }
+  for (const auto& [name, error] : result.spline_error) {
+    text += fmt::format("{:<36}{:>19.3g} %\n", name, 100.0 * error(result.most_complex));
   }
   return text;
 }
@@ -150,6 +159,8 @@ io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result
   }
   io::JsonArray by_samples;
   for (const auto& at : result.by_samples) by_samples.push_back(at_json(solution, result, at));
+  io::JsonObject splines;
+  for (const auto& [name, error] : result.spline_error) splines.emplace_back(name, io::Json(error));
   const auto complex = result.columns[static_cast<std::size_t>(result.most_complex)];
   return {{"by", result.plan.by},
           {"noise_ratio", result.plan.noise_ratio},
@@ -158,6 +169,7 @@ io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result
                                   last.noise_dependence(last.noise_dependence.size() - 1))},
           {"most_complex_mode", static_cast<long long>(complex - solution.modes.rigid_count + 1)},
           {"by_samples", by_samples},
+          {"spline_error", splines},
           {"notes", texts(result.notes)},
           {"warnings", texts(result.warnings)}};
 }

@@ -1,0 +1,71 @@
+// What learned hyper-parameters are worth at the study's own channels: figure 5.12 of the thesis.
+#include <algorithm>
+#include <array>
+
+#include "app/interpolation.h"
+#include "app/priors.h"
+#include "priors/interpolator.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kNoNoise = 1e-6;  // of a shape's root mean square: samples of a simulation
+constexpr std::array kSplines{"thin_plate_spline", "thin_plate_spline_gcv",
+                              "thin_plate_spline_leave_one_out"};
+
+priors::Places places_of(const Study& study, const Solution& solution) {
+  std::vector<Channel> channels = study.sensors;
+  channels.insert(channels.end(), study.actuators.begin(), study.actuators.end());
+  std::vector<mesh::Site> sites = solution.model.sensors;
+  sites.insert(sites.end(), solution.model.actuators.begin(), solution.model.actuators.end());
+  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
+  }
+  return places_at(sites, directions, solution.modes);
+}
+
+// Σ w (φ̂ − φ)² / Σ w φ² of a mode interpolated from its values at the channels.
+double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
+                      const priors::Places& places, const Eigen::VectorXd& values,
+                      const Eigen::VectorXd& truth) {
+  const Eigen::VectorXd noise =
+      Eigen::VectorXd::Constant(values.size(), result.plan.noise_ratio * one.sigma * one.sigma);
+  const priors::GaussianProcess process(priors::prior_of(result.kernel, one, {}), places.position,
+                                        noise);
+  const auto& sites = result.surface.sites;
+  return priors::squared_error(process.at(sites.position, values).mean, truth, sites.area)(0);
+}
+
+}  // namespace
+
+void add_channel_errors(const Study& study, const Solution& solution, LearnedPriors& result) {
+  if (study.sensors.size() + study.actuators.size() < 3) return;
+  const auto places = places_of(study, solution);
+  const auto& sites = result.surface.sites;
+  const Eigen::MatrixXd values = places.shapes(Eigen::all, result.columns);
+  const Eigen::MatrixXd truth = sites.shapes(Eigen::all, result.columns);
+  const auto count = static_cast<Eigen::Index>(result.columns.size());
+  for (auto& at : result.by_samples) {
+    at.channel_error.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      at.channel_error(i) = gaussian_error(result, at.per_mode[static_cast<std::size_t>(i)], places,
+                                           values.col(i), truth.col(i));
+    }
+  }
+  priors::Simulation simulation;
+  simulation.frequency_hz = solution.modes.frequency_hz;
+  simulation.surface = {sites.position, sites.normal, sites.shapes};
+  simulation.area = sites.area;
+  const Eigen::MatrixXd noise =
+      kNoNoise * Eigen::VectorXd::Ones(values.rows()) * result.rms.transpose();
+  const priors::MeasuredShapes measured{places, solution.modes.frequency_hz(result.columns), values,
+                                        noise};
+  for (const auto* name : kSplines) {
+    const auto field = priors::mode_field(priors::interpolator(name), measured, simulation)
+                           ->at(simulation.surface);
+    result.spline_error.emplace_back(name, priors::squared_error(field.mean, truth, sites.area));
+  }
+}
+
+}  // namespace chladni::app
