@@ -4,39 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/waves.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "fem/field_matrices.h"
-#include "mesh/surface.h"
 
 namespace chladni::app {
 namespace {
 
 constexpr int kWaves = 4;  // half waves of a field along each of the two longest sides, less one
 constexpr int kMasses = 4;
-
-// Cosines over the two longest sides of the body, at the centres of its cells; cells×kWaves².
-Eigen::MatrixXd waves(const mesh::TetMesh& body) {
-  const auto box = mesh::bounding_box(body.points);
-  const Eigen::RowVector3d size = box.row(1) - box.row(0);
-  Eigen::Index thin = 0;
-  size.minCoeff(&thin);
-  const Eigen::Index u = (thin + 1) % 3;
-  const Eigen::Index v = (thin + 2) % 3;
-  Eigen::MatrixXd fields(body.tet_count(), kWaves * kWaves);
-  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-    for (int a = 0; a < 4; ++a) centre += 0.25 * body.points.row(body.tets(t, a));
-    const double along_u = std::numbers::pi * (centre(u) - box(0, u)) / size(u);
-    const double along_v = std::numbers::pi * (centre(v) - box(0, v)) / size(v);
-    for (int a = 0; a < kWaves; ++a) {
-      for (int b = 0; b < kWaves; ++b) {
-        fields(t, kWaves * a + b) = std::cos(a * along_u) * std::cos(b * along_v);
-      }
-    }
-  }
-  return fields;
-}
 
 // Amplitudes of a field of variance about 1 that is smooth: long waves are stronger.
 Eigen::VectorXd amplitudes(Draw& draw) {
@@ -77,7 +54,7 @@ Member member(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
 
 std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& plan, unsigned seed) {
   Draw draw(seed);
-  const Eigen::MatrixXd basis = waves(solution.model.body);
+  const Eigen::MatrixXd basis = waves(solution.model.body, kWaves);
   Eigen::MatrixXd stiffness(basis.cols(), plan.members);
   Eigen::MatrixXd mass(basis.cols(), plan.members);
   for (Eigen::Index k = 0; k < plan.members; ++k) {

@@ -1,14 +1,18 @@
-// interpolation_study [tables]: every way to interpolate, on plates that the simulation does not
-// know. Prints one table per case; figures in bench/README.md.
+// interpolation_study [tables] [method] [first] [parameters]: every way to interpolate, on plates
+// that the simulation does not know. Prints one table per case; figures in bench/README.md. With
+// "parameters" also what was learned of each plate.
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "base/parallel.h"
+#include "placement/interpolation.h"
 #include "priors/interpolator.h"
+#include "simulators/plate_corrections.h"
 #include "simulators/plate_study.h"
 #include "simulators/real_tables.h"
 
@@ -16,7 +20,8 @@ namespace chladni {
 namespace {
 
 constexpr int kModes = 12;
-constexpr int kFirst = 9;  // modes 1 to 9 are what 13 places can resolve
+constexpr int kBelieved = 40;  // flexible modes of the simulation
+constexpr int kFirst = 9;      // modes 1 to 9 are what 13 places can resolve
 
 struct Case {
   std::string layout, prior;
@@ -33,20 +38,79 @@ simulators::KirchhoffPlate believed_plate(const std::string& prior) {
   return simulators::accurate_table();
 }
 
-Scores scores_of(const Case& one, const simulators::PlateModes& believed,
+// The thirteen mounts that are expected to leave the smallest mean error, by the simulation alone.
+Eigen::MatrixX2d best_places(const simulators::PlateModes& believed, double noise) {
+  const auto mounts = simulators::mounts();
+  const auto candidates = simulators::plate_places(believed, mounts);
+  const auto surface = simulators::plate_surface(believed);
+  std::vector<Eigen::Index> wanted;
+  for (Eigen::Index i = 0; i < kModes; ++i) wanted.push_back(3 + i);
+  placement::InterpolationProblem problem;
+  problem.rows = candidates.shapes;
+  problem.noise = Eigen::VectorXd::Constant(kModes, noise);
+  problem.there.resize(0, candidates.shapes.cols());
+  problem.there_noise.resize(0, kModes);
+  problem.prior = placement::shape_prior(simulators::shapes_at(believed, surface.places),
+                                         surface.area, believed.frequency_hz, wanted);
+  problem.count = 13;
+  problem.position = candidates.position;
+  const auto choice = placement::best_interpolation(problem);
+  Eigen::MatrixX2d places(problem.count, 2);
+  for (Eigen::Index k = 0; k < problem.count; ++k) {
+    places.row(k) = mounts.row(choice.sites[static_cast<std::size_t>(k)]);
+  }
+  return places;
+}
+
+// What is believed in a case, and where it is measured.
+struct Belief {
+  simulators::PlateModes modes;
+  std::vector<priors::Correction> corrections;
+  Eigen::MatrixX2d places;
+};
+
+Belief belief_of(const Case& one) {
+  const auto plate = believed_plate(one.prior);
+  Belief belief{simulators::plate_modes(plate, kBelieved), {}, {}};
+  belief.corrections = simulators::plate_corrections(plate, belief.modes);
+  belief.places = one.layout == "I-optimal" ? best_places(belief.modes, one.noise)
+                                            : simulators::layout(one.layout);
+  return belief;
+}
+
+struct Wish {
+  int count = 20;
+  std::string method;  // empty: all
+  unsigned first = 1;
+  bool parameters = false;
+};
+
+void print_parameters(unsigned seed, const priors::FitSummary& summary) {
+  std::string line = fmt::format("table {}:", seed);
+  for (const auto& one : summary.parameters) {
+    line += fmt::format("\n  {} =", one.name);
+    for (const double value : one.value) line += fmt::format(" {:.3g}", value);
+  }
+  for (const auto& note : summary.notes) line += "\n  " + note;
+  fmt::print("{}\n", line);
+}
+
+Scores scores_of(const Case& one, const Belief& belief,
                  const std::vector<simulators::PlateModes>& tables,
-                 const priors::Interpolator& method) {
+                 const priors::Interpolator& method, const Wish& wish) {
   const auto count = static_cast<Eigen::Index>(tables.size());
   Scores scores{Eigen::MatrixXd(count, kModes), Eigen::MatrixXd(count, kModes)};
   parallel_ranges(tables.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
+      const auto seed = wish.first + static_cast<unsigned>(t);
       const auto surface = simulators::plate_surface(tables[t]);
-      const auto test =
-          simulators::plate_test(tables[t], believed, surface, simulators::layout(one.layout),
-                                 kModes, one.noise, static_cast<unsigned>(100 + t));
-      const auto simulation = simulators::plate_simulation(believed, surface);
-      const auto field =
-          priors::mode_field(method, test.measured, simulation)->at(simulation.surface);
+      const auto test = simulators::plate_test(tables[t], belief.modes, surface, belief.places,
+                                               kModes, one.noise, 99 + seed);
+      auto simulation = simulators::plate_simulation(belief.modes, surface);
+      simulation.corrections = belief.corrections;
+      const auto fitted = priors::mode_field(method, test.measured, simulation);
+      if (wish.parameters) print_parameters(seed, fitted->summary());
+      const auto field = fitted->at(simulation.surface);
       const auto row = static_cast<Eigen::Index>(t);
       scores.error.row(row) = priors::squared_error(field.mean, test.truth, simulation.area);
       scores.covered.row(row) = priors::coverage(field, test.truth, simulation.area);
@@ -55,23 +119,28 @@ Scores scores_of(const Case& one, const simulators::PlateModes& believed,
   return scores;
 }
 
+// Methods that need what a plate's simulation lacks are left out.
+bool wanted(const priors::Interpolator& method, const Wish& wish) {
+  const std::string name = method.name;
+  return wish.method.empty() ? name != "ensemble" && name != "surface_matern" : name == wish.method;
+}
+
 void print_case(const Case& one, const std::vector<simulators::PlateModes>& tables,
-                const std::string& only) {
-  const auto believed = simulators::plate_modes(
-      believed_plate(one.prior), std::getenv("NM") ? std::atoi(std::getenv("NM")) : 20);
+                const Wish& wish) {
+  const auto belief = belief_of(one);
   fmt::print("\n{} {} noise {:.0f} %\n", one.layout, one.prior, 100.0 * one.noise);
   fmt::print("{:28} {:>7} {:>7} {:>7} {:>7} {:>6} {:>6}\n", "method", "m1-9", "m10-12", "geo",
              "worst", "cov", "least");
   for (const auto* method : priors::interpolators()) {
-    if (!only.empty() && only != method->name) continue;
-    if (std::string(method->name) == "ensemble") continue;
-    const auto scores = scores_of(one, believed, tables, *method);
+    if (!wanted(*method, wish)) continue;
+    const auto scores = scores_of(one, belief, tables, *method, wish);
     const Eigen::RowVectorXd mean = scores.error.colwise().mean();
     const Eigen::RowVectorXd covered = scores.covered.colwise().mean();
     fmt::print("{:28} {:7.4f} {:7.4f} {:7.4f} {:7.3f} {:6.3f} {:6.3f}\n", method->name,
                mean.head(kFirst).mean(), mean.tail(kModes - kFirst).mean(),
                std::exp(scores.error.array().log().mean()), scores.error.maxCoeff(), covered.mean(),
                covered.minCoeff());
+    std::fflush(stdout);
   }
 }
 
@@ -80,18 +149,23 @@ void print_case(const Case& one, const std::vector<simulators::PlateModes>& tabl
 
 int main(int argc, char** argv) {
   using chladni::Case;
-  const int count = argc > 1 ? std::atoi(argv[1]) : 20;
-  const std::string only = argc > 2 ? argv[2] : "";
-  std::vector<chladni::simulators::PlateModes> tables(static_cast<std::size_t>(count));
+  chladni::Wish wish;
+  if (argc > 1) wish.count = std::atoi(argv[1]);
+  if (argc > 2) wish.method = argv[2];
+  if (argc > 3) wish.first = static_cast<unsigned>(std::atoi(argv[3]));
+  wish.parameters = argc > 4 && std::string(argv[4]) == "parameters";
+  std::vector<chladni::simulators::PlateModes> tables(static_cast<std::size_t>(wish.count));
   chladni::parallel_ranges(tables.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-      tables[t] = chladni::simulators::plate_modes(
-          chladni::simulators::real_table(static_cast<unsigned>(t + 1)), chladni::kModes);
+      const auto seed = wish.first + static_cast<unsigned>(t);
+      tables[t] =
+          chladni::simulators::plate_modes(chladni::simulators::real_table(seed), chladni::kModes);
     }
   });
   for (const auto& one :
        {Case{"quincunx", "P0"}, Case{"rings", "P0"}, Case{"rand1", "P0"}, Case{"rand2", "P0"},
-        Case{"rings", "P1"}, Case{"rings", "P2"}, Case{"rings", "P0", 0.05}}) {
-    chladni::print_case(one, tables, only);
+        Case{"rings", "P1"}, Case{"rings", "P2"}, Case{"rings", "P0", 0.05},
+        Case{"I-optimal", "P0"}, Case{"I-optimal", "P2"}}) {
+    chladni::print_case(one, tables, wish);
   }
 }

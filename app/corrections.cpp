@@ -1,0 +1,136 @@
+#include "app/corrections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/waves.h"
+#include "fem/field_matrices.h"
+#include "mesh/surface.h"
+
+namespace chladni::app {
+namespace {
+
+// Voigt's place of the strain along an axis is the axis; of the shear between two, this.
+Eigen::Index shear_of(Eigen::Index u, Eigen::Index v) { return 6 - u - v; }
+
+// Rigid-body modes strain nothing: exactly, not to rounding.
+Eigen::MatrixXd unstrained(Eigen::MatrixXd stiffness, const Eigen::VectorXd& frequency_hz) {
+  for (Eigen::Index j = 0; j < frequency_hz.size(); ++j) {
+    if (frequency_hz(j) != 0.0) continue;
+    stiffness.row(j).setZero();
+    stiffness.col(j).setZero();
+  }
+  return 0.5 * (stiffness + stiffness.transpose());
+}
+
+void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
+               std::vector<priors::Correction>& all) {
+  const int w = uncertain.waves;
+  const auto& body = solution.model.body;
+  const Eigen::MatrixXd fields = waves(body, w).rightCols(w * w - 1);  // all but the constant
+  const auto matrices = fem::field_matrices(body, solution.model.materials, solution.modes.shapes,
+                                            fields, Eigen::MatrixXd(body.tet_count(), 0));
+  for (int k = 1; k < w * w; ++k) {
+    const int a = k / w;
+    const int b = k % w;
+    all.push_back({fmt::format("stiffness wave {},{}", a, b),
+                   unstrained(matrices.stiffness[static_cast<std::size_t>(k - 1)],
+                              solution.modes.frequency_hz),
+                   {},
+                   uncertain.stiffness / std::sqrt(1.0 + 0.5 * (a * a + b * b))});
+  }
+}
+
+// What the body's stiffness changes by when every material's does, per unit of the change.
+void add_material(const Solution& solution, const std::string& name, double deviation,
+                  const Eigen::Matrix<double, 6, 6>& relative,
+                  std::vector<priors::Correction>& all) {
+  constexpr double kPart = 0.05;  // keeps the materials positive definite
+  const auto& body = solution.model.body;
+  auto changed = solution.model.materials;
+  for (auto& material : changed) {
+    const Eigen::Matrix<double, 6, 6> more = kPart * relative.cwiseProduct(material.stiffness);
+    material.stiffness += more;
+  }
+  const auto of = [&](const std::vector<fem::Material>& materials) {
+    return fem::field_matrices(body, materials, solution.modes.shapes,
+                               Eigen::MatrixXd::Ones(body.tet_count(), 1),
+                               Eigen::MatrixXd(body.tet_count(), 0))
+        .stiffness.front();
+  };
+  const Eigen::MatrixXd difference = (of(changed) - of(solution.model.materials)) / kPart;
+  all.push_back({name, unstrained(difference, solution.modes.frequency_hz), {}, deviation});
+}
+
+void add_anisotropy(const Solution& solution, double deviation,
+                    std::vector<priors::Correction>& all) {
+  const auto [u, v] = longest_sides(solution.model.body);
+  Eigen::Matrix<double, 6, 6> relative = Eigen::Matrix<double, 6, 6>::Zero();
+  relative(u, u) = 1.0;
+  relative(v, v) = -1.0;
+  add_material(solution, "stiffness of one side against the other", deviation, relative, all);
+  relative.setZero();
+  relative(u, v) = relative(v, u) = 1.0;
+  add_material(solution, "stiffness across", deviation, relative, all);
+  relative.setZero();
+  relative(shear_of(u, v), shear_of(u, v)) = 1.0;
+  add_material(solution, "stiffness in shear", deviation, relative, all);
+}
+
+// Nodes of the boundary next to the points of a grid over the two longest sides; none where the
+// boundary is more than half a pitch away.
+std::vector<Eigen::Index> grid_nodes(const mesh::TetMesh& body, int along_first) {
+  const auto box = mesh::bounding_box(body.points);
+  const auto [u, v] = longest_sides(body);
+  const Eigen::RowVector3d size = box.row(1) - box.row(0);
+  const double pitch = size(u) / std::max(along_first - 1, 1);
+  const int along_second = std::max(1, static_cast<int>(std::lround(size(v) / pitch)) + 1);
+  std::vector<Eigen::Index> nodes;
+  for (int k = 0; k < along_first * along_second; ++k) {
+    const double at_v =
+        along_second > 1 ? static_cast<double>(k / along_first) / (along_second - 1) : 0.5;
+    const Eigen::Vector2d place(box(0, u) + pitch * (k % along_first), box(0, v) + at_v * size(v));
+    double least = 0.5 * pitch;
+    Eigen::Index nearest = -1;
+    for (const auto node : body.faces.reshaped()) {
+      const Eigen::Vector2d at(body.points(node, u), body.points(node, v));
+      const double distance = (at - place).norm();
+      if (distance > least - 1e-9 * pitch) continue;  // the first of those as near
+      least = distance;
+      nearest = node;
+    }
+    if (nearest >= 0) nodes.push_back(nearest);
+  }
+  return nodes;
+}
+
+void add_masses(const Solution& solution, const BodyUncertainty& uncertain,
+                std::vector<priors::Correction>& all) {
+  const auto& body = solution.model.body;
+  const auto nodes = grid_nodes(body, uncertain.masses);
+  for (const auto node : nodes) {
+    const auto rows = solution.modes.shapes.middleRows<3>(3 * node);
+    const Eigen::RowVector3d at = body.points.row(node);
+    all.push_back(
+        {fmt::format("kg at ({:.3f}, {:.3f}, {:.3f}) m", at.x(), at.y(), at.z()),
+         {},
+         rows.transpose() * rows,
+         uncertain.point_mass * solution.model.mass.mass_kg / static_cast<double>(nodes.size())});
+  }
+}
+
+}  // namespace
+
+std::vector<priors::Correction> corrections(const Solution& solution,
+                                            const BodyUncertainty& uncertain) {
+  std::vector<priors::Correction> all;
+  if (uncertain.waves > 1) add_waves(solution, uncertain, all);
+  if (uncertain.anisotropy > 0.0) add_anisotropy(solution, uncertain.anisotropy, all);
+  if (uncertain.masses > 0) add_masses(solution, uncertain, all);
+  return all;
+}
+
+}  // namespace chladni::app
