@@ -31,7 +31,7 @@ Eigen::Vector4d hermite(double t, int derivative) {
 // Order: nodes (0,0) (1,0) (0,1) (1,1), of each w, wx, wy, wxy.
 Vector16 products(const Eigen::Vector4d& x, const Eigen::Vector4d& y) {
   Vector16 all;
-  for (int node = 0; node < 4; ++node) {
+  for (Eigen::Index node = 0; node < 4; ++node) {
     const Eigen::Index a = 2 * (node % 2);
     const Eigen::Index b = 2 * (node / 2);
     all.segment<4>(4 * node) << x(a) * y(b), x(a + 1) * y(b), x(a) * y(b + 1), x(a + 1) * y(b + 1);
@@ -229,8 +229,10 @@ Eigen::MatrixXd rigid_motions(const PlateGrid& grid, const std::vector<Eigen::In
   for (Eigen::Index node = 0; node < grid.node_count(); ++node) {
     const Eigen::Index r = row[static_cast<std::size_t>(4 * node)];
     if (r < 0) continue;
-    const double x = static_cast<double>(node % (grid.nx + 1)) * hx - 0.5 * grid.length;
-    const double y = static_cast<double>(node / (grid.nx + 1)) * hy - 0.5 * grid.width;
+    const Eigen::Index i = node % (grid.nx + 1);
+    const Eigen::Index j = node / (grid.nx + 1);
+    const double x = static_cast<double>(i) * hx - 0.5 * grid.length;
+    const double y = static_cast<double>(j) * hy - 0.5 * grid.width;
     motions.row(r) << 1.0, x, y;
     motions(r + 1, 1) = hx;
     motions(r + 2, 2) = hy;
@@ -251,8 +253,10 @@ double first_eigenvalue(const KirchhoffPlate& plate) {
 }  // namespace
 
 Eigen::Vector2d PlateGrid::centre(Eigen::Index cell) const {
-  return {(static_cast<double>(cell % nx) + 0.5) * length / nx - 0.5 * length,
-          (static_cast<double>(cell / nx) + 0.5) * width / ny - 0.5 * width};
+  const Eigen::Index i = cell % nx;
+  const Eigen::Index j = cell / nx;
+  return {(static_cast<double>(i) + 0.5) * length / nx - 0.5 * length,
+          (static_cast<double>(j) + 0.5) * width / ny - 0.5 * width};
 }
 
 BendingStiffness isotropic_bending(double d, double poisson) {

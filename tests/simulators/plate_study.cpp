@@ -15,8 +15,10 @@ constexpr int kHalfWaves = 10;  // 0 to 9 along each side
 Eigen::VectorXd harmonic_eigenvalues(const PlateGrid& grid) {
   Eigen::VectorXd mu(kHalfWaves * kHalfWaves);
   for (int j = 0; j < mu.size(); ++j) {
-    mu(j) = std::pow(std::numbers::pi * (j % kHalfWaves) / grid.length, 2) +
-            std::pow(std::numbers::pi * (j / kHalfWaves) / grid.width, 2);
+    const int along = j % kHalfWaves;
+    const int across = j / kHalfWaves;
+    mu(j) = std::pow(std::numbers::pi * along / grid.length, 2) +
+            std::pow(std::numbers::pi * across / grid.width, 2);
   }
   return mu;
 }
@@ -26,7 +28,9 @@ Eigen::MatrixXd harmonics_at(const PlateGrid& grid, const Eigen::MatrixX2d& plac
   const Eigen::ArrayXd y = std::numbers::pi * (places.col(1).array() / grid.width + 0.5);
   Eigen::MatrixXd values(places.rows(), kHalfWaves * kHalfWaves);
   for (int j = 0; j < values.cols(); ++j) {
-    values.col(j) = (x * (j % kHalfWaves)).cos() * (y * (j / kHalfWaves)).cos();
+    const int along = j % kHalfWaves;
+    const int across = j / kHalfWaves;
+    values.col(j) = (x * along).cos() * (y * across).cos();
   }
   return values;
 }

@@ -164,8 +164,9 @@ KirchhoffPlate real_table(unsigned seed, double thickness_rms) {
 Eigen::MatrixX2d mounts() {
   Eigen::MatrixX2d places(81, 2);
   for (Eigen::Index k = 0; k < 81; ++k) {
-    places.row(k) << kPitch * static_cast<double>(k % 9 - 4),
-        kPitch * static_cast<double>(k / 9 - 4);
+    const Eigen::Index i = k % 9 - 4;
+    const Eigen::Index j = k / 9 - 4;
+    places.row(k) << kPitch * static_cast<double>(i), kPitch * static_cast<double>(j);
   }
   return places;
 }
