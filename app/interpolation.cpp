@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/corrections.h"
 #include "app/placement.h"
 #include "base/error.h"
 #include "modal/frf.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr double kTwoSided95 = 1.959963984540054;
 constexpr double kAssumedDamping = 0.005;  // of FRFs compared where none was measured
 constexpr int kFrfLines = 400;
-constexpr int kHarmonics = 80;  // of the body, for methods that go along it
+constexpr int kHarmonics = 150;  // of the body, for methods that go along it
 
 // The default and what the thesis compares it with; those of them that there are.
 std::vector<std::string> default_methods() {
@@ -62,6 +63,7 @@ void add_simulation(const Study& study, const Solution& solution, const Interpol
     simulation.surface.direction = plan.direction->transpose().replicate(sites.position.rows(), 1);
   }
   simulation.area = sites.area;
+  if (wants(plan, "dynamic_residual")) simulation.corrections = corrections(solution);
   if (wants(plan, "ensemble")) simulation.similar = similar_models(study, solution, seed);
   if (wants(plan, "surface_matern")) {
     result.harmonics = fem::laplace_spectrum(mesh::body_laplacian(solution.model.body), kHarmonics);
