@@ -1,6 +1,7 @@
 // Gaussian processes on distances: the thesis's (5.4.2, 5.4.3) and what comes nearest to it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "priors/dynamic_residual.h"
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double kAsymmetric = 0.15;    // of the variance
 constexpr Eigen::Index kSurface = 300;  // points that stand for the surface
+constexpr double kUnseen = 0.3;         // of a shape's square
+constexpr double kRigid = 0.25;         // of a flexible frequency
 constexpr double kBand = 2.0;  // modes of the simulation up to this times the highest measured one
 
 // What a method settles for each mode before the values are looked at.
@@ -24,8 +27,6 @@ struct Settled {
                                // (thesis 5.4.2), and freeing it doubles the error
   bool at_bound = false;
   std::vector<std::string> notes;
-  Eigen::VectorXd expected_error{};  // m: over the surface, relative; or empty
-  Points surface{};
 };
 
 Settled settled_with(const Kernel& kernel, Eigen::Index modes) {
@@ -37,17 +38,70 @@ Settled settled_with(const Kernel& kernel, Eigen::Index modes) {
           {}};
 }
 
-// A kernel that is smoother than the shape thinks too well of itself: its deviation is widened to
-// the error that was expected.
-void widen(double expected_error, const Points& surface, EuclideanShape& shape) {
-  const auto there = shape.process.at(surface, shape.values);
-  const double own = there.deviation.cwiseAbs2().mean();
-  const double expected = expected_error * (there.mean.cwiseAbs2().mean() + own);
-  if (own > 0.0 && expected > own) shape.widening *= std::sqrt(expected / own);
-}
+// What the simulation lets expect of each measured shape: a random sum of its modes.
+class Expectation {
+ public:
+  Expectation(const MeasuredShapes& measured, const Simulation& simulation)
+      : measured_(measured),
+        simulation_(simulation),
+        surface_(part(simulation.surface, spread_points(simulation.surface.position, kSurface))) {
+    // The frequencies are alike up to a factor: that of the middle one, counted from the lowest.
+    std::vector<double> ratio;
+    Eigen::Index j = simulation.rigid_count();
+    for (Eigen::Index i = 0; i < measured.mode_count() && j < simulation.mode_count(); ++i) {
+      const double part = measured.frequency_hz(i) / simulation.frequency_hz(j);
+      if (part < kRigid) continue;
+      ratio.push_back(part);
+      ++j;
+    }
+    const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
+    std::nth_element(ratio.begin(), middle, ratio.end());
+    if (!ratio.empty()) prior_.gamma = std::clamp(*middle * *middle, 0.25, 4.0);
+  }
+
+  [[nodiscard]] Task task(Eigen::Index mode) const {
+    const double slowest = 0.01 * simulation_.frequency_hz(simulation_.mode_count() - 1);
+    const double hz = std::max(measured_.frequency_hz(mode), slowest);
+    const Eigen::VectorXd spread =
+        coefficient_variances(simulation_.frequency_hz, hz, prior_).cwiseSqrt();
+    Task task{measured_.places.position,
+              measured_.places.shapes * spread.asDiagonal(),
+              surface_.position,
+              surface_.shapes * spread.asDiagonal(),
+              Eigen::VectorXd::Ones(surface_.count()),
+              0.01,
+              {}};
+    const double noise = measured_.noise.col(mode).norm();
+    task.noise = noise / std::max(measured_.values.col(mode).norm(), noise);
+    return task;
+  }
+
+  // A prior that is smoother than the shapes, or a shape that the places hardly see, lets a process
+  // think too well of itself: its deviation is widened to the error that is to be expected of what
+  // it does with the values. Returns that error over the square of the shape.
+  double widen(Eigen::Index mode, EuclideanShape& shape) const {
+    const auto what = task(mode);
+    const Eigen::MatrixXd weights = shape.process.weights(what.surface);
+    const Eigen::VectorXd noise = measured_.noise.col(mode).cwiseAbs2();
+    const double scale = shape.values.squaredNorm() / what.at_places.squaredNorm();
+    const double expected =
+        (scale * (weights * what.at_places - what.on_surface).rowwise().squaredNorm() +
+         weights.cwiseAbs2() * noise)
+            .mean();
+    const double own = shape.process.at(what.surface, shape.values).deviation.cwiseAbs2().mean();
+    if (own > 0.0) shape.widening = std::max(shape.widening, std::sqrt(expected / own));
+    return expected / (scale * what.on_surface.rowwise().squaredNorm().mean());
+  }
+
+ private:
+  const MeasuredShapes& measured_;
+  const Simulation& simulation_;
+  Places surface_;
+  DynamicResidual prior_;
+};
 
 std::unique_ptr<ModeField> field_of(const std::string& method, const MeasuredShapes& measured,
-                                    const Settled& settled) {
+                                    const Settled& settled, const Expectation* expectation) {
   const auto direction = common_direction(method, measured.places);
   const auto m = measured.mode_count();
   std::vector<EuclideanShape> shapes;
@@ -60,8 +114,12 @@ std::unique_ptr<ModeField> field_of(const std::string& method, const MeasuredSha
     const auto k = static_cast<std::size_t>(i);
     const Trend trend = settled.is_rigid[k] ? trend_of(measured.places) : Trend{};
     shapes.push_back(euclidean_shape(measured, i, settled.kernel[k], length, trend));
-    if (settled.expected_error.size() > 0) {
-      widen(settled.expected_error(i), settled.surface, shapes.back());
+    const double left = expectation == nullptr ? 0.0 : expectation->widen(i, shapes.back());
+    if (left > kUnseen) {
+      summary.notes.push_back(
+          fmt::format("mode {}: these places leave {:.0f} % of its square unknown, by what the "
+                      "simulation lets expect; move some off its nodal lines",
+                      i + 1, 100.0 * std::min(left, 1.0)));
     }
     sigma(i) = shapes.back().process.prior().amplitude;
     summary.log_evidence(i) = shapes.back().log_evidence;
@@ -130,15 +188,17 @@ Settled length_per_mode(const std::string& method, const Kernel& kernel,
 
 std::unique_ptr<ModeField> thesis(const MeasuredShapes& measured, const Simulation& simulation) {
   const Kernel kernel(kernel_family("squared_exponential"));
+  const Expectation expectation(measured, simulation);
   return field_of("squared_exponential", measured,
-                  one_length("squared_exponential", kernel, measured, simulation));
+                  one_length("squared_exponential", kernel, measured, simulation), &expectation);
 }
 
 template <const char* method, const char* family, bool symmetric = false>
 std::unique_ptr<ModeField> per_mode(const MeasuredShapes& measured, const Simulation& simulation) {
   const Kernel kernel(kernel_family(family));
+  const Expectation expectation(measured, simulation);
   return field_of(method, measured,
-                  length_per_mode(method, kernel, measured, simulation, symmetric));
+                  length_per_mode(method, kernel, measured, simulation, symmetric), &expectation);
 }
 
 // The length that is best for these places, were the shapes what the simulation lets expect.
@@ -147,27 +207,12 @@ std::unique_ptr<ModeField> matched(const MeasuredShapes& measured, const Simulat
   (void)common_direction(method, simulation.surface);
   (void)common_direction(method, measured.places);
   const Kernel kernel(kernel_family("squared_exponential"));
-  const Places surface =
-      part(simulation.surface, spread_points(simulation.surface.position, kSurface));
+  const Expectation expectation(measured, simulation);
   const auto lengths = length_range(measured.places.position);
-  const double slowest = 0.01 * simulation.frequency_hz(simulation.mode_count() - 1);
   auto settled = settled_with(kernel, measured.mode_count());
-  settled.expected_error.resize(measured.mode_count());
-  settled.surface = surface.position;
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    const double hz = std::max(measured.frequency_hz(i), slowest);
-    const Eigen::VectorXd spread = coefficient_variances(simulation.frequency_hz, hz).cwiseSqrt();
-    Task task{measured.places.position,
-              measured.places.shapes * spread.asDiagonal(),
-              surface.position,
-              surface.shapes * spread.asDiagonal(),
-              Eigen::VectorXd::Ones(surface.count()),
-              0.01,
-              {}};
-    task.noise = measured.noise.col(i).norm() / measured.values.col(i).norm();
-    const auto best = expected_length(kernel, task);
+    const auto best = expected_length(kernel, expectation.task(i));
     settled.length(i) = best.length;
-    settled.expected_error(i) = best.error;
     if (best.length > lengths.first) continue;
     settled.at_bound = true;
     settled.notes.push_back(fmt::format(
@@ -175,7 +220,7 @@ std::unique_ptr<ModeField> matched(const MeasuredShapes& measured, const Simulat
         "expected error {:.2g} of its square",
         i + 1, best.error));
   }
-  return field_of(method, measured, settled);
+  return field_of(method, measured, settled, &expectation);
 }
 
 std::unique_ptr<ModeField> by_evidence(const MeasuredShapes& measured, const Simulation&) {
@@ -196,7 +241,7 @@ std::unique_ptr<ModeField> by_evidence(const MeasuredShapes& measured, const Sim
         "not resolve the shape, or it is a plane",
         i + 1, one.parameters(0)));
   }
-  return field_of(method, measured, settled);
+  return field_of(method, measured, settled, nullptr);
 }
 
 constexpr char kSquaredPerMode[] = "squared_exponential_per_mode";

@@ -29,8 +29,8 @@ Eigen::MatrixXd shapes(const Points& at) {
   for (Eigen::Index m = 0; m < 12; ++m) {
     const double kx = std::numbers::pi / 0.6 * static_cast<double>(1 + m % 4);
     const double ky = std::numbers::pi / 0.6 * static_cast<double>(1 + m / 4);
-    values.col(m) = 2.0 * (kx * (at.col(0).array() + 0.3)).cos() *
-                    (ky * (at.col(1).array() + 0.3)).cos();
+    values.col(m) =
+        2.0 * (kx * (at.col(0).array() + 0.3)).cos() * (ky * (at.col(1).array() + 0.3)).cos();
   }
   return values;
 }
@@ -39,13 +39,11 @@ void per_mode(benchmark::State& state) {
   const auto points = sample(state.range(0));
   const auto values = shapes(points);
   const priors::Kernel kernel(priors::kernel_family("squared_exponential"));
-  int evaluations = 0;
-  for (auto _ : state) {
-    const auto found = priors::learned(kernel, points, values);
-    evaluations = found.front().evaluations;
-    benchmark::DoNotOptimize(found);
-  }
-  state.counters["factorisations"] = evaluations;
+  std::vector<priors::Learned> found;
+  for (auto _ : state) found = priors::learned(kernel, points, values);
+  state.counters["factorisations"] = found.front().evaluations;
+  state.counters["first_length_m"] = found.front().parameters(0);
+  state.counters["last_length_m"] = found.back().parameters(0);
 }
 BENCHMARK(per_mode)->Arg(500)->Arg(1000)->Arg(2000)->Unit(benchmark::kMillisecond);
 
@@ -75,6 +73,18 @@ void likelihood_with_gradient(benchmark::State& state) {
   }
 }
 BENCHMARK(likelihood_with_gradient)->Arg(500)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+// One shape of 13 values at so many places, with its deviation.
+void prediction(benchmark::State& state) {
+  const auto points = sample(13);
+  const auto places = sample(state.range(0));
+  const priors::Kernel kernel(priors::kernel_family("squared_exponential"));
+  const priors::GaussianProcess process({kernel, Eigen::VectorXd::Constant(1, 0.25), 1.0, {}},
+                                        points, Eigen::VectorXd::Constant(13, 1e-4));
+  const Eigen::VectorXd values = shapes(points).col(0);
+  for (auto _ : state) benchmark::DoNotOptimize(process.at(places, values));
+}
+BENCHMARK(prediction)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

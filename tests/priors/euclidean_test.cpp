@@ -55,7 +55,8 @@ Places places_at(const Points& at) {
 Simulation simulation_on(const Points& surface) {
   Simulation simulation;
   simulation.surface = places_at(surface);
-  simulation.area = Eigen::VectorXd::Constant(surface.rows(), kSide * kSide / static_cast<double>(surface.rows()));
+  simulation.area = Eigen::VectorXd::Constant(surface.rows(),
+                                              kSide * kSide / static_cast<double>(surface.rows()));
   simulation.frequency_hz.resize(simulation.surface.shapes.cols());
   simulation.frequency_hz.setZero();
   for (Eigen::Index j = kRigid; j < simulation.frequency_hz.size(); ++j) {
@@ -214,6 +215,32 @@ TEST(SquaredExponential, HasOneLengthAndPerModeHasMany) {
   EXPECT_EQ(one(0), one(1));
   EXPECT_NEAR(one(1), many(1), 1e-9);  // the most complex mode in the band
   EXPECT_GT(many(0), 1.2 * many(1));
+}
+
+TEST(SquaredExponential, OfNothingIsNothing) {
+  const auto simulation = simulation_on(grid(25, 25, kSide, kSide));
+  auto measured = measured_at(grid(6, 6, 0.5, 0.5), {3, 4});
+  measured.values.col(0).setZero();
+  for (const auto* name : {"squared_exponential", "squared_exponential_matched"}) {
+    const auto field = mode_field(interpolator(name), measured, simulation)->at(simulation.surface);
+    EXPECT_TRUE(field.deviation.allFinite());
+    EXPECT_EQ(field.mean.col(0).norm(), 0.0);
+  }
+}
+
+// All places on the line y = 0, where the mode cos x cos y has its node.
+TEST(SquaredExponential, SaysWhichModeThePlacesHardlySee) {
+  const auto simulation = simulation_on(grid(25, 25, kSide, kSide));
+  const auto blind = measured_at(grid(9, 1, 0.5, 0.0), {3, 4});
+  const auto field = mode_field(interpolator("squared_exponential_matched"), blind, simulation);
+  std::string notes;
+  for (const auto& note : field->summary().notes) notes += note + "\n";
+  EXPECT_NE(notes.find("mode 1: these places leave"), std::string::npos) << notes;
+  const auto seen = mode_field(interpolator("squared_exponential_matched"),
+                               measured_at(grid(6, 6, 0.5, 0.5), {3, 4}), simulation);
+  for (const auto& note : seen->summary().notes) {
+    EXPECT_EQ(note.find("these places leave"), std::string::npos) << note;
+  }
 }
 
 TEST(SquaredExponential, NeedsAModeThatMovesTheSurface) {
