@@ -56,6 +56,7 @@ void GaussianProcess::factorise() {
     factor_.diagonal().array() += jitter_;
   }
   noise_.array() += jitter_;
+  trend_solved_ = trend_;
   if (trend_.cols() == 0) return;
   Eigen::MatrixXd half = trend_;
   dense::solve(factor_, half);
