@@ -162,8 +162,8 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
   }
   if (!result.points.empty()) one.points = one.field->at(result.point_places);
   if (measured.truth.size() > 0) {
-    one.error = priors::squared_error(one.surface.mean, measured.truth, result.simulation.area);
-    one.covered = priors::coverage(one.surface, measured.truth, result.simulation.area);
+    one.error = priors::squared_error(one.surface.mean, measured.truth, measured.truth_area);
+    one.covered = priors::coverage(one.surface, measured.truth, measured.truth_area);
   }
   return one;
 }

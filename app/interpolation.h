@@ -20,6 +20,7 @@ struct Measured {
   priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
   Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
   Eigen::MatrixXd truth;          ///< on the surface, without noise; empty where nothing knows it
+  Eigen::VectorXd truth_area;  ///< [m²] of the surface's points; 0 where the real body is not there
 };
 
 /// One way to interpolate and what came of it.

@@ -13,6 +13,7 @@ namespace chladni::app {
 namespace {
 
 constexpr int kModesOfTruth = 12;
+constexpr double kOffTheBody = 2e-3;  // [m]: between two models of one body
 constexpr double kInView = 1e-2;  // a mode moves along the surface's directions by at least so much
 
 struct ChannelSite {
@@ -52,14 +53,21 @@ priors::Places places_of_channels(const std::vector<ChannelSite>& channels,
   return places_at(sites, directions, modes, harmonics);
 }
 
-// Shapes of another body at given places, n×modes: at the nearest point of its surface.
-Eigen::MatrixXd shapes_there(const Solution& real, const mesh::SiteFinder& finder,
-                             const priors::Places& places) {
+// Shapes of another body at given places: at the nearest point of its surface, so far away.
+struct There {
+  Eigen::MatrixXd shapes;    // n×modes
+  Eigen::VectorXd distance;  // n [m]
+};
+
+There shapes_there(const Solution& real, const mesh::SiteFinder& finder,
+                   const priors::Places& places) {
   std::vector<mesh::Site> sites;
+  Eigen::VectorXd distance(places.count());
   for (Eigen::Index i = 0; i < places.count(); ++i) {
     sites.push_back(finder.nearest(places.position.row(i).transpose()));
+    distance(i) = sites.back().distance;
   }
-  return places_at(sites, places.direction, real.modes).shapes;
+  return {places_at(sites, places.direction, real.modes).shapes, distance};
 }
 
 // Flexible modes of the real body that move along the surface's directions, lowest first.
@@ -78,6 +86,7 @@ std::vector<Eigen::Index> modes_in_view(const Solution& real, const Eigen::Matri
 struct Values {
   io::ShapeTable table;   // all channels
   Eigen::MatrixXd truth;  // on the surface
+  Eigen::VectorXd area;   // of it, where the real body is
 };
 
 Values values_of_truth(const Study& study, const Solution& solution,
@@ -88,7 +97,8 @@ Values values_of_truth(const Study& study, const Solution& solution,
   const auto part = run.part("truth: ");
   const Solution real = solved(real_study, run);
   const mesh::SiteFinder finder(real.model.body);
-  const auto surface = shapes_there(real, finder, simulation.surface);
+  const auto on_surface = shapes_there(real, finder, simulation.surface);
+  const auto& surface = on_surface.shapes;
   const int count = plan.modes > 0 ? plan.modes : kModesOfTruth;
   const auto columns = modes_in_view(real, surface, count);
   require(
@@ -98,14 +108,19 @@ Values values_of_truth(const Study& study, const Solution& solution,
                   study.file.string(), count, columns.size(), plan.truth.string()));
   Values values;
   values.truth = surface(Eigen::all, columns);
+  values.area = (on_surface.distance.array() <= kOffTheBody).select(simulation.area, 0.0);
   auto& table = values.table;
   for (const auto& channel : channels) table.channels.push_back(channel.name);
   table.frequency_hz = real.modes.frequency_hz(columns);
   table.damping_ratio = real.modes.damping_ratio(columns);
-  table.values =
-      shapes_there(real, finder, places_of_channels(channels, solution.modes))(Eigen::all, columns);
+  const auto at_channels = shapes_there(real, finder, places_of_channels(channels, solution.modes));
+  require(
+      at_channels.distance.maxCoeff() <= kOffTheBody,
+      fmt::format("{}: a channel of {} is {:.3g} mm off the body of the truth", plan.truth.string(),
+                  study.file.string(), 1e3 * at_channels.distance.maxCoeff()));
+  table.values = at_channels.shapes(Eigen::all, columns);
   const Eigen::VectorXd rms =
-      (values.truth.cwiseAbs2().transpose() * simulation.area / simulation.area.sum()).cwiseSqrt();
+      (values.truth.cwiseAbs2().transpose() * values.area / values.area.sum()).cwiseSqrt();
   table.deviation = plan.noise * Eigen::VectorXd::Ones(table.values.rows()) * rms.transpose();
   Draw draw(run.seed());
   for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
@@ -210,6 +225,7 @@ Measured measured(const Study& study, const Solution& solution,
   result.hidden = part_of(values.table, hidden, solution.modes, harmonics);
   result.damping_ratio = values.table.damping_ratio;
   result.truth = std::move(values.truth);
+  result.truth_area = std::move(values.area);
   return result;
 }
 

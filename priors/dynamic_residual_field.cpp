@@ -1,8 +1,10 @@
 // The dynamic residual's prior, learned from all shapes together; the default.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
+#include "priors/calibration.h"
 #include "priors/interpolators.h"
 #include "priors/learned_corrections.h"
 #include "priors/modal_field.h"
@@ -12,6 +14,9 @@
 
 namespace chladni::priors {
 namespace {
+
+constexpr double kLeastTolerance = 0.1;  // of orthogonality where corrections were learned: what
+                                         // they make alike they also made fit
 
 std::vector<FittedShape> fitted_shapes(const MeasuredShapes& measured, const ModalBasis& basis,
                                        const ResidualErrors& errors) {
@@ -49,8 +54,8 @@ Fit fit_on(const MeasuredShapes& measured, const ModalBasis& basis, const Residu
   return fit;
 }
 
-void make_orthogonal(Fit& fit) {
-  const double tolerance = learned_tolerance(fit.shapes);
+void make_orthogonal(Fit& fit, double least) {
+  const double tolerance = std::max(least, learned_tolerance(fit.shapes));
   fit.summary.parameters.push_back(parameter("orthogonality_tolerance", tolerance));
   fit.shapes = orthogonal_shapes(fit.shapes, {.tolerance = tolerance});
 }
@@ -60,7 +65,7 @@ std::unique_ptr<ModeField> plain_field(const MeasuredShapes& measured, const Sim
   const auto basis = modal_basis(simulation);
   const auto learned = learned_errors(measured, basis);
   auto fit = fit_on(measured, basis, learned.errors);
-  if (orthogonal) make_orthogonal(fit);
+  if (orthogonal) make_orthogonal(fit, 0.0);
   auto& notes = fit.summary.notes;
   notes.insert(notes.end(), learned.doubts.begin(), learned.doubts.end());
   return std::make_unique<ModalField>(std::move(fit.shapes), std::move(fit.summary));
@@ -109,25 +114,42 @@ void add_uncertainty(const MeasuredShapes& measured, const ModalBasis& basis,
   }
 }
 
-std::unique_ptr<ModeField> corrected_field(const MeasuredShapes& measured,
-                                           const Simulation& simulation) {
-  const auto basis = modal_basis(simulation);
-  const auto learned = learned_corrections(measured, basis, simulation.corrections);
+// The fit on the simulation as the shapes correct it, its coefficients on the simulation's own
+// modes.
+Fit corrected_fit(const MeasuredShapes& measured, const ModalBasis& basis,
+                  const std::vector<Correction>& corrections) {
+  const auto learned = learned_corrections(measured, basis, corrections);
   const auto& modes = learned.likeliest.modes;
   auto fit = fit_on(corrected_measured(measured, modes), corrected_basis(basis, modes),
                     learned.likeliest.errors);
   add_uncertainty(measured, basis, learned, fit.shapes);
-  make_orthogonal(fit);
+  make_orthogonal(fit, kLeastTolerance);
   for (auto& shape : fit.shapes) {
     shape.mean = modes.turn * shape.mean;
     shape.root = modes.turn * shape.root;
   }
-  for (std::size_t f = 0; f < simulation.corrections.size(); ++f) {
-    fit.summary.parameters.push_back(parameter(simulation.corrections[f].name,
-                                               learned.parameters(static_cast<Eigen::Index>(f))));
+  for (std::size_t f = 0; f < corrections.size(); ++f) {
+    fit.summary.parameters.push_back(
+        parameter(corrections[f].name, learned.parameters(static_cast<Eigen::Index>(f))));
   }
   auto& notes = fit.summary.notes;
   notes.insert(notes.end(), learned.doubts.begin(), learned.doubts.end());
+  return fit;
+}
+
+std::unique_ptr<ModeField> corrected_field(const MeasuredShapes& measured,
+                                           const Simulation& simulation) {
+  const auto basis = modal_basis(simulation);
+  auto fit = corrected_fit(measured, basis, simulation.corrections);
+  const double factor = band_factor(measured, [&](const MeasuredShapes& part) {
+    auto of_part = corrected_fit(part, basis, simulation.corrections);
+    return std::make_unique<ModalField>(std::move(of_part.shapes), std::move(of_part.summary));
+  });
+  for (auto& shape : fit.shapes) {
+    shape.root *= factor;
+    shape.beyond *= factor * factor;
+  }
+  fit.summary.parameters.push_back(parameter("band_factor", factor));
   return std::make_unique<ModalField>(std::move(fit.shapes), std::move(fit.summary));
 }
 

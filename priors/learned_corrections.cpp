@@ -11,7 +11,7 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kLeastShare = 0.2;  // of η that corrections leave
+constexpr double kLeastShare = 0.35;  // of η that corrections leave
 constexpr double kMiddleKappa = 1.0;  // of what they leave
 constexpr double kKappaSpread = 0.05;
 constexpr int kStages = 3;         // of η, from what it is without corrections to what they leave

@@ -27,7 +27,7 @@ struct LearnedCorrections {
 
 /// The corrections and γ that are likeliest under what is measured and their normal priors. What no
 /// correction can say stays a dynamic residual: κ about 1 (what is left is of the stiffness as of
-/// the mass), η at most that of the simulation without corrections and at least a fifth of it,
+/// the mass), η at most that of the simulation without corrections and at least a third of it,
 /// since many corrections would explain any frequency; the noise as without corrections. First
 /// sought with the large η, whose evidence is smooth.
 /// @throws InvalidInput  a correction that does not fit the modes or has no positive deviation
