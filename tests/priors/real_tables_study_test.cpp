@@ -1,0 +1,90 @@
+// Real tables that the simulation does not know, by every default step: errors and coverage. The
+// whole study, on twenty tables and in nine cases, is bench/priors/interpolation_study.cpp.
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <string>
+
+#include "base/parallel.h"
+#include "priors/interpolator.h"
+#include "simulators/plate_corrections.h"
+#include "simulators/plate_study.h"
+#include "simulators/real_tables.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr int kTables = 4;
+constexpr int kModes = 12;
+
+struct Scores {
+  Eigen::MatrixXd error, covered;  // tables×modes
+};
+
+class RealTables : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    tables_.resize(kTables);
+    parallel_ranges(kTables, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        tables_[t] =
+            simulators::plate_modes(simulators::real_table(static_cast<unsigned>(t + 1)), kModes);
+      }
+    });
+    const auto plate = simulators::minimal_table(25);
+    minimal_ = simulators::plate_modes(plate, 40);
+    corrections_ = simulators::plate_corrections(plate, minimal_);
+  }
+
+  static Scores scores(const std::string& method, const std::string& layout) {
+    Scores all{Eigen::MatrixXd(kTables, kModes), Eigen::MatrixXd(kTables, kModes)};
+    for (int t = 0; t < kTables; ++t) {
+      const auto& table = tables_[static_cast<std::size_t>(t)];
+      const auto surface = simulators::plate_surface(table);
+      const auto test = simulators::plate_test(table, minimal_, surface, simulators::layout(layout),
+                                               kModes, 0.01, static_cast<unsigned>(100 + t));
+      auto simulation = simulators::plate_simulation(minimal_, surface);
+      simulation.corrections = corrections_;
+      const auto field =
+          mode_field(interpolator(method), test.measured, simulation)->at(simulation.surface);
+      all.error.row(t) = squared_error(field.mean, test.truth, simulation.area);
+      all.covered.row(t) = coverage(field, test.truth, simulation.area);
+    }
+    return all;
+  }
+
+  static inline std::vector<simulators::PlateModes> tables_;
+  static inline simulators::PlateModes minimal_;
+  static inline std::vector<Correction> corrections_;
+};
+
+TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
+  const auto ours = scores("dynamic_residual", "rings");
+  const double first_nine = ours.error.leftCols(9).mean();
+  EXPECT_LT(first_nine, 0.005);
+  EXPECT_LT(10.0 * first_nine, scores("thin_plate_spline_gcv", "rings").error.leftCols(9).mean());
+  EXPECT_LT(10.0 * first_nine, scores("squared_exponential", "rings").error.leftCols(9).mean());
+  EXPECT_GT(ours.covered.mean(), 0.90);
+  EXPECT_LT(ours.covered.mean(), 0.99);
+}
+
+TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
+  for (const auto* layout : {"quincunx", "rand1"}) {
+    const auto ours = scores("dynamic_residual", layout);
+    const auto spline = scores("thin_plate_spline", layout);
+    EXPECT_LT((ours.error - spline.error).maxCoeff(), 0.01) << layout;
+    EXPECT_GT(ours.covered.mean(), 0.90) << layout;
+    EXPECT_LT(ours.covered.mean(), 0.99) << layout;
+  }
+}
+
+// Each step pays: orthogonality, then corrections.
+TEST_F(RealTables, GainFromEveryStep) {
+  const double alone = scores("dynamic_residual_alone", "rings").error.mean();
+  const double orthogonal = scores("dynamic_residual_orthogonal", "rings").error.mean();
+  EXPECT_LT(orthogonal, 1.02 * alone);
+  EXPECT_LT(scores("dynamic_residual", "rings").error.mean(), 0.25 * orthogonal);
+}
+
+}  // namespace
+}  // namespace chladni::priors
