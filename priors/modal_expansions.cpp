@@ -15,19 +15,11 @@ constexpr double kFree =
 constexpr double kBand = 1.3;    // SEREP takes the modes up to so much above the measured ones
 constexpr double kBlind = 1e-6;  // a mode below this part of the strongest one's values is not seen
 
-// λ_j^(−power/2) on flexible modes; rigid-body modes are free.
-std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
-                                         const Simulation& simulation, double power) {
+// Coefficients whose deviations, up to each shape's own scale, are `deviation`.
+std::unique_ptr<ModeField> field_with(const MeasuredShapes& measured, const Simulation& simulation,
+                                      const Eigen::VectorXd& deviation) {
   const auto basis = modal_basis(simulation);
-  const auto rigid = simulation.rigid_count();
-  const auto r = simulation.mode_count();
-  require(r > rigid, "energy spline: the simulation has no flexible modes");
-  const double first = simulation.frequency_hz(rigid);
-  Eigen::VectorXd scale(r);
-  for (Eigen::Index j = 0; j < r; ++j) {
-    scale(j) = j < rigid ? kFree : std::pow(simulation.frequency_hz(j) / first, -power);
-  }
-  const Eigen::MatrixXd root = scale.asDiagonal();
+  const Eigen::MatrixXd root = deviation.asDiagonal();
   std::vector<FittedShape> shapes;
   std::vector<ShapeCoefficients> known;
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
@@ -35,6 +27,20 @@ std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
     known.push_back(shapes.back().coefficients);
   }
   return std::make_unique<ModalField>(std::move(known), modal_summary(shapes));
+}
+
+// λ_j^(−power/2) on flexible modes; rigid-body modes are free.
+std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
+                                         const Simulation& simulation, double power) {
+  const auto rigid = simulation.rigid_count();
+  const auto r = simulation.mode_count();
+  require(r > rigid, "energy spline: the simulation has no flexible modes");
+  const double first = simulation.frequency_hz(rigid);
+  Eigen::VectorXd deviation(r);
+  for (Eigen::Index j = 0; j < r; ++j) {
+    deviation(j) = j < rigid ? kFree : std::pow(simulation.frequency_hz(j) / first, -power);
+  }
+  return field_with(measured, simulation, deviation);
 }
 
 // The columns of modes up to a band, that the places see, fewer than there are places.
@@ -78,16 +84,7 @@ std::unique_ptr<ModeField> least_squares(const MeasuredShapes& measured,
 }
 
 std::unique_ptr<ModeField> ridge(const MeasuredShapes& measured, const Simulation& simulation) {
-  const auto basis = modal_basis(simulation);
-  const auto r = simulation.mode_count();
-  const Eigen::MatrixXd root = Eigen::MatrixXd::Identity(r, r);
-  std::vector<FittedShape> shapes;
-  std::vector<ShapeCoefficients> known;
-  for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    shapes.push_back(fitted_shape(measured, basis, i, root, 1.0, 0.0));
-    known.push_back(shapes.back().coefficients);
-  }
-  return std::make_unique<ModalField>(std::move(known), modal_summary(shapes));
+  return field_with(measured, simulation, Eigen::VectorXd::Ones(simulation.mode_count()));
 }
 
 }  // namespace

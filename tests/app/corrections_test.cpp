@@ -2,18 +2,14 @@
 #include "app/corrections.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <sstream>
 
 #include "priors/corrections.h"
+#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kPlate = R"(title = "plate"
 geometry = { plate = { length = "600 mm", width = "400 mm", thickness = "20 mm" } }
@@ -23,20 +19,10 @@ modes = { count = 40, damping_ratio = 0.005 }
 )";
 
 Solution solved_with(const std::string& text) {
-  const auto folder =
-      fs::temp_directory_path() / ("chladni_corrections_" + std::to_string(getpid()));
+  const TestFolder folder("corrections");
   const Study study = parse_study(text, "study.toml");
-  Options options;
-  options.folder = folder;
-  options.pictures = false;
-  options.certificate = false;
-  std::ostringstream shown;
-  std::ostringstream said;
-  Talk talk(said, manner_of_stderr(true));
-  app::Run run(study, options, shown, talk);
-  Solution solution = solved(study, run);
-  fs::remove_all(folder);
-  return solution;
+  QuietRun quiet(study, folder.path());
+  return solved(study, quiet.run());
 }
 
 const Solution& plate() {

@@ -1,6 +1,5 @@
 // chladni interpolate: what it makes of a body that its model does not know, and what it refuses.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
+#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
@@ -71,26 +71,16 @@ direction = "z"
 
 class Interpolate : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("chladni_interpolate_" + std::to_string(getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    write("real.toml", kReal);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { write("real.toml", kReal); }
 
   void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
+    std::ofstream(folder_.path() / name) << text;
   }
 
   Interpolated interpolated_with(const std::string& parts) {
-    const Study study = parse_study(kPlate + kChannels + parts, folder_ / "study.toml");
-    Options options;
-    options.folder = folder_ / "out";
-    options.pictures = false;
-    options.certificate = false;
-    Talk talk(said_, manner_of_stderr(true));
-    app::Run run(study, options, shown_, talk);
+    const Study study = parse_study(kPlate + kChannels + parts, folder_.path() / "study.toml");
+    QuietRun quiet(study, folder_.path() / "out");
+    auto& run = quiet.run();
     const Solution solution = solved(study, run);
     auto result = interpolated(study, solution, run);
     run.show(interpolation_table(result));
@@ -108,14 +98,13 @@ class Interpolate : public ::testing::Test {
   }
 
   io::Json json(const std::string& name) const {
-    std::ifstream stream(folder_ / "out" / name);
+    std::ifstream stream(folder_.path() / "out" / name);
     std::ostringstream text;
     text << stream.rdbuf();
     return io::parse_json(text.str());
   }
 
-  fs::path folder_;
-  std::ostringstream said_, shown_;
+  TestFolder folder_{"interpolate"};
 };
 
 const std::string kTruth = "[measurement]\ntruth = \"real.toml\"\nmodes = 6\n";
@@ -146,13 +135,13 @@ TEST_F(Interpolate, LeavesTheKeysOfTheContract) {
   EXPECT_GE(channel.at("coverage").number(), 0.5);
   EXPECT_EQ(method.at("points").array().at(0).at("mean").array().size(), 6U);
   EXPECT_EQ(method.at("surface").at("squared_error").array().size(), 6U);
-  EXPECT_TRUE(fs::exists(folder_ / "out" / "mode_field.vtu"));
+  EXPECT_TRUE(fs::exists(folder_.path() / "out" / "mode_field.vtu"));
 }
 
 TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
   const auto virtually = interpolated_with(kTruth);
   const auto& measured = virtually.measured;
-  io::write_shapes(folder_ / "shapes.csv",
+  io::write_shapes(folder_.path() / "shapes.csv",
                    {measured.channels, measured.shapes.frequency_hz, measured.damping_ratio,
                     measured.shapes.values, measured.shapes.noise});
   const auto read = interpolated_with("[measurement]\nshapes = \"shapes.csv\"\n");
@@ -163,7 +152,7 @@ TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
 TEST_F(Interpolate, LeavesATableAndPolynomialsForAController) {
   const auto result = interpolated_with(
       kTruth + "[interpolation]\ntable_pitch = \"100 mm\"\npolynomial_degree = 8\n");
-  std::ifstream stream(folder_ / "out" / "mode_field.csv");
+  std::ifstream stream(folder_.path() / "out" / "mode_field.csv");
   std::string head;
   std::getline(stream, head);
   EXPECT_EQ(head.substr(0, 28), "x_m,y_m,z_m,mean_1,std_1,mea");

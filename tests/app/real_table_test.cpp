@@ -1,34 +1,20 @@
 // models/oat/interpolation: the pocketed table of tetrahedra as the truth, the plain plate as the
 // model. docs/reference/oat_interpolation.md shows the figures.
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <sstream>
 
 #include "app/interpolation.h"
+#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 Interpolated result_of(const std::string& name) {
-  const auto folder = fs::temp_directory_path() / ("chladni_real_" + std::to_string(getpid()));
-  const Study study =
-      read_study(fs::path(CHLADNI_SOURCE_DIR) / "models" / "oat" / "interpolation" / name);
-  Options options;
-  options.folder = folder;
-  options.pictures = false;
-  options.certificate = false;
-  std::ostringstream shown;
-  std::ostringstream said;
-  Talk talk(said, manner_of_stderr(true));
-  app::Run run(study, options, shown, talk);
-  const Solution solution = solved(study, run);
-  auto result = interpolated(study, solution, run);
-  fs::remove_all(folder);
-  return result;
+  const TestFolder folder("real_table");
+  const Study study = read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
+                                 "interpolation" / name);
+  QuietRun quiet(study, folder.path());
+  const Solution solution = solved(study, quiet.run());
+  return interpolated(study, solution, quiet.run());
 }
 
 TEST(RealTable, OfTetrahedraWithRibsIsKnownFromThirteenSensors) {

@@ -1,0 +1,58 @@
+// A verb's steps in a test: a folder of its own, no pictures, no inertia count, nothing on the
+// terminal.
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include "app/command.h"
+
+namespace chladni::app {
+
+/// A folder that goes when this does.
+class TestFolder {
+ public:
+  explicit TestFolder(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() /
+              ("chladni_" + name + "_" + std::to_string(getpid()))) {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TestFolder() { std::filesystem::remove_all(path_); }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A run that keeps what it says. The study must outlive it.
+class QuietRun {
+ public:
+  QuietRun(const Study& study, const std::filesystem::path& folder)
+      : talk_(said_, manner_of_stderr(true)), run_(study, options(folder), shown_, talk_) {}
+
+  [[nodiscard]] Run& run() { return run_; }
+  [[nodiscard]] std::string shown() const { return shown_.str(); }
+  [[nodiscard]] std::string said() const { return said_.str(); }
+
+ private:
+  static Options options(const std::filesystem::path& folder) {
+    Options options;
+    options.folder = folder;
+    options.pictures = false;
+    options.certificate = false;
+    return options;
+  }
+
+  std::ostringstream shown_, said_;
+  Talk talk_;
+  Run run_;
+};
+
+}  // namespace chladni::app
