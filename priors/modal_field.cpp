@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -15,15 +16,15 @@ namespace {
 constexpr Eigen::Index kBlock = 512;  // places at a time: the block stays in the cache
 constexpr double kUnseen = 0.3;       // of a shape's mean square
 
-// Deviations of the shapes at places [first, first + count).
-void add_deviations(const Places& places, const std::vector<ShapeCoefficients>& shapes,
-                    Eigen::Index first, Eigen::Index count, Eigen::MatrixXd& deviation) {
-  const Eigen::MatrixXd block = places.shapes.middleRows(first, count);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const Eigen::MatrixXd spread = block * shapes[i].root;
-    deviation.col(static_cast<Eigen::Index>(i)).segment(first, count) =
-        (spread.rowwise().squaredNorm().array() + shapes[i].beyond).sqrt();
-  }
+// The lower triangular root of F Fᵀ.
+Eigen::MatrixXd triangular(const Eigen::MatrixXd& root) {
+  const Eigen::Index r = root.rows();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(root.transpose());
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(r, r);
+  const auto rows = std::min(r, root.cols());
+  lower.leftCols(rows) =
+      factor.matrixQR().topRows(rows).triangularView<Eigen::Upper>().toDenseMatrix().transpose();
+  return lower;
 }
 
 }  // namespace
@@ -33,6 +34,19 @@ ModalField::ModalField(std::vector<ShapeCoefficients> shapes, FitSummary summary
   means_.resize(shapes_.front().mean.size(), static_cast<Eigen::Index>(shapes_.size()));
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     means_.col(static_cast<Eigen::Index>(i)) = shapes_[i].mean;
+    roots_.push_back(triangular(shapes_[i].root));
+  }
+}
+
+// At places [first, first + count).
+void ModalField::add_deviations(const Places& places, Eigen::Index first, Eigen::Index count,
+                                Eigen::MatrixXd& deviation) const {
+  const Eigen::MatrixXd block = places.shapes.middleRows(first, count);
+  Eigen::MatrixXd spread(count, block.cols());
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    spread.noalias() = block * roots_[i].triangularView<Eigen::Lower>();
+    deviation.col(static_cast<Eigen::Index>(i)).segment(first, count) =
+        (spread.rowwise().squaredNorm().array() + shapes_[i].beyond).sqrt();
   }
 }
 
@@ -49,7 +63,7 @@ Field ModalField::at(const Places& places) const {
       const auto count = std::min(kBlock, n - first);
       field.mean.middleRows(first, count).noalias() =
           places.shapes.middleRows(first, count) * means_;
-      add_deviations(places, shapes_, first, count, field.deviation);
+      add_deviations(places, first, count, field.deviation);
     }
   });
   return field;

@@ -27,8 +27,12 @@ class ModalField : public ModeField {
   [[nodiscard]] const std::vector<ShapeCoefficients>& shapes() const { return shapes_; }
 
  private:
+  void add_deviations(const Places& places, Eigen::Index first, Eigen::Index count,
+                      Eigen::MatrixXd& deviation) const;
+
   std::vector<ShapeCoefficients> shapes_;
-  Eigen::MatrixXd means_;  // r×m
+  Eigen::MatrixXd means_;               // r×m
+  std::vector<Eigen::MatrixXd> roots_;  // r×r, lower: of the shapes' covariances
 };
 
 /// The coefficients of one shape with c ~ N(0, a² R Rᵀ), a² the likeliest, once it is measured.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/error.h"
@@ -217,13 +218,19 @@ LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& b
     return 0.5 * weight.dot(away.cwiseAbs2()) - pooled.log_evidence;
   };
   const Eigen::Vector4d range = 4.0 * plausible.spread;
-  Optimum best;
-  for (const double stiffness : {0.5, 1.0}) {  // real over simulated: the one hill too many is γ
-    Eigen::VectorXd start = middle;
-    start(2) = std::log(stiffness);
-    const auto found = minimum(implausibility, start, middle - range, middle + range);
-    if (best.at.size() == 0 || found.value < best.value) best = found;
+  // The one number with several hills is γ: the search goes up the highest slope of a few.
+  Eigen::VectorXd start = middle;
+  Eigen::VectorXd unused = middle;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double stiffness : {0.35, 0.5, 0.7, 1.0, 1.4}) {
+    Eigen::VectorXd at = middle;
+    at(2) = std::log(stiffness);
+    const double value = implausibility(at, unused);
+    if (value >= least) continue;
+    least = value;
+    start = at;
   }
+  const auto best = minimum(implausibility, start, middle - range, middle + range, {1e-3, 200});
   learned.errors = errors_of(best.at);
   learned.log_evidence = pooled_evidence(measured, basis, learned.errors).log_evidence;
   learned.doubts = doubts_of(best.at, plausible);
