@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "app/interpolation.h"
+#include "app/priors.h"
 #include "quiet_run.h"
 
 namespace chladni::app {
@@ -40,6 +41,27 @@ TEST(RealTable, IsPredictedWhereItsOwnChannelsAreLeftOut) {
   EXPECT_GT(ours.hidden_covered.mean(), 0.85);
   // 15: odd about all mirror lines.
   EXPECT_GT(result.expected_error(14), 0.3);
+}
+
+// What the thesis saw fall, and what falls only there: the error of the most complex mode as more
+// samples are learned from; a simpler one rises meanwhile, along the same ridge.
+TEST(Figure512, IsWhereARidgeEndsAndNoMatterOfTheModel) {
+  const TestFolder folder("figure_5_12");
+  const Study study = read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
+                                 "interpolation" / "figure_5_12_minimal.toml");
+  QuietRun quiet(study, folder.path());
+  const Solution solution = solved(study, quiet.run());
+  const auto result = learned_priors(study, solution, quiet.run());
+  const auto error = [&](std::size_t at, Eigen::Index mode) {
+    return result.by_samples[at].channel_error(mode - 1);
+  };
+  ASSERT_EQ(result.by_samples.size(), 7U);
+  EXPECT_LT(error(6, 12), 0.5 * error(2, 12));
+  EXPECT_GT(error(6, 8), 3.0 * error(2, 8));
+  EXPECT_NEAR(error(6, 9), 1.0, 1e-3);  // odd about all mirror lines: nothing is seen of it
+  EXPECT_GT(result.last().noise_dependence.minCoeff(), 0.05);
+  ASSERT_EQ(result.spline_error.size(), 3U);
+  EXPECT_GT(result.spline_error[2].second(11), 0.9);  // leave-one-out flattens it
 }
 
 }  // namespace
