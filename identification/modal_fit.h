@@ -1,0 +1,66 @@
+// A modal model fitted to measured responses, with the deviations of all it consists of.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "identification/fit_data.h"
+#include "modal/groups.h"
+#include "modal/reduced_model.h"
+
+namespace chladni::identification {
+
+/// Where a fit starts: n flexible modes as poles with residues, and how many rigid-body modes there
+/// are at 0 Hz. G ≈ Σ residue_m / (s² − 2 Re(p_m) s + |p_m|²).
+struct Start {
+  Eigen::VectorXcd pole;                 ///< n [rad/s], Im > 0, Re < 0
+  std::vector<Eigen::MatrixXd> residue;  ///< n, each p×q; any rank. Empty: fitted to the data
+  Eigen::Index rigid_count = 0;          ///< rank of the 1/s² term
+};
+
+/// A modal model and how sure it is.
+/// G(s) = [Σ l_m r_m / (s² + 2 ζ_m ω_m s + ω_m²) + residual] e^{−sτ}; modes of frequency 0 first.
+struct ModalFit {
+  modal::ReducedModel model;  ///< output_shapes L p×m, input_shapes R m×q; residual p×q
+  double delay_s = 0.0;
+
+  Eigen::VectorXd frequency_std_hz, damping_std;  ///< m; 0 for rigid-body modes
+  Eigen::MatrixXd output_std, input_std;          ///< of L and R, each scaled as below
+  Eigen::MatrixXd residual_std;                   ///< p×q
+  double delay_std_s = 0.0;
+  /// Covariance of (ω_m, ζ_m, L_m, R_m) per mode, (2+p+q) squared, in [rad/s], [1], units of L, R.
+  /// The scale between L_m and R_m is fixed by |L_m| = |R_m| times `model`'s ratio.
+  std::vector<Eigen::MatrixXd> mode_covariance;
+  /// Modes of a group of more than one share a block: only the subspace of their shapes is known.
+  std::vector<modal::ModeGroup> groups;
+
+  double cost = 0.0;           ///< Σ |w (G − Ĝ)|²: half of χ² where the noise is known
+  double expected_cost = 0.0;  ///< (N − parameters) / 2
+  Eigen::Index measured_count = 0, parameter_count = 0;
+  int iterations = 0;
+  bool converged = false;
+  std::vector<std::string> notes;
+};
+
+struct FitOptions {
+  bool residual = true;  ///< a constant p×q for the modes above the band
+  bool delay = false;    ///< one for all responses is fitted
+  int iterations = 60;   ///< of Levenberg and Marquardt, at most
+  Progress progress = {};
+};
+
+/// Maximum likelihood by Levenberg and Marquardt from `start` (docs/reference/identification.md).
+/// Modes nearer to each other than their half-power bandwidth are fitted as blocks and told apart
+/// afterwards where the data can.
+/// @throws InvalidInput      start and data do not fit together, more parameters than numbers
+/// @throws NumericalFailure  no step lowers the cost from the start
+[[nodiscard]] ModalFit modal_fit(const FitData& data, const Start& start,
+                                 const FitOptions& options = {});
+
+/// The model's receptances on the data's lines, K×pq, delay included.
+[[nodiscard]] Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz);
+
+}  // namespace chladni::identification

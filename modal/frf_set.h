@@ -1,0 +1,60 @@
+// Frequency responses as they were measured: between named channels, with what is known of their
+// noise.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "modal/frf.h"
+
+namespace chladni::modal {
+
+/// One end of a measured response.
+struct MeasuredChannel {
+  std::string name;               ///< "y1"; not empty, one of its kind on its side
+  std::optional<long long> node;  ///< its number in a UFF file
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit; zero: not stated
+  std::optional<Eigen::Vector3d> position;              ///< [m]
+  std::string unit;  ///< in which the values are: "m", "m/s^2", "N"; empty: not stated
+  FrfKind kind = FrfKind::receptance;  ///< of an output: what it measures; inputs are forces
+};
+
+/// p outputs, q inputs, k lines. Values are in SI where the units are stated, e^{+jωt}. What was
+/// not measured is NaN; a response is measured on all its lines or on none, single lines may be
+/// NaN too.
+struct FrfSet {
+  std::vector<MeasuredChannel> outputs, inputs;
+  Eigen::VectorXd frequency_hz;         ///< k, ascending, 0 or more
+  std::vector<Eigen::MatrixXcd> value;  ///< [k], each p×q, row i of the kind of outputs[i]
+  /// [k], each p×q: E|G − G₀|² of the estimate in its own unit squared, all causes; or empty.
+  std::vector<Eigen::MatrixXd> variance;
+  /// [k], each p×q: the part of it that noise explains; the rest is stochastic nonlinear. Or empty.
+  std::vector<Eigen::MatrixXd> noise_variance;
+  std::vector<Eigen::MatrixXd> coherence;  ///< [k], each p×q in [0, 1]; or empty
+  double averages = 0.0;                   ///< degrees of freedom of `variance`; 0: not known
+
+  [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
+  [[nodiscard]] Eigen::Index output_count() const {
+    return static_cast<Eigen::Index>(outputs.size());
+  }
+  [[nodiscard]] Eigen::Index input_count() const {
+    return static_cast<Eigen::Index>(inputs.size());
+  }
+};
+
+/// @throws InvalidInput  sizes differ, a name is empty or twice on one side, frequencies are not
+///                       ascending; names the place
+void check(const FrfSet& set);
+
+/// The same set with every output as `kind`; a line at 0 Hz is left out where it cannot be
+/// integrated. Variances follow, coherence stays.
+[[nodiscard]] FrfSet converted(const FrfSet& set, FrfKind kind);
+
+/// The chosen rows and columns, and the lines in [low_hz, high_hz].
+[[nodiscard]] FrfSet part(const FrfSet& set, const std::vector<Eigen::Index>& outputs,
+                          const std::vector<Eigen::Index>& inputs);
+[[nodiscard]] FrfSet band(const FrfSet& set, double low_hz, double high_hz);
+
+}  // namespace chladni::modal
