@@ -44,40 +44,42 @@ void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
   }
 }
 
-// What the body's stiffness changes by when every material's does, per unit of the change.
-void add_material(const Solution& solution, const std::string& name, double deviation,
-                  const Eigen::Matrix<double, 6, 6>& relative,
-                  std::vector<priors::Correction>& all) {
-  constexpr double kPart = 0.05;  // keeps the materials positive definite
+// Φᵀ K Φ of the body with these materials.
+Eigen::MatrixXd modal_stiffness(const Solution& solution,
+                                const std::vector<fem::Material>& materials) {
   const auto& body = solution.model.body;
-  auto changed = solution.model.materials;
-  for (auto& material : changed) {
-    const Eigen::Matrix<double, 6, 6> more = kPart * relative.cwiseProduct(material.stiffness);
-    material.stiffness += more;
-  }
-  const auto of = [&](const std::vector<fem::Material>& materials) {
-    return fem::field_matrices(body, materials, solution.modes.shapes,
-                               Eigen::MatrixXd::Ones(body.tet_count(), 1),
-                               Eigen::MatrixXd(body.tet_count(), 0))
-        .stiffness.front();
-  };
-  const Eigen::MatrixXd difference = (of(changed) - of(solution.model.materials)) / kPart;
-  all.push_back({name, unstrained(difference, solution.modes.frequency_hz), {}, deviation});
+  return fem::field_matrices(body, materials, solution.modes.shapes,
+                             Eigen::MatrixXd::Ones(body.tet_count(), 1),
+                             Eigen::MatrixXd(body.tet_count(), 0))
+      .stiffness.front();
 }
 
 void add_anisotropy(const Solution& solution, double deviation,
                     std::vector<priors::Correction>& all) {
+  constexpr double kPart = 0.05;  // keeps the materials positive definite
+  const auto& own = solution.model.materials;
+  const Eigen::MatrixXd before = modal_stiffness(solution, own);
+  // What it changes by when every material's does, per unit of the change.
+  const auto add = [&](const std::string& name, const Eigen::Matrix<double, 6, 6>& relative) {
+    auto changed = own;
+    for (auto& material : changed) {
+      const Eigen::Matrix<double, 6, 6> more = kPart * relative.cwiseProduct(material.stiffness);
+      material.stiffness += more;
+    }
+    const Eigen::MatrixXd difference = (modal_stiffness(solution, changed) - before) / kPart;
+    all.push_back({name, unstrained(difference, solution.modes.frequency_hz), {}, deviation});
+  };
   const auto [u, v] = longest_sides(solution.model.body);
   Eigen::Matrix<double, 6, 6> relative = Eigen::Matrix<double, 6, 6>::Zero();
   relative(u, u) = 1.0;
   relative(v, v) = -1.0;
-  add_material(solution, "stiffness of one side against the other", deviation, relative, all);
+  add("stiffness of one side against the other", relative);
   relative.setZero();
   relative(u, v) = relative(v, u) = 1.0;
-  add_material(solution, "stiffness across", deviation, relative, all);
+  add("stiffness across", relative);
   relative.setZero();
   relative(shear_of(u, v), shear_of(u, v)) = 1.0;
-  add_material(solution, "stiffness in shear", deviation, relative, all);
+  add("stiffness in shear", relative);
 }
 
 // Nodes of the boundary next to the points of a grid over the two longest sides; none where the

@@ -21,7 +21,7 @@ struct BodyUncertainty {
 /// there, and masses on a regular grid over its surface, its rim included, which move in all three
 /// directions. On all modes of the solution; rigid-body modes stay stress-free exactly. The whole's
 /// modulus and mass are left to what every prior learns.
-/// Cost: fem::field_matrices with as many fields as waves², and three times with one.
+/// Cost: fem::field_matrices with as many fields as waves², and four times with one.
 [[nodiscard]] std::vector<priors::Correction> corrections(const Solution& solution,
                                                           const BodyUncertainty& uncertain = {});
 

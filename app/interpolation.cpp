@@ -16,7 +16,6 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kTwoSided95 = 1.959963984540054;
 constexpr double kAssumedDamping = 0.005;  // of FRFs compared where none was measured
 constexpr int kFrfLines = 400;
 constexpr int kHarmonics = 150;  // of the body, for methods that go along it
@@ -141,7 +140,7 @@ void score_hidden(const Measured& measured, Interpolation& one) {
         (one.hidden.deviation.row(c).array().square() + hidden.noise.row(c).array().square())
             .sqrt();
     one.hidden_covered(c) =
-        (wrong.transpose().array().abs() <= kTwoSided95 * band).cast<double>().mean();
+        (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
     one.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
     if (!has_frf) continue;
     const auto real = responses(measured, hidden.values.row(c));

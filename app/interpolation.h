@@ -45,7 +45,6 @@ struct Interpolated {
   /// anything is measured; not a number for rigid-body modes.
   Eigen::VectorXd expected_error;
   std::vector<Interpolation> methods;  ///< the first is the one that is shown
-  std::vector<std::string> notes;
 };
 
 /// Whether shapes can be had from it: a table, or a study that stands for the real body.
@@ -60,9 +59,22 @@ struct Interpolated {
                                 const priors::Simulation& simulation,
                                 const fem::LaplaceSpectrum& harmonics, Run& run);
 
+/// A sensor or actuator of the study where it is on the body.
+struct ChannelSite {
+  std::string name;
+  mesh::Site site;
+  Eigen::Vector3d direction;  ///< unit
+};
+
+/// The sensors, then the actuators.
+[[nodiscard]] std::vector<ChannelSite> channel_sites(const Study& study, const Model& model);
+
 /// Places with the simulation's modes along `directions`, n×3, and the body's harmonics.
 [[nodiscard]] priors::Places places_at(const std::vector<mesh::Site>& sites,
                                        const Points& directions, const modal::Modes& modes,
+                                       const fem::LaplaceSpectrum& harmonics = {});
+[[nodiscard]] priors::Places places_at(const std::vector<ChannelSite>& channels,
+                                       const modal::Modes& modes,
                                        const fem::LaplaceSpectrum& harmonics = {});
 
 [[nodiscard]] std::string interpolation_table(const Interpolated& result);

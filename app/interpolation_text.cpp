@@ -8,8 +8,6 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kUnseen = 0.3;  // of a mode's mean square
-
 std::string percent(double part) {
   return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : std::string("-");
 }
@@ -22,7 +20,8 @@ std::string unseen_text(const Interpolated& result) {
   const auto& simulation = result.simulation;
   const double highest = result.measured.shapes.frequency_hz.maxCoeff();
   for (Eigen::Index j = simulation.rigid_count(); j < result.expected_error.size(); ++j) {
-    if (!(result.expected_error(j) > kUnseen) || simulation.frequency_hz(j) > 1.2 * highest) {
+    if (!(result.expected_error(j) > priors::kHardlySeen) ||
+        simulation.frequency_hz(j) > 1.2 * highest) {
       continue;
     }
     text += fmt::format("{}{} ({:.1f} Hz, {:.0f} %)", text.empty() ? "" : ", ", j + 1,
@@ -89,12 +88,6 @@ std::string points_text(const Interpolated& result) {
   return text;
 }
 
-io::Json names_json(const std::vector<std::string>& names) {
-  io::JsonArray array;
-  for (const auto& name : names) array.emplace_back(name);
-  return array;
-}
-
 io::Json fit_json(const priors::FitSummary& summary) {
   io::JsonObject parameters;
   for (const auto& one : summary.parameters) {
@@ -104,7 +97,7 @@ io::Json fit_json(const priors::FitSummary& summary) {
   }
   return io::JsonObject{{"parameters", parameters},
                         {"log_evidence", io::Json(summary.log_evidence)},
-                        {"notes", names_json(summary.notes)}};
+                        {"notes", io::Json::texts(summary.notes)}};
 }
 
 io::Json held_out_json(const Measured& measured, const Interpolation& one) {
@@ -175,8 +168,8 @@ io::JsonObject interpolation_json(const Interpolated& result) {
   io::JsonArray methods;
   for (const auto& one : result.methods) methods.push_back(method_json(result, one));
   const auto& measured = result.measured;
-  return {{"channels", names_json(measured.channels)},
-          {"held_out", names_json(measured.hidden_channels)},
+  return {{"channels", io::Json::texts(measured.channels)},
+          {"held_out", io::Json::texts(measured.hidden_channels)},
           {"frequency_hz", io::Json(measured.shapes.frequency_hz)},
           {"before_measuring",
            io::JsonObject{{"frequency_hz", io::Json(result.simulation.frequency_hz)},

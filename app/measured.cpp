@@ -16,14 +16,8 @@ constexpr int kModesOfTruth = 12;
 constexpr double kOffTheBody = 2e-3;  // [m]: between two models of one body
 constexpr double kInView = 1e-2;  // a mode moves along the surface's directions by at least so much
 
-struct ChannelSite {
-  std::string name;
-  mesh::Site site;
-  Eigen::Vector3d direction;
-};
-
-// @throws InvalidInput  a sensor and an actuator have one name: a table could not tell them apart
-std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
+// A table could not tell channels of one name apart.
+void require_distinct_names(const Study& study) {
   for (const auto& sensor : study.sensors) {
     for (const auto& actuator : study.actuators) {
       require(sensor.name != actuator.name,
@@ -31,26 +25,6 @@ std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
                   "\"; expected different names, a table of shapes has one column for each");
     }
   }
-  std::vector<ChannelSite> all;
-  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
-    all.push_back({study.sensors[i].name, model.sensors[i], study.sensors[i].direction});
-  }
-  for (std::size_t i = 0; i < study.actuators.size(); ++i) {
-    all.push_back({study.actuators[i].name, model.actuators[i], study.actuators[i].direction});
-  }
-  return all;
-}
-
-priors::Places places_of_channels(const std::vector<ChannelSite>& channels,
-                                  const modal::Modes& modes,
-                                  const fem::LaplaceSpectrum& harmonics = {}) {
-  std::vector<mesh::Site> sites;
-  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    sites.push_back(channels[i].site);
-    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
-  }
-  return places_at(sites, directions, modes, harmonics);
 }
 
 // Shapes of another body at given places: at the nearest point of its surface, so far away.
@@ -113,7 +87,7 @@ Values values_of_truth(const Study& study, const Solution& solution,
   for (const auto& channel : channels) table.channels.push_back(channel.name);
   table.frequency_hz = real.modes.frequency_hz(columns);
   table.damping_ratio = real.modes.damping_ratio(columns);
-  const auto at_channels = shapes_there(real, finder, places_of_channels(channels, solution.modes));
+  const auto at_channels = shapes_there(real, finder, places_at(channels, solution.modes));
   require(
       at_channels.distance.maxCoeff() <= kOffTheBody,
       fmt::format("{}: a channel of {} is {:.3g} mm off the body of the truth", plan.truth.string(),
@@ -154,8 +128,8 @@ priors::MeasuredShapes part_of(const io::ShapeTable& table,
     const auto found = std::find(table.channels.begin(), table.channels.end(), channel.name);
     rows.push_back(found - table.channels.begin());
   }
-  return {places_of_channels(channels, modes, harmonics), table.frequency_hz,
-          table.values(rows, Eigen::all), table.deviation(rows, Eigen::all)};
+  return {places_at(channels, modes, harmonics), table.frequency_hz, table.values(rows, Eigen::all),
+          table.deviation(rows, Eigen::all)};
 }
 
 // Columns that are no channel, and channels that are no column.
@@ -177,18 +151,37 @@ void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSit
 
 }  // namespace
 
+std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
+  std::vector<ChannelSite> all;
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    all.push_back({study.sensors[i].name, model.sensors[i], study.sensors[i].direction});
+  }
+  for (std::size_t i = 0; i < study.actuators.size(); ++i) {
+    all.push_back({study.actuators[i].name, model.actuators[i], study.actuators[i].direction});
+  }
+  return all;
+}
+
 priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& directions,
                          const modal::Modes& modes, const fem::LaplaceSpectrum& harmonics) {
   const auto n = static_cast<Eigen::Index>(sites.size());
-  priors::Places places{Points(n, 3), directions, Eigen::MatrixXd(n, modes.mode_count())};
+  priors::Places places{Points(n, 3), directions, shapes_at(sites, directions, modes)};
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& site = sites[static_cast<std::size_t>(i)];
-    places.position.row(i) = site.position.transpose();
-    const auto row = mesh::row_at(site, directions.row(i).transpose(), modes.dof_count() / 3);
-    places.shapes.row(i) = row.transpose() * modes.shapes;
+    places.position.row(i) = sites[static_cast<std::size_t>(i)].position.transpose();
   }
   if (harmonics.eigenvalue.size() > 0) places.harmonics = fem::functions_at(harmonics, sites);
   return places;
+}
+
+priors::Places places_at(const std::vector<ChannelSite>& channels, const modal::Modes& modes,
+                         const fem::LaplaceSpectrum& harmonics) {
+  std::vector<mesh::Site> sites;
+  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    sites.push_back(channels[i].site);
+    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
+  }
+  return places_at(sites, directions, modes, harmonics);
 }
 
 bool has_shapes(const MeasurementPlan& plan) { return !plan.shapes.empty() || !plan.truth.empty(); }
@@ -200,6 +193,7 @@ Measured measured(const Study& study, const Solution& solution,
           study.file.string() +
               ": nothing is measured; expected [measurement] with shapes = \"shapes.csv\" or truth "
               "= \"real.toml\"");
+  require_distinct_names(study);
   const auto channels = channel_sites(study, solution.model);
   Values values;
   if (!study.measurement->truth.empty()) {

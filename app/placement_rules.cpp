@@ -5,19 +5,10 @@
 
 #include "app/placing.h"
 #include "base/error.h"
+#include "mesh/faces.h"
 
 namespace chladni::app {
 namespace {
-
-int patch_number(const mesh::TetMesh& body, const std::string& name, const std::string& what) {
-  const auto& names = body.patch_names;
-  const auto found = std::find(names.begin(), names.end(), name);
-  std::string known;
-  for (const auto& patch : names) known += (known.empty() ? "" : ", ") + patch;
-  require(found != names.end(),
-          what + ": the body has no patch \"" + name + "\"; there are: " + known);
-  return static_cast<int>(found - names.begin());
-}
 
 std::string millimetres(const Eigen::Vector2d& at) {
   return fmt::format("({:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y());
@@ -33,7 +24,7 @@ placement::Rule rule_of(const KeepOut& zone, const mesh::TetMesh& body) {
             placement::KeepOutDisc{zone.from, zone.diameter}};
   }
   return {"the patch \"" + zone.patch + "\"",
-          placement::KeepOutPatch{patch_number(body, zone.patch, "placement.keep_out")}};
+          placement::KeepOutPatch{mesh::patch_number(body, zone.patch, "placement.keep_out")}};
 }
 
 // Channels that stay.
@@ -57,7 +48,7 @@ Points places_there(const Study& study, const Solution& solution, const Placemen
 
 std::vector<std::string> patches_of(const mesh::TetMesh& body, const std::vector<std::string>& on,
                                     const std::string& key) {
-  for (const auto& name : on) (void)patch_number(body, name, key);
+  for (const auto& name : on) (void)mesh::patch_number(body, name, key);
   if (!on.empty()) return on;
   const auto& names = body.patch_names;
   const bool has_top = std::find(names.begin(), names.end(), "top") != names.end();

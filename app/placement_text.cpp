@@ -44,12 +44,6 @@ io::Json pairs_json(const Solution& solution, const Placed& placed,
   return array;
 }
 
-io::Json names_json(const std::vector<std::string>& names) {
-  io::JsonArray array;
-  for (const auto& name : names) array.emplace_back(name);
-  return array;
-}
-
 io::Json worst_place_json(const Placed& placed, const ScoredLayout& layout) {
   if (layout.deviation.size() == 0) return {};
   Eigen::Index worst = 0;
@@ -67,8 +61,8 @@ io::Json layout_json(const Placed& placed, const ScoredLayout& layout) {
   io::JsonArray blind;
   for (const int mode : layout.blind) blind.emplace_back(mode);
   return io::JsonObject{{"name", layout.name},
-                        {"sensors", names_json(layout.sensors)},
-                        {"actuators", names_json(layout.actuators)},
+                        {"sensors", io::Json::texts(layout.sensors)},
+                        {"actuators", io::Json::texts(layout.actuators)},
                         {"collocated_pairs", layout.pairs},
                         {"blind_modes", blind},
                         {"worst_place", worst_place_json(placed, layout)},
@@ -280,7 +274,7 @@ io::JsonObject placement_json(const Study&, const Solution& solution, const Plac
           {"optima", optima},
           {"rules", rules},
           {"points", static_cast<long long>(placed.surface.sites.count())},
-          {"notes", names_json(placed.notes)}};
+          {"notes", io::Json::texts(placed.notes)}};
 }
 
 std::string placement_table(const Solution& solution, const Placed& placed) {

@@ -16,7 +16,6 @@ namespace chladni::app {
                                        const PlacementPlan& plan, const placement::Surface& surface,
                                        std::vector<std::string>& notes);
 
-
 /// @throws InvalidInput  a rule names a patch that is not there
 [[nodiscard]] std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
                                                     const PlacementPlan& plan);

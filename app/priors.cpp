@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/placing.h"
+#include "app/interpolation.h"
+#include "app/placement.h"
 #include "base/error.h"
 #include "priors/dynamic_residual.h"
 #include "priors/simulated_lengths.h"
@@ -92,18 +93,11 @@ LearnedAt learned_at(const LearnedPriors& result, Eigen::Index samples, unsigned
 void add_matched(const Study& study, const Solution& solution, LearnedPriors& result) {
   if (study.sensors.size() + study.actuators.size() < 2 || result.kernel.parameter_count() != 1)
     return;
-  std::vector<Channel> channels = study.sensors;
-  channels.insert(channels.end(), study.actuators.begin(), study.actuators.end());
-  std::vector<mesh::Site> sites = solution.model.sensors;
-  sites.insert(sites.end(), solution.model.actuators.begin(), solution.model.actuators.end());
-  const Eigen::MatrixXd shapes = shapes_at(channels, sites, solution.modes);
+  const auto places = places_at(channel_sites(study, solution.model), solution.modes);
   const auto& surface = result.surface.sites;
   const auto rows = priors::spread_points(surface.position, kMatchedOn);
   priors::Task task;
-  task.places.resize(std::ssize(sites), 3);
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    task.places.row(static_cast<Eigen::Index>(i)) = sites[i].position.transpose();
-  }
+  task.places = places.position;
   if (priors::spread_points(task.places, 2).size() < 2) return;  // all in one place
   task.surface = surface.position(rows, Eigen::all);
   task.area = Eigen::VectorXd::Ones(std::ssize(rows));
@@ -114,7 +108,7 @@ void add_matched(const Study& study, const Solution& solution, LearnedPriors& re
     const double hz = solution.modes.frequency_hz(result.columns[static_cast<std::size_t>(i)]);
     const Eigen::VectorXd spread =
         priors::coefficient_variances(solution.modes.frequency_hz, hz).cwiseSqrt();
-    task.at_places = shapes * spread.asDiagonal();
+    task.at_places = places.shapes * spread.asDiagonal();
     task.on_surface = surface.shapes(rows, Eigen::all) * spread.asDiagonal();
     const auto best = priors::expected_length(result.kernel, task);
     result.matched_length(i) = best.length;

@@ -13,18 +13,6 @@ constexpr double kNoNoise = 1e-6;  // of a shape's root mean square: samples of 
 constexpr std::array kSplines{"thin_plate_spline", "thin_plate_spline_gcv",
                               "thin_plate_spline_leave_one_out"};
 
-priors::Places places_of(const Study& study, const Solution& solution) {
-  std::vector<Channel> channels = study.sensors;
-  channels.insert(channels.end(), study.actuators.begin(), study.actuators.end());
-  std::vector<mesh::Site> sites = solution.model.sensors;
-  sites.insert(sites.end(), solution.model.actuators.begin(), solution.model.actuators.end());
-  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
-  }
-  return places_at(sites, directions, solution.modes);
-}
-
 // Σ w (φ̂ − φ)² / Σ w φ² of a mode interpolated from its values at the channels.
 double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
                       const priors::Places& places, const Eigen::VectorXd& values,
@@ -41,7 +29,7 @@ double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
 
 void add_channel_errors(const Study& study, const Solution& solution, LearnedPriors& result) {
   if (study.sensors.size() + study.actuators.size() < 3) return;
-  const auto places = places_of(study, solution);
+  const auto places = places_at(channel_sites(study, solution.model), solution.modes);
   const auto& sites = result.surface.sites;
   const Eigen::MatrixXd values = places.shapes(Eigen::all, result.columns);
   const Eigen::MatrixXd truth = sites.shapes(Eigen::all, result.columns);

@@ -28,12 +28,6 @@ std::string bound_text(const priors::Learned& one) {
   return text;
 }
 
-io::Json texts(const std::vector<std::string>& lines) {
-  io::JsonArray array;
-  for (const auto& line : lines) array.emplace_back(line);
-  return array;
-}
-
 io::JsonObject learned_json(const LearnedPriors& result, const priors::Learned& one,
                             Eigen::Index samples, double noise_dependence) {
   io::JsonObject parameters;
@@ -52,7 +46,7 @@ io::JsonObject learned_json(const LearnedPriors& result, const priors::Learned& 
       {"log_marginal_likelihood", one.log_likelihood},
       {"samples", static_cast<long long>(samples)},
       {"parameters", parameters},
-      {"at_bound", texts(one.at_bound)},
+      {"at_bound", io::Json::texts(one.at_bound)},
       {"noise_dependence", noise_dependence},
       {"evaluations", one.evaluations}};
 }
@@ -170,8 +164,8 @@ io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result
           {"most_complex_mode", static_cast<long long>(complex - solution.modes.rigid_count + 1)},
           {"by_samples", by_samples},
           {"spline_error", splines},
-          {"notes", texts(result.notes)},
-          {"warnings", texts(result.warnings)}};
+          {"notes", io::Json::texts(result.notes)},
+          {"warnings", io::Json::texts(result.warnings)}};
 }
 
 }  // namespace chladni::app

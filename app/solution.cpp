@@ -145,14 +145,24 @@ Solution solved(const Study& study, Introduction introduction, Run& run) {
   return solution;
 }
 
-Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
-                          const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(channels.size()), modes.mode_count());
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    const auto row = mesh::row_at(sites[i], channels[i].direction, modes.dof_count() / 3);
-    values.row(static_cast<Eigen::Index>(i)) = row.transpose() * modes.shapes;
+Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites, const Points& directions,
+                          const modal::Modes& modes) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(sites.size()), modes.mode_count());
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    const auto row = mesh::row_at(sites[static_cast<std::size_t>(i)], directions.row(i).transpose(),
+                                  modes.dof_count() / 3);
+    values.row(i) = row.transpose() * modes.shapes;
   }
   return values;
+}
+
+Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
+                          const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
+  Points directions(static_cast<Eigen::Index>(channels.size()), 3);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    directions.row(static_cast<Eigen::Index>(i)) = channels[i].direction.transpose();
+  }
+  return shapes_at(sites, directions, modes);
 }
 
 }  // namespace chladni::app

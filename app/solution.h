@@ -35,6 +35,10 @@ struct Solution {
 /// Says the first line, the notes and the warnings.
 [[nodiscard]] Introduction introduced(const Study& study, Run& run);
 
+/// Values of the shapes at sites along `directions`, n×3: n×modes [kg^-1/2].
+[[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites,
+                                        const Points& directions, const modal::Modes& modes);
+
 /// Values of the shapes at the channels: channels×modes [kg^-1/2].
 [[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
                                         const std::vector<mesh::Site>& sites,

@@ -20,13 +20,6 @@ std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
   }
 }
 
-std::vector<std::string> channels_of(const Study& study) {
-  auto known = names_of(study.sensors);
-  const auto actuators = names_of(study.actuators);
-  known.insert(known.end(), actuators.begin(), actuators.end());
-  return known;
-}
-
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
@@ -53,7 +46,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   plan.noise = table->quantity("noise", "1", Sign::positive).value_or(0.01);
   plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
   plan.hold_out = table->texts("hold_out");
-  refuse_strangers(*table, "hold_out", "channel", plan.hold_out, channels_of(study));
+  refuse_strangers(*table, "hold_out", "channel", plan.hold_out, channel_names(study));
   table->refuse_unknown();
 }
 

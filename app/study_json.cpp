@@ -7,12 +7,6 @@ namespace {
 
 io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
 
-io::Json texts(const std::vector<std::string>& lines) {
-  io::JsonArray array;
-  for (const auto& line : lines) array.emplace_back(line);
-  return array;
-}
-
 io::Json body_json(const mesh::Plate& plate) {
   return io::JsonObject{
       {"length_m", plate.length}, {"width_m", plate.width}, {"thickness_m", plate.thickness}};
@@ -135,8 +129,8 @@ io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
   io::JsonArray array;
   for (const auto& layout : layouts) {
     array.push_back(io::JsonObject{{"name", layout.name},
-                                   {"sensors", texts(layout.sensors)},
-                                   {"actuators", texts(layout.actuators)}});
+                                   {"sensors", io::Json::texts(layout.sensors)},
+                                   {"actuators", io::Json::texts(layout.actuators)}});
   }
   return array;
 }
@@ -159,12 +153,12 @@ io::Json placement_plan_json(const PlacementPlan& plan) {
       {"up_to_hz", plan.up_to_hz},
       {"criterion", plan.criterion},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
-      {"on", texts(plan.on)},
+      {"on", io::Json::texts(plan.on)},
       {"keep_out", zones},
       {"edge_distance_m", plan.edge_distance},
       {"footprint_m", plan.footprint},
       {"spacing_m", plan.spacing},
-      {"there", texts(plan.there)},
+      {"there", io::Json::texts(plan.there)},
       {"pairs", plan.pairs},
       {"noise", plan.noise},
       {"frf_noise_m_per_n", plan.frf_noise},
@@ -200,7 +194,7 @@ io::Json priors_plan_json(const PriorsPlan& plan) {
       {"modes", plan.modes},
       {"samples", samples},
       {"noise_ratio", plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio)},
-      {"on", texts(plan.on)},
+      {"on", io::Json::texts(plan.on)},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
 }
 
@@ -210,7 +204,7 @@ io::Json measurement_json(const MeasurementPlan& plan) {
                         {"truth", plan.truth.filename().string()},
                         {"noise", plan.noise},
                         {"modes", plan.modes},
-                        {"hold_out", texts(plan.hold_out)}};
+                        {"hold_out", io::Json::texts(plan.hold_out)}};
 }
 
 io::Json interpolation_json(const InterpolationPlan& plan) {
@@ -219,8 +213,8 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
     points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
   }
   return io::JsonObject{
-      {"methods", texts(plan.methods)},
-      {"on", texts(plan.on)},
+      {"methods", io::Json::texts(plan.methods)},
+      {"on", io::Json::texts(plan.on)},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
       {"points", points},
       {"table_pitch_m", plan.table_pitch},
@@ -283,7 +277,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
   if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
-  object.emplace_back("warnings", texts(introduction.warnings));
+  object.emplace_back("warnings", io::Json::texts(introduction.warnings));
   return object;
 }
 

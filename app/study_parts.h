@@ -39,6 +39,8 @@ void read_expectations(TableReader& root, Study& study);
 inline constexpr int kMostModes = 5000;
 
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
+/// Of the sensors, then of the actuators.
+[[nodiscard]] std::vector<std::string> channel_names(const Study& study);
 
 /// Each name of `key` that is not `known` is a problem, with the nearest that is.
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,

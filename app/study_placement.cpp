@@ -154,11 +154,8 @@ void read_places(TableReader& table, const Study& study, PlacementPlan& plan) {
   plan.footprint = table.quantity("footprint", "m", Sign::not_negative).value_or(0.0);
   plan.spacing = table.quantity("spacing", "m", Sign::not_negative).value_or(0.0);
   read_grid(table, plan);
-  auto known = names_of(study.sensors);
-  const auto actuators = names_of(study.actuators);
-  known.insert(known.end(), actuators.begin(), actuators.end());
   plan.there = table.texts("there");
-  refuse_strangers(table, "there", "channel", plan.there, known);
+  refuse_strangers(table, "there", "channel", plan.there, channel_names(study));
   for (auto& point : table.tables("interest")) {
     plan.interest.push_back(read_place(point, "at"));
     point.refuse_unknown();

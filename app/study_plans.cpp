@@ -69,6 +69,13 @@ std::vector<std::string> names_of(const std::vector<Channel>& channels) {
   return names;
 }
 
+std::vector<std::string> channel_names(const Study& study) {
+  auto names = names_of(study.sensors);
+  const auto actuators = names_of(study.actuators);
+  names.insert(names.end(), actuators.begin(), actuators.end());
+  return names;
+}
+
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
                       const std::vector<std::string>& wanted,
                       const std::vector<std::string>& known) {

@@ -208,6 +208,10 @@ class Builder {
 Json::Json(const Eigen::Ref<const Eigen::VectorXd>& vector)
     : value_(JsonArray(vector.begin(), vector.end())) {}
 
+Json Json::texts(const std::vector<std::string>& lines) {
+  return JsonArray(lines.begin(), lines.end());
+}
+
 Json Json::rows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   JsonArray rows;
   for (const auto row : matrix.rowwise()) rows.emplace_back(JsonArray(row.begin(), row.end()));

@@ -29,6 +29,8 @@ class Json {
   Json(JsonObject value) : value_(std::move(value)) {}
   /// A vector as an array, a matrix as an array of its rows.
   Json(const Eigen::Ref<const Eigen::VectorXd>& vector);
+  /// An array of strings.
+  [[nodiscard]] static Json texts(const std::vector<std::string>& lines);
   [[nodiscard]] static Json rows(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
   using Value =

@@ -7,21 +7,12 @@
 
 #include "base/error.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/faces.h"
 
 namespace chladni::mesh {
 namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
-using Triangles = std::vector<std::array<int, 3>>;
-
-// The small triangles between the nodes of a face, in VTK's order, all turning as the face does.
-const Triangles& pieces_of_face(int order) {
-  static const Triangles linear{{0, 1, 2}};
-  static const Triangles quadratic{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
-  static const Triangles cubic{{0, 3, 8}, {3, 9, 8}, {3, 4, 9}, {4, 5, 9}, {4, 1, 5},
-                               {8, 9, 7}, {9, 6, 7}, {9, 5, 6}, {7, 6, 2}};
-  return order == 1 ? linear : order == 2 ? quadratic : cubic;
-}
 
 // Points that some cell has, numbered in the order of the mesh's nodes.
 struct Numbering {
@@ -87,28 +78,10 @@ class Assembly {
   Triplets stiffness_, mass_;
 };
 
-std::string no_such_patch(const std::string& name, const std::vector<std::string>& patches) {
-  std::string known;
-  for (const auto& one : patches) known.append(known.empty() ? "" : ", ").append(one);
-  return "surface: there is no patch \"" + name + "\"; there are: " + known;
-}
-
-std::vector<char> wanted_patches(const TetMesh& mesh, const std::vector<std::string>& patches) {
-  std::vector<char> wanted(mesh.patch_names.size(), patches.empty() ? 1 : 0);
-  for (const auto& name : patches) {
-    const auto found = std::find(mesh.patch_names.begin(), mesh.patch_names.end(), name);
-    if (found == mesh.patch_names.end()) {
-      throw InvalidInput(no_such_patch(name, mesh.patch_names));
-    }
-    wanted[static_cast<std::size_t>(found - mesh.patch_names.begin())] = 1;
-  }
-  return wanted;
-}
-
 // Three node numbers for each small triangle of the wanted faces.
 std::vector<int> small_triangles(const TetMesh& mesh, const std::vector<std::string>& patches) {
-  const auto wanted = wanted_patches(mesh, patches);
-  const auto& pieces = pieces_of_face(mesh.order());
+  const auto wanted = chosen_patches(mesh, patches, "surface");
+  const auto pieces = face_triangles(mesh.order());
   std::vector<int> triangles;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     if (wanted[static_cast<std::size_t>(mesh.face_patch(f))] == 0) continue;

@@ -10,47 +10,11 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "mesh/faces.h"
 #include "mesh/surface.h"
 
 namespace chladni::placement {
 namespace {
-
-using Triangle = std::array<int, 3>;
-
-// The triangles between the nodes of a face, in VTK's order of nodes.
-constexpr std::array<Triangle, 1> kLinear{{{0, 1, 2}}};
-constexpr std::array<Triangle, 4> kQuadratic{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-constexpr std::array<Triangle, 9> kCubic{{{0, 3, 8},
-                                          {3, 4, 9},
-                                          {4, 1, 5},
-                                          {8, 9, 7},
-                                          {9, 5, 6},
-                                          {7, 6, 2},
-                                          {3, 9, 8},
-                                          {4, 5, 9},
-                                          {9, 6, 7}}};
-
-std::span<const Triangle> triangles_of(int order) {
-  if (order == 1) return kLinear;
-  if (order == 2) return kQuadratic;
-  return kCubic;
-}
-
-std::vector<char> wanted_patches(const mesh::TetMesh& body, const std::vector<std::string>& names) {
-  std::vector<char> wanted(body.patch_names.size(), names.empty() ? 1 : 0);
-  for (const auto& name : names) {
-    bool found = false;
-    for (std::size_t p = 0; p < wanted.size(); ++p) {
-      if (body.patch_names[p] != name) continue;
-      wanted[p] = 1;
-      found = true;
-    }
-    std::string known;
-    for (const auto& patch : body.patch_names) known += (known.empty() ? "" : ", ") + patch;
-    require(found, "placement: the body has no patch \"" + name + "\"; there are: " + known);
-  }
-  return wanted;
-}
 
 // Points per node and patch, and the triangles between them.
 void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, Surface& surface) {
@@ -60,7 +24,7 @@ void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, Surface
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
     const int patch = body.face_patch(f);
     if (wanted[static_cast<std::size_t>(patch)] == 0) continue;
-    for (const Triangle& corners : triangles_of(body.order())) {
+    for (const auto& corners : mesh::face_triangles(body.order())) {
       Eigen::RowVector3i row;
       for (int k = 0; k < 3; ++k) {
         const std::pair key(body.faces(f, corners[static_cast<std::size_t>(k)]), patch);
@@ -196,7 +160,7 @@ void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal
 
 Surface Sampler::surface(const std::vector<std::string>& patches) const {
   Surface surface;
-  lay_out(body_, wanted_patches(body_, patches), surface);
+  lay_out(body_, mesh::chosen_patches(body_, patches, "placement"), surface);
   add_areas_and_normals(surface);
   auto& sites = surface.sites;
   resize(sites, sites.count(), modes_.mode_count());

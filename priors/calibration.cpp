@@ -12,7 +12,6 @@ constexpr Eigen::Index kParts = 4;
 constexpr Eigen::Index kFewest = 8;  // places
 constexpr double kNarrowest = 0.75;
 constexpr double kWidest = 4.0;
-constexpr double kTwoSided95 = 1.959963984540054;
 constexpr double kHeld = 0.95;
 
 MeasuredShapes part_of(const MeasuredShapes& measured, const std::vector<Eigen::Index>& rows) {

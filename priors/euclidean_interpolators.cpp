@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kAsymmetric = 0.15;    // of the variance
 constexpr Eigen::Index kSurface = 300;  // points that stand for the surface
-constexpr double kUnseen = 0.3;         // of a shape's square
 constexpr double kRigid = 0.25;         // of a flexible frequency
 constexpr double kBand = 2.0;  // modes of the simulation up to this times the highest measured one
 
@@ -115,7 +114,7 @@ std::unique_ptr<ModeField> field_of(const std::string& method, const MeasuredSha
     const Trend trend = settled.is_rigid[k] ? trend_of(measured.places) : Trend{};
     shapes.push_back(euclidean_shape(measured, i, settled.kernel[k], length, trend));
     const double left = expectation == nullptr ? 0.0 : expectation->widen(i, shapes.back());
-    if (left > kUnseen) {
+    if (left > kHardlySeen) {
       summary.notes.push_back(
           fmt::format("mode {}: these places leave {:.0f} % of its square unknown, by what the "
                       "simulation lets expect; move some off its nodal lines",

@@ -158,7 +158,6 @@ Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean, const Eigen::MatrixXd
 
 Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
                          const Eigen::VectorXd& area) {
-  constexpr double kTwoSided95 = 1.959963984540054;
   const Eigen::MatrixXd inside =
       ((field.mean - truth).array().abs() <= kTwoSided95 * field.deviation.array()).cast<double>();
   return inside.transpose() * area / area.sum();

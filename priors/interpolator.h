@@ -125,6 +125,11 @@ struct Interpolator {
                                                     const MeasuredShapes& measured,
                                                     const Simulation& simulation);
 
+/// Deviations on each side of a mean that hold 95 % of a normal distribution.
+inline constexpr double kTwoSided95 = 1.959963984540054;
+/// Part of a shape's mean square that, expected to stay unknown, is worth a word.
+inline constexpr double kHardlySeen = 0.3;
+
 /// Error of a field against the truth on the simulation's surface, per mode: Σ w (φ̂−φ)² / Σ w φ²
 /// (thesis, figure 5.12), w the area. @param mean, truth  N×m
 [[nodiscard]] Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean,

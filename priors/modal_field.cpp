@@ -7,14 +7,11 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "priors/blocks.h"
 #include "priors/random_coefficients.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr Eigen::Index kBlock = 512;  // places at a time: the block stays in the cache
-constexpr double kUnseen = 0.3;       // of a shape's mean square
 
 // The lower triangular root of F Fᵀ.
 Eigen::MatrixXd triangular(const Eigen::MatrixXd& root) {
@@ -56,15 +53,9 @@ Field ModalField::at(const Places& places) const {
           "mode field: the places carry " + std::to_string(places.shapes.cols()) +
               " modes of the simulation; expected " + std::to_string(means_.rows()));
   Field field{Eigen::MatrixXd(n, means_.cols()), Eigen::MatrixXd(n, means_.cols())};
-  const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
-  parallel_ranges(blocks, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const auto first = static_cast<Eigen::Index>(b) * kBlock;
-      const auto count = std::min(kBlock, n - first);
-      field.mean.middleRows(first, count).noalias() =
-          places.shapes.middleRows(first, count) * means_;
-      add_deviations(places, first, count, field.deviation);
-    }
+  for_blocks(n, [&](Eigen::Index first, Eigen::Index count) {
+    field.mean.middleRows(first, count).noalias() = places.shapes.middleRows(first, count) * means_;
+    add_deviations(places, first, count, field.deviation);
   });
   return field;
 }
@@ -107,7 +98,7 @@ FitSummary modal_summary(const std::vector<FittedShape>& shapes) {
       summary.notes.push_back(fmt::format(
           "mode {}: its values are no more than their noise, all places may lie on its nodal lines",
           i + 1));
-    } else if (shape.expected_error > kUnseen) {
+    } else if (shape.expected_error > kHardlySeen) {
       summary.notes.push_back(
           fmt::format("mode {}: the places hardly see it, {:.0f} % of its mean square is expected "
                       "to be wrong",

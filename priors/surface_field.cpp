@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "priors/blocks.h"
 #include "priors/interpolators.h"
 #include "priors/surface_kernel.h"
 #include "priors/thin_plate_spline.h"
@@ -16,8 +16,7 @@
 namespace chladni::priors {
 namespace {
 
-constexpr Eigen::Index kBlock = 512;  // places at a time
-constexpr double kUnseen = 0.5;       // of a shape's mean square
+constexpr double kUnseen = 0.5;  // of a shape's mean square
 
 const Eigen::MatrixXd& harmonics_of(const Places& places, Eigen::Index count) {
   require(places.harmonics.rows() == places.count() && places.harmonics.cols() == count,
@@ -67,16 +66,12 @@ class SurfaceField final : public ModeField {
     const auto n = places.count();
     const auto m = static_cast<Eigen::Index>(shapes_.size());
     Field field{Eigen::MatrixXd(n, m), Eigen::MatrixXd(n, m)};
-    const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
-    parallel_ranges(blocks, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) {
-        const auto first = static_cast<Eigen::Index>(b) * kBlock;
-        const Eigen::MatrixXd block = harmonics.middleRows(first, std::min(kBlock, n - first));
-        for (Eigen::Index i = 0; i < m; ++i) {
-          const auto& shape = shapes_[static_cast<std::size_t>(i)];
-          field.mean.col(i).segment(first, block.rows()) = shape.mean(block);
-          field.deviation.col(i).segment(first, block.rows()) = shape.variance(block).cwiseSqrt();
-        }
+    for_blocks(n, [&](Eigen::Index first, Eigen::Index count) {
+      const Eigen::MatrixXd block = harmonics.middleRows(first, count);
+      for (Eigen::Index i = 0; i < m; ++i) {
+        const auto& shape = shapes_[static_cast<std::size_t>(i)];
+        field.mean.col(i).segment(first, count) = shape.mean(block);
+        field.deviation.col(i).segment(first, count) = shape.variance(block).cwiseSqrt();
       }
     });
     field.mean.array().colwise() *= sense.array();

@@ -8,14 +8,12 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "priors/blocks.h"
 #include "priors/interpolators.h"
 #include "priors/thin_plate_spline.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr Eigen::Index kBlock = 512;  // places at a time
 
 // The geometric mean of the noise of a shape's values, and each over it.
 struct Noise {
@@ -52,13 +50,8 @@ class SplineField final : public ModeField {
     const Eigen::VectorXd sense = senses(domain_.direction, places.direction);
     const Eigen::MatrixXd where = coordinates(domain_, places.position);
     Field field{Eigen::MatrixXd(n, weights_.cols()), Eigen::MatrixXd(n, weights_.cols())};
-    const auto blocks = static_cast<std::size_t>((n + kBlock - 1) / kBlock);
-    parallel_ranges(blocks, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) {
-        const auto first = static_cast<Eigen::Index>(b) * kBlock;
-        evaluate(where, first, std::min(kBlock, n - first), field);
-      }
-    });
+    for_blocks(
+        n, [&](Eigen::Index first, Eigen::Index count) { evaluate(where, first, count, field); });
     field.mean.array().colwise() *= sense.array();
     return field;
   }

@@ -2,21 +2,18 @@
 #include "app/priors.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <sstream>
 
 #include "base/error.h"
 #include "io/json.h"
+#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 const std::string kPlate = R"(title = "square plate"
 geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
@@ -49,25 +46,14 @@ direction = "z"
 
 class Priors : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("chladni_priors_" + std::to_string(getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Study study_with(const std::string& priors, const std::string& rest = "") const {
-    return parse_study(kPlate + rest + "[priors]\n" + priors, folder_ / "study.toml");
+    return parse_study(kPlate + rest + "[priors]\n" + priors, folder_.path() / "study.toml");
   }
 
   LearnedPriors learned_with(const std::string& priors, const std::string& rest = "") {
     const Study study = study_with(priors, rest);
-    Options options;
-    options.folder = folder_ / "out";
-    options.pictures = false;
-    options.certificate = false;
-    Talk talk(said_, manner_of_stderr(true));
-    app::Run run(study, options, shown_, talk);
+    QuietRun quiet(study, folder_.path() / "out");
+    auto& run = quiet.run();
     const Solution solution = solved(study, run);
     auto result = learned_priors(study, solution, run);
     table_ = priors_table(solution, result);
@@ -85,15 +71,14 @@ class Priors : public ::testing::Test {
   }
 
   io::Json left() const {
-    std::ifstream stream(folder_ / "out" / "priors.json");
+    std::ifstream stream(folder_.path() / "out" / "priors.json");
     std::ostringstream text;
     text << stream.rdbuf();
     return io::parse_json(text.str());
   }
 
-  fs::path folder_;
+  TestFolder folder_{"priors"};
   std::string table_;
-  std::ostringstream shown_, said_;
 };
 
 TEST_F(Priors, LengthsFallAsModesGetMoreComplex) {
