@@ -6,13 +6,13 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/csv.h"
+#include "io/csv_table.h"
 #include "io/scan.h"
 
 namespace chladni::io {
 namespace {
 
 constexpr std::uintmax_t kLargest = 1ull << 30;
-constexpr std::size_t kMostColumns = 10000;
 constexpr std::size_t kMostModes = 100000;
 constexpr std::string_view kDeviation = "std_";
 
@@ -25,26 +25,12 @@ struct Line {
   throw InvalidInput(name + ": line " + std::to_string(line) + ": " + what);
 }
 
-// Fields between commas; a quoted one may hold commas, and quotes written twice.
 std::vector<std::string> fields_of(std::string_view line, const std::string& name, int number) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-      fields.back() += line[++i];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-      if (fields.size() > kMostColumns) fail(name, number, "more than 10 000 columns");
-    } else {
-      fields.back() += c;
-    }
+  try {
+    return csv_fields(line);
+  } catch (const InvalidInput& e) {
+    fail(name, number, e.what());
   }
-  if (quoted) fail(name, number, "a quote is opened and not closed");
-  for (auto& field : fields) field = std::string(trimmed(field));
-  return fields;
 }
 
 std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {

@@ -1,0 +1,196 @@
+#include "io/frf_suspicions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+
+namespace chladni::io {
+namespace {
+
+using Complex = std::complex<double>;
+using Index = Eigen::Index;
+constexpr double kClear = 0.5;  // of turning and side: noise alone stays far below it
+
+bool is_known(const Complex& value) {
+  return std::isfinite(value.real()) && std::isfinite(value.imag());
+}
+
+// G/s^n: a receptance up to a positive factor per line. None at 0 Hz and where it is not known.
+Complex as_receptance(const modal::FrfSet& set, Index k, Index i, Index j,
+                      bool conjugated = false) {
+  Complex value = set.value[static_cast<std::size_t>(k)](i, j);
+  if (conjugated) value = std::conj(value);
+  switch (set.outputs[static_cast<std::size_t>(i)].kind) {
+    case modal::FrfKind::mobility:
+      return value * Complex(0.0, -1.0);
+    case modal::FrfKind::accelerance:
+      return -value;
+    default:
+      return value;
+  }
+}
+
+std::string name_of(const modal::FrfSet& set, Index i, Index j) {
+  return set.outputs[static_cast<std::size_t>(i)].name + "/" +
+         set.inputs[static_cast<std::size_t>(j)].name;
+}
+
+std::string place(const modal::FrfSet& set, Index k) {
+  std::string hertz = std::to_string(set.frequency_hz(k));
+  hertz.erase(hertz.find_last_not_of('0') + 1);
+  if (hertz.ends_with('.')) hertz.pop_back();
+  return "line " + std::to_string(k + 1) + " (" + hertz + " Hz)";
+}
+
+/// How many lines of one response are what.
+struct Count {
+  Index unknown = 0, zero = 0, first_unknown = -1, first_zero = -1;
+};
+
+Count count(const modal::FrfSet& set, Index i, Index j) {
+  Count result;
+  for (Index k = 0; k < set.line_count(); ++k) {
+    const Complex value = set.value[static_cast<std::size_t>(k)](i, j);
+    if (!is_known(value)) {
+      if (result.unknown++ == 0) result.first_unknown = k;
+    } else if (value == 0.0 && set.frequency_hz(k) > 0.0) {
+      if (result.zero++ == 0) result.first_zero = k;
+    }
+  }
+  return result;
+}
+
+std::string times(Index count) { return std::to_string(count) + (count == 1 ? " line" : " lines"); }
+
+void add_gaps(const modal::FrfSet& set, std::vector<std::string>& said) {
+  std::map<std::string, std::vector<std::string>> alike;  // what is said, of whom
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      const Count found = count(set, i, j);
+      const auto add = [&](const std::string& what) { alike[what].push_back(name_of(set, i, j)); };
+      if (found.unknown == set.line_count()) {
+        add("not measured");
+        continue;
+      }
+      if (found.unknown > 0) {
+        add("no value on " + times(found.unknown) + ", the first is " +
+            place(set, found.first_unknown));
+      }
+      if (found.zero > 0 && found.zero + found.unknown + 1 >= set.line_count()) {
+        add("zero on all lines");
+      } else if (found.zero > 0) {
+        add("exactly zero on " + times(found.zero) + ", the first is " +
+            place(set, found.first_zero));
+      }
+    }
+  }
+  const auto all = static_cast<std::size_t>(set.output_count() * set.input_count());
+  for (const auto& [what, whose] : alike) {
+    std::string names = whose.size() == all && all > 1 ? "all responses" : whose.front();
+    for (std::size_t n = 1; n < std::min<std::size_t>(whose.size(), 6) && whose.size() < all; ++n) {
+      names += ", " + whose[n];
+    }
+    if (whose.size() > 6 && whose.size() < all) {
+      names += " and " + std::to_string(whose.size() - 6) + " more";
+    }
+    said.push_back(names + ": " + what);
+  }
+}
+
+// Responses whose every line is the same.
+void add_copies(const modal::FrfSet& set, std::vector<std::string>& said) {
+  std::map<std::vector<double>, std::pair<Index, Index>> seen;
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      std::vector<double> key;
+      bool any = false;
+      for (const auto& line : set.value) {
+        const Complex value = line(i, j);
+        const bool known = is_known(value);
+        key.push_back(known ? value.real() : 0.0);
+        key.push_back(known ? value.imag() : 0.0);
+        any = any || (known && value != 0.0);
+      }
+      if (!any) continue;
+      const auto [other, is_new] = seen.emplace(std::move(key), std::pair{i, j});
+      if (is_new) continue;
+      said.push_back(name_of(set, i, j) + " is the same as " +
+                     name_of(set, other->second.first, other->second.second) +
+                     " on every line: one of them is a copy");
+    }
+  }
+}
+
+// +1: output and input are one place and direction; −1: opposite ones; 0: not collocated.
+int collocation(const modal::FrfSet& set, Index i, Index j,
+                const std::vector<std::pair<std::string, std::string>>& pairs) {
+  const auto& output = set.outputs[static_cast<std::size_t>(i)];
+  const auto& input = set.inputs[static_cast<std::size_t>(j)];
+  for (const auto& pair : pairs) {
+    if (pair.first == output.name && pair.second == input.name) return 1;
+  }
+  if (!output.node || output.node != input.node) return 0;
+  const double along = output.direction.dot(input.direction);
+  return along > 0.99 ? 1 : along < -0.99 ? -1 : 0;
+}
+
+}  // namespace
+
+double turning(const modal::FrfSet& set, Index output, Index input) {
+  double turned = 0.0, size = 0.0;
+  for (Index k = 0; k + 1 < set.line_count(); ++k) {
+    const Complex a = as_receptance(set, k, output, input);
+    const Complex b = as_receptance(set, k + 1, output, input);
+    if (!is_known(a) || !is_known(b)) continue;
+    const double area = (std::conj(a) * b).imag();
+    turned += area;
+    size += std::abs(area);
+  }
+  return size > 0.0 ? turned / size : 0.0;
+}
+
+double side(const modal::FrfSet& set, Index output, Index input, bool conjugated) {
+  double above = 0.0, size = 0.0;
+  for (Index k = 0; k < set.line_count(); ++k) {
+    const Complex value = as_receptance(set, k, output, input, conjugated);
+    if (!is_known(value) || set.frequency_hz(k) == 0.0) continue;
+    above += value.imag();
+    size += std::abs(value.imag());
+  }
+  return size > 0.0 ? above / size : 0.0;
+}
+
+std::vector<std::string> suspicions(
+    const modal::FrfSet& set, const std::vector<std::pair<std::string, std::string>>& collocated) {
+  std::vector<std::string> said;
+  add_gaps(set, said);
+  add_copies(set, said);
+  Index turned = 0, judged = 0;
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      const double turn = turning(set, i, j);
+      if (std::abs(turn) < kClear) continue;
+      ++judged;
+      const bool conjugated = turn > 0.0;
+      if (conjugated && ++turned <= 6) {
+        said.push_back(name_of(set, i, j) +
+                       " looks conjugated: its phase rises through its resonances, e^{-jwt}?");
+      }
+      const int expected = collocation(set, i, j, collocated);
+      const double found = side(set, i, j, conjugated) * expected;
+      if (expected != 0 && found > kClear) {
+        said.push_back(name_of(set, i, j) +
+                       " looks as if its sign were turned: sensor and actuator are one place and "
+                       "its phase lies in the wrong half plane");
+      }
+    }
+  }
+  if (turned > 6) {
+    said.push_back(std::to_string(turned) + " of " + std::to_string(judged) +
+                   " responses look conjugated");
+  }
+  return said;
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,107 @@
+#include "io/frf_units.h"
+
+#include <array>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+constexpr double kStandardGravity = 9.80665;  // [m/s²], what accelerometers are calibrated in
+constexpr std::array<const char*, 3> kMotion{"m", "m/s", "m/s^2"};
+
+std::optional<double> factor(const std::string& word, const char* si) {
+  try {
+    return unit_factor(word, si);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+std::string name_of(modal::FrfKind kind) {
+  constexpr std::array<const char*, 3> names{"receptance", "mobility", "accelerance"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+/// A unit of responses, "g/N", as the unit of the output and what one of the input is in SI.
+struct Stated {
+  MotionUnit output;
+  std::string input_si;
+};
+
+Stated stated(const std::string& word) {
+  const auto stroke = word.rfind('/');
+  if (stroke != word.npos) {
+    const auto denominator = trimmed(std::string_view(word).substr(stroke + 1));
+    const auto numerator = trimmed(std::string_view(word).substr(0, stroke));
+    const auto force = force_unit(denominator);
+    const auto motion = motion_unit(numerator);
+    if (force && motion) {
+      return {{motion->si, motion->factor / *force, motion->kind}, "N"};
+    }
+    if (motion && !motion_unit(word)) return {*motion, std::string(denominator)};
+  }
+  if (const auto motion = motion_unit(word)) return {*motion, ""};
+  return {{word, 1.0, std::nullopt}, ""};
+}
+
+void scale(modal::FrfSet& set, Eigen::Index output, double by) {
+  if (by == 1.0) return;
+  for (auto& line : set.value) line.row(output) *= by;
+  for (auto& line : set.variance) line.row(output) *= by * by;
+  for (auto& line : set.noise_variance) line.row(output) *= by * by;
+}
+
+}  // namespace
+
+std::optional<MotionUnit> motion_unit(std::string_view word) {
+  const std::string unit(trimmed(word));
+  if (unit.empty()) return std::nullopt;
+  if (unit == "g" || unit == "G" || unit == "g0" || unit == "gn") {
+    return MotionUnit{kMotion[2], kStandardGravity, modal::FrfKind::accelerance};
+  }
+  for (std::size_t k = 0; k < kMotion.size(); ++k) {
+    if (const auto si = factor(unit, kMotion[k])) {
+      return MotionUnit{kMotion[k], *si, static_cast<modal::FrfKind>(k)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<double> force_unit(std::string_view word) {
+  return factor(std::string(trimmed(word)), "N");
+}
+
+void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
+  const Stated unit = options.unit.empty() ? Stated{} : stated(options.unit);
+  const auto kind = options.kind ? options.kind : unit.output.kind;
+  require(!options.kind || !unit.output.kind || *options.kind == *unit.output.kind,
+          "the unit \"" + options.unit + "\" is of a " +
+              (unit.output.kind ? name_of(*unit.output.kind) : "") +
+              ", the responses are said to be of another kind");
+  std::string nameless;
+  for (std::size_t i = 0; i < file.set.outputs.size(); ++i) {
+    auto& output = file.set.outputs[i];
+    if (options.kind) output.kind = *options.kind;
+    if (!output.unit.empty()) continue;
+    require(!kind_known || options.kind || !kind || *kind == output.kind,
+            "the unit \"" + options.unit + "\" is of a " + name_of(kind.value_or(output.kind)) +
+                ", the file says that " + output.name + " is of a " + name_of(output.kind));
+    output.kind = kind.value_or(output.kind);
+    output.unit = unit.output.si;
+    scale(file.set, static_cast<Eigen::Index>(i), unit.output.factor);
+    if (output.unit.empty() && nameless.empty()) nameless = output.name;
+  }
+  for (auto& input : file.set.inputs) {
+    if (input.unit.empty()) input.unit = unit.input_si;
+  }
+  if (nameless.empty()) return;
+  const auto& first = file.set.outputs.front();
+  file.notes.push_back("the unit of " + nameless + " is not stated: values are as they stand" +
+                       (kind_known || kind ? "" : ", taken as " + name_of(first.kind)) +
+                       "; say it as unit = \"m\", \"m/s^2\" or \"g\"");
+}
+
+}  // namespace chladni::io

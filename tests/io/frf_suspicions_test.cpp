@@ -1,0 +1,137 @@
+#include "io/frf_suspicions.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "base/draw.h"
+#include "tests/modal/chain.h"
+
+namespace chladni::io {
+namespace {
+
+using modal::FrfKind;
+
+// A free chain of six masses, sensors at masses 1, 4 and 6, actuators at 1 and 4.
+modal::FrfSet measured(FrfKind kind, double damping, Eigen::Index lines) {
+  const auto model = modal::reduced(modal::chain(6, false), 6, {0, 3, 5}, {0, 3}, damping);
+  const auto frf = modal::frf(model, Eigen::VectorXd::LinSpaced(lines, 20.0, 3600.0), kind);
+  modal::FrfSet set;
+  const long long nodes[] = {1, 4, 6};
+  for (const auto node : nodes) {
+    auto& output = set.outputs.emplace_back();
+    output.name = "y" + std::to_string(node);
+    output.kind = kind;
+    output.node = node;
+    output.direction = Eigen::Vector3d::UnitZ();
+    if (node == 6) continue;
+    set.inputs.push_back(output);
+    set.inputs.back().name = "u" + std::to_string(node);
+  }
+  set.frequency_hz = frf.frequency_hz;
+  set.value = frf.value;
+  return set;
+}
+
+int times(const std::vector<std::string>& said, const std::string& word) {
+  int count = 0;
+  for (const auto& one : said) count += one.find(word) != std::string::npos ? 1 : 0;
+  return count;
+}
+
+constexpr FrfKind kKinds[] = {FrfKind::receptance, FrfKind::mobility, FrfKind::accelerance};
+
+TEST(Suspicions, ThereAreNoneOfAStructure) {
+  for (const auto kind : kKinds) {
+    for (const double damping : {1e-3, 0.01, 0.1}) {
+      const auto said = suspicions(measured(kind, damping, 2000));
+      EXPECT_TRUE(said.empty()) << testing::PrintToString(said);
+    }
+  }
+}
+
+TEST(Suspicions, NorOfALineSpacingFarAboveTheBandwidth) {
+  for (const auto kind : kKinds) {
+    const auto said = suspicions(measured(kind, 1e-4, 300));
+    EXPECT_EQ(times(said, "conjugated") + times(said, "sign"), 0) << testing::PrintToString(said);
+  }
+}
+
+TEST(Suspicions, ConjugatedResponsesAreNamedWhateverTheChannels) {
+  for (const auto kind : kKinds) {
+    auto set = measured(kind, 0.01, 2000);
+    for (auto& line : set.value) line.row(1) = line.row(1).conjugate().eval();
+    const auto said = suspicions(set);
+    EXPECT_EQ(times(said, "conjugated"), 2);
+    EXPECT_EQ(times(said, "y4/u1 looks conjugated"), 1);
+    EXPECT_EQ(times(said, "y4/u4 looks conjugated"), 1);
+    EXPECT_EQ(times(said, "sign"), 0) << testing::PrintToString(said);
+  }
+}
+
+TEST(Suspicions, ATurnedSignShowsWhereTheChannelsAreCollocated) {
+  for (const auto kind : kKinds) {
+    for (const bool conjugated : {false, true}) {
+      auto set = measured(kind, 0.01, 2000);
+      for (auto& line : set.value) {
+        line.row(0) *= -1.0;
+        if (conjugated) line = line.conjugate().eval();
+      }
+      const auto said = suspicions(set);
+      EXPECT_EQ(times(said, "sign"), 1);
+      EXPECT_EQ(times(said, "y1/u1 looks as if its sign were turned"), 1);
+      EXPECT_EQ(times(said, "conjugated:"), conjugated ? 6 : 0);
+    }
+  }
+}
+
+TEST(Suspicions, OppositeDirectionsExpectTheOtherSign) {
+  auto set = measured(FrfKind::receptance, 0.01, 2000);
+  set.outputs[0].direction *= -1.0;
+  EXPECT_EQ(times(suspicions(set), "y1/u1 looks as if its sign"), 1);
+  for (auto& line : set.value) line.row(0) *= -1.0;
+  EXPECT_TRUE(suspicions(set).empty());
+  set.outputs[0].node.reset();
+  EXPECT_EQ(times(suspicions(set, {{"y1", "u1"}}), "y1/u1 looks as if its sign"), 1);
+}
+
+TEST(Suspicions, NoiseAloneHasNoDirection) {
+  auto set = measured(FrfKind::receptance, 0.01, 2000);
+  Draw draw(5);
+  for (auto& line : set.value) {
+    for (auto& value : line.reshaped()) {
+      const double real = draw.normal();
+      value = {real, draw.normal()};
+    }
+  }
+  EXPECT_TRUE(suspicions(set).empty());
+}
+
+TEST(Suspicions, GapsAndCopiesAreNamedWithTheirPlaces) {
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  auto set = measured(FrfKind::receptance, 0.01, 100);
+  for (auto& line : set.value) line(2, 1) = {nothing, nothing};
+  for (auto& line : set.value) line(1, 0) = 0.0;
+  set.value[7](0, 0) = {nothing, 0.0};
+  set.value[9](0, 1) = 0.0;
+  set.value[12](0, 1) = 0.0;
+  for (auto& line : set.value) line(2, 0) = line(1, 1);
+  const auto said = suspicions(set);
+  EXPECT_EQ(times(said, "y6/u4: not measured"), 1);
+  EXPECT_EQ(times(said, "y4/u1: zero on all lines"), 1);
+  EXPECT_EQ(times(said, "y1/u1: no value on 1 line, the first is line 8 ("), 1);
+  EXPECT_EQ(times(said, "y1/u4: exactly zero on 2 lines, the first is line 10 ("), 1);
+  EXPECT_EQ(times(said, "y6/u1 is the same as y4/u4"), 1);
+}
+
+TEST(Suspicions, AGapInAllResponsesIsSaidOnce) {
+  auto set = measured(FrfKind::receptance, 0.01, 100);
+  set.value[3].setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto said = suspicions(set);
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].find("all responses: no value on 1 line, the first is line 4 ("), 0U);
+}
+
+}  // namespace
+}  // namespace chladni::io
