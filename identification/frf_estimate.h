@@ -1,0 +1,50 @@
+// Frequency responses from a periodic experiment in open loop, with what noise and what
+// nonlinearity make uncertain of them (thesis (4.2); the robust method of Pintelon and Schoukens,
+// System Identification, 2nd ed. 2012, section 4.3).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/spectra.h"
+#include "identification/transfer.h"
+#include "identification/transient.h"
+#include "modal/frf_set.h"
+
+namespace chladni::identification {
+
+struct FrfEstimateOptions {
+  std::optional<Eigen::Index> drop;    ///< periods at the start; none: by transient()
+  double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all that is excited
+  /// Variances are averaged over so many lines on each side; none: so many that a variance has 14
+  /// degrees of freedom, at most 5 (a weight from few degrees costs efficiency).
+  std::optional<Eigen::Index> smooth_lines;
+};
+
+struct FrfEstimate {
+  modal::FrfSet set;  ///< variance, noise_variance and averages filled where they are known
+  Eigen::Index dropped = 0, periods = 0, realisations = 0;  ///< periods: used
+  TransientReport transient;
+  std::vector<std::string> notes;  ///< what a reader must know: one period only, aliasing, ...
+};
+
+/// On the excited lines: G = mean_r Y_r U_r⁻¹ over realisations r, for several inputs by the
+/// inverse of the input matrix of q or more experiments. Of one realisation all variance is
+/// noise's.
+/// @throws InvalidInput  as spectra() and transfer(); the data come from a loop and the inputs were
+///                       not excited themselves
+[[nodiscard]] FrfEstimate frf_estimate(const Spectra& spectra,
+                                       const FrfEstimateOptions& options = {});
+[[nodiscard]] FrfEstimate frf_estimate(const TimeData& data,
+                                       const FrfEstimateOptions& options = {});
+
+/// Mean over ±half lines, at the ends over those there are.
+[[nodiscard]] std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
+                                                    Eigen::Index half);
+
+/// Fills lines, variances (smoothed) and their degrees of freedom; shared with the closed loop.
+void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstimateOptions& options,
+          FrfEstimate& estimate);
+
+}  // namespace chladni::identification

@@ -1,0 +1,311 @@
+#include "identification/virtual_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+
+namespace chladni::identification {
+namespace {
+
+Eigen::Index count(const std::vector<modal::MeasuredChannel>& channels) {
+  return static_cast<Eigen::Index>(channels.size());
+}
+
+void check_levels(const Eigen::VectorXd& levels, Eigen::Index channels, const std::string& what) {
+  require(levels.size() == 0 || levels.size() == channels,
+          "virtual experiment: " + what + " of " + std::to_string(levels.size()) +
+              " channels; expected " + std::to_string(channels));
+  require(levels.allFinite() && (levels.size() == 0 || levels.minCoeff() >= 0.0),
+          "virtual experiment: " + what + " is negative or not finite");
+}
+
+// The last commands, newest first, of every input of the plant.
+class Line {
+ public:
+  Line(const SampledDelay& delay, Eigen::Index inputs)
+      : delay_(delay), past_(Eigen::MatrixXd::Zero(inputs, delay.whole + 3)) {}
+  void push(const Eigen::VectorXd& command) {
+    newest_ = (newest_ + past_.cols() - 1) % past_.cols();
+    past_.col(newest_) = command;
+  }
+  void replace(const Eigen::VectorXd& command) { past_.col(newest_) = command; }
+  /// u[k − whole − i], k being the sample of the newest command.
+  [[nodiscard]] auto acting(Eigen::Index i) const {
+    return past_.col((newest_ + delay_.whole + i) % past_.cols());
+  }
+
+ private:
+  SampledDelay delay_;
+  Eigen::MatrixXd past_;
+  Eigen::Index newest_ = 0;
+};
+
+void add_noise(const Eigen::VectorXd& level, Draw& draw, Eigen::MatrixXd& samples) {
+  if (level.size() == 0) return;
+  for (Eigen::Index n = 0; n < samples.rows(); ++n) {
+    for (Eigen::Index i = 0; i < level.size(); ++i) samples(n, i) += level(i) * draw.normal();
+  }
+}
+
+double quantised(double value, double step) {
+  return step > 0.0 ? step * std::round(value / step) : value;
+}
+
+// The held force at each sample shifted by the delay: u[k − whole − late], zero before the start.
+Eigen::MatrixXd shifted(const Eigen::MatrixXd& command, Eigen::Index by) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(command.rows(), command.cols());
+  if (by < command.rows()) {
+    result.bottomRows(command.rows() - by) = command.topRows(command.rows() - by);
+  }
+  return result;
+}
+
+// Block by block over the whole record.
+Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
+  const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
+  const auto now = shifted(force, delay.whole);
+  const auto late = shifted(force, delay.whole + 1);
+  Eigen::MatrixXd outputs = (delay.weight(0) * now + delay.weight(1) * late +
+                             delay.weight(2) * shifted(force, delay.whole + 2)) *
+                            rig.plant.d.transpose();
+  for (const auto& block : sampled(rig.plant, rig.sample_time_s, delay.fraction)) {
+    Eigen::MatrixXd states = block.b * now.transpose();
+    if (delay.fraction > 0.0) states += block.b_late * late.transpose();
+    // Column n becomes the state after sample n.
+    if (block.a.rows() == 2) {
+      const Eigen::Matrix2d a = block.a;
+      for (Eigen::Index n = 1; n < states.cols(); ++n) {
+        states.col(n).head<2>() += a * states.col(n - 1).head<2>();
+      }
+    } else {
+      for (Eigen::Index n = 1; n < states.cols(); ++n) {
+        states.col(n) += block.a * states.col(n - 1);
+      }
+    }
+    const auto rows = outputs.rows() - 1;
+    outputs.bottomRows(rows).noalias() += states.leftCols(rows).transpose() * block.c.transpose();
+  }
+  return outputs;
+}
+
+// The structure in steps: whole samples, or parts of one where a spring must be followed.
+class Stepped {
+ public:
+  explicit Stepped(const VirtualRig& rig)
+      : rig_(rig),
+        delay_(sampled_delay(rig.delay_s, rig.sample_time_s)),
+        parts_(rig.spring ? rig.substeps : 1),
+        late_parts_(static_cast<int>(std::lround(delay_.fraction * parts_))),
+        step_(rig.sample_time_s / parts_),
+        blocks_(sampled(rig.plant, step_, rig.spring ? 0.0 : delay_.fraction)),
+        line_(delay_, rig.plant.input_count()) {
+    for (const auto& block : blocks_) states_.emplace_back(Eigen::VectorXd::Zero(block.a.rows()));
+  }
+
+  /// At the sample, the newest command being the one before: the outputs.
+  [[nodiscard]] Eigen::VectorXd outputs(Line& line) const {
+    Eigen::VectorXd y =
+        rig_.plant.d * (delay_.weight(0) * line.acting(0) + delay_.weight(1) * line.acting(1) +
+                        delay_.weight(2) * line.acting(2));
+    for (std::size_t i = 0; i < blocks_.size(); ++i) y += blocks_[i].c * states_[i];
+    return y;
+  }
+  Line& line() { return line_; }
+
+  /// Over one sample after its command is in the line.
+  void advance() {
+    if (!rig_.spring) {
+      const Eigen::VectorXd now = line_.acting(0);
+      const Eigen::VectorXd late = line_.acting(1);
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        states_[i] = blocks_[i].a * states_[i] + blocks_[i].b * now + blocks_[i].b_late * late;
+      }
+      return;
+    }
+    for (int part = 0; part < parts_; ++part) {
+      Eigen::VectorXd force = line_.acting(part < late_parts_ ? 1 : 0);
+      force(rig_.spring->input) += spring_force();
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        states_[i] = blocks_[i].a * states_[i] + blocks_[i].b * force;
+      }
+    }
+  }
+
+ private:
+  // At the middle of the step, which the velocity foretells: second order.
+  [[nodiscard]] double spring_force() const {
+    double middle = 0.0;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const auto row = rig_.plant.blocks[i].c.row(rig_.spring->output);
+      const Eigen::VectorXd speed = rig_.plant.blocks[i].a * states_[i];
+      middle += row.dot(states_[i] + 0.5 * step_ * speed);
+    }
+    return -rig_.spring->stiffness * middle * middle * middle;
+  }
+
+  const VirtualRig& rig_;
+  SampledDelay delay_;
+  int parts_, late_parts_;
+  double step_;
+  std::vector<SampledBlock> blocks_;
+  std::vector<Eigen::VectorXd> states_;
+  Line line_;
+};
+
+// Force on all inputs of the plant: the command and what disturbs it.
+Eigen::MatrixXd forces(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(command.rows(), rig.plant.input_count());
+  force.leftCols(command.cols()) = command;
+  add_noise(rig.process_noise, noise, force);
+  return force;
+}
+
+// A loop and a spring need every sample in turn.
+Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
+  const auto p = count(rig.outputs);
+  Record record{.outputs = Eigen::MatrixXd::Zero(command.rows(), p),
+                .inputs = command,
+                .references = Eigen::MatrixXd(command.rows(), 0)};
+  add_noise(rig.sensor_noise, noise, record.outputs);
+  const auto disturbance =
+      forces(rig, Eigen::MatrixXd::Zero(command.rows(), command.cols()), noise);
+  Stepped structure(rig);
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(rig.controller ? rig.controller->a.rows() : 0);
+  for (Eigen::Index n = 0; n < command.rows(); ++n) {
+    Eigen::VectorXd force = disturbance.row(n).transpose();
+    force.head(command.cols()) += command.row(n).transpose();
+    if (!rig.controller) structure.line().push(force);
+    // In a loop the newest command acts a sample later at the earliest, so it may come after.
+    if (rig.controller) structure.line().push(Eigen::VectorXd::Zero(force.size()));
+    Eigen::VectorXd y = structure.outputs(structure.line()).head(p);
+    y += record.outputs.row(n).transpose();
+    for (Eigen::Index i = 0; i < rig.quantisation.size(); ++i) {
+      y(i) = quantised(y(i), rig.quantisation(i));
+    }
+    record.outputs.row(n) = y.transpose();
+    if (rig.controller) {
+      const auto& law = *rig.controller;
+      const Eigen::VectorXd asked = law.c * own + law.d * y;
+      own = (law.a * own + law.b * y).eval();
+      for (std::size_t j = 0; j < law.controlled.size(); ++j) {
+        const auto value = asked(static_cast<Eigen::Index>(j));
+        record.inputs(n, law.controlled[j]) += value;
+        force(law.controlled[j]) += value;
+      }
+      structure.line().replace(force);
+    }
+    structure.advance();
+    if (!y.allFinite()) {
+      throw NumericalFailure("virtual experiment: the response grows without bound at sample " +
+                             std::to_string(n));
+    }
+  }
+  return record;
+}
+
+}  // namespace
+
+void check(const VirtualRig& rig) {
+  const auto p = count(rig.outputs);
+  const auto q = count(rig.inputs);
+  require(p >= 1 && q >= 1 && p <= rig.plant.output_count() && q <= rig.plant.input_count(),
+          "virtual experiment: " + std::to_string(p) + " outputs and " + std::to_string(q) +
+              " inputs; expected one or more, and as many as the structure has at most");
+  require(std::isfinite(rig.sample_time_s) && rig.sample_time_s > 0.0,
+          "virtual experiment: the sample time is not positive");
+  check_levels(rig.sensor_noise, p, "sensor noise");
+  check_levels(rig.quantisation, p, "quantisation");
+  check_levels(rig.process_noise, q, "process noise");
+  const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
+  if (rig.spring) {
+    require(rig.spring->output >= 0 && rig.spring->output < rig.plant.output_count() &&
+                rig.spring->input >= 0 && rig.spring->input < rig.plant.input_count() &&
+                std::isfinite(rig.spring->stiffness) && rig.substeps >= 1,
+            "virtual experiment: the cubic spring is not where the structure has channels");
+  }
+  if (!rig.controller) return;
+  require(delay.whole >= 1, "virtual experiment: a loop needs a delay of one sample or more, " +
+                                std::to_string(1e6 * rig.sample_time_s) + " us");
+  for (const auto j : rig.controller->controlled) {
+    require(j < q, "virtual experiment: a controlled input is not recorded");
+  }
+  Plant seen = rig.plant;
+  seen.d = Eigen::MatrixXd(seen.d.topRows(p));
+  for (auto& block : seen.blocks) block.c = Eigen::MatrixXd(block.c.topRows(p));
+  const double largest = largest_eigenvalue(seen, *rig.controller, rig.sample_time_s, rig.delay_s);
+  require(largest < 1.0, "virtual experiment: the loop is unstable (an eigenvalue of magnitude " +
+                             std::to_string(largest) +
+                             "); lower the bandwidth or the delay, or raise the damping");
+}
+
+Record recorded(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
+  require(command.cols() == count(rig.inputs) && command.rows() >= 1,
+          "virtual experiment: a command for " + std::to_string(command.cols()) +
+              " inputs; expected " + std::to_string(rig.inputs.size()));
+  if (rig.controller || rig.spring) return in_steps(rig, command, noise);
+  Record record{.outputs = Eigen::MatrixXd::Zero(command.rows(), count(rig.outputs)),
+                .inputs = command,
+                .references = Eigen::MatrixXd(command.rows(), 0)};
+  add_noise(rig.sensor_noise, noise, record.outputs);
+  record.outputs += open_loop(rig, forces(rig, command, noise)).leftCols(record.outputs.cols());
+  for (Eigen::Index i = 0; i < rig.quantisation.size(); ++i) {
+    for (double& value : record.outputs.col(i)) value = quantised(value, rig.quantisation(i));
+  }
+  return record;
+}
+
+TimeData realisation(const VirtualRig& rig, const VirtualExperimentPlan& plan, int number,
+                     Draw& draw, double* crest_factor) {
+  require(plan.periods >= 1 && plan.warm_up >= 0,
+          "virtual experiment: the number of periods is not positive");
+  const auto set = experiments(plan.multisine, count(rig.inputs), plan.scheme, draw);
+  if (crest_factor != nullptr) *crest_factor = std::max(*crest_factor, set.crest_factor);
+  TimeData data{.outputs = rig.outputs,
+                .inputs = rig.inputs,
+                .references = {},
+                .sample_time_s = rig.sample_time_s,
+                .period = plan.multisine.period,
+                .records = {}};
+  if (rig.controller) {
+    data.references = rig.inputs;
+    for (auto& channel : data.references) channel.name = "r_" + channel.name;
+  }
+  int experiment = 0;
+  const auto kept = plan.periods * plan.multisine.period;
+  for (const auto& inputs : set.inputs) {
+    throw_if_interrupted();
+    const Eigen::MatrixXd command = inputs.replicate(plan.warm_up + plan.periods, 1);
+    Record record = recorded(rig, command, draw);
+    record.outputs = Eigen::MatrixXd(record.outputs.bottomRows(kept));
+    record.inputs = Eigen::MatrixXd(record.inputs.bottomRows(kept));
+    record.references =
+        rig.controller ? Eigen::MatrixXd(command.bottomRows(kept)) : Eigen::MatrixXd(kept, 0);
+    record.experiment = experiment++;
+    record.realisation = number;
+    data.records.push_back(std::move(record));
+  }
+  return data;
+}
+
+TimeData virtual_experiment(const VirtualRig& rig, const VirtualExperimentPlan& plan,
+                            int realisations, unsigned seed, const Progress& progress) {
+  check(rig);
+  require(realisations >= 1, "virtual experiment: no realisations");
+  Draw draw(seed);
+  TimeData all;
+  for (int r = 0; r < realisations; ++r) {
+    tell(progress, "shaking", static_cast<double>(r) / realisations);
+    auto one = realisation(rig, plan, r, draw);
+    if (r == 0) {
+      all = std::move(one);
+      continue;
+    }
+    for (auto& record : one.records) all.records.push_back(std::move(record));
+  }
+  return all;
+}
+
+}  // namespace chladni::identification
