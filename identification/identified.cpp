@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "identification/delay_scan.h"
 #include "identification/missing_mode.h"
 #include "identification/residue_problem.h"
 #include "identification/vector_fit.h"
@@ -163,10 +164,22 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
   return std::move(*best);
 }
 
+// The delay is taken out of the data before the poles are found again.
+FitData without_delay(const FitData& data, const IdentificationOptions& options, double& delay) {
+  if (!options.fit.delay) return data;
+  Eigen::Index order = 0;
+  const auto found = start_poles(data, options, order);
+  const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
+  delay = scanned_delay(data, kept, options.rigid_count > 0);
+  return undelayed(data, delay);
+}
+
 }  // namespace
 
-Identified identified(const FitData& data, const IdentificationOptions& options) {
+Identified identified(const FitData& measured, const IdentificationOptions& options) {
   Identified result;
+  double delay = 0.0;
+  const auto data = without_delay(measured, options, delay);
   const auto found = start_poles(data, options, result.start_order);
   Start start;
   start.rigid_count = options.rigid_count;
@@ -177,6 +190,7 @@ Identified identified(const FitData& data, const IdentificationOptions& options)
   result.steps.push_back(
       {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
   add_missing_modes(data, options, result);
+  result.fit.delay_s += delay;
   return result;
 }
 

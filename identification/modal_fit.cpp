@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index kLargestBlock = 3;
 constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
-constexpr double kSecond = 0.03;      // least of a further direction of one pole, over the first
+constexpr double kSecond = 0.2;       // least of a further direction of one pole, over the first
 constexpr double kAlike = 0.01;       // cost that diagonal blocks may add
 
 void check(const FitData& data, const Start& start) {
