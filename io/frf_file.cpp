@@ -1,6 +1,7 @@
 #include "io/frf_file.h"
 
 #include "base/atomic_file.h"
+#include "io/frf_mat.h"
 #include "io/frf_suspicions.h"
 #include "io/frf_uff.h"
 #include "io/measured_format.h"
@@ -16,6 +17,8 @@ FrfFile parsed(const Path& file, const FrfOptions& options) {
       return parse_frf_csv(content_of(file, options.limit_bytes), file.string(), options);
     case MeasuredFormat::uff:
       return parse_frf_uff(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::mat:
+      return frf_of_mat(read_mat(file, options.limit_bytes), file.string(), options);
     default:
       refuse_ending(file);
   }
@@ -52,6 +55,9 @@ std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
       write_atomically(file, frf_uff(set, UffEncoding::binary, lost));
       return lost;
     }
+    case MeasuredFormat::mat:
+      write_mat(file, mat_of_frf(set));
+      return {};
     default:
       refuse_ending(file);
   }

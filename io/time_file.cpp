@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "io/measured_format.h"
+#include "io/time_mat.h"
 #include "io/time_uff.h"
 
 namespace chladni::io {
@@ -12,6 +13,8 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
       return parse_time_csv(content_of(file, options.limit_bytes), file.string(), options);
     case MeasuredFormat::uff:
       return parse_time_uff(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::mat:
+      return time_of_mat(read_mat(file, options.limit_bytes), file.string(), options);
     default:
       refuse_ending(file);
   }
@@ -25,6 +28,9 @@ std::vector<std::string> write_time(const std::filesystem::path& file,
       return {"CSV holds no units"};
     case MeasuredFormat::uff:
       write_atomically(file, time_uff(data, UffEncoding::binary));
+      return {};
+    case MeasuredFormat::mat:
+      write_mat(file, mat_of_time(data));
       return {};
     default:
       refuse_ending(file);
