@@ -46,6 +46,17 @@ void check_input(const ModalFit& fit, const Channels& outputs, const Channels& i
   }
 }
 
+void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channel, double factor) {
+  auto& covariance = state.fit.rigid_covariance;
+  const auto r = state.fit.model.rigid_count;
+  if (covariance.rows() != r * (state.p() + state.q())) return;
+  for (Eigen::Index m = 0; m < r; ++m) {
+    const auto place = is_output ? m * state.p() + channel : r * state.p() + channel * r + m;
+    covariance.row(place) *= factor;
+    covariance.col(place) *= factor;
+  }
+}
+
 // Divides what one side of a pair shows by the pair's gain.
 void correct_gains(Matching& state) {
   const auto& options = state.options;
@@ -67,6 +78,7 @@ void correct_gains(Matching& state) {
       covariance.row(place) *= factor;
       covariance.col(place) *= factor;
     }
+    scale_rigid_covariance(state, is_output, is_output ? pair.output : pair.input, factor);
     const auto row = static_cast<Eigen::Index>(c);
     const double relative = gain.ratio_std / gain.ratio;
     state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +

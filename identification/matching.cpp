@@ -112,6 +112,33 @@ void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
   }
 }
 
+// Covariance of the modes' (L_m, R_m) one after the other, the side's sign in.
+Eigen::MatrixXd block_covariance(const Matching& state, const modal::ModeGroup& group) {
+  const auto p = state.p();
+  const auto q = state.q();
+  const auto g = group.size;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(g * (p + q), g * (p + q));
+  const auto& rigid = state.fit.rigid_covariance;
+  if (group.first < state.fit.model.rigid_count && rigid.rows() == covariance.rows()) {
+    std::vector<Eigen::Index> where;  // in (vec L, vec R)
+    for (Eigen::Index m = 0; m < g; ++m) {
+      for (Eigen::Index i = 0; i < p; ++i) where.push_back(m * p + i);
+      for (Eigen::Index j = 0; j < q; ++j) where.push_back(g * p + j * g + m);
+    }
+    covariance = rigid(where, where);
+  } else {
+    for (Eigen::Index m = 0; m < g; ++m) {
+      covariance.block(m * (p + q), m * (p + q), p + q, p + q) =
+          shape_covariance(state.fit, group.first + m);
+    }
+  }
+  for (Eigen::Index m = 0; m < g; ++m) {
+    covariance.middleRows(m * (p + q) + p, q) *= state.side;
+    covariance.middleCols(m * (p + q) + p, q) *= state.side;
+  }
+  return covariance;
+}
+
 // What a block of g modes becomes: p×g and g×q, from its L and R.
 struct Block {
   Eigen::MatrixXd outputs, inputs;
@@ -126,18 +153,13 @@ void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& s
   const Eigen::MatrixXd outputs = state.fit.model.output_shapes.middleCols(group.first, g);
   const Eigen::MatrixXd inputs =
       state.side * state.fit.model.input_shapes.middleRows(group.first, g);
-  Eigen::VectorXd x(g * (p + q));
-  Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(x.size(), x.size());
-  for (Eigen::Index m = 0; m < g; ++m) {
-    x.segment(m * (p + q), p) = outputs.col(m);
-    x.segment(m * (p + q) + p, q) = inputs.row(m).transpose();
-    Eigen::MatrixXd own = covariance_factor(shape_covariance(state.fit, group.first + m));
-    own.bottomRows(q) *= state.side;
-    factor.block(m * (p + q), m * (p + q), p + q, own.cols()) = own;
-  }
+  Eigen::MatrixXd columns(p + q, g);
+  columns << outputs, inputs.transpose();
+  const Eigen::VectorXd x = columns.reshaped();
+  const Eigen::MatrixXd factor = covariance_factor(block_covariance(state, group));
   const auto value = [&](const Eigen::VectorXd& at) {
-    const Eigen::MatrixXd columns = at.reshaped(p + q, g);
-    const auto block = scaling(columns.topRows(p), columns.bottomRows(q).transpose());
+    const Eigen::MatrixXd moved = at.reshaped(p + q, g);
+    const auto block = scaling(moved.topRows(p), moved.bottomRows(q).transpose());
     Eigen::MatrixXd all(p + q, g);
     all << block.outputs, block.inputs.transpose();
     return Eigen::VectorXd(all.reshaped());
@@ -160,18 +182,24 @@ void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& s
 Eigen::MatrixXd product_deviation(const Matching& state, const modal::ModeGroup& group) {
   const auto p = state.p();
   const auto q = state.q();
-  Eigen::MatrixXd variance = Eigen::MatrixXd::Zero(p, q);
-  for (Eigen::Index m = group.first; m < group.first + group.size; ++m) {
-    const auto covariance = shape_covariance(state.fit, m);
-    const Eigen::VectorXd l = state.fit.model.output_shapes.col(m);
-    const Eigen::RowVectorXd r = state.fit.model.input_shapes.row(m);
-    const Eigen::VectorXd l_own = covariance.diagonal().head(p);
-    const Eigen::RowVectorXd r_own = covariance.diagonal().tail(q).transpose();
-    variance += l_own * r.cwiseAbs2() + l.cwiseAbs2() * r_own;
-    variance.array() += 2.0 * (l * r).array() * covariance.topRightCorner(p, q).array();
+  const auto& model = state.fit.model;
+  const Eigen::MatrixXd covariance = block_covariance(state, group);
+  Eigen::MatrixXd deviation(p, q);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    for (Eigen::Index j = 0; j < q; ++j) {
+      std::vector<Eigen::Index> where;
+      Eigen::VectorXd slope(2 * group.size);
+      for (Eigen::Index m = 0; m < group.size; ++m) {
+        where.push_back(m * (p + q) + i);
+        where.push_back(m * (p + q) + p + j);
+        slope(2 * m) = state.side * model.input_shapes(group.first + m, j);
+        slope(2 * m + 1) = model.output_shapes(i, group.first + m);
+      }
+      deviation(i, j) = slope.dot(covariance(where, where) * slope);
+    }
   }
-  if (!(variance.minCoeff() > 0.0)) return {};
-  return variance.cwiseSqrt();
+  if (!(deviation.minCoeff() > 0.0)) return {};
+  return deviation.cwiseSqrt();
 }
 
 void match_by_mass(Matching& state, const modal::ModeGroup& group) {

@@ -82,6 +82,7 @@ TEST(GainWithoutPairs, ScalesModesAtZeroByTheMassMatrix) {
   fit.model.output_shapes.leftCols(3) = (fit.model.output_shapes.leftCols(3) * blend).eval();
   fit.model.input_shapes.topRows(3) = (blend.inverse() * fit.model.input_shapes.topRows(3)).eval();
   for (Eigen::Index m = 0; m < 3; ++m) fit.mode_covariance[static_cast<std::size_t>(m)].setZero();
+  fit.rigid_covariance.setZero();
   GainMatchOptions options;
   options.geometry = geometry_of(made, RigidMotion::plate);
   const auto match = matched(made, fit, options);

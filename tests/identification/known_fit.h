@@ -21,21 +21,31 @@ inline ModalFit true_fit(const simulators::FrfCase& made) {
   fit.output_std = bounds.outputs;
   fit.input_std = bounds.inputs;
   fit.mode_covariance = bounds.covariance;
+  fit.rigid_covariance = bounds.rigid_covariance;
   return fit;
 }
 
-/// The same with L and R of every mode (each by itself) drawn about their values.
+inline Eigen::VectorXd normal_draw(const Eigen::MatrixXd& covariance, simulators::Dice& dice) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return solver.eigenvectors() * root.cwiseProduct(dice.normal(covariance.rows(), 1));
+}
+
+/// The same with L and R of every mode drawn about their values, each mode above 0 Hz by itself.
 inline ModalFit drawn_fit(const ModalFit& mean, unsigned seed) {
   simulators::Dice dice(seed);
   auto fit = mean;
   const auto p = fit.model.output_count();
   const auto q = fit.model.input_count();
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
-    const Eigen::MatrixXd covariance =
-        fit.mode_covariance[static_cast<std::size_t>(m)].bottomRightCorner(p + q, p + q);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-    const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    const Eigen::VectorXd error = solver.eigenvectors() * root.cwiseProduct(dice.normal(p + q, 1));
+  const auto r = fit.model.rigid_count;
+  if (r > 0) {
+    const Eigen::VectorXd error = normal_draw(fit.rigid_covariance, dice);
+    fit.model.output_shapes.leftCols(r) += error.head(p * r).reshaped(p, r);
+    fit.model.input_shapes.topRows(r) += error.tail(r * q).reshaped(r, q);
+  }
+  for (Eigen::Index m = r; m < fit.model.mode_count(); ++m) {
+    const Eigen::VectorXd error = normal_draw(
+        fit.mode_covariance[static_cast<std::size_t>(m)].bottomRightCorner(p + q, p + q), dice);
     fit.model.output_shapes.col(m) += error.head(p);
     fit.model.input_shapes.row(m) += error.tail(q).transpose();
   }

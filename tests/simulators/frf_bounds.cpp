@@ -252,10 +252,14 @@ FrfBounds cramer_rao(const FrfCase& record, const FrfNuisance& nuisance) {
   if (r > 0) {
     const Eigen::MatrixXd change = product_change(modes.rigid_outputs, modes.rigid_inputs);
     const auto size = change.cols();
-    const Eigen::MatrixXd block =
+    bounds.rigid_covariance =
         covariance.block(places.rigid_outputs(), places.rigid_outputs(), size, size);
-    const Eigen::VectorXd spread =
-        (change * block).cwiseProduct(change).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd spread = (change * bounds.rigid_covariance)
+                                       .cwiseProduct(change)
+                                       .rowwise()
+                                       .sum()
+                                       .cwiseMax(0.0)
+                                       .cwiseSqrt();
     bounds.rigid = spread.reshaped(places.p, places.q);
   }
   if (nuisance.delay) {

@@ -22,9 +22,10 @@ struct FrfBounds {
   Eigen::MatrixXd outputs, inputs;
   /// [m], (2+p+q) squared, of (ω_m [rad/s], ζ_m, L_m, R_m), as above.
   std::vector<Eigen::MatrixXd> covariance;
-  Eigen::MatrixXd rigid;         ///< p×q: of L_rb R_rb; 0×0 without rigid-body modes
-  double delay_s = 0.0;          ///< 0 where it is not estimated
-  Eigen::Index parameters = 0;   ///< free ones
+  Eigen::MatrixXd rigid_covariance;  ///< of (vec L_rb, vec R_rb), that change of basis left out
+  Eigen::MatrixXd rigid;             ///< p×q: of L_rb R_rb; 0×0 without rigid-body modes
+  double delay_s = 0.0;              ///< 0 where it is not estimated
+  Eigen::Index parameters = 0;       ///< free ones
 };
 
 /// From the dense Fisher information of every response, 2 Re JᴴJ/σ², with the scale between L and
