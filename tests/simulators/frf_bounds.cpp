@@ -191,6 +191,43 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& information) {
          scale.asDiagonal();
 }
 
+// Where (ω, ζ, L, R) of a mode stand, rigid-body modes first and without ω and ζ.
+std::vector<Eigen::Index> places_of_mode(const Places& places, Eigen::Index mode) {
+  std::vector<Eigen::Index> where;
+  if (mode >= places.rigid) {
+    for (Eigen::Index i = 0; i < 2 + places.p + places.q; ++i) {
+      where.push_back(places.mode(mode - places.rigid) + i);
+    }
+    return where;
+  }
+  for (Eigen::Index i = 0; i < places.p; ++i) {
+    where.push_back(places.rigid_outputs() + mode * places.p + i);
+  }
+  for (Eigen::Index j = 0; j < places.q; ++j) {
+    where.push_back(places.rigid_inputs() + mode + places.rigid * j);
+  }
+  return where;
+}
+
+void take_mode(FrfBounds& bounds, const Eigen::MatrixXd& covariance, const Balanced& modes,
+               const Places& places, Eigen::Index mode) {
+  const auto where = places_of_mode(places, mode);
+  const auto size = std::ssize(where);
+  const double ratio = mode < places.rigid ? 1.0 : modes.ratio(mode - places.rigid);
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(2 + places.p + places.q);
+  scale.segment(2, places.p).setConstant(std::sqrt(ratio));
+  scale.tail(places.q).setConstant(1.0 / std::sqrt(ratio));
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(scale.size(), scale.size());
+  own.bottomRightCorner(size, size) = covariance(where, where);
+  own = scale.asDiagonal() * own * scale.asDiagonal();
+  const Eigen::VectorXd deviation = own.diagonal().cwiseMax(0.0).cwiseSqrt();
+  bounds.frequency_hz(mode) = deviation(0) / (2.0 * pi);
+  bounds.damping(mode) = deviation(1);
+  bounds.outputs.col(mode) = deviation.segment(2, places.p);
+  bounds.inputs.row(mode) = deviation.tail(places.q).transpose();
+  bounds.covariance.push_back(own);
+}
+
 }  // namespace
 
 FrfBounds cramer_rao(const FrfCase& record, const FrfNuisance& nuisance) {
@@ -204,30 +241,30 @@ FrfBounds cramer_rao(const FrfCase& record, const FrfNuisance& nuisance) {
   const Eigen::MatrixXd fisher = information(record, modes, places);
   const Eigen::MatrixXd covariance =
       basis * inverse(basis.transpose() * fisher * basis) * basis.transpose();
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   FrfBounds bounds;
   bounds.parameters = basis.cols();
   bounds.frequency_hz = bounds.damping = Eigen::VectorXd::Zero(truth.mode_count());
   bounds.outputs = Eigen::MatrixXd::Zero(places.p, truth.mode_count());
   bounds.inputs = Eigen::MatrixXd::Zero(truth.mode_count(), places.q);
-  for (Eigen::Index m = 0; m < places.flexible; ++m) {
-    const double root = std::sqrt(modes.ratio(m));
-    const auto at = places.mode(m);
-    bounds.frequency_hz(r + m) = deviation(at) / (2.0 * pi);
-    bounds.damping(r + m) = deviation(at + 1);
-    bounds.outputs.col(r + m) = root * deviation.segment(at + 2, places.p);
-    bounds.inputs.row(r + m) = deviation.segment(at + 2 + places.p, places.q).transpose() / root;
+  for (Eigen::Index m = 0; m < truth.mode_count(); ++m) {
+    take_mode(bounds, covariance, modes, places, m);
   }
   if (r > 0) {
     const Eigen::MatrixXd change = product_change(modes.rigid_outputs, modes.rigid_inputs);
     const auto size = change.cols();
-    const Eigen::MatrixXd block =
+    bounds.rigid_covariance =
         covariance.block(places.rigid_outputs(), places.rigid_outputs(), size, size);
-    const Eigen::VectorXd spread =
-        (change * block).cwiseProduct(change).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd spread = (change * bounds.rigid_covariance)
+                                       .cwiseProduct(change)
+                                       .rowwise()
+                                       .sum()
+                                       .cwiseMax(0.0)
+                                       .cwiseSqrt();
     bounds.rigid = spread.reshaped(places.p, places.q);
   }
-  if (nuisance.delay) bounds.delay_s = deviation(places.delay());
+  if (nuisance.delay) {
+    bounds.delay_s = std::sqrt(covariance(places.delay(), places.delay()));
+  }
   return bounds;
 }
 
