@@ -95,6 +95,7 @@ extern const Command mesh_command;
 extern const Command modes_command;
 extern const Command place_command;
 extern const Command priors_command;
+extern const Command simulate_command;
 extern const Command interpolate_command;
 extern const Command study_command;
 

@@ -21,6 +21,7 @@ constexpr const app::Command* kCommands[] = {
     &app::modes_command,
     &app::place_command,
     &app::priors_command,
+    &app::simulate_command,
     &app::interpolate_command,
     &app::study_command,
 };
