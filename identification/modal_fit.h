@@ -28,12 +28,15 @@ struct ModalFit {
   double delay_s = 0.0;
 
   Eigen::VectorXd frequency_std_hz, damping_std;  ///< m; 0 for rigid-body modes
-  Eigen::MatrixXd output_std, input_std;          ///< of L and R, each scaled as below
-  Eigen::MatrixXd residual_std;                   ///< p×q
+  Eigen::MatrixXd output_std, input_std;          ///< of L and R
+  Eigen::MatrixXd residual_std;                   ///< p×q, the modes being given
   double delay_std_s = 0.0;
   /// Covariance of (ω_m, ζ_m, L_m, R_m) per mode, (2+p+q) squared, in [rad/s], [1], units of L, R.
-  /// The scale between L_m and R_m is fixed by |L_m| = |R_m| times `model`'s ratio.
+  /// The data know only the product of L_m and R_m: the scale is fixed by |L_m| = |R_m|, the sign
+  /// by the largest entry of L_m being positive.
   std::vector<Eigen::MatrixXd> mode_covariance;
+  /// Covariance of all rigid-body modes' (vec L_rb, vec R_rb) together: their basis is free.
+  Eigen::MatrixXd rigid_covariance;
   /// Modes of a group of more than one share a block: only the subspace of their shapes is known.
   std::vector<modal::ModeGroup> groups;
 

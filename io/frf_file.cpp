@@ -1,47 +1,24 @@
 #include "io/frf_file.h"
 
 #include "base/atomic_file.h"
-#include "base/error.h"
+#include "io/frf_mat.h"
 #include "io/frf_suspicions.h"
-#include "io/gzip.h"
-#include "io/scan.h"
+#include "io/frf_uff.h"
+#include "io/measured_format.h"
 
 namespace chladni::io {
 namespace {
 
 using Path = std::filesystem::path;
 
-enum class Format { csv, uff, mat, none };
-
-// ".csv.gz" is ".csv": what is compressed shows in its first bytes.
-Format format_of(const Path& file) {
-  std::string ending = upper(file.extension().string());
-  if (ending == ".GZ") ending = upper(file.stem().extension().string());
-  if (ending == ".CSV") return Format::csv;
-  if (ending == ".UFF" || ending == ".UNV" || ending == ".UF") return Format::uff;
-  if (ending == ".MAT") return Format::mat;
-  return Format::none;
-}
-
-[[noreturn]] void refuse_ending(const Path& file) {
-  throw InvalidInput(file.string() + ": \"" + file.extension().string() +
-                     "\" is no ending of measured data; expected .csv, .uff, .unv or .mat");
-}
-
-std::string content_of(const Path& file, std::size_t limit) {
-  std::string bytes = read_whole(file, limit);
-  if (!is_gzip(bytes)) return bytes;
-  try {
-    return unzipped(bytes, limit);
-  } catch (const InvalidInput& e) {
-    throw InvalidInput(file.string() + ": " + e.what());
-  }
-}
-
 FrfFile parsed(const Path& file, const FrfOptions& options) {
-  switch (format_of(file)) {
-    case Format::csv:
+  switch (measured_format(file)) {
+    case MeasuredFormat::csv:
       return parse_frf_csv(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::uff:
+      return parse_frf_uff(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::mat:
+      return frf_of_mat(read_mat(file, options.limit_bytes), file.string(), options);
     default:
       refuse_ending(file);
   }
@@ -58,7 +35,7 @@ std::vector<std::string> lost_in_csv(const modal::FrfSet& set) {
 
 }  // namespace
 
-bool is_measured_file(const Path& file) { return format_of(file) != Format::none; }
+bool is_measured_file(const Path& file) { return measured_format(file) != MeasuredFormat::none; }
 
 FrfFile read_frf(const Path& file, const FrfOptions& options) {
   FrfFile result = parsed(file, options);
@@ -69,10 +46,18 @@ FrfFile read_frf(const Path& file, const FrfOptions& options) {
 }
 
 std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
-  switch (format_of(file)) {
-    case Format::csv:
+  switch (measured_format(file)) {
+    case MeasuredFormat::csv:
       write_atomically(file, frf_csv(set));
       return lost_in_csv(set);
+    case MeasuredFormat::uff: {
+      std::vector<std::string> lost;
+      write_atomically(file, frf_uff(set, UffEncoding::binary, lost));
+      return lost;
+    }
+    case MeasuredFormat::mat:
+      write_mat(file, mat_of_frf(set));
+      return {};
     default:
       refuse_ending(file);
   }

@@ -37,7 +37,7 @@ struct FrfFile {
 /// @throws WorkerDied    the program that reads .mat is missing
 [[nodiscard]] FrfFile read_frf(const std::filesystem::path& file, const FrfOptions& options = {});
 
-/// By its ending: .csv, .uff .unv (ASCII), .mat (v5). @return what the format cannot hold
+/// By its ending: .csv, .uff .unv (58b, all digits), .mat (v5). @return what the format cannot hold
 /// @throws InvalidInput  another ending, or a name that the format cannot hold
 [[nodiscard]] std::vector<std::string> write_frf(const std::filesystem::path& file,
                                                  const modal::FrfSet& set);

@@ -74,6 +74,31 @@ std::optional<double> force_unit(std::string_view word) {
   return factor(std::string(trimmed(word)), "N");
 }
 
+void bring_to_si(FrfFile& file, bool kind_known) {
+  for (std::size_t i = 0; i < file.set.outputs.size(); ++i) {
+    auto& output = file.set.outputs[i];
+    const auto unit = motion_unit(output.unit);
+    if (!unit) continue;
+    require(!kind_known || output.kind == unit->kind,
+            output.name + " is said to be of a " + name_of(output.kind) + ", its unit \"" +
+                output.unit + "\" is of a " + name_of(unit->kind.value_or(output.kind)));
+    output.kind = unit->kind.value_or(output.kind);
+    output.unit = unit->si;
+    scale(file.set, static_cast<Eigen::Index>(i), unit->factor);
+  }
+  for (std::size_t j = 0; j < file.set.inputs.size(); ++j) {
+    auto& input = file.set.inputs[j];
+    const auto force = force_unit(input.unit);
+    if (!force) continue;
+    input.unit = "N";
+    if (*force == 1.0) continue;
+    const auto column = static_cast<Eigen::Index>(j);
+    for (auto& line : file.set.value) line.col(column) /= *force;
+    for (auto& line : file.set.variance) line.col(column) /= *force * *force;
+    for (auto& line : file.set.noise_variance) line.col(column) /= *force * *force;
+  }
+}
+
 void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
   const Stated unit = options.unit.empty() ? Stated{} : stated(options.unit);
   const auto kind = options.kind ? options.kind : unit.output.kind;

@@ -22,6 +22,11 @@ struct MotionUnit {
 /// Newtons per `word`, none where it is no unit of force.
 [[nodiscard]] std::optional<double> force_unit(std::string_view word);
 
+/// Puts what has a unit of motion (outputs) or force (inputs) into SI; the unit says the kind.
+/// @param kind_known  the file says the kind too
+/// @throws InvalidInput  kind and unit contradict each other
+void bring_to_si(FrfFile& file, bool kind_known);
+
 /// Puts the outputs that have no unit into SI by `options.unit`, or notes that none is stated, and
 /// of which kind they are then taken to be. @param kind_known  the file says the kind
 /// @throws InvalidInput  the unit is of a motion other than `options.kind`

@@ -10,6 +10,12 @@ void dtrsm_(const char*, const char*, const char*, const char*, const int*, cons
             const double*, const double*, const int*, double*, const int*);
 void dsyrk_(const char*, const char*, const int*, const int*, const double*, const double*,
             const int*, const double*, double*, const int*);
+void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
+            const double*, const int*, const double*, const int*, const double*, double*,
+            const int*);
+// Weak, so that another BLAS still links.
+int openblas_get_num_threads() __attribute__((weak));
+void openblas_set_num_threads(int) __attribute__((weak));
 }
 
 namespace chladni::priors::dense {
@@ -56,6 +62,25 @@ void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c) {
   const int n = narrow(a.rows());
   const int k = narrow(a.cols());
   dsyrk_("L", "N", &n, &k, &s, a.data(), &n, &kOne, c.data(), &n);
+}
+
+void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c) {
+  if (a.size() == 0 || b.size() == 0) return;
+  const FlushToZero flush;
+  constexpr double kOne = 1.0;
+  const int m = narrow(a.rows());
+  const int n = narrow(b.cols());
+  const int k = narrow(a.cols());
+  dgemm_("N", "N", &m, &n, &k, &s, a.data(), &m, b.data(), &k, &kOne, c.data(), &m);
+}
+
+OneThread::OneThread() {
+  if (openblas_get_num_threads != nullptr) before_ = openblas_get_num_threads();
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
+}
+
+OneThread::~OneThread() {
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(before_);
 }
 
 }  // namespace chladni::priors::dense

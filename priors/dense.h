@@ -1,4 +1,4 @@
-// Dense symmetric matrices at the speed of BLAS and LAPACK. Of this room only.
+// Dense matrices at the speed of BLAS and LAPACK.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,5 +17,20 @@ void invert(Eigen::MatrixXd& factor);
 
 /// C := C + s A Aᵀ, lower triangle only.
 void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c);
+
+/// C := C + s A B.
+void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
+
+/// While it lives BLAS calls run in the thread that makes them: for loops that are parallel.
+class OneThread {
+ public:
+  OneThread();
+  ~OneThread();
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int before_ = 1;
+};
 
 }  // namespace chladni::priors::dense

@@ -1,0 +1,101 @@
+#include "identification/block_model.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kDependent = 1e-3;  // least over largest singular value of unit shapes
+
+// ẋ = A x of the block's coordinates and their speeds.
+Eigen::MatrixXd companion(const Block& block) {
+  const auto g = block.size();
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * g, 2 * g);
+  a.topRightCorner(g, g).setIdentity();
+  a.bottomLeftCorner(g, g) = -block.stiffness;
+  a.bottomRightCorner(g, g) = -block.damping;
+  return a;
+}
+
+// v e^{jφ} with the largest real part, over its length.
+Eigen::VectorXd turned_real(const Eigen::VectorXcd& v) {
+  const double angle = 0.5 * std::arg((v.array() * v.array()).sum());
+  const Eigen::VectorXd real = (v * std::polar(1.0, -angle)).real();
+  return real / real.norm();
+}
+
+}  // namespace
+
+Eigen::VectorXcd poles(const Block& block) {
+  Eigen::VectorXcd all = companion(block).eigenvalues();
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.imag() > b.imag(); });
+  return all;
+}
+
+bool is_stable(const Block& block) {
+  if (block.rigid) return true;
+  if (block.size() == 1) return block.stiffness(0, 0) > 0.0 && block.damping(0, 0) > 0.0;
+  return poles(block).real().maxCoeff() < 0.0;
+}
+
+Block balanced(const Block& block) {
+  // left right = U S Vᵀ without forming the product: both are thin.
+  const auto g = block.size();
+  if (block.left.rows() < g || block.right.cols() < g) return block;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(block.left * block.right,
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd root = svd.singularValues().head(g).cwiseSqrt();
+  if (root(g - 1) <= 1e-12 * root(0)) return block;
+  Block result = block;
+  result.left = svd.matrixU().leftCols(g) * root.asDiagonal();
+  result.right = root.asDiagonal() * svd.matrixV().leftCols(g).transpose();
+  // new left = left T with T = right (new right)⁺.
+  const Eigen::MatrixXd turn =
+      block.right * svd.matrixV().leftCols(g) * root.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd back = turn.inverse();
+  if (!block.rigid) {
+    result.stiffness = back * block.stiffness * turn;
+    result.damping = back * block.damping * turn;
+  }
+  return result;
+}
+
+std::vector<Block> diagonalised(const Block& block) {
+  const auto g = block.size();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion(block));
+  std::vector<Eigen::Index> upper;
+  for (Eigen::Index r = 0; r < 2 * g; ++r) {
+    if (solver.eigenvalues()(r).imag() > 0.0) upper.push_back(r);
+  }
+  if (static_cast<Eigen::Index>(upper.size()) != g) return {};
+  Eigen::MatrixXd turn(g, g);
+  for (Eigen::Index r = 0; r < g; ++r) {
+    turn.col(r) =
+        turned_real(solver.eigenvectors().col(upper[static_cast<std::size_t>(r)]).head(g));
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turn);
+  if (svd.singularValues()(g - 1) < kDependent * svd.singularValues()(0)) return {};
+  const Eigen::MatrixXd left = block.left * turn;
+  const Eigen::MatrixXd right = turn.inverse() * block.right;
+  std::vector<Block> modes;
+  for (Eigen::Index r = 0; r < g; ++r) {
+    modes.push_back(single_mode(solver.eigenvalues()(upper[static_cast<std::size_t>(r)]),
+                                left.col(r), right.row(r)));
+  }
+  return modes;
+}
+
+Block single_mode(std::complex<double> pole, const Eigen::VectorXd& left,
+                  const Eigen::RowVectorXd& right) {
+  Block mode{.left = left, .right = right};
+  mode.stiffness = Eigen::MatrixXd::Constant(1, 1, std::norm(pole));
+  mode.damping = Eigen::MatrixXd::Constant(1, 1, -2.0 * pole.real());
+  return mode;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,159 @@
+#include "identification/fit_data.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr Eigen::Index kFewestLines = 8;
+constexpr int kReach = 4;    // lines on each side of one, of the local polynomial
+constexpr int kDegree = 3;   // of it
+constexpr int kSmooth = 12;  // lines on each side over which a variance is averaged
+
+std::string response_name(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
+  return set.outputs[static_cast<std::size_t>(i)].name + "/" +
+         set.inputs[static_cast<std::size_t>(j)].name;
+}
+
+// Maps the values on 2·kReach + 1 neighbours to what differs from their polynomial; unit variance
+// of the values gives unit variance of the mean square of the result.
+Eigen::MatrixXd differs_from_polynomial() {
+  const Eigen::Index n = 2 * kReach + 1;
+  Eigen::MatrixXd basis(n, kDegree + 1);
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const double x = static_cast<double>(r - kReach) / kReach;
+    for (int d = 0; d <= kDegree; ++d) basis(r, d) = std::pow(x, d);
+  }
+  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() *
+                            Eigen::MatrixXd::Identity(n, kDegree + 1);
+  return Eigen::MatrixXd::Identity(n, n) - q * q.transpose();
+}
+
+// Variance of each line from what its neighbourhood leaves of a local polynomial, then the median
+// over wider neighbourhoods: a resonance is no noise, and few lines know little of a variance.
+Eigen::VectorXd local_variance(const Eigen::VectorXcd& value) {
+  const Eigen::Index count = value.size();
+  const Eigen::Index n = 2 * kReach + 1;
+  static const Eigen::MatrixXd left_over = differs_from_polynomial();
+  Eigen::VectorXd raw(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index first = std::clamp<Eigen::Index>(k - kReach, 0, count - n);
+    raw(k) = (left_over * value.segment(first, n)).squaredNorm() / (n - kDegree - 1);
+  }
+  Eigen::VectorXd smooth(count);
+  std::vector<double> window;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - kSmooth);
+    const Eigen::Index last = std::min(count - 1, k + kSmooth);
+    window.assign(raw.data() + first, raw.data() + last + 1);
+    std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size()) / 2,
+                     window.end());
+    smooth(k) = window[window.size() / 2];
+  }
+  return smooth;
+}
+
+// |G| averaged over a line and two on each side: a weight from the noisy line itself biases a fit.
+Eigen::VectorXd smoothed_magnitude(const Eigen::VectorXcd& value, const Eigen::VectorXd& there) {
+  Eigen::VectorXd result(value.size());
+  for (Eigen::Index k = 0; k < value.size(); ++k) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - 2);
+    const Eigen::Index n = std::min(value.size() - 1, k + 2) - first + 1;
+    const double lines = there.segment(first, n).sum();
+    result(k) = lines > 0.0 ? std::sqrt(value.segment(first, n).squaredNorm() / lines) : 0.0;
+  }
+  return result;
+}
+
+// One response of the set as it enters the fit.
+struct Response {
+  Eigen::VectorXcd value;
+  Eigen::VectorXd there;     // 1 where it is measured, else 0
+  Eigen::VectorXd variance;  // 0: not stated
+};
+
+Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
+  const Eigen::Index count = set.line_count();
+  Response one{Eigen::VectorXcd::Zero(count), Eigen::VectorXd::Zero(count),
+               Eigen::VectorXd::Zero(count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto value = set.value[static_cast<std::size_t>(k)](i, j);
+    if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) continue;
+    one.value(k) = value;
+    one.there(k) = 1.0;
+    if (set.variance.empty()) continue;
+    const double variance = set.variance[static_cast<std::size_t>(k)](i, j);
+    require(variance >= 0.0, "response " + response_name(set, i, j) + " at " +
+                                 std::to_string(set.frequency_hz(k)) + " Hz: variance " +
+                                 std::to_string(variance) + ", expected 0 or more");
+    one.variance(k) = variance;
+  }
+  return one;
+}
+
+Eigen::VectorXd weights(const Response& one, const FitDataOptions& options, double largest) {
+  const Eigen::VectorXd magnitude = smoothed_magnitude(one.value, one.there);
+  Eigen::VectorXd deviation(one.value.size());
+  if (options.weighting == Weighting::inverse_magnitude) {
+    const double least = largest * std::pow(10.0, -options.cut_off_db / 20.0);
+    deviation = magnitude.cwiseMax(least);
+  } else {
+    Eigen::VectorXd variance = one.variance;
+    if (variance.maxCoeff() == 0.0) variance = local_variance(one.value);
+    // A line that is repeated to the last bit has no variance; it cannot weigh infinitely.
+    const double floor = std::pow(1e-9 * magnitude.maxCoeff(), 2);
+    deviation =
+        (variance.array().max(floor) + (options.model_error * magnitude.array()).square()).sqrt();
+  }
+  return (one.there.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
+}
+
+double largest_magnitude(const modal::FrfSet& set) {
+  double largest = 0.0;
+  for (const auto& line : set.value) {
+    largest = std::max(largest, line.array().isFinite().select(line.cwiseAbs(), 0.0).maxCoeff());
+  }
+  return largest;
+}
+
+}  // namespace
+
+FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
+  modal::check(measured);
+  const double high =
+      options.high_hz > 0.0 ? options.high_hz : std::numeric_limits<double>::infinity();
+  const double low = std::max(options.low_hz, std::numeric_limits<double>::min());
+  const auto set = modal::converted(modal::band(measured, low, high), modal::FrfKind::receptance);
+  require(set.line_count() >= kFewestLines, "fit: " + std::to_string(set.line_count()) +
+                                                " lines above 0 Hz in the band, expected " +
+                                                std::to_string(kFewestLines) + " or more");
+  const double largest = largest_magnitude(set);
+  FitData data{.outputs = set.output_count(), .inputs = set.input_count()};
+  data.frequency_hz = set.frequency_hz;
+  data.value.setZero(set.line_count(), data.outputs * data.inputs);
+  data.weight.setZero(set.line_count(), data.outputs * data.inputs);
+  data.noise_known = options.weighting == Weighting::variance && !set.variance.empty() &&
+                     options.model_error == 0.0;
+  for (Eigen::Index j = 0; j < data.inputs; ++j) {
+    for (Eigen::Index i = 0; i < data.outputs; ++i) {
+      const auto one = response_of(set, i, j);
+      if (one.there.sum() == 0.0) continue;
+      require(one.there.sum() >= kFewestLines && one.value.squaredNorm() > 0.0,
+              "response " + response_name(set, i, j) +
+                  ": its lines are zero or fewer than 8 of them are finite; leave it out or set "
+                  "all its lines to NaN");
+      data.value.col(i + data.outputs * j) = one.value;
+      data.weight.col(i + data.outputs * j) = weights(one, options, largest);
+    }
+  }
+  return data;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,277 @@
+#include "identification/fit_uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <sstream>
+
+#include "priors/dense.h"
+
+namespace chladni::identification {
+namespace {
+
+namespace dense = priors::dense;
+
+constexpr double kUnknownShape = 0.3;  // relative deviation of a shape that cannot be told apart
+
+// Modes of a block whatever it takes: real parts of the eigenvectors of its stiffness.
+std::vector<Block> forced_modes(const Block& block) {
+  auto modes = diagonalised(block);
+  if (!modes.empty()) return modes;
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(block.stiffness);
+  Eigen::MatrixXd turn = solver.eigenvectors().real();
+  if (turn.fullPivLu().rank() < block.size()) turn.setIdentity(block.size(), block.size());
+  const Eigen::MatrixXd back = turn.inverse();
+  const Eigen::MatrixXd damping = back * block.damping * turn;
+  const Eigen::MatrixXd left = block.left * turn;
+  const Eigen::MatrixXd right = back * block.right;
+  for (Eigen::Index r = 0; r < block.size(); ++r) {
+    const double own = std::sqrt(std::abs(solver.eigenvalues()(r)));
+    const double half = std::clamp(0.5 * std::abs(damping(r, r)), 1e-9 * own, 0.99 * own);
+    modes.push_back(
+        single_mode({-half, std::sqrt(own * own - half * half)}, left.col(r), right.row(r)));
+  }
+  return modes;
+}
+
+double own_frequency(const Block& block) {
+  return block.rigid ? 0.0 : std::sqrt(block.stiffness(0, 0));
+}
+
+// Single modes by frequency, and how many of each block stayed together.
+BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
+  BlockModel result = model;
+  result.blocks.clear();
+  for (const auto& block : model.blocks) {
+    if (block.rigid || block.size() == 1) {
+      result.blocks.push_back(balanced(block));
+      continue;
+    }
+    const auto modes = forced_modes(block);
+    std::ostringstream text;
+    text << "modes near " << own_frequency(modes.front()) * model.scale / (2.0 * std::numbers::pi)
+         << " Hz: their damping couples them, real modes of their own do not fit the data";
+    notes.push_back(text.str());
+    for (const auto& mode : modes) result.blocks.push_back(balanced(mode));
+  }
+  std::stable_sort(result.blocks.begin(), result.blocks.end(), [](const Block& a, const Block& b) {
+    return own_frequency(a) < own_frequency(b);
+  });
+  for (auto& block : result.blocks) {
+    for (Eigen::Index a = 0; a < block.size(); ++a) {
+      Eigen::Index largest = 0;
+      block.left.col(a).cwiseAbs().maxCoeff(&largest);
+      if (block.left(largest, a) < 0.0) {
+        block.left.col(a) *= -1.0;
+        block.right.row(a) *= -1.0;
+      }
+    }
+  }
+  return result;
+}
+
+// Columns: directions in the parameters that leave every response as it is.
+Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters) {
+  Eigen::Index count = 0;
+  for (const auto& block : model.blocks) count += block.size() * block.size();
+  Eigen::MatrixXd idle = Eigen::MatrixXd::Zero(parameters, count);
+  Eigen::Index column = 0;
+  Eigen::Index first = 0;
+  for (const auto& block : model.blocks) {
+    const auto g = block.size();
+    const auto p = block.left.rows();
+    for (Eigen::Index b = 0; b < g; ++b) {
+      for (Eigen::Index a = 0; a < g; ++a) {  // left += left E_ab, right −= E_ab right
+        idle.col(column).segment(first + p * b, p) = block.left.col(a);
+        for (Eigen::Index j = 0; j < block.right.cols(); ++j) {
+          idle(first + g * p + a + g * j, column) = -block.right(b, j);
+        }
+        ++column;
+      }
+    }
+    first += g * (p + block.right.cols()) + (block.rigid ? 0 : 2 * g * g);
+  }
+  return idle;
+}
+
+// Pseudo-inverse of the normal equations that holds the idle directions still, orthogonally to
+// them in the parameters' own metric.
+Eigen::MatrixXd held_inverse(const NormalEquations& normal, const Eigen::MatrixXd& idle) {
+  const Eigen::VectorXd scale =
+      normal.matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd a = scale.asDiagonal() *
+                      Eigen::MatrixXd(normal.matrix.selfadjointView<Eigen::Lower>()) *
+                      scale.asDiagonal();
+  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * idle;
+  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).householderQ() *
+                            Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  a += q * q.transpose();
+  Eigen::MatrixXd factor = a;
+  for (double jitter = 1e-14; !dense::cholesky(factor); jitter *= 10.0) {
+    factor = a;
+    factor.diagonal().array() += jitter;
+  }
+  dense::invert(factor);
+  factor.triangularView<Eigen::StrictlyUpper>() = factor.transpose();
+  const Eigen::MatrixXd inverse = scale.asDiagonal() * factor * scale.asDiagonal();
+  const Eigen::MatrixXd own = Eigen::HouseholderQR<Eigen::MatrixXd>(idle).householderQ() *
+                              Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
+  return half - (half * own) * own.transpose();
+}
+
+// Rows of (ω, ζ, L, R) of a single mode in its parameters (L, R, K, D), physical units.
+Eigen::MatrixXd physical(const Block& block, double scale) {
+  const auto pq = block.left.rows() + block.right.cols();
+  const double own = own_frequency(block);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 + pq, pq + 2);
+  jacobian(0, pq) = scale / (2.0 * own);
+  jacobian(1, pq) = -block.damping(0, 0) / (4.0 * own * own * own);
+  jacobian(1, pq + 1) = 1.0 / (2.0 * own);
+  jacobian.bottomLeftCorner(pq, pq) = scale * Eigen::MatrixXd::Identity(pq, pq);
+  return jacobian;
+}
+
+class Filler {
+ public:
+  Filler(const BlockModel& model, const Eigen::MatrixXd& covariance, ModalFit& fit)
+      : model_(model), covariance_(covariance), fit_(fit) {}
+
+  void fill() {
+    for (const auto& block : model_.blocks) {
+      if (block.rigid) {
+        add_rigid(block);
+      } else {
+        add_mode(block);
+      }
+    }
+  }
+
+ private:
+  void add_rigid(const Block& block) {
+    const auto g = block.size();
+    const auto p = block.left.rows();
+    const auto q = block.right.cols();
+    const auto count = g * (p + q);
+    fit_.rigid_covariance =
+        model_.scale * model_.scale * covariance_.block(first_, first_, count, count);
+    for (Eigen::Index a = 0; a < g; ++a) {
+      std::vector<Eigen::Index> own;
+      for (Eigen::Index i = 0; i < p; ++i) own.push_back(i + p * a);
+      for (Eigen::Index j = 0; j < q; ++j) own.push_back(g * p + a + g * j);
+      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 + p + q, 2 + p + q);
+      all.bottomRightCorner(p + q, p + q) = fit_.rigid_covariance(own, own);
+      put(0.0, 0.0, block.left.col(a), block.right.row(a), all);
+    }
+    first_ += count;
+  }
+
+  void add_mode(const Block& block) {
+    const auto count = block.left.rows() + block.right.cols() + 2;
+    const Eigen::MatrixXd jacobian = physical(block, model_.scale);
+    const double own = own_frequency(block);
+    put(own * model_.scale / (2.0 * std::numbers::pi), block.damping(0, 0) / (2.0 * own),
+        block.left.col(0), block.right.row(0),
+        jacobian * covariance_.block(first_, first_, count, count) * jacobian.transpose());
+    first_ += count;
+  }
+
+  void put(double frequency_hz, double damping, const Eigen::VectorXd& left,
+           const Eigen::RowVectorXd& right, const Eigen::MatrixXd& covariance) {
+    const auto m = mode_++;
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    fit_.model.frequency_hz(m) = frequency_hz;
+    fit_.model.damping_ratio(m) = damping;
+    fit_.model.output_shapes.col(m) = model_.scale * left;
+    fit_.model.input_shapes.row(m) = model_.scale * right;
+    fit_.frequency_std_hz(m) = deviation(0) / (2.0 * std::numbers::pi);
+    fit_.damping_std(m) = deviation(1);
+    fit_.output_std.col(m) = deviation.segment(2, left.size());
+    fit_.input_std.row(m) = deviation.tail(right.size()).transpose();
+    fit_.mode_covariance.push_back(covariance);
+  }
+
+  const BlockModel& model_;
+  const Eigen::MatrixXd& covariance_;
+  ModalFit& fit_;
+  Eigen::Index first_ = 0, mode_ = 0;
+};
+
+void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen::Index inputs) {
+  Eigen::Index m = 0;
+  for (const auto& block : model.blocks) {
+    m += block.size();
+    if (block.rigid) fit.model.rigid_count = block.size();
+  }
+  fit.model.frequency_hz.resize(m);
+  fit.model.damping_ratio.resize(m);
+  fit.model.output_shapes.resize(outputs, m);
+  fit.model.input_shapes.resize(m, inputs);
+  fit.model.residual = model.residual;
+  fit.frequency_std_hz.resize(m);
+  fit.damping_std.resize(m);
+  fit.output_std.resize(outputs, m);
+  fit.input_std.resize(m, inputs);
+}
+
+// Neighbours within a bandwidth of which a shape is hardly known form one group.
+std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
+  const auto& model = fit.model;
+  const auto unknown = [&](Eigen::Index m) {
+    return fit.output_std.col(m).norm() > kUnknownShape * model.output_shapes.col(m).norm();
+  };
+  std::vector<modal::ModeGroup> groups;
+  if (model.rigid_count > 0) groups.push_back({0, model.rigid_count});
+  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
+    const bool near = m > model.rigid_count &&
+                      model.frequency_hz(m) - model.frequency_hz(m - 1) <
+                          2.0 * std::max(model.damping_ratio(m), model.damping_ratio(m - 1)) *
+                              model.frequency_hz(m);
+    if (near && unknown(m) && unknown(m - 1)) {
+      ++groups.back().size;
+    } else {
+      groups.push_back({m, 1});
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitted& fitted,
+                          const FitData& data) {
+  ModalFit fit;
+  auto model = in_modes(found.model, fit.notes);
+  const auto left_over = misfit(model, target, fitted);
+  const auto normal = normal_equations(model, left_over, target, fitted);
+  const auto parameters = parameter_count(model, fitted);
+  const Eigen::MatrixXd idle = idle_directions(model, parameters);
+  fit.cost = left_over.cost;
+  fit.measured_count = data.measured_count();
+  fit.parameter_count = parameters - idle.cols() +
+                        (fitted.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0);
+  fit.expected_cost = 0.5 * static_cast<double>(fit.measured_count - fit.parameter_count);
+  fit.iterations = found.iterations;
+  fit.converged = found.converged;
+  const double variance = data.noise_known ? 1.0 : fit.cost / fit.expected_cost;
+  const Eigen::MatrixXd covariance = 0.5 * variance * held_inverse(normal, idle);
+  resize(fit, model, data.outputs, data.inputs);
+  Filler(model, covariance, fit).fill();
+  const Eigen::VectorXd sums = target.squared.rowwise().sum();
+  const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
+  fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
+  if (!fitted.residual) fit.residual_std.setZero();
+  fit.delay_s = model.delay / model.scale;
+  if (fitted.delay) {
+    fit.delay_std_s =
+        std::sqrt(std::max(0.0, covariance(parameters - 1, parameters - 1))) / model.scale;
+  }
+  fit.groups = groups_of(fit);
+  return fit;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,264 @@
+#include "identification/gain_match.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "identification/matching.h"
+#include "identification/pair_evidence.h"
+
+namespace chladni::identification {
+
+namespace {
+
+void check_input(const ModalFit& fit, const Channels& outputs, const Channels& inputs,
+                 const GainMatchOptions& options) {
+  const auto p = fit.model.output_count();
+  const auto q = fit.model.input_count();
+  require(std::ssize(outputs) == p && std::ssize(inputs) == q,
+          fmt::format("gain match: {} and {} channels for a fit of {} outputs and {} inputs",
+                      outputs.size(), inputs.size(), p, q));
+  std::set<Eigen::Index> left;
+  std::set<Eigen::Index> right;
+  for (const auto& pair : options.pairs) {
+    require(pair.output >= 0 && pair.output < p && pair.input >= 0 && pair.input < q,
+            fmt::format("gain match: a pair of output {} and input {}; there are {} and {}",
+                        pair.output + 1, pair.input + 1, p, q));
+    const bool once = left.insert(pair.output).second && right.insert(pair.input).second;
+    require(once, "gain match: " + outputs[static_cast<std::size_t>(pair.output)].name + " or " +
+                      inputs[static_cast<std::size_t>(pair.input)].name +
+                      " is in two collocated pairs");
+  }
+  if (!options.geometry) return;
+  const auto& geometry = *options.geometry;
+  require(geometry.outputs.rows() == p && geometry.inputs.rows() == q &&
+              geometry.outputs.cols() == geometry.inputs.cols(),
+          fmt::format("gain match: rigid directions of {} sensors and {} actuators; expected {} "
+                      "and {}",
+                      geometry.outputs.rows(), geometry.inputs.rows(), p, q));
+  for (const auto mode : geometry.suspended) {
+    require(mode >= fit.model.rigid_count && mode < fit.model.mode_count(),
+            fmt::format("gain match: suspended mode {} is not a mode above 0 Hz", mode + 1));
+  }
+}
+
+void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channel, double factor) {
+  auto& covariance = state.fit.rigid_covariance;
+  const auto r = state.fit.model.rigid_count;
+  if (covariance.rows() != r * (state.p() + state.q())) return;
+  for (Eigen::Index m = 0; m < r; ++m) {
+    const auto place = is_output ? m * state.p() + channel : r * state.p() + channel * r + m;
+    covariance.row(place) *= factor;
+    covariance.col(place) *= factor;
+  }
+}
+
+// Divides what one side of a pair shows by the pair's gain.
+void correct_gains(Matching& state) {
+  const auto& options = state.options;
+  if (options.fault == GainFault::nobody) return;
+  for (std::size_t c = 0; c < options.pairs.size(); ++c) {
+    const auto& pair = options.pairs[c];
+    const auto& gain = state.match.pairs[c];
+    const bool is_output = options.fault == GainFault::outputs;
+    const double factor = is_output ? 1.0 / gain.ratio : gain.ratio;
+    auto& model = state.fit.model;
+    if (is_output) {
+      model.output_shapes.row(pair.output) *= factor;
+    } else {
+      model.input_shapes.col(pair.input) *= factor;
+    }
+    const auto place = 2 + (is_output ? pair.output : state.p() + pair.input);
+    for (auto& covariance : state.fit.mode_covariance) {
+      if (covariance.rows() != 2 + state.p() + state.q()) continue;
+      covariance.row(place) *= factor;
+      covariance.col(place) *= factor;
+    }
+    scale_rigid_covariance(state, is_output, is_output ? pair.output : pair.input, factor);
+    const auto row = static_cast<Eigen::Index>(c);
+    const double relative = gain.ratio_std / gain.ratio;
+    state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +
+                                       (relative * state.ratios.value.row(row).array()).square())
+                                          .sqrt();
+  }
+}
+
+void find_signs(Matching& state) {
+  state.signs = pair_signs(state.residues);
+  const auto n = state.signs.size();
+  const bool any = (state.residues.telling.array()).any();
+  if (any && n > 0 && (state.signs.array() < 0).all()) {
+    state.side = -1;
+    state.signs.setOnes();
+    state.match.warnings.push_back(
+        n == 1 ? state.pair_name(0) +
+                     ": turned around: its residues are negative; all actuators are taken to count "
+                     "against the sensors, but it may be this sensor or this actuator alone"
+               : "all pairs are turned around: sensors and actuators count in opposite directions");
+  } else if (!any) {
+    state.side = side_by_motion(state);
+    if (state.side < 0) {
+      state.match.warnings.emplace_back(
+          "the suspended modes say that sensors and actuators count in opposite directions");
+    }
+  }
+  for (Eigen::Index c = 0; c < n; ++c) {
+    if (state.signs(c) > 0) continue;
+    state.match.pairs[static_cast<std::size_t>(c)].turned = true;
+    state.match.warnings.push_back(state.pair_name(c) +
+                                   ": turned around: this sensor or this actuator counts against "
+                                   "its direction");
+  }
+  for (Eigen::Index c = 0; c < n; ++c) {
+    for (std::size_t g = 0; g < state.groups.size(); ++g) {
+      const auto column = static_cast<Eigen::Index>(g);
+      const double value = state.side * state.signs(c) * state.residues.value(c, column);
+      if (!state.residues.telling(c, column) || value > 0.0) continue;
+      state.residues.telling(c, column) = false;
+      state.match.warnings.push_back(fmt::format(
+          "{}: the residue of {} is negative there, others are not: not used for it; it is not one "
+          "place, or the mode is blended with another",
+          state.pair_name(c), state.mode_name(state.groups[g])));
+    }
+  }
+}
+
+void warn_of_gains(Matching& state, const Eigen::MatrixXd& left) {
+  for (std::size_t c = 0; c < state.match.pairs.size(); ++c) {
+    const auto& gain = state.match.pairs[c];
+    const auto row = static_cast<Eigen::Index>(c);
+    if (std::abs(gain.ratio - 1.0) > std::max(3.0 * gain.ratio_std, 1e-3)) {
+      state.match.warnings.push_back(fmt::format(
+          "{}: the sensor's gain over the actuator's is {:.4f} +- {:.4f} of that of "
+          "the pairs together{}",
+          state.pair_name(row), gain.ratio, gain.ratio_std,
+          state.options.fault == GainFault::nobody ? ", not corrected" : ", corrected"));
+    }
+    for (std::size_t g = 0; g < state.groups.size(); ++g) {
+      const double off = left(row, static_cast<Eigen::Index>(g));
+      if (std::abs(off) < 5.0) continue;
+      state.match.warnings.push_back(
+          fmt::format("{}: {} disagrees with the gains of the others by {:.1f} deviations; it is "
+                      "not one place, or the mode is blended with another",
+                      state.pair_name(row), state.mode_name(state.groups[g]), std::abs(off)));
+    }
+  }
+}
+
+void warn_of_disagreement(Matching& state) {
+  for (const auto& group : state.groups) {
+    const auto& told = state.match.modes[static_cast<std::size_t>(group.first)];
+    const auto freedoms = static_cast<double>(told.freedoms);
+    if (told.freedoms <= 0 ||
+        told.disagreement < freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0) {
+      continue;
+    }
+    state.match.warnings.push_back(fmt::format(
+        "{}: {} disagree by chi-square {:.3g} where {} is expected", state.mode_name(group),
+        told.by == MatchedBy::geometry ? "the places and a rigid motion" : "its pairs",
+        told.disagreement, told.freedoms));
+  }
+}
+
+void gather_rows(Matching& state) {
+  auto& match = state.match;
+  for (Eigen::Index i = 0; i < state.p(); ++i) match.rows.push_back({false, i});
+  for (Eigen::Index j = 0; j < state.q(); ++j) {
+    const bool shares = std::ranges::any_of(state.options.pairs, [&](const CollocatedPair& pair) {
+      return pair.input == j && pair.at_output.size() == 0 && pair.at_input.size() == 0;
+    });
+    if (!shares) match.rows.push_back({true, j});
+  }
+  const auto count = std::ssize(match.rows);
+  match.shapes.conservativeResize(count, Eigen::NoChange);
+  match.deviation.conservativeResize(count, Eigen::NoChange);
+  for (Eigen::Index k = state.p(); k < count; ++k) {
+    const auto j = match.rows[static_cast<std::size_t>(k)].channel;
+    match.shapes.row(k) = state.at_inputs.row(j);
+    match.deviation.row(k) = state.at_inputs_std.row(j);
+  }
+}
+
+Matching started(const ModalFit& fit, const Channels& outputs, const Channels& inputs,
+                 const GainMatchOptions& options) {
+  Matching state{fit, outputs, inputs, options, matched_groups(fit), {}, {}, {}, 1, {}, {}, {}};
+  const auto m = fit.model.mode_count();
+  state.ratios = place_ratios(options.pairs, m, options.simulation_error);
+  state.match.modes.resize(static_cast<std::size_t>(m));
+  state.match.pairs.resize(options.pairs.size());
+  state.match.shapes = state.match.deviation = Eigen::MatrixXd::Zero(state.p(), m);
+  state.match.input_shapes = state.match.input_deviation = Eigen::MatrixXd::Zero(m, state.q());
+  state.at_inputs = state.at_inputs_std = Eigen::MatrixXd::Zero(state.q(), m);
+  return state;
+}
+
+}  // namespace
+
+std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredChannel>& outputs,
+                                             const std::vector<modal::MeasuredChannel>& inputs,
+                                             double within_m) {
+  struct Near {
+    double distance;
+    Eigen::Index output, input;
+  };
+  std::vector<Near> near;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = 0; j < inputs.size(); ++j) {
+      if (!outputs[i].position || !inputs[j].position) continue;
+      const double distance = (*outputs[i].position - *inputs[j].position).norm();
+      if (distance <= within_m) {
+        near.push_back({distance, static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)});
+      }
+    }
+  }
+  std::ranges::stable_sort(near, {}, &Near::distance);
+  std::set<Eigen::Index> left;
+  std::set<Eigen::Index> right;
+  std::vector<CollocatedPair> pairs;
+  for (const auto& one : near) {
+    if (left.contains(one.output) || right.contains(one.input)) continue;
+    left.insert(one.output);
+    right.insert(one.input);
+    pairs.push_back({one.output, one.input, {}, {}});
+  }
+  std::ranges::sort(pairs, {}, &CollocatedPair::output);
+  return pairs;
+}
+
+GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs,
+                     const std::vector<modal::MeasuredChannel>& inputs,
+                     const GainMatchOptions& options) {
+  check_input(fit, outputs, inputs, options);
+  auto state = started(fit, outputs, inputs, options);
+  state.residues =
+      pair_residues(fit, state.groups, options.pairs, state.ratios, options.significance);
+  find_signs(state);
+  auto gains = pair_gains(fit, state.groups, options.pairs, state.ratios, state.residues);
+  for (std::size_t c = 0; c < gains.gains.size(); ++c) {
+    gains.gains[c].turned = state.match.pairs[c].turned;
+    state.match.pairs[c] = gains.gains[c];
+  }
+  correct_gains(state);
+  warn_of_gains(state, gains.left);
+  for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
+  warn_of_disagreement(state);
+  gather_rows(state);
+  return std::move(state.match);
+}
+
+modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match) {
+  auto model = fit.model;
+  model.output_shapes = match.shapes;
+  model.input_shapes = match.input_shapes;
+  model.residual = Eigen::MatrixXd::Zero(match.shapes.rows(), fit.model.input_count());
+  if (fit.model.residual.size() > 0) {
+    model.residual.topRows(fit.model.output_count()) = fit.model.residual;
+  }
+  return model;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,197 @@
+#include "identification/identified.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/error.h"
+#include "identification/delay_scan.h"
+#include "identification/missing_mode.h"
+#include "identification/residue_problem.h"
+#include "identification/vector_fit.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kWorthwhile = 25.0;     // significance of a pole, per channel
+constexpr double kMostDamping = 0.4;     // of what is called a mode
+constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise leaves
+constexpr double kLeastDecrease = 0.02;  // of the cost by a further mode, the noise not known
+constexpr double kHardlyLess = 0.7;      // cost of a higher order over that of a lower one
+constexpr double kNoiseLeft = 1.3;       // cost over what noise leaves at which to stop
+constexpr Eigen::Index kSpareOrder = 5;
+constexpr int kPeakReach = 3;  // lines on each side that a peak tops
+
+// Resonances that stand out, as a first guess of the order: maxima of Σ |ω² G|², each response over
+// its mean, by a factor above the median around them.
+Eigen::Index peak_count(const FitData& data) {
+  const auto lines = data.line_count();
+  const Eigen::ArrayXd acceleration = data.frequency_hz.array().pow(4);
+  Eigen::ArrayXd all = Eigen::ArrayXd::Zero(lines);
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const Eigen::ArrayXd one = data.value.col(e).cwiseAbs2().array() * acceleration;
+    if (one.maxCoeff() > 0.0) all += one / one.mean();
+  }
+  const Eigen::Index around = std::max<Eigen::Index>(20, lines / 60);
+  Eigen::Index count = 0;
+  std::vector<double> window;
+  for (Eigen::Index k = kPeakReach; k + kPeakReach < lines; ++k) {
+    if (all(k) < all.segment(k - kPeakReach, 2 * kPeakReach + 1).maxCoeff()) continue;
+    const auto first = std::max<Eigen::Index>(0, k - around);
+    const auto last = std::min(lines, k + around);
+    window.assign(all.data() + first, all.data() + last);
+    std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size() / 2),
+                     window.end());
+    if (all(k) > 3.0 * window[window.size() / 2]) ++count;
+  }
+  return count;
+}
+
+double noise_level(const FitData& data, double cost) {
+  const double level = 2.0 * cost / static_cast<double>(data.measured_count());
+  return data.noise_known ? std::max(1.0, level) : std::max(level, 1e-300);
+}
+
+bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
+  const double own = std::abs(pole) / (2.0 * M_PI);
+  return -pole.real() < kMostDamping * std::abs(pole) && own > 0.5 * data.frequency_hz(0) &&
+         own < 1.1 * data.frequency_hz(data.line_count() - 1);
+}
+
+// Leaves out the poles that are no modes and then, one after the other, those that are not worth
+// their parameters.
+Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
+                            const Eigen::VectorXcd& poles, Eigen::Index modes) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < poles.size(); ++i) {
+    if (looks_like_a_mode(poles(i), data)) kept.push_back(i);
+  }
+  // What nothing but noise leaves is known with all poles in place.
+  const double level = noise_level(data, problem.residues().cost);
+  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) * level;
+  while (!kept.empty()) {
+    Eigen::Index weakest = 0;
+    const double worth = problem.residues(kept).significance.minCoeff(&weakest);
+    const auto count = static_cast<Eigen::Index>(kept.size());
+    if (modes > 0 ? count <= modes : worth >= least) break;
+    kept.erase(kept.begin() + weakest);
+  }
+  return poles(kept);
+}
+
+double excess_of(const ModalFit& fit) {
+  const double n = 2.0 * fit.expected_cost;
+  return (2.0 * fit.cost - n) / std::sqrt(2.0 * n);
+}
+
+Start start_from(const ModalFit& fit) {
+  Start start;
+  start.rigid_count = fit.model.rigid_count;
+  const auto flexible = fit.model.mode_count() - fit.model.rigid_count;
+  start.pole.resize(flexible);
+  for (Eigen::Index m = 0; m < flexible; ++m) {
+    const double own = 2.0 * M_PI * fit.model.frequency_hz(start.rigid_count + m);
+    const double ratio = fit.model.damping_ratio(start.rigid_count + m);
+    start.pole(m) =
+        own * std::complex<double>(-ratio, std::sqrt(std::max(1e-12, 1.0 - ratio * ratio)));
+  }
+  return start;
+}
+
+// Whether a fit with one mode more is worth it.
+bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
+  const double level = noise_level(data, after.cost);
+  const double parameters = static_cast<double>(after.parameter_count - before.parameter_count);
+  const double needed = 0.5 * level * std::max(1.0, parameters) *
+                        std::log(static_cast<double>(data.measured_count()));
+  const double won = before.cost - after.cost;
+  return won > needed && (data.noise_known || won > kLeastDecrease * before.cost);
+}
+
+Eigen::Index flexible_count(const ModalFit& fit) {
+  return fit.model.mode_count() - fit.model.rigid_count;
+}
+
+void add_missing_modes(const FitData& data, const IdentificationOptions& options,
+                       Identified& result) {
+  const auto room = data.measured_count() / (2 * (data.outputs + data.inputs + 1));
+  const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
+  while (flexible_count(result.fit) < most) {
+    const bool wanted = options.modes > flexible_count(result.fit);
+    if (!wanted && data.noise_known && excess_of(result.fit) < kEnoughExcess) break;
+    auto start = start_from(result.fit);
+    const auto candidate = missing_mode(data, result.fit);
+    start.pole.conservativeResize(start.pole.size() + 1);
+    start.pole(start.pole.size() - 1) = candidate.pole;
+    auto fit = modal_fit(data, start, options.fit);
+    const bool taken = wanted || pays(data, result.fit, fit);
+    result.steps.push_back({flexible_count(fit), fit.cost, excess_of(fit), taken});
+    if (!taken) break;
+    result.fit = std::move(fit);
+  }
+}
+
+// Vector fits of rising order until a higher one leaves hardly less.
+struct Poles {
+  Eigen::VectorXcd pole;
+  ResidueProblem problem;
+};
+Poles start_poles(const FitData& data, const IdentificationOptions& options, Eigen::Index& order) {
+  const bool rigid = options.rigid_count > 0;
+  const auto room = std::max<Eigen::Index>(1, (data.line_count() - 4) / 3);
+  const auto highest = std::min(options.most_modes + kSpareOrder, room);
+  const auto guess = options.modes > 0 ? options.modes : peak_count(data);
+  VectorFitOptions how{.order = std::min(guess + kSpareOrder, highest), .rigid = rigid};
+  how.enough = 1e-4;
+  std::optional<Poles> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (; best == std::nullopt || how.order <= highest; how.order += 3 + how.order / 5) {
+    tell(options.fit.progress, "finding poles");
+    how.start = vector_fit(data, how);
+    ResidueProblem problem(data, how.start, rigid);
+    const double cost = problem.residues().cost;
+    const bool better = cost < kHardlyLess * least;
+    if (cost < least) {
+      best.emplace(Poles{how.start, std::move(problem)});
+      order = how.order;
+      least = cost;
+    }
+    if (!better ||
+        (data.noise_known && cost < kNoiseLeft * 0.5 * static_cast<double>(data.measured_count())))
+      break;
+  }
+  return std::move(*best);
+}
+
+// The delay is taken out of the data before the poles are found again.
+FitData without_delay(const FitData& data, const IdentificationOptions& options, double& delay) {
+  if (!options.fit.delay) return data;
+  Eigen::Index order = 0;
+  const auto found = start_poles(data, options, order);
+  const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
+  delay = scanned_delay(data, kept, options.rigid_count > 0);
+  return undelayed(data, delay);
+}
+
+}  // namespace
+
+Identified identified(const FitData& measured, const IdentificationOptions& options) {
+  Identified result;
+  double delay = 0.0;
+  const auto data = without_delay(measured, options, delay);
+  const auto found = start_poles(data, options, result.start_order);
+  Start start;
+  start.rigid_count = options.rigid_count;
+  start.pole = worthwhile(data, found.problem, found.pole, options.modes);
+  require(start.pole.size() + start.rigid_count > 0,
+          "identification: no resonance stands out of the noise in the band");
+  result.fit = modal_fit(data, start, options.fit);
+  result.steps.push_back(
+      {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
+  add_missing_modes(data, options, result);
+  result.fit.delay_s += delay;
+  return result;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,52 @@
+// Measured responses in, modal model out: the number of modes is found.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/fit_data.h"
+#include "identification/modal_fit.h"
+
+namespace chladni::identification {
+
+struct IdentificationOptions {
+  Eigen::Index modes = 0;        ///< flexible ones; 0: found
+  Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the rank of the term in 1/s²
+  Eigen::Index most_modes = 80;
+  FitOptions fit = {};
+};
+
+/// What each attempt to add a mode came to.
+struct OrderStep {
+  Eigen::Index modes = 0;  ///< flexible ones
+  double cost = 0.0;       ///< Σ |w error|²
+  double excess = 0.0;     ///< z = (V − N) / sqrt(2N), V = 2 cost, N numbers less parameters
+  bool taken = false;
+};
+
+struct Identified {
+  ModalFit fit;
+  std::vector<OrderStep> steps;
+  Eigen::Index start_order = 0;  ///< of the vector fit
+};
+
+/// Poles by vector fitting of an order above the number of resonances seen, those that are not
+/// worth their parameters left out; maximum likelihood; then, while more is left than noise, the
+/// mode that explains most of it, kept where the Bayesian information criterion says so.
+/// Where the noise is not known its level is what the fit leaves, and a further mode must lower the
+/// cost by 2 %.
+/// @throws InvalidInput  as modal_fit; nothing in the data stands out of the noise
+[[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
+
+/// Poles of vector fits of rising order, for the diagram that users know.
+struct StabilisationPoint {
+  Eigen::Index order = 0;
+  double frequency_hz = 0.0, damping_ratio = 0.0;
+  bool stable_frequency = false, stable_damping = false,
+       stable_shape = false;  ///< 0.1 %, 5 %, MAC 0.98
+};
+[[nodiscard]] std::vector<StabilisationPoint> stabilisation(const FitData& data,
+                                                            Eigen::Index highest_order, bool rigid,
+                                                            const Progress& progress = {});
+
+}  // namespace chladni::identification

@@ -1,0 +1,28 @@
+// Levenberg's and Marquardt's descent to the likeliest block model.
+#pragma once
+
+#include "base/progress.h"
+#include "identification/normal_equations.h"
+
+namespace chladni::identification {
+
+struct Descent {
+  BlockModel model;
+  Misfit misfit;
+  int iterations = 0;
+  bool converged = false;
+};
+
+struct DescentOptions {
+  int iterations = 60;
+  double damping = 1e-4;  ///< of the normal equations scaled to a unit diagonal, at the start
+  Progress progress = {};
+};
+
+/// Steps that lower the cost and keep every pole stable; each divides the damping by 10, a failure
+/// multiplies it by 8. Converged: two steps running lower the cost by less than 1e-8 of it, or
+/// nothing lowers it further.
+[[nodiscard]] Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
+                              const DescentOptions& options);
+
+}  // namespace chladni::identification

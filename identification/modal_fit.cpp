@@ -1,0 +1,214 @@
+#include "identification/modal_fit.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "identification/fit_uncertainty.h"
+#include "identification/levenberg.h"
+#include "identification/residue_problem.h"
+
+namespace chladni::identification {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr Eigen::Index kLargestBlock = 3;
+constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
+constexpr double kSecond = 0.2;       // least of a further direction of one pole, over the first
+constexpr double kAlike = 0.01;       // cost that diagonal blocks may add
+
+void check(const FitData& data, const Start& start) {
+  require(data.value.rows() == data.line_count() && data.weight.rows() == data.line_count() &&
+              data.value.cols() == data.outputs * data.inputs &&
+              data.weight.cols() == data.value.cols() && data.outputs > 0 && data.inputs > 0,
+          "modal fit: values, weights and channels do not fit together");
+  require(
+      start.residue.empty() || static_cast<Eigen::Index>(start.residue.size()) == start.pole.size(),
+      "modal fit: " + std::to_string(start.residue.size()) + " residues for " +
+          std::to_string(start.pole.size()) + " poles");
+  require(start.pole.size() + start.rigid_count > 0, "modal fit: a start without modes");
+  require(start.rigid_count <= std::min(data.outputs, data.inputs),
+          "modal fit: " + std::to_string(start.rigid_count) +
+              " rigid-body modes cannot be told "
+              "apart by " +
+              std::to_string(data.outputs) + " outputs and " + std::to_string(data.inputs) +
+              " inputs");
+  const auto channels = data.outputs + data.inputs;
+  const auto parameters =
+      (start.pole.size() * (channels + 1)) + start.rigid_count * (channels - start.rigid_count);
+  require(data.measured_count() > parameters,
+          "modal fit: " + std::to_string(data.measured_count()) + " measured numbers for " +
+              std::to_string(parameters) + " parameters");
+  for (const auto& pole : start.pole) {
+    require(pole.real() < 0.0 && pole.imag() > 0.0,
+            "modal fit: a start pole is not damped or not oscillating");
+  }
+}
+
+// Poles nearer than a half-power bandwidth, in order; at most kLargestBlock together.
+std::vector<std::vector<Eigen::Index>> neighbours(const Eigen::VectorXcd& poles) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(poles.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
+  std::sort(order.begin(), order.end(),
+            [&](auto a, auto b) { return poles(a).imag() < poles(b).imag(); });
+  std::vector<std::vector<Eigen::Index>> all;
+  for (const auto i : order) {
+    const bool near = !all.empty() &&
+                      static_cast<Eigen::Index>(all.back().size()) < kLargestBlock &&
+                      std::abs(poles(i).imag() - poles(all.back().back()).imag()) <
+                          2.0 * std::max(-poles(i).real(), -poles(all.back().back()).real());
+    if (near) {
+      all.back().push_back(i);
+    } else {
+      all.push_back({i});
+    }
+  }
+  return all;
+}
+
+// Σ |w h|² of a response's weights: what a unit residue of the pole adds to the cost.
+Eigen::MatrixXd weighted_squares(Complex pole, const Target& target) {
+  Eigen::VectorXd square(target.line_count());
+  for (Eigen::Index k = 0; k < square.size(); ++k) {
+    const Complex s(0.0, target.x(k));
+    square(k) = 1.0 / std::norm(s * s - 2.0 * pole.real() * s + std::norm(pole));
+  }
+  const Eigen::VectorXd sum = target.squared * square;
+  return Eigen::Map<const Eigen::MatrixXd>(sum.data(), target.outputs, target.inputs);
+}
+
+// The block of a group of poles: its directions are those singular vectors of their residues that
+// stand out of the noise.
+Block block_of(const std::vector<Complex>& poles, const std::vector<Eigen::MatrixXd>& residues,
+               const Target& target) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(target.outputs, target.inputs);
+  for (const auto& residue : residues) sum += residue;
+  // Directions of the group; residues of near poles may cancel in the sum, so each adds its own.
+  Eigen::MatrixXd side(target.outputs, sum.cols() * static_cast<Eigen::Index>(residues.size()));
+  for (std::size_t r = 0; r < residues.size(); ++r) {
+    side.middleCols(static_cast<Eigen::Index>(r) * sum.cols(), sum.cols()) = residues[r];
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(sum, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd sigma = svd.singularValues();
+  Complex mean = 0.0;
+  for (const auto& pole : poles) mean += pole / static_cast<double>(poles.size());
+  const Eigen::MatrixXd square = weighted_squares(mean, target);
+  const double least = kWorthwhile * static_cast<double>(target.outputs + target.inputs);
+  Eigen::Index size = 1;
+  while (size < std::min<Eigen::Index>(sigma.size(), kLargestBlock)) {
+    const Eigen::MatrixXd part =
+        sigma(size) * svd.matrixU().col(size) * svd.matrixV().col(size).transpose();
+    const bool among_poles = size < static_cast<Eigen::Index>(poles.size());
+    if (part.cwiseAbs2().cwiseProduct(square).sum() < least) break;
+    if (!among_poles && sigma(size) < kSecond * sigma(0)) break;
+    ++size;
+  }
+  const Eigen::VectorXd root = sigma.head(size).cwiseSqrt();
+  Block block{.left = svd.matrixU().leftCols(size) * root.asDiagonal(),
+              .right = root.asDiagonal() * svd.matrixV().leftCols(size).transpose(),
+              .stiffness = {},
+              .damping = {}};
+  Eigen::VectorXd stiffness(size);
+  Eigen::VectorXd damping(size);
+  for (Eigen::Index r = 0; r < size; ++r) {
+    const bool own = static_cast<std::size_t>(size) == poles.size();
+    const Complex pole = own ? poles[static_cast<std::size_t>(r)] : mean;
+    // Equal ones would have no reason to part.
+    stiffness(r) = std::norm(pole) * (own ? 1.0 : 1.0 + 1e-5 * static_cast<double>(r));
+    damping(r) = -2.0 * pole.real();
+  }
+  block.stiffness = stiffness.asDiagonal();
+  block.damping = damping.asDiagonal();
+  return block;
+}
+
+Block rigid_block(const Eigen::MatrixXd& residue, Eigen::Index count) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd root = svd.singularValues().head(count).cwiseSqrt();
+  return {.left = svd.matrixU().leftCols(count) * root.asDiagonal(),
+          .right = root.asDiagonal() * svd.matrixV().leftCols(count).transpose(),
+          .stiffness = Eigen::MatrixXd::Zero(count, count),
+          .damping = Eigen::MatrixXd::Zero(count, count),
+          .rigid = true};
+}
+
+BlockModel start_model(const FitData& data, const Start& start, const Target& target,
+                       double scale) {
+  BlockModel model{.scale = scale, .blocks = {}, .residual = {}};
+  model.residual = Eigen::MatrixXd::Zero(data.outputs, data.inputs);
+  const auto fitted = ResidueProblem(data, start.pole, start.rigid_count > 0).residues();
+  const auto& of_pole = start.residue.empty() ? fitted.of_pole : start.residue;
+  if (start.rigid_count > 0) {
+    model.blocks.push_back(rigid_block(fitted.rigid / (scale * scale), start.rigid_count));
+  }
+  for (const auto& group : neighbours(start.pole)) {
+    std::vector<Complex> poles;
+    std::vector<Eigen::MatrixXd> parts;
+    for (const auto i : group) {
+      poles.push_back(start.pole(i) / scale);
+      parts.emplace_back(of_pole[static_cast<std::size_t>(i)] / (scale * scale));
+    }
+    model.blocks.push_back(block_of(poles, parts, target));
+  }
+  return model;
+}
+
+// Every block as single modes where that loses nothing.
+Descent with_single_modes(const Descent& in_blocks, const Target& target, const Fitted& fitted,
+                          const DescentOptions& options) {
+  BlockModel single = in_blocks.model;
+  single.blocks.clear();
+  bool any = false;
+  for (const auto& block : in_blocks.model.blocks) {
+    const auto modes =
+        block.rigid || block.size() == 1 ? std::vector<Block>{} : diagonalised(block);
+    if (modes.empty()) {
+      single.blocks.push_back(block);
+    } else {
+      single.blocks.insert(single.blocks.end(), modes.begin(), modes.end());
+      any = true;
+    }
+  }
+  if (!any) return in_blocks;
+  auto result =
+      descent(std::move(single), target, fitted,
+              {.iterations = options.iterations, .damping = 1e-8, .progress = options.progress});
+  const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
+  result.iterations += in_blocks.iterations;
+  return result.misfit.cost <= allowed ? result : in_blocks;
+}
+
+}  // namespace
+
+ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& options) {
+  check(data, start);
+  const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);
+  const auto aim = target(data, scale);
+  const Fitted fitted{options.residual, options.delay};
+  const DescentOptions how{.iterations = options.iterations, .progress = options.progress};
+  auto best = descent(start_model(data, start, aim, scale), aim, fitted, how);
+  if (!std::isfinite(best.misfit.cost)) {
+    throw NumericalFailure("modal fit: the cost at the start is not finite");
+  }
+  best = with_single_modes(best, aim, fitted, how);
+  return with_uncertainty(best, aim, fitted, data);
+}
+
+Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
+  const auto& model = fit.model;
+  const auto p = model.output_count();
+  const auto q = model.input_count();
+  Eigen::MatrixXcd result(frequency_hz.size(), p * q);
+  const auto frf = modal::frf(model, frequency_hz);
+  for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+    const Complex turn = std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * fit.delay_s);
+    const auto& line = frf.value[static_cast<std::size_t>(k)];
+    result.row(k) = turn * Eigen::Map<const Eigen::RowVectorXcd>(line.data(), p * q);
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

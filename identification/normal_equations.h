@@ -1,0 +1,60 @@
+// How well a block model fits the data, and the step that would fit it better.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identification/block_model.h"
+#include "identification/fit_data.h"
+
+namespace chladni::identification {
+
+/// The data as the sums want them: a row per response, real parts of all lines, then imaginary.
+struct Target {
+  Eigen::Index outputs = 0, inputs = 0;
+  Eigen::VectorXd x;        ///< K: ω / scale
+  Eigen::MatrixXd value;    ///< pq×2K
+  Eigen::MatrixXd squared;  ///< pq×K: w²
+  double total = 0.0;       ///< Σ |w G|²
+
+  [[nodiscard]] Eigen::Index line_count() const { return x.size(); }
+  [[nodiscard]] Eigen::Index response_count() const { return value.rows(); }
+};
+
+[[nodiscard]] Target target(const FitData& data, double scale);
+
+/// What is fitted beside the blocks.
+struct Fitted {
+  bool residual = true, delay = false;
+};
+
+/// The model's residual is the best for its blocks; what is left of the data then.
+struct Misfit {
+  Eigen::MatrixXd error;     ///< pq×2K: data turned back by the delay, less the model
+  Eigen::MatrixXd response;  ///< pq×2K: the model without its delay
+  double cost = 0.0;         ///< Σ |w error|²
+};
+
+/// Sets model.residual to the best where it is fitted. Cost: 2K·pq per entry of the blocks' H.
+[[nodiscard]] Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted);
+
+/// JᵀJ and Jᵀr of the weighted errors, residual eliminated. Parameters: of each block left (column
+/// by column), right, stiffness, damping; the delay last.
+struct NormalEquations {
+  Eigen::MatrixXd matrix;    ///< lower triangle
+  Eigen::VectorXd gradient;  ///< the step that lowers the cost is along it
+};
+
+/// From one sum per pole and response (as PoleProducts, with the squares of the fractions too):
+/// the gradient is exact, the matrix to 1e-7 of its diagonal where poles are very near.
+/// Cost: some 10 n·K·pq and 100 n²·pq operations, shared between the threads.
+[[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
+                                               const Target& target, const Fitted& fitted);
+
+[[nodiscard]] Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted);
+
+/// The model moved by a step in its parameters, balanced.
+[[nodiscard]] BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step,
+                               const Fitted& fitted);
+
+}  // namespace chladni::identification

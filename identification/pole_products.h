@@ -1,0 +1,49 @@
+// Weighted sums over all lines of products of partial fractions, from one sum per pole.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "identification/fit_data.h"
+
+namespace chladni::identification {
+
+/// Σ w² / ((s−a)(s−b)) = (m(a) − m(b)) / (a − b) with m(z) = Σ w² / (s−z): the sums for all pairs
+/// of poles of all responses cost K·n·pq instead of K·n²·pq. Poles in the left half plane keep the
+/// differences away from 0.
+///
+/// Functions of s, real coefficients: of each of n poles f + f' and j(f − f'), f = 1/(s−p), f' that
+/// of its conjugate; then 1; then 1/s² where rigid bodies are fitted.
+class PoleProducts {
+ public:
+  /// @param x  K: ω over the scale that the poles have; @param rigid  1/s² is one of the functions
+  PoleProducts(const FitData& data, const Eigen::VectorXd& x, bool rigid);
+
+  /// Sums for these poles (n, Im > 0, Re < 0). Cost: one product of 4n×K and K×7pq.
+  void set_poles(const Eigen::VectorXcd& poles);
+
+  /// Of one response: the functions with themselves, and with the data.
+  struct Products {
+    Eigen::MatrixXd functions;  ///< N×N: Re Σ w² ψ̄ᵤ ψᵥ, N = 2n + 1 (+ 1)
+    Eigen::MatrixXd mixed;      ///< N×(2n+1): Re Σ w² ψ̄ᵤ G ψᵥ, the last one's ψ being 1
+    Eigen::MatrixXd data;       ///< (2n+1)²: Re Σ w² |G|² ψ̄ᵤ ψᵥ
+  };
+  /// @param only_functions  leave out `data`, and all of `mixed` but its last column
+  [[nodiscard]] Products of(Eigen::Index response, bool only_functions = false) const;
+
+  /// 2n + 1: Σ Re ψ over the lines, without weight.
+  [[nodiscard]] Eigen::VectorXd sums() const;
+
+  [[nodiscard]] Eigen::Index response_count() const { return responses_; }
+  [[nodiscard]] Eigen::Index function_count() const { return 2 * poles_.size() + 1 + rigid_; }
+
+ private:
+  [[nodiscard]] Eigen::VectorXcd moment(Eigen::Index kind, Eigen::Index response) const;
+
+  Eigen::Index responses_, rigid_;
+  Eigen::VectorXd x_;
+  Eigen::MatrixXd weights_;  // K×(kinds·pq + 1): the last column is 1
+  Eigen::VectorXcd poles_;
+  Eigen::MatrixXd moments_;  // 4n×…: real parts for p, real for p̄, then imaginary ones
+};
+
+}  // namespace chladni::identification

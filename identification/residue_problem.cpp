@@ -1,0 +1,80 @@
+#include "identification/residue_problem.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "identification/pole_products.h"
+#include "priors/dense.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kJitter = 1e-13;  // of products scaled to a unit diagonal
+
+}  // namespace
+
+ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& poles, bool rigid)
+    : outputs_(data.outputs),
+      inputs_(data.inputs),
+      poles_(poles.size()),
+      rigid_(rigid),
+      scale_(2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1)),
+      total_(data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum()) {
+  const priors::dense::OneThread one_thread;
+  const Eigen::VectorXcd scaled = poles / scale_;
+  // 1/(s² − 2 Re(p) s + |p|²) = −j(f − f') / (2 Im p).
+  factor_ = -2.0 * scale_ * scale_ * scaled.imag();
+  PoleProducts products(data, 2.0 * std::numbers::pi / scale_ * data.frequency_hz, rigid);
+  products.set_poles(scaled);
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index u = 0; u < poles_; ++u) used.push_back(2 * u + 1);
+  for (auto u = 2 * poles_; u < products.function_count(); ++u) used.push_back(u);
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const auto one = products.of(e, true);
+    const Eigen::VectorXd right = one.mixed.col(2 * poles_);
+    responses_.push_back({one.functions(used, used), right(used)});
+  }
+}
+
+Residues ResidueProblem::residues() const {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(poles_));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  return residues(all);
+}
+
+Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const {
+  const auto n = static_cast<Eigen::Index>(chosen.size());
+  auto used = chosen;
+  used.push_back(poles_);
+  if (rigid_) used.push_back(poles_ + 1);
+  const auto zero = Eigen::MatrixXd::Zero(outputs_, inputs_);
+  Residues result{std::vector<Eigen::MatrixXd>(chosen.size(), zero), zero, zero,
+                  Eigen::VectorXd::Zero(n), total_};
+  for (std::size_t e = 0; e < responses_.size(); ++e) {
+    if (responses_[e].gram.diagonal().maxCoeff() == 0.0) continue;
+    Eigen::MatrixXd a = responses_[e].gram(used, used);
+    const Eigen::VectorXd unit = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    a = unit.asDiagonal() * a * unit.asDiagonal();
+    a.diagonal().array() += kJitter;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(a);
+    const Eigen::VectorXd right = unit.cwiseProduct(responses_[e].right(used));
+    const Eigen::VectorXd c = factor.solve(right);
+    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
+    const auto i = static_cast<Eigen::Index>(e) % outputs_;
+    const auto j = static_cast<Eigen::Index>(e) / outputs_;
+    for (Eigen::Index u = 0; u < n; ++u) {
+      const auto pole = chosen[static_cast<std::size_t>(u)];
+      result.of_pole[static_cast<std::size_t>(u)](i, j) = factor_(pole) * unit(u) * c(u);
+      result.significance(u) += c(u) * c(u) / inverse(u, u);
+    }
+    result.constant(i, j) = unit(n) * c(n);
+    if (rigid_) result.rigid(i, j) = unit(n + 1) * c(n + 1) * scale_ * scale_;
+    result.cost -= right.dot(c);
+  }
+  result.cost = std::max(result.cost, 0.0);
+  return result;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,337 @@
+#include "identification/response_products.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <complex>
+
+#include "priors/dense.h"
+
+namespace chladni::identification {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr Eigen::Index kAtOnce = 32;  // responses whose sums are one product
+constexpr double kLeastGap = 1e-9;    // between poles of one block, relative
+
+enum Kind : Eigen::Index {
+  kWeight,
+  kErrorReal,
+  kErrorImaginary,
+  kSlow,
+  kDelayReal,
+  kDelayImaginary
+};
+
+// (s − A)⁻¹ of the companion form, its upper right corner.
+void split(const Block& block, BlockFractions& result) {
+  const auto g = block.size();
+  if (g == 1) {
+    const double half = 0.5 * block.damping(0, 0);
+    const Complex root = std::sqrt(Complex(half * half - block.stiffness(0, 0), 0.0));
+    const Complex above = -half + root;
+    Complex below = -half - root;
+    if (std::abs(above - below) < kLeastGap * std::abs(above)) below *= 1.0 + kLeastGap;
+    result.pole.resize(2);
+    result.pole << above, below;
+    result.x.setOnes(1, 2);
+    result.y.resize(2, 1);
+    result.y << 1.0 / (above - below), 1.0 / (below - above);
+  } else {
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * g, 2 * g);
+    a.topRightCorner(g, g).setIdentity();
+    a.bottomLeftCorner(g, g) = -block.stiffness;
+    a.bottomRightCorner(g, g) = -block.damping;
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
+    result.pole = solver.eigenvalues();
+    result.x = solver.eigenvectors().topRows(g);
+    result.y = solver.eigenvectors().inverse().rightCols(g);
+    for (Eigen::Index r = 0; r < 2 * g; ++r) {
+      for (Eigen::Index t = 0; t < r; ++t) {
+        if (std::abs(result.pole(r) - result.pole(t)) < kLeastGap * std::abs(result.pole(r))) {
+          result.pole(r) *= 1.0 + kLeastGap * static_cast<double>(r);
+        }
+      }
+    }
+  }
+  result.left = block.left.cast<Complex>() * result.x;
+  result.right = result.y * block.right.cast<Complex>();
+}
+
+}  // namespace
+
+ResponseProducts::ResponseProducts(const BlockModel& model, const Misfit& misfit,
+                                   const Target& target, const Fitted& fitted)
+    : model_(model), misfit_(misfit), target_(target), fitted_(fitted) {
+  list_fractions();
+  fill_lines();
+}
+
+void ResponseProducts::list_fractions() {
+  Eigen::Index parameter = 0;
+  std::vector<Complex> poles;
+  for (const auto& block : model_.blocks) {
+    BlockFractions one;
+    const auto g = block.size();
+    one.parameter = parameter;
+    one.first = rows_;
+    parameter += g * (block.left.rows() + block.right.cols());
+    if (block.rigid) {
+      rigid_ = true;
+    } else {
+      split(block, one);
+      parameter += 2 * g * g;
+      for (Eigen::Index r = 0; r < 2 * g; ++r) {
+        poles.push_back(one.pole(r));
+        plain_.push_back(rows_ + r);
+        square_.push_back(rows_ + 2 * g + r);
+      }
+      rows_ += 4 * g;
+    }
+    blocks_.push_back(std::move(one));
+  }
+  pole_ = Eigen::Map<const Eigen::VectorXcd>(poles.data(), static_cast<Eigen::Index>(poles.size()));
+}
+
+void ResponseProducts::fill_lines() {
+  lines_.resize(2 * rows_, target_.line_count());
+  for (Eigen::Index k = 0; k < target_.line_count(); ++k) {
+    for (Eigen::Index r = 0; r < pole_.size(); ++r) {
+      const Complex f = 1.0 / (Complex(0.0, target_.x(k)) - pole_(r));
+      const Complex squared = f * f;
+      const auto plain = plain_[static_cast<std::size_t>(r)];
+      const auto square = square_[static_cast<std::size_t>(r)];
+      lines_(plain, k) = f.real();
+      lines_(rows_ + plain, k) = f.imag();
+      lines_(square, k) = squared.real();
+      lines_(rows_ + square, k) = squared.imag();
+    }
+  }
+}
+
+Eigen::VectorXcd ResponseProducts::Sums::complex(Eigen::Index kind, Eigen::Index e) const {
+  const auto column = of.col(kind * count + e - begin);
+  Eigen::VectorXcd result(column.size() / 2);
+  result.real() = column.head(result.size());
+  result.imag() = column.tail(result.size());
+  return result;
+}
+
+Eigen::VectorXcd ResponseProducts::Sums::with(Eigen::Index real, Eigen::Index e) const {
+  const auto a = complex(real, e);
+  const auto b = complex(real + 1, e);
+  Eigen::VectorXcd result(a.size());
+  result.real() = a.real() + b.imag();
+  result.imag() = b.real() - a.imag();
+  return result;
+}
+
+ResponseProducts::Sums ResponseProducts::sums(Eigen::Index begin, Eigen::Index end) const {
+  const auto lines = target_.line_count();
+  const Eigen::Index kinds = fitted_.delay ? 6 : rigid_ ? 4 : 3;
+  Sums result{begin, end - begin, Eigen::MatrixXd::Zero(2 * rows_, kinds * (end - begin))};
+  Eigen::MatrixXd weights(lines, kinds * result.count);
+  for (Eigen::Index e = begin; e < end; ++e) {
+    const auto column = [&](Kind kind) { return weights.col(kind * result.count + e - begin); };
+    const Eigen::VectorXd w = target_.squared.row(e).transpose();
+    column(kWeight) = w;
+    column(kErrorReal) = w.cwiseProduct(misfit_.error.row(e).head(lines).transpose());
+    column(kErrorImaginary) = w.cwiseProduct(misfit_.error.row(e).tail(lines).transpose());
+    if (kinds > kSlow) column(kSlow) = w.array() / target_.x.array().square();
+    if (!fitted_.delay) continue;
+    const Eigen::VectorXd wx = w.cwiseProduct(target_.x);  // −s Ĝ
+    column(kDelayReal) = wx.cwiseProduct(misfit_.response.row(e).tail(lines).transpose());
+    column(kDelayImaginary) = -wx.cwiseProduct(misfit_.response.row(e).head(lines).transpose());
+  }
+  priors::dense::add_product(lines_, weights, 1.0, result.of);
+  return result;
+}
+
+// Σ w² f̄_u f_v for the fractions and squares of all poles.
+void ResponseProducts::fill_pole_pairs(const Eigen::VectorXcd& moment,
+                                       Eigen::MatrixXcd& gram) const {
+  const auto n = static_cast<std::size_t>(pole_.size());
+  for (std::size_t b = 0; b < n; ++b) {
+    const Complex m1b = moment(plain_[b]);
+    const Complex m2b = moment(square_[b]);
+    for (std::size_t a = 0; a <= b; ++a) {
+      const Complex m1 = -std::conj(moment(plain_[a]));
+      const Complex m2 = std::conj(moment(square_[a]));
+      const Complex over = 1.0 / (-std::conj(pole_(static_cast<Eigen::Index>(a))) -
+                                  pole_(static_cast<Eigen::Index>(b)));
+      const Complex s11 = (m1 - m1b) * over;
+      const Complex s21 = (m2 - s11) * over;
+      const Complex s12 = (s11 - m2b) * over;
+      const Complex s22 = (m2 + m2b - 2.0 * s11) * over * over;
+      const auto put = [&](Eigen::Index u, Eigen::Index v, Complex value) {
+        gram(u, v) = value;
+        gram(v, u) = std::conj(value);
+      };
+      put(plain_[a], plain_[b], -s11);
+      put(plain_[a], square_[b], -s12);
+      put(square_[a], plain_[b], s21);
+      put(square_[a], square_[b], s22);
+    }
+  }
+}
+
+// What no pole is part of: 1/s², 1 and the delay among themselves and with the error.
+void ResponseProducts::fill_single_functions(Eigen::Index e, Products& products) const {
+  const auto lines = target_.line_count();
+  const Eigen::VectorXd w = target_.squared.row(e).transpose();
+  const auto complex_row = [&](const Eigen::MatrixXd& rows) {
+    Eigen::VectorXcd result(lines);
+    result.real() = rows.row(e).head(lines).transpose();
+    result.imag() = rows.row(e).tail(lines).transpose();
+    return result;
+  };
+  std::vector<std::pair<Eigen::Index, Eigen::VectorXcd>> functions;
+  if (rigid_) {
+    functions.emplace_back(rigid_row(), (-target_.x.array().square().inverse()).cast<Complex>());
+  }
+  if (fitted_.residual) functions.emplace_back(residual_row(), Eigen::VectorXcd::Ones(lines));
+  if (fitted_.delay) {
+    const Eigen::VectorXcd s = Complex(0.0, 1.0) * target_.x.cast<Complex>();
+    functions.emplace_back(delay_row(), -s.cwiseProduct(complex_row(misfit_.response)));
+  }
+  const Eigen::VectorXcd error = complex_row(misfit_.error);
+  for (const auto& [u, f] : functions) {
+    const Eigen::RowVectorXcd weighted = f.adjoint() * w.cast<Complex>().asDiagonal();
+    products.right(u) = weighted * error;
+    for (const auto& [v, g] : functions) products.gram(u, v) = weighted * g;
+  }
+}
+
+ResponseProducts::Products ResponseProducts::products(Eigen::Index e, const Sums& sums) const {
+  const auto n = function_count();
+  Products result{Eigen::MatrixXcd::Zero(n, n), Eigen::VectorXcd::Zero(n)};
+  const Eigen::VectorXcd moment = sums.complex(kWeight, e);
+  fill_pole_pairs(moment, result.gram);
+  const auto border = [&](Eigen::Index row, const Eigen::VectorXcd& with_fractions) {
+    result.gram.col(row).head(rows_) = with_fractions;
+    result.gram.row(row).head(rows_) = with_fractions.adjoint();
+  };
+  if (rigid_) border(rigid_row(), -sums.complex(kSlow, e).conjugate());
+  if (fitted_.residual) border(residual_row(), moment.conjugate());
+  if (fitted_.delay) border(delay_row(), sums.with(kDelayReal, e));
+  result.right.head(rows_) = sums.with(kErrorReal, e);
+  fill_single_functions(e, result);
+  return result;
+}
+
+// Derivatives of the response (i, j) by the parameters it has in a block, in the block's functions:
+// of left(i, ·), right(·, j), stiffness, damping.
+Eigen::MatrixXcd ResponseProducts::derivatives(std::size_t block, Eigen::Index i,
+                                               Eigen::Index j) const {
+  const auto& own = model_.blocks[block];
+  const auto& parts = blocks_[block];
+  const auto g = own.size();
+  if (own.rigid) {
+    Eigen::MatrixXcd result(1, 2 * g);
+    result << own.right.col(j).transpose().cast<Complex>(), own.left.row(i).cast<Complex>();
+    return result;
+  }
+  const auto n = 2 * g;
+  Eigen::MatrixXcd result = Eigen::MatrixXcd::Zero(2 * n, 2 * g + 2 * g * g);
+  for (Eigen::Index a = 0; a < g; ++a) {
+    for (Eigen::Index r = 0; r < n; ++r) {
+      result(r, a) = parts.x(a, r) * parts.right(r, j);     // (H right)_a
+      result(r, g + a) = parts.left(i, r) * parts.y(r, a);  // (left H)_a
+    }
+  }
+  for (Eigen::Index b = 0; b < g; ++b) {
+    for (Eigen::Index a = 0; a < g; ++a) {  // −(left H)_a (H right)_b, and times s
+      const auto stiffness = 2 * g + a + g * b;
+      const auto damping = stiffness + g * g;
+      for (Eigen::Index r = 0; r < n; ++r) {
+        const Complex one = result(r, g + a);
+        const Complex other = result(r, b);
+        const Complex square = -one * other;
+        Complex plain = 0.0;
+        for (Eigen::Index t = 0; t < n; ++t) {
+          if (t == r) continue;
+          plain -=
+              (one * result(t, b) + result(t, g + a) * other) / (parts.pole(r) - parts.pole(t));
+        }
+        result(r, stiffness) = plain;
+        result(n + r, stiffness) = square;
+        result(r, damping) = plain * parts.pole(r) + square;
+        result(n + r, damping) = square * parts.pole(r);
+      }
+    }
+  }
+  return result;
+}
+
+void ResponseProducts::scatter(Eigen::Index e, const Products& products,
+                               NormalEquations& sum) const {
+  const auto i = e % target_.outputs;
+  const auto j = e / target_.outputs;
+  const auto p = target_.outputs;
+  struct Part {
+    Eigen::Index row;
+    Eigen::MatrixXcd by;
+    std::vector<Eigen::Index> parameter;
+  };
+  std::vector<Part> parts;
+  for (std::size_t c = 0; c < blocks_.size(); ++c) {
+    const auto& block = model_.blocks[c];
+    const auto g = block.size();
+    Part part{block.rigid ? rigid_row() : blocks_[c].first, derivatives(c, i, j), {}};
+    const auto first = blocks_[c].parameter;
+    for (Eigen::Index a = 0; a < g; ++a) part.parameter.push_back(first + i + p * a);
+    for (Eigen::Index b = 0; b < g; ++b) part.parameter.push_back(first + p * g + b + g * j);
+    const auto others = first + g * (p + target_.inputs);
+    for (Eigen::Index t = 0; t < part.by.cols() - 2 * g; ++t) part.parameter.push_back(others + t);
+    parts.push_back(std::move(part));
+  }
+  if (fitted_.delay) {
+    parts.push_back({delay_row(), Eigen::MatrixXcd::Ones(1, 1), {sum.gradient.size() - 1}});
+  }
+  // The residual of a response touches no other: its best value follows the others'.
+  const double pivot =
+      fitted_.residual ? products.gram(residual_row(), residual_row()).real() : 0.0;
+  const double off = fitted_.residual ? products.right(residual_row()).real() : 0.0;
+  std::vector<Eigen::VectorXd> with_residual;
+  for (const auto& part : parts) {
+    const auto rows = part.by.rows();
+    Eigen::VectorXd along = (part.by.adjoint() * products.right.segment(part.row, rows)).real();
+    if (pivot > 0.0) {
+      with_residual.emplace_back(
+          (part.by.adjoint() * products.gram.col(residual_row()).segment(part.row, rows)).real());
+      along -= with_residual.back() * (off / pivot);
+    }
+    for (std::size_t t = 0; t < part.parameter.size(); ++t) {
+      sum.gradient(part.parameter[t]) += along(static_cast<Eigen::Index>(t));
+    }
+  }
+  for (std::size_t d = 0; d < parts.size(); ++d) {
+    for (std::size_t c = d; c < parts.size(); ++c) {
+      const auto block =
+          products.gram.block(parts[c].row, parts[d].row, parts[c].by.rows(), parts[d].by.rows());
+      const Eigen::MatrixXcd half = block.lazyProduct(parts[d].by);
+      Eigen::MatrixXd square = parts[c].by.adjoint().lazyProduct(half).real();
+      if (pivot > 0.0) square -= with_residual[c] * with_residual[d].transpose() / pivot;
+      for (Eigen::Index t = 0; t < square.cols(); ++t) {
+        const auto column = parts[d].parameter[static_cast<std::size_t>(t)];
+        for (Eigen::Index r = 0; r < square.rows(); ++r) {
+          const auto row = parts[c].parameter[static_cast<std::size_t>(r)];
+          if (row >= column) sum.matrix(row, column) += square(r, t);
+        }
+      }
+    }
+  }
+}
+
+void ResponseProducts::add(Eigen::Index begin, Eigen::Index end, NormalEquations& sum) const {
+  for (auto first = begin; first < end; first += kAtOnce) {
+    const auto last = std::min(first + kAtOnce, end);
+    const auto some = sums(first, last);
+    for (auto e = first; e < last; ++e) {
+      if (target_.squared.row(e).maxCoeff() > 0.0) scatter(e, products(e, some), sum);
+    }
+  }
+}
+
+}  // namespace chladni::identification

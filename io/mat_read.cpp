@@ -1,0 +1,78 @@
+// What the worker chladni-mat found in a file.
+#include <set>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/worker.h"
+#include "io/mat.h"
+#include "io/message.h"
+
+namespace chladni::io {
+namespace {
+
+Eigen::VectorXd numbers(const Message& found, const Json& json, const char* key) {
+  const std::string& name = json.at(key).string();
+  if (name.empty()) return {};
+  return found.numbers(name).reshaped();
+}
+
+MatValue value_of(const Message& found, const Json& json) {
+  MatValue value;
+  value.class_name = json.at("class").string();
+  for (const auto& n : json.at("dims").array()) {
+    value.dims.push_back(static_cast<Eigen::Index>(n.number()));
+  }
+  const std::string& kind = json.at("kind").string();
+  if (kind == "number") {
+    value.kind = MatValue::Kind::number;
+    value.real = numbers(found, json, "real");
+    value.imag = numbers(found, json, "imag");
+  } else if (kind == "text") {
+    value.kind = MatValue::Kind::text;
+    for (const auto& row : json.at("rows").array()) value.text.push_back(row.string());
+  } else if (kind == "cell") {
+    value.kind = MatValue::Kind::cell;
+    for (const auto& cell : json.at("cells").array()) value.cells.push_back(value_of(found, cell));
+  } else if (kind == "structure") {
+    value.kind = MatValue::Kind::structure;
+    for (const auto& field : json.at("fields").array()) {
+      value.fields.emplace_back(field.at("name").string(), value_of(found, field.at("value")));
+    }
+  }
+  return value;
+}
+
+MatFile file_of(const Message& found) {
+  MatFile file;
+  file.format = found.head.at("format").string();
+  for (const auto& note : found.head.at("notes").array()) file.notes.push_back(note.string());
+  for (const auto& variable : found.head.at("variables").array()) {
+    file.variables.emplace_back(variable.at("name").string(),
+                                value_of(found, variable.at("value")));
+  }
+  return file;
+}
+
+// Time and memory grow with what may come out of the file: what needs more is not what it says.
+WorkerLimits limits(std::size_t limit_bytes) {
+  return {.time = std::chrono::seconds(30 + limit_bytes / 20'000'000),
+          .memory_bytes = (std::size_t{1} << 30U) + 4 * limit_bytes};
+}
+
+}  // namespace
+
+MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
+  require(std::filesystem::is_regular_file(file),
+          file.string() + ": there is no such file, or it is not a regular one");
+  const std::filesystem::path worker = worker_path("chladni-mat");
+  try {
+    const std::vector<std::string> arguments{file.string(), std::to_string(limit_bytes)};
+    return file_of(message(run_worker(worker, arguments, "", limits(limit_bytes)).output));
+  } catch (const WorkerDied& died) {
+    throw InvalidInput(file.string() + ": not a readable .mat file: " + died.what());
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace chladni::io

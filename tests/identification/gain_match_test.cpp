@@ -1,0 +1,254 @@
+#include "identification/gain_match.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "base/error.h"
+#include "gain_case.h"
+#include "modal/frf.h"
+
+namespace chladni::identification {
+namespace {
+
+TEST(GainMatch, ExtendsTwoSensorsByFourActuatorsExactly) {
+  const auto made = two_by_four();
+  for (const auto rule : {GainRule::thesis, GainRule::tied}) {
+    auto options = with_pairs(made);
+    options.rule = rule;
+    const auto match = matched(made, rescaled(true_fit(made), kScales), options);
+    ASSERT_EQ(match.rows.size(), 5U);  // 2 + 4 − 1
+    const auto truth = truth_at(match, made.truth);
+    for (Eigen::Index m = 0; m < 5; ++m) {
+      const double sign = kScales(m) > 0.0 ? 1.0 : -1.0;
+      EXPECT_LT((match.shapes.col(m) - sign * truth.col(m)).norm(), 1e-12 * truth.col(m).norm());
+      EXPECT_NEAR(match.modes[static_cast<std::size_t>(m)].alpha, std::abs(kScales(m)),
+                  1e-12 * std::abs(kScales(m)));
+      EXPECT_EQ(match.modes[static_cast<std::size_t>(m)].by, MatchedBy::pairs);
+    }
+    EXPECT_TRUE(match.warnings.empty()) << match.warnings.front();
+  }
+}
+
+TEST(GainMatch, PredictsTheSensorsThatAreNotThere) {
+  const auto whole = simulators::beam5x5(quiet());
+  const auto made = two_by_four();
+  const auto fit = rescaled(true_fit(made), kScales);
+  const auto match = matched(made, fit, with_pairs(made));
+  const auto model = extended_model(fit, match);
+  const auto known = modal::frf(model, whole.measured.frequency_hz);
+  const std::vector<Eigen::Index> place = {1, 4, 0, 2, 3};  // y2 y5 u1 u3 u4
+  for (std::size_t k = 0; k < known.value.size(); k += 50) {
+    for (Eigen::Index row = 0; row < 5; ++row) {
+      const auto wanted = whole.exact[k].row(place[static_cast<std::size_t>(row)]).head(4);
+      EXPECT_LT((known.value[k].row(row) - wanted).norm(), 1e-10 * wanted.norm());
+    }
+  }
+}
+
+TEST(GainMatch, IsBlindToTheScaleBetweenBothSides) {
+  const auto made = simulators::beam5x3(quiet());
+  const auto fit = drawn_fit(true_fit(made), 4);
+  for (const auto rule : {GainRule::thesis, GainRule::tied}) {
+    auto options = with_pairs(made);
+    options.rule = rule;
+    const auto one = matched(made, fit, options);
+    const auto other = matched(made, rescaled(fit, kScales), options);
+    for (Eigen::Index m = 0; m < 5; ++m) {
+      const double sign = kScales(m) > 0.0 ? 1.0 : -1.0;
+      const double size = one.shapes.col(m).norm();
+      EXPECT_LT((sign * other.shapes.col(m) - one.shapes.col(m)).norm(), 1e-10 * size);
+      EXPECT_LT((other.deviation.col(m) - one.deviation.col(m)).norm(),
+                1e-5 * one.deviation.col(m).norm());
+    }
+  }
+}
+
+// Root mean square error over draws, over what is stated.
+struct Spread {
+  Eigen::MatrixXd shapes, stated;
+  Eigen::VectorXd alpha;
+};
+
+Spread spread_over_draws(const simulators::FrfCase& made, const GainMatchOptions& options,
+                         int draws) {
+  const auto fit = true_fit(made);
+  const auto exact = matched(made, fit, options);
+  const auto truth = truth_at(exact, made.truth);
+  Spread spread{Eigen::MatrixXd::Zero(truth.rows(), truth.cols()), exact.deviation,
+                Eigen::VectorXd::Zero(truth.cols())};
+  for (int draw = 0; draw < draws; ++draw) {
+    const auto match = matched(made, drawn_fit(fit, 100 + static_cast<unsigned>(draw)), options);
+    spread.shapes += (match.shapes - truth).cwiseAbs2() / draws;
+    for (Eigen::Index m = 0; m < truth.cols(); ++m) {
+      const auto& mode = match.modes[static_cast<std::size_t>(m)];
+      const double known = exact.modes[static_cast<std::size_t>(m)].alpha;
+      spread.alpha(m) += std::pow((mode.alpha - known) / mode.alpha_std, 2) / draws;
+    }
+  }
+  spread.shapes = spread.shapes.cwiseSqrt();
+  spread.alpha = spread.alpha.cwiseSqrt();
+  return spread;
+}
+
+TEST(GainMatch, StatesTheDeviationsOfAllRows) {
+  constexpr int kDraws = 200;
+  const double allowed = 4.5 / std::sqrt(2.0 * kDraws);
+  for (const auto& made : {two_by_four(), simulators::beam5x3(quiet())}) {
+    for (const auto rule : {GainRule::thesis, GainRule::tied}) {
+      auto options = with_pairs(made);
+      options.rule = rule;
+      const auto spread = spread_over_draws(made, options, kDraws);
+      const Eigen::ArrayXXd ratio = spread.shapes.cwiseQuotient(spread.stated);
+      EXPECT_LT((ratio - 1.0).abs().maxCoeff(), allowed) << ratio;
+      EXPECT_LT((spread.alpha.array() - 1.0).abs().maxCoeff(), allowed);
+    }
+  }
+}
+
+TEST(GainMatch, TiedIsNowhereWorseThanTheThesisRule) {
+  const auto made = simulators::beam5x3(quiet());
+  auto options = with_pairs(made);
+  const auto tied = matched(made, true_fit(made), options);
+  options.rule = GainRule::thesis;
+  const auto thesis = matched(made, true_fit(made), options);
+  EXPECT_TRUE((tied.deviation.array() < 1.001 * thesis.deviation.array()).all());
+  EXPECT_LT(tied.deviation.sum(), 0.9 * thesis.deviation.sum());
+  EXPECT_EQ(tied.modes[0].freedoms, 2);
+}
+
+TEST(GainMatch, LeavesAModeAloneWhosePairIsOnItsNode) {
+  const auto made = part(simulators::beam5x5(quiet()), {2, 4}, {0, 1, 2, 3});  // the pair at 3
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const auto match = matched(made, drawn_fit(true_fit(made), seed), with_pairs(made));
+    for (const Eigen::Index m : {0, 2, 4}) {
+      EXPECT_EQ(match.modes[static_cast<std::size_t>(m)].by, MatchedBy::pairs);
+      EXPECT_TRUE(match.deviation.col(m).allFinite());
+    }
+    for (const Eigen::Index m : {1, 3}) {
+      EXPECT_EQ(match.modes[static_cast<std::size_t>(m)].by, MatchedBy::nothing);
+      EXPECT_TRUE(match.shapes.col(m).allFinite());
+      EXPECT_FALSE(match.deviation.col(m).array().isFinite().any());
+    }
+    ASSERT_EQ(match.warnings.size(), 2U);
+    EXPECT_NE(match.warnings[0].find("mode 2 (5 Hz): every pair is near a node"),
+              std::string::npos);
+  }
+}
+
+TEST(GainMatch, NamesATurnedPair) {
+  const auto made = simulators::beam5x3(quiet());
+  auto fit = true_fit(made);
+  fit.model.output_shapes.row(2) *= -1.0;  // y3
+  const auto match = matched(made, fit, with_pairs(made));
+  EXPECT_FALSE(match.pairs[0].turned);
+  EXPECT_TRUE(match.pairs[1].turned);
+  ASSERT_EQ(match.warnings.size(), 1U);
+  EXPECT_NE(match.warnings[0].find("y3/u2"), std::string::npos);
+  EXPECT_EQ(match.modes[0].sign, 1);
+}
+
+TEST(GainMatch, TurnsTheActuatorsWhereAllPairsAreTurned) {
+  for (const auto& made : {two_by_four(), simulators::beam5x3(quiet())}) {
+    auto fit = true_fit(made);
+    fit.model.input_shapes *= -1.0;
+    for (auto& covariance : fit.mode_covariance) {
+      covariance.bottomRows(made.truth.input_count()) *= -1.0;
+      covariance.rightCols(made.truth.input_count()) *= -1.0;
+    }
+    const auto match = matched(made, fit, with_pairs(made));
+    ASSERT_EQ(match.warnings.size(), 1U);
+    EXPECT_NE(match.warnings[0].find("turned around"), std::string::npos);
+    EXPECT_EQ(match.modes[0].sign, -1);
+    const auto truth = truth_at(match, made.truth);
+    EXPECT_LT((match.shapes - truth).norm(), 1e-10 * truth.norm());
+  }
+}
+
+TEST(GainMatch, FindsTheGainsOfThePairs) {
+  auto faults = quiet();
+  faults.output_gain = Eigen::VectorXd{{1.0, 1.0, 0.905, 1.0, 1.1}};
+  const auto made = simulators::beam5x3(faults);
+  auto mean = true_fit(made);
+  mean.model.output_shapes = faults.output_gain.asDiagonal() * mean.model.output_shapes;
+  const double middle = std::cbrt(0.905 * 1.1);
+  const Eigen::Vector3d known = Eigen::Vector3d(1.0, 0.905, 1.1) / middle;
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();
+  constexpr int kDraws = 200;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto fit = drawn_fit(mean, static_cast<unsigned>(draw));
+    const auto match = matched(made, fit, with_pairs(made));
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto& gain = match.pairs[static_cast<std::size_t>(c)];
+      EXPECT_LT(gain.ratio_std, 2e-3);
+      square(c) += std::pow((gain.ratio - known(c)) / gain.ratio_std, 2) / kDraws;
+    }
+  }
+  EXPECT_LT((square.cwiseSqrt().array() - 1.0).abs().maxCoeff(), 4.5 / std::sqrt(2.0 * kDraws));
+  const auto match = matched(made, mean, with_pairs(made));
+  EXPECT_GE(match.warnings.size(), 3U);  // the gains, and the pairs that disagree
+  auto options = with_pairs(made);
+  options.fault = GainFault::outputs;
+  const auto corrected = matched(made, mean, options);
+  const Eigen::MatrixXd symmetric =
+      corrected.shapes(std::vector<Eigen::Index>{0, 2, 4}, Eigen::all) -
+      corrected.input_shapes.transpose();
+  EXPECT_LT(symmetric.norm(), 1e-10 * corrected.shapes.norm());
+}
+
+TEST(GainMatch, CorrectsAPairThatIsApartByTheSimulatedShapes) {
+  const auto whole = simulators::beam5x5(quiet());
+  const auto made = part(whole, {1, 4}, {0, 2, 3});  // y2 lies 100 mm from u1 and u3
+  auto options = with_pairs(made);
+  ASSERT_TRUE(options.pairs.empty());
+  options.pairs = {
+      {0, 0, whole.truth.output_shapes.row(1).transpose(), whole.truth.input_shapes.col(0)}};
+  const auto match = matched(made, rescaled(true_fit(made), kScales), options);
+  ASSERT_EQ(match.rows.size(), 5U);  // both of the pair keep their row
+  const auto truth = truth_at(match, made.truth);
+  for (Eigen::Index m = 0; m < 5; ++m) {
+    const double sign = kScales(m) > 0.0 ? 1.0 : -1.0;
+    EXPECT_LT((match.shapes.col(m) - sign * truth.col(m)).norm(), 1e-10 * truth.col(m).norm());
+  }
+  // The simulation's own error is in the deviations: α is known to a part of the change.
+  const double there = whole.truth.output_shapes(1, 4);
+  const double here = whole.truth.input_shapes(4, 0);
+  const double ratio_error = 0.1 * std::abs(there - here) / std::abs(there);
+  EXPECT_NEAR(match.modes[4].alpha_std / match.modes[4].alpha, 0.5 * ratio_error,
+              0.1 * ratio_error);
+}
+
+TEST(GainMatch, RefusesWhatDoesNotFit) {
+  const auto made = simulators::beam5x3(quiet());
+  const auto fit = true_fit(made);
+  auto options = with_pairs(made);
+  options.pairs[1].output = options.pairs[0].output;
+  EXPECT_THROW((void)matched(made, fit, options), InvalidInput);
+  options = with_pairs(made);
+  options.pairs[2].input = 3;
+  EXPECT_THROW((void)matched(made, fit, options), InvalidInput);
+  options = with_pairs(made);
+  options.pairs[0].at_output = Eigen::VectorXd::Ones(4);
+  EXPECT_THROW((void)matched(made, fit, options), InvalidInput);
+  options = with_pairs(made);
+  options.geometry = geometry_of(made, RigidMotion::beam);
+  options.geometry->suspended = {5};
+  EXPECT_THROW((void)matched(made, fit, options), InvalidInput);
+  EXPECT_THROW((void)gain_match(fit, made.measured.inputs, made.measured.inputs, with_pairs(made)),
+               InvalidInput);
+}
+
+TEST(GainMatch, FindsPairsByTheirPlaces) {
+  const auto made = simulators::oat4x13(quiet());
+  EXPECT_TRUE(collocated_pairs(made.measured.outputs, made.measured.inputs, 0.05).empty());
+  const auto pairs = collocated_pairs(made.measured.outputs, made.measured.inputs, 0.11);
+  ASSERT_EQ(pairs.size(), 4U);  // "around 100 mm away, a1 to a4"
+  for (std::size_t c = 0; c < 4; ++c) {
+    EXPECT_EQ(pairs[c].output, static_cast<Eigen::Index>(c));
+    EXPECT_EQ(pairs[c].input, static_cast<Eigen::Index>(c));
+  }
+}
+
+}  // namespace
+}  // namespace chladni::identification

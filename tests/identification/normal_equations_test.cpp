@@ -1,0 +1,111 @@
+#include "identification/normal_equations.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/draw.h"
+
+namespace chladni::identification {
+namespace {
+
+Eigen::MatrixXd drawn(Eigen::Index rows, Eigen::Index columns, Draw& draw) {
+  Eigen::MatrixXd result(rows, columns);
+  for (double& value : result.reshaped()) value = draw.normal();
+  return result;
+}
+
+struct Problem {
+  BlockModel model;
+  Target target;
+};
+
+// A single mode, a pair and a triple that are coupled, two rigid-body modes; data of nothing in
+// particular.
+Problem problem(unsigned seed) {
+  Draw draw(seed);
+  Problem result;
+  const Eigen::Index p = 3;
+  const Eigen::Index q = 2;
+  const auto block = [&](Eigen::Index g, double own) {
+    Block one{drawn(p, g, draw), drawn(g, q, draw), {}, {}, false};
+    const Eigen::MatrixXd coupled = drawn(g, g, draw);
+    one.stiffness = own * own * (Eigen::MatrixXd::Identity(g, g) + 0.02 * coupled);
+    one.damping = 0.1 * own * (Eigen::MatrixXd::Identity(g, g) + 0.1 * coupled.transpose());
+    return one;
+  };
+  result.model.blocks = {block(1, 0.2), block(2, 0.5), block(3, 0.8)};
+  result.model.blocks.push_back({drawn(p, 2, draw), drawn(2, q, draw), Eigen::MatrixXd::Zero(2, 2),
+                                 Eigen::MatrixXd::Zero(2, 2), true});
+  result.model.delay = 0.3;
+  auto& target = result.target;
+  target.outputs = p;
+  target.inputs = q;
+  target.x = Eigen::VectorXd::LinSpaced(60, 0.05, 1.0);
+  target.value = 20.0 * drawn(p * q, 120, draw);
+  target.squared = drawn(p * q, 60, draw).cwiseAbs2();
+  target.squared(1, 7) = 0.0;
+  return result;
+}
+
+constexpr Fitted kAll{.residual = true, .delay = true};
+
+// All weighted errors as one column, the parameters moved by a step.
+Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step) {
+  BlockModel model = from.model;
+  Eigen::Index at = 0;
+  for (auto& block : model.blocks) {
+    const auto take = [&](Eigen::MatrixXd& part) {
+      part += step.segment(at, part.size()).reshaped(part.rows(), part.cols());
+      at += part.size();
+    };
+    take(block.left);
+    take(block.right);
+    if (block.rigid) continue;
+    take(block.stiffness);
+    take(block.damping);
+  }
+  model.delay += step(at);
+  const auto result = misfit(model, from.target, kAll);
+  const Eigen::MatrixXd root = from.target.squared.cwiseSqrt();
+  Eigen::MatrixXd weighted = result.error;
+  weighted.leftCols(60).array() *= root.array();
+  weighted.rightCols(60).array() *= root.array();
+  return weighted.reshaped();
+}
+
+TEST(NormalEquations, AreThoseOfDifferences) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Problem from = problem(seed);
+    const auto now = misfit(from.model, from.target, kAll);
+    const auto normal = normal_equations(from.model, now, from.target, kAll);
+    const auto n = parameter_count(from.model, kAll);
+    ASSERT_EQ(normal.gradient.size(), n);
+    Eigen::MatrixXd jacobian(now.error.size(), n);
+    constexpr double kStep = 3e-5;
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(n, c);
+      jacobian.col(c) = (8.0 * (errors(from, step) - errors(from, -step)) -
+                         errors(from, 2.0 * step) + errors(from, -2.0 * step)) /
+                        (12.0 * kStep);
+    }
+    const Eigen::VectorXd gradient = -jacobian.transpose() * errors(from, Eigen::VectorXd::Zero(n));
+    EXPECT_LT((normal.gradient - gradient).norm(), 1e-6 * gradient.norm());
+    // The error turns with the data when the delay moves; its row is that of the model's delay.
+    const Eigen::MatrixXd matrix = normal.matrix.selfadjointView<Eigen::Lower>();
+    const Eigen::MatrixXd square = jacobian.transpose() * jacobian;
+    EXPECT_LT((matrix - square).topLeftCorner(n - 1, n - 1).norm(),
+              1e-6 * square.topLeftCorner(n - 1, n - 1).norm());
+  }
+}
+
+TEST(NormalEquations, DoNotDependOnTheBasisOfABlock) {
+  Problem from = problem(4);
+  const double before = misfit(from.model, from.target, kAll).cost;
+  for (auto& block : from.model.blocks) block = balanced(block);
+  const double after = misfit(from.model, from.target, kAll).cost;
+  EXPECT_NEAR(after / before, 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace chladni::identification
