@@ -97,6 +97,7 @@ extern const Command mesh_command;
 extern const Command modes_command;
 extern const Command place_command;
 extern const Command priors_command;
+extern const Command simulate_command;
 extern const Command identify_command;
 extern const Command interpolate_command;
 extern const Command study_command;

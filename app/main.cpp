@@ -22,6 +22,7 @@ constexpr const app::Command* kCommands[] = {
     &app::modes_command,
     &app::place_command,
     &app::priors_command,
+    &app::simulate_command,
     &app::identify_command,
     &app::interpolate_command,
     &app::study_command,

@@ -138,6 +138,29 @@ struct MeasurementPlan {
   std::vector<std::string> hold_out;  ///< names of channels that no fit may see
 };
 
+/// A virtual experiment (docs/reference/experiments.md).
+struct ExperimentPlan {
+  std::string structure = "study";  ///< or "rigid_chain", "rigid_chain_with_carried_body"
+  double sample_rate_hz = 4096.0;
+  int samples = 16384;  ///< of a period
+  int periods = 10, realisations = 10, warm_up = 0;
+  double amplitude = 1.0;                ///< [N], rms of each force
+  double low_hz = 0.0, high_hz = 0.0;    ///< high 0: from the first line to an eighth of the rate
+  std::string lines = "all";             ///< "odd", "odd_with_detection"
+  std::string inputs = "one_at_a_time";  ///< or "orthogonal"
+  double noise = 0.0;                    ///< rms of every sensor, in its SI unit
+  double noise_ratio = 0.0;              ///< rms over that of the sensor's response, instead
+  double process_noise = 0.0;            ///< [N], rms on every actuator
+  double quantisation = 0.0;             ///< step of every sensor, in its SI unit
+  double delay = 0.0;                    ///< [s]
+  std::string compensate = "all";        ///< what the estimate is rid of: "all", "hold", "none"
+  double cubic_stiffness = 0.0;          ///< [N/m³], spring to ground
+  std::string cubic_sensor, cubic_actuator;  ///< where it is: a collocated pair
+  std::vector<std::string> controlled;       ///< actuators in the loop; empty: open
+  double bandwidth_hz = 0.0;
+  bool leaves_time = false;  ///< the recordings instead of the responses
+};
+
 /// How a modal model is fitted to what was measured.
 struct IdentificationPlan {
   double low_hz = 0.0, high_hz = 0.0;  ///< the band; high 0: all lines
@@ -208,6 +231,7 @@ struct Study {
   std::vector<LayoutPlan> layouts;
   std::optional<PlacementPlan> placement;
   std::optional<MeasurementPlan> measurement;
+  std::optional<ExperimentPlan> experiment;
   std::optional<IdentificationPlan> identification;
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;

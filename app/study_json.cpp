@@ -207,6 +207,29 @@ io::Json measurement_json(const MeasurementPlan& plan) {
                         {"hold_out", io::Json::texts(plan.hold_out)}};
 }
 
+io::Json experiment_json(const ExperimentPlan& plan) {
+  return io::JsonObject{{"structure", plan.structure},
+                        {"sample_rate_hz", plan.sample_rate_hz},
+                        {"samples", plan.samples},
+                        {"periods", plan.periods},
+                        {"realisations", plan.realisations},
+                        {"warm_up", plan.warm_up},
+                        {"amplitude_n", plan.amplitude},
+                        {"band_hz", vector(Eigen::Vector2d(plan.low_hz, plan.high_hz))},
+                        {"lines", plan.lines},
+                        {"inputs", plan.inputs},
+                        {"noise", plan.noise},
+                        {"noise_ratio", plan.noise_ratio},
+                        {"process_noise_n", plan.process_noise},
+                        {"quantisation", plan.quantisation},
+                        {"delay_s", plan.delay},
+                        {"compensate", plan.compensate},
+                        {"cubic_stiffness_n_per_m3", plan.cubic_stiffness},
+                        {"controlled", io::Json::texts(plan.controlled)},
+                        {"bandwidth_hz", plan.bandwidth_hz},
+                        {"leaves", plan.leaves_time ? "time" : "frf"}};
+}
+
 io::Json interpolation_json(const InterpolationPlan& plan) {
   io::JsonArray points;
   for (const auto& point : plan.points) {
@@ -271,6 +294,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
   if (study.measurement) {
     object.emplace_back("measurement", measurement_json(*study.measurement));
   }
+  if (study.experiment) object.emplace_back("experiment", experiment_json(*study.experiment));
   if (study.interpolation) {
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }

@@ -29,6 +29,7 @@ void read_channels(TableReader& root, Study& study);  ///< sensors and actuators
 void read_layouts(TableReader& root, Study& study);   ///< after the channels
 void read_placement(TableReader& root, Study& study);
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
+void read_experiment(TableReader& root, Study& study);  ///< after the channels
 void read_identification(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
 void read_priors(TableReader& root, Study& study);

@@ -58,6 +58,33 @@ Eigen::MatrixXd pseudoinverse(const Eigen::MatrixXd& matrix, const std::string& 
 
 }  // namespace
 
+modal::ReducedModel in_view(const modal::ReducedModel& model) {
+  modal::check(model);
+  const auto r = model.rigid_count;
+  if (r == 0 || model.damper_count() > 0) return model;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(model.output_shapes.leftCols(r), Eigen::ComputeFullV);
+  const auto& values = svd.singularValues();
+  const double largest = model.output_shapes.cwiseAbs().maxCoeff();
+  Eigen::Index seen = 0;
+  while (seen < values.size() && values(seen) > 1e-6 * largest) ++seen;
+  const Eigen::MatrixXd turn = svd.matrixV().leftCols(seen);
+  const auto flexible = model.mode_count() - r;
+  modal::ReducedModel result = model;
+  result.rigid_count = seen;
+  result.frequency_hz.resize(seen + flexible);
+  result.frequency_hz << Eigen::VectorXd::Zero(seen), model.frequency_hz.tail(flexible);
+  result.damping_ratio.resize(seen + flexible);
+  result.damping_ratio << Eigen::VectorXd::Zero(seen), model.damping_ratio.tail(flexible);
+  result.output_shapes.resize(model.output_count(), seen + flexible);
+  result.output_shapes << model.output_shapes.leftCols(r) * turn,
+      model.output_shapes.rightCols(flexible);
+  result.input_shapes.resize(seen + flexible, model.input_count());
+  result.input_shapes << turn.transpose() * model.input_shapes.topRows(r),
+      model.input_shapes.bottomRows(flexible);
+  result.dampers.shapes.resize(0, seen + flexible);
+  return result;
+}
+
 Controller stabiliser(const modal::ReducedModel& model, Eigen::Index axes,
                       const std::vector<Eigen::Index>& controlled, double bandwidth_hz,
                       double sample_time_s) {

@@ -15,6 +15,11 @@ struct Controller {
   std::vector<Eigen::Index> controlled;  ///< inputs of the plant, one per row of c
 };
 
+/// The model without the rigid-body modes that no output sees: those of a free body seen along z
+/// only are three; the others are rotated so that they stay of unit mass.
+/// @throws InvalidInput  the model does not fit together
+[[nodiscard]] modal::ReducedModel in_view(const modal::ReducedModel& model);
+
 /// One loop for each of the lowest `axes` modes: sensors and actuators decoupled by the
 /// pseudoinverse of their shapes; in each axis an integrator to a tenth of the bandwidth, a lead
 /// from a third to three times it and a second-order roll-off at eight times; Tustin's rule.

@@ -13,17 +13,6 @@ constexpr double kEnoughFreedom = 14.0;
 constexpr Eigen::Index kMostSmoothing = 5;
 constexpr double kFoldsFrom = 0.4;  // of the sampling frequency
 
-// Only the excited lines in the band.
-Spectra chosen(const Spectra& all, const FrfEstimateOptions& options) {
-  auto places = excited_lines(all);
-  std::erase_if(places, [&](Eigen::Index k) {
-    const double hz = all.hz(static_cast<std::size_t>(k));
-    return hz < options.low_hz || (options.high_hz > 0.0 && hz > options.high_hz);
-  });
-  require(!places.empty(), "FRF estimate: no line in the band is excited");
-  return part(all, places);
-}
-
 std::vector<ChannelChoice> all_of(Side side, std::size_t count) {
   std::vector<ChannelChoice> result;
   for (std::size_t i = 0; i < count; ++i) result.push_back({side, static_cast<Eigen::Index>(i)});
@@ -38,6 +27,16 @@ Eigen::Index smoothing(const FrfEstimateOptions& options, Eigen::Index freedom) 
 }
 
 }  // namespace
+
+Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options) {
+  auto places = excited_lines(all);
+  std::erase_if(places, [&](Eigen::Index k) {
+    const double hz = all.hz(static_cast<std::size_t>(k));
+    return hz < options.low_hz || (options.high_hz > 0.0 && hz > options.high_hz);
+  });
+  require(!places.empty(), "FRF estimate: no line in the band is excited");
+  return part(all, places);
+}
 
 std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
                                       Eigen::Index half) {
@@ -92,7 +91,7 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
 
 FrfEstimate frf_estimate(const Spectra& all, const FrfEstimateOptions& options) {
   require(!all.records.empty(), "FRF estimate: no record");
-  const auto spectra = chosen(all, options);
+  const auto spectra = excited_part(all, options);
   FrfEstimate result;
   result.transient = transient(spectra);
   result.dropped = options.drop.value_or(result.transient.drop);

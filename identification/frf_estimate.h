@@ -39,6 +39,9 @@ struct FrfEstimate {
 [[nodiscard]] FrfEstimate frf_estimate(const TimeData& data,
                                        const FrfEstimateOptions& options = {});
 
+/// The excited lines of the band. @throws InvalidInput  none
+[[nodiscard]] Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options);
+
 /// Mean over ±half lines, at the ends over those there are.
 [[nodiscard]] std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
                                                     Eigen::Index half);

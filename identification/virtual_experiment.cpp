@@ -63,6 +63,24 @@ Eigen::MatrixXd shifted(const Eigen::MatrixXd& command, Eigen::Index by) {
   return result;
 }
 
+// Column n becomes the state after sample n.
+void run_through(const Eigen::MatrixXd& a, Eigen::MatrixXd& states) {
+  if (a.rows() == 1) {
+    for (Eigen::Index n = 1; n < states.cols(); ++n) states(0, n) += a(0, 0) * states(0, n - 1);
+  } else if (a.rows() == 2) {
+    const Eigen::Matrix2d fixed = a;
+    for (Eigen::Index n = 1; n < states.cols(); ++n) {
+      states.col(n).head<2>() += fixed * states.col(n - 1).head<2>();
+    }
+  } else {
+    Eigen::VectorXd next(a.rows());
+    for (Eigen::Index n = 1; n < states.cols(); ++n) {
+      next.noalias() = a * states.col(n - 1);
+      states.col(n) += next;
+    }
+  }
+}
+
 // Block by block over the whole record.
 Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
@@ -74,17 +92,7 @@ Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   for (const auto& block : sampled(rig.plant, rig.sample_time_s, delay.fraction)) {
     Eigen::MatrixXd states = block.b * now.transpose();
     if (delay.fraction > 0.0) states += block.b_late * late.transpose();
-    // Column n becomes the state after sample n.
-    if (block.a.rows() == 2) {
-      const Eigen::Matrix2d a = block.a;
-      for (Eigen::Index n = 1; n < states.cols(); ++n) {
-        states.col(n).head<2>() += a * states.col(n - 1).head<2>();
-      }
-    } else {
-      for (Eigen::Index n = 1; n < states.cols(); ++n) {
-        states.col(n) += block.a * states.col(n - 1);
-      }
-    }
+    run_through(block.a, states);
     const auto rows = outputs.rows() - 1;
     outputs.bottomRows(rows).noalias() += states.leftCols(rows).transpose() * block.c.transpose();
   }

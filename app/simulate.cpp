@@ -1,0 +1,162 @@
+// chladni simulate STUDY: an experiment that was never made, on the study's model or on the thesis'
+// chain of rigid bodies.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/sha256.h"
+#include "app/simulated.h"
+#include "app/solution.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/csv.h"
+#include "io/frf_file.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostNumbers = 1e8;  // of a table of recordings: 2 GB of text
+
+// Where the responses go. A file that is not an earlier run's own stays.
+fs::path target_of(const Study& study, Run& run) {
+  const bool stated = study.measurement && !study.measurement->frf.empty();
+  const fs::path file = stated ? study.measurement->frf : run / "measured.csv";
+  if (!stated || !fs::exists(file)) return file;
+  std::string own;
+  if (fs::exists(run / "simulated.json")) {
+    try {
+      own = io::parse_json(read_whole(run / "simulated.json")).at("sha256").string();
+    } catch (const InvalidInput&) {
+      own.clear();  // not ours, or of another version
+    }
+  }
+  require(own == sha256(read_whole(file)),
+          "measurement.frf: " + file.string() +
+              " exists and is not what `simulate` left there before; it may be measured: move it "
+              "away, or name another file");
+  return file;
+}
+
+// Realisation, experiment, time, sensors, actuators and (r_...) references.
+void write_recordings(const fs::path& file, const identification::TimeData& data) {
+  Eigen::Index rows = 0;
+  for (const auto& record : data.records) rows += record.outputs.rows();
+  const auto p = static_cast<Eigen::Index>(data.outputs.size());
+  const auto q = static_cast<Eigen::Index>(data.inputs.size());
+  const auto r = static_cast<Eigen::Index>(data.references.size());
+  Eigen::MatrixXd table(rows, 3 + p + q + r);
+  Eigen::Index at = 0;
+  for (const auto& record : data.records) {
+    const auto n = record.outputs.rows();
+    auto part = table.middleRows(at, n);
+    part.col(0).setConstant(record.realisation);
+    part.col(1).setConstant(record.experiment);
+    part.col(2) =
+        Eigen::VectorXd::LinSpaced(n, 0.0, static_cast<double>(n - 1)) * data.sample_time_s;
+    part.middleCols(3, p) = record.outputs;
+    part.middleCols(3 + p, q) = record.inputs;
+    part.rightCols(r) = record.references;
+    at += n;
+  }
+  std::vector<std::string> names = {"realisation", "experiment", "time_s"};
+  for (const auto* side : {&data.outputs, &data.inputs, &data.references}) {
+    for (const auto& channel : *side) names.push_back(channel.name);
+  }
+  std::vector<io::CsvColumn> columns;
+  for (Eigen::Index j = 0; j < table.cols(); ++j) {
+    columns.push_back({names[static_cast<std::size_t>(j)], Eigen::VectorXd(table.col(j))});
+  }
+  io::write_csv(file, columns);
+}
+
+void refuse_too_much(const Study& study) {
+  const auto& plan = *study.experiment;
+  const double numbers = static_cast<double>(study.actuators.size()) * plan.realisations *
+                         plan.periods * plan.samples *
+                         static_cast<double>(study.sensors.size() + 2 * study.actuators.size());
+  require(
+      !plan.leaves_time || numbers < kMostNumbers,
+      fmt::format("experiment.leaves: the recordings are {:.3g} numbers; expected at most {:.3g}"
+                  ": fewer realisations, periods or samples",
+                  numbers, kMostNumbers));
+}
+
+io::JsonObject content_of(const Study& study, const Bench& bench, const Simulated& found,
+                          const fs::path& file) {
+  const auto& plan = *study.experiment;
+  const auto& estimate = found.estimate;
+  io::JsonArray notes;
+  for (const auto& note : bench.notes) notes.emplace_back(note);
+  for (const auto& note : estimate.notes) notes.emplace_back(note);
+  const auto& rig = bench.rig;
+  return {
+      {"file", file.filename().string()},
+      {"sha256", sha256(read_whole(file))},
+      {"structure", plan.structure},
+      {"modes", static_cast<long long>(bench.modes)},
+      {"sample_rate_hz", plan.sample_rate_hz},
+      {"samples", plan.samples},
+      {"periods", plan.periods},
+      {"realisations", plan.realisations},
+      {"inputs", plan.inputs},
+      {"lines", plan.lines},
+      {"amplitude_n", plan.amplitude},
+      {"crest_factor", found.crest_factor},
+      {"sensor_noise", io::Json(rig.sensor_noise)},
+      {"delay", io::JsonObject{{"hardware_s", rig.delay_s},
+                               {"hold_s", 0.5 * rig.sample_time_s},
+                               {"from_phase_s", found.phase_delay_s},
+                               {"from_phase_std_s", found.phase_delay_std_s},
+                               {"compensated", plan.compensate}}},
+      {"transient", io::JsonObject{{"seen", estimate.transient.seen},
+                                   {"decay_per_period", estimate.transient.decay},
+                                   {"periods_dropped", static_cast<long long>(estimate.dropped)},
+                                   {"left_over_deviation", estimate.transient.remaining}}},
+      {"line_count", static_cast<long long>(estimate.set.line_count())},
+      {"averages", estimate.set.averages},
+      {"notes", notes}};
+}
+
+std::string told(const Study& study, const Bench& bench, const Simulated& found,
+                 const fs::path& file) {
+  const auto& set = found.estimate.set;
+  const auto& plan = *study.experiment;
+  std::string text = fmt::format(
+      "{} realisations of {} periods, {} sensors x {} actuators, {} lines {:.6g} to {:.6g} Hz\n"
+      "crest factor {:.2f}, {} of {} periods dropped\n",
+      plan.realisations, plan.periods, set.outputs.size(), set.inputs.size(), set.line_count(),
+      set.frequency_hz(0), set.frequency_hz.tail(1)(0), found.crest_factor, found.estimate.dropped,
+      plan.periods);
+  for (const auto& note : bench.notes) text += "note: " + note + "\n";
+  for (const auto& note : found.estimate.notes) text += "note: " + note + "\n";
+  return text + "left in " + file.string() + "\n";
+}
+
+void run(const Study& study, Run& run) {
+  const auto file = target_of(study, run);
+  require(study.experiment.has_value(),
+          "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
+  refuse_too_much(study);
+  const Bench bench = bench_of(study, run);
+  const Simulated found = run.timed("experiment", [&] { return simulated(study, bench, run); });
+  const auto left = study.experiment->leaves_time ? run / "time_data.csv" : file;
+  if (study.experiment->leaves_time) {
+    write_recordings(left, found.recordings);
+  } else {
+    for (const auto& lost : io::write_frf(file, found.estimate.set)) run.talk().note(lost);
+  }
+  run.show(told(study, bench, found, left));
+  run.leave("simulated.json", content_of(study, bench, found, left), true);
+}
+
+}  // namespace
+
+constinit const Command simulate_command{
+    .name = "simulate",
+    .summary = "a virtual experiment: responses as a laboratory would measure them",
+    .run = run,
+};
+
+}  // namespace chladni::app

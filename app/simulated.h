@@ -1,0 +1,30 @@
+// The virtual laboratory of a study: what is on its bench, and what came of it.
+#pragma once
+
+#include "app/command.h"
+#include "identification/frf_estimate.h"
+#include "identification/virtual_experiment.h"
+
+namespace chladni::app {
+
+struct Bench {
+  identification::VirtualRig rig;
+  identification::VirtualExperimentPlan plan;
+  std::vector<std::string> notes;  ///< what was assumed
+  Eigen::Index modes = 0;          ///< in the structure; 0: the chain, which has all of its poles
+};
+
+/// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
+///                       thesis' beam, a loop that cannot be
+[[nodiscard]] Bench bench_of(const Study& study, Run& run);
+
+struct Simulated {
+  identification::FrfEstimate estimate;  ///< compensated as the study asks
+  identification::TimeData recordings;   ///< where the study wants them
+  double crest_factor = 0.0;
+  double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before
+};
+
+[[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Run& run);
+
+}  // namespace chladni::app

@@ -1,0 +1,118 @@
+#include "identification/closed_loop.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kHardToInvert = 1e3;
+constexpr double kClear = 3.0;  // deviations
+
+// Inputs that are what was referred to them, in every record to the last bit of the spectra.
+std::vector<bool> uncontrolled(const Spectra& spectra) {
+  std::vector<bool> result(spectra.inputs.size(), true);
+  for (const auto& record : spectra.records) {
+    for (std::size_t p = 0; p < record.inputs.size(); ++p) {
+      for (std::size_t j = 0; j < result.size(); ++j) {
+        const auto column = static_cast<Eigen::Index>(j);
+        if (record.inputs[p].col(column) != record.references[p].col(column)) result[j] = false;
+      }
+    }
+  }
+  return result;
+}
+
+TransferPlan plan_of(const Spectra& spectra, Eigen::Index drop) {
+  TransferPlan plan{.to = {}, .from = {}, .drop = drop};
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(spectra.outputs.size()); ++i) {
+    plan.to.push_back({Side::outputs, i});
+  }
+  for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(spectra.inputs.size()); ++j) {
+    plan.to.push_back({Side::inputs, j});
+    plan.from.push_back({Side::references, j});
+  }
+  return plan;
+}
+
+// What is hard to invert, line by line, as one sentence each.
+void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& result) {
+  Eigen::Index stiff = 0;
+  Eigen::Index unclear = 0;
+  for (Eigen::Index k = 0; k < result.condition.size(); ++k) {
+    if (result.condition(k) > kHardToInvert) ++stiff;
+    if (variance.empty()) continue;
+    const auto line = static_cast<std::size_t>(k);
+    const double deviation = std::sqrt(variance[line].maxCoeff());
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(result.sensitivity[line]);
+    if (svd.singularValues().minCoeff() < kClear * deviation) ++unclear;
+  }
+  const auto of = " of " + std::to_string(result.condition.size()) + " lines";
+  if (stiff > 0) {
+    result.estimate.notes.push_back("the sensitivity is hard to invert (condition above 1000) on " +
+                                    std::to_string(stiff) + of);
+  }
+  if (unclear > 0) {
+    result.estimate.notes.push_back(
+        "the sensitivity is within three deviations of singular on " + std::to_string(unclear) +
+        of + ": the loop takes the excitation away there; the estimate is biased");
+  }
+}
+
+}  // namespace
+
+ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOptions& options) {
+  require(!all.records.empty(), "closed loop: no record");
+  require(all.references.size() == all.inputs.size(),
+          "closed loop: " + std::to_string(all.references.size()) + " references for " +
+              std::to_string(all.inputs.size()) +
+              " inputs; expected one for each (of an input that is not controlled: the input)");
+  const auto spectra = excited_part(all, options);
+  ClosedLoopEstimate result;
+  auto& estimate = result.estimate;
+  estimate.transient = transient(spectra);
+  estimate.dropped = options.drop.value_or(estimate.transient.drop);
+  const auto plan = plan_of(spectra, estimate.dropped);
+  const auto mean = transfer(spectra, plan);
+  estimate.periods = mean.periods;
+  estimate.realisations = mean.realisations;
+  const auto p = static_cast<Eigen::Index>(spectra.outputs.size());
+  const auto q = static_cast<Eigen::Index>(spectra.inputs.size());
+  const auto exact = uncontrolled(spectra);
+  result.condition.resize(spectra.line_count());
+  std::vector<Eigen::MatrixXcd> inverse;
+  for (std::size_t k = 0; k < mean.value.size(); ++k) {
+    Eigen::MatrixXcd s = mean.value[k].bottomRows(q);
+    for (Eigen::Index j = 0; j < q; ++j) {
+      if (exact[static_cast<std::size_t>(j)]) s.row(j) = Eigen::RowVectorXcd::Unit(q, j);
+    }
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(s);
+    result.condition(static_cast<Eigen::Index>(k)) =
+        svd.singularValues()(0) / svd.singularValues()(q - 1);
+    inverse.emplace_back(s.partialPivLu().inverse());
+    estimate.set.value.emplace_back(mean.value[k].topRows(p) * inverse.back());
+    result.sensitivity.push_back(std::move(s));
+  }
+  const auto found = variances(
+      spectra, plan, mean, [&](std::size_t k, const Eigen::MatrixXcd& d) -> Eigen::MatrixXcd {
+        return (d.topRows(p) - estimate.set.value[k] * d.bottomRows(q)) * inverse[k];
+      });
+  const auto of_s = variances(
+      spectra, plan, mean,
+      [&](std::size_t, const Eigen::MatrixXcd& d) -> Eigen::MatrixXcd { return d.bottomRows(q); });
+  estimate.set.outputs = spectra.outputs;
+  estimate.set.inputs = spectra.inputs;
+  fill(spectra, found, options, estimate);
+  warn(of_s.total, result);
+  return result;
+}
+
+ClosedLoopEstimate closed_loop_estimate(const TimeData& data, const FrfEstimateOptions& options) {
+  return closed_loop_estimate(spectra(data, options.low_hz, options.high_hz), options);
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,219 @@
+#include "identification/delay.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/error.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+using Complex = std::complex<double>;
+
+// One response with its weights 1/σ, finite lines above 0 Hz.
+struct Curve {
+  Eigen::VectorXd omega, weight;
+  Eigen::VectorXcd value;
+};
+
+std::vector<Curve> curves(const modal::FrfSet& set) {
+  std::vector<Curve> result;
+  for (Eigen::Index j = 0; j < set.input_count(); ++j) {
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
+      std::vector<double> omega;
+      std::vector<double> weight;
+      std::vector<Complex> value;
+      for (std::size_t k = 0; k < set.value.size(); ++k) {
+        const auto g = set.value[k](i, j);
+        const double w = kTwoPi * set.frequency_hz(static_cast<Eigen::Index>(k));
+        const double s = set.variance.empty() ? 1.0 : 1.0 / std::sqrt(set.variance[k](i, j));
+        if (w <= 0.0 || !std::isfinite(std::abs(g)) || !std::isfinite(s)) continue;
+        omega.push_back(w);
+        weight.push_back(s);
+        value.push_back(g);
+      }
+      if (omega.empty()) continue;
+      const auto n = static_cast<Eigen::Index>(omega.size());
+      result.push_back({Eigen::VectorXd::Map(omega.data(), n),
+                        Eigen::VectorXd::Map(weight.data(), n),
+                        Eigen::VectorXcd::Map(value.data(), n)});
+    }
+  }
+  require(!result.empty(), "delay: no finite line above 0 Hz");
+  return result;
+}
+
+// How much the phases agree with 0 and 180° after a delay is taken away.
+double agreement(const std::vector<Curve>& all, double delay) {
+  double sum = 0.0;
+  for (const auto& curve : all) {
+    for (Eigen::Index k = 0; k < curve.omega.size(); ++k) {
+      const auto g = curve.value(k);
+      if (g == 0.0) continue;
+      sum += (g * g * std::polar(1.0, 2.0 * curve.omega(k) * delay)).real() / std::norm(g);
+    }
+  }
+  return sum;
+}
+
+// Tukey's biweight on the phases left, near a first value.
+double refined(const std::vector<Curve>& all, double delay) {
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    std::vector<double> sizes;
+    const auto phase = [&](const Curve& curve, Eigen::Index k) {
+      const auto g = curve.value(k) * std::polar(1.0, curve.omega(k) * delay);
+      return 0.5 * std::arg(g * g);
+    };
+    for (const auto& curve : all) {
+      for (Eigen::Index k = 0; k < curve.omega.size(); ++k) {
+        sizes.push_back(std::abs(phase(curve, k)));
+      }
+    }
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double scale = std::max(6.0 * *middle, 1e-12);
+    double up = 0.0;
+    double down = 0.0;
+    for (const auto& curve : all) {
+      for (Eigen::Index k = 0; k < curve.omega.size(); ++k) {
+        const double x = phase(curve, k);
+        if (std::abs(x) >= scale) continue;
+        const double w = std::pow(1.0 - x * x / (scale * scale), 2);
+        up += w * curve.omega(k) * x;
+        down += w * curve.omega(k) * curve.omega(k);
+      }
+    }
+    const double step = down > 0.0 ? -up / down : 0.0;
+    delay += step;
+    if (std::abs(step) < 1e-12 * (1e-6 + std::abs(delay))) break;
+  }
+  return delay;
+}
+
+// 1/(s² − 2 Re(p) s + |p|²), 1/s² and 1, in units of their largest.
+Eigen::MatrixXcd basis_of(const Eigen::VectorXd& omega, const Eigen::VectorXcd& pole, bool rigid) {
+  Eigen::MatrixXcd basis(omega.size(), pole.size() + (rigid ? 2 : 1));
+  for (Eigen::Index k = 0; k < omega.size(); ++k) {
+    const Complex s(0.0, omega(k));
+    for (Eigen::Index m = 0; m < pole.size(); ++m) {
+      basis(k, m) = 1.0 / (s * s - 2.0 * pole(m).real() * s + std::norm(pole(m)));
+    }
+    basis(k, pole.size()) = 1.0;
+    if (rigid) basis(k, pole.size() + 1) = 1.0 / (s * s);
+  }
+  return basis;
+}
+
+Eigen::MatrixXd stacked(const Eigen::MatrixXcd& rows) {
+  Eigen::MatrixXd result(2 * rows.rows(), rows.cols());
+  result << rows.real(), rows.imag();
+  return result;
+}
+
+struct Slope {
+  double gradient = 0.0, curvature = 0.0, cost = 0.0;
+  Eigen::Index freedom = 0;
+};
+
+// Residual and its slope over the delay, both orthogonal to what the residues can follow.
+Slope slope(const Curve& curve, const Eigen::VectorXcd& pole, bool rigid, double delay) {
+  Eigen::MatrixXd basis = stacked(curve.weight.asDiagonal() * basis_of(curve.omega, pole, rigid));
+  const Eigen::VectorXd scale = basis.colwise().norm().cwiseInverse();
+  basis = (basis * scale.asDiagonal()).eval();
+  Eigen::VectorXcd moved(curve.value.size());
+  for (Eigen::Index k = 0; k < moved.size(); ++k) {
+    moved(k) = curve.weight(k) * curve.value(k) * std::polar(1.0, curve.omega(k) * delay);
+  }
+  Eigen::MatrixXd both(2 * moved.size(), 2);
+  both.col(0) = stacked(moved);
+  both.col(1) = stacked(Complex(0.0, 1.0) * curve.omega.cwiseProduct(moved));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(basis);
+  const Eigen::MatrixXd rest = both - basis * qr.solve(both);
+  return {rest.col(0).dot(rest.col(1)), rest.col(1).squaredNorm(), rest.col(0).squaredNorm(),
+          2 * moved.size() - basis.cols()};
+}
+
+}  // namespace
+
+DelayEstimate phase_delay(const modal::FrfSet& set, double longest_s) {
+  const auto all = curves(set);
+  require(std::isfinite(longest_s) && longest_s >= 0.0, "delay: the longest one is negative");
+  double fastest = 0.0;
+  for (const auto& curve : all) fastest = std::max(fastest, curve.omega.maxCoeff());
+  const double step = 0.25 / fastest;
+  double best = 0.0;
+  double most = agreement(all, 0.0);
+  for (double delay = step; delay <= longest_s; delay += step) {
+    const double here = agreement(all, delay);
+    if (here > most) {
+      most = here;
+      best = delay;
+    }
+  }
+  DelayEstimate result{.delay_s = refined(all, best), .std_s = 0.0, .how = {}};
+  double square = 0.0;
+  for (const auto& curve : all) {
+    square += std::pow(refined({curve}, result.delay_s) - result.delay_s, 2);
+  }
+  const auto n = static_cast<double>(all.size());
+  result.std_s = n > 1.0 ? std::sqrt(square / (n * (n - 1.0))) : 0.0;
+  result.how = "phases of " + std::to_string(all.size()) +
+               " responses away from their modes; damping adds to it";
+  return result;
+}
+
+DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& pole,
+                             bool rigid_modes, double start_s) {
+  for (const auto& p : pole) {
+    require(p.real() < 0.0 && p.imag() > 0.0, "delay: a pole does not decay");
+  }
+  const auto all = curves(set);
+  double delay = start_s;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    Slope sum;
+    for (const auto& curve : all) {
+      require(2 * curve.omega.size() > pole.size() + 3,
+              "delay: fewer lines than poles: " + std::to_string(curve.omega.size()));
+      const auto one = slope(curve, pole, rigid_modes, delay);
+      sum.gradient += one.gradient;
+      sum.curvature += one.curvature;
+      sum.cost += one.cost;
+      sum.freedom += one.freedom;
+    }
+    const double step = -sum.gradient / sum.curvature;
+    delay += step;
+    // Each of the real numbers has half the variance of its line.
+    const double per_number =
+        set.variance.empty() ? sum.cost / static_cast<double>(sum.freedom) : 0.5;
+    const double deviation = std::sqrt(per_number / sum.curvature);
+    if (std::abs(step) <= 1e-4 * deviation || std::abs(step) <= 1e-15 + 1e-10 * std::abs(delay)) {
+      return {delay, deviation,
+              std::to_string(pole.size()) + " poles with real residues in " +
+                  std::to_string(all.size()) + " responses"};
+    }
+  }
+  throw NumericalFailure("delay: no convergence from " + std::to_string(1e6 * start_s) + " us");
+}
+
+modal::FrfSet without_delay(const modal::FrfSet& set, double delay_s, double hold_sample_time_s) {
+  modal::FrfSet result = set;
+  for (std::size_t k = 0; k < result.value.size(); ++k) {
+    const double omega = kTwoPi * set.frequency_hz(static_cast<Eigen::Index>(k));
+    const double x = 0.5 * omega * hold_sample_time_s;
+    require(x < 0.5 * std::numbers::pi * (1.0 + 1e-9),
+            "delay: the line at " + std::to_string(omega / kTwoPi) +
+                " Hz lies beyond half the sampling frequency");
+    const double magnitude = x > 0.0 ? std::sin(x) / x : 1.0;
+    result.value[k] *= std::polar(1.0 / magnitude, omega * delay_s + x);
+    for (auto* variance : {&result.variance, &result.noise_variance}) {
+      if (!variance->empty()) (*variance)[k] /= magnitude * magnitude;
+    }
+  }
+  return result;
+}
+
+}  // namespace chladni::identification
