@@ -25,10 +25,10 @@ struct Options {
   bool quiet = false, json = false;
   bool certificate = true;  ///< the inertia count
   bool pictures = true;
-  int animate = 0;            ///< mode, counted from 1, whose phase animation is wanted
-  bool expect = false;        ///< `check` computes the modes and compares
-  bool reproducible = false;  ///< no times in the results
-  std::string unit;           ///< `check` of measured data that does not state it
+  int animate = 0;             ///< mode, counted from 1, whose phase animation is wanted
+  bool expect = false;         ///< `check` computes the modes and compares
+  bool reproducible = false;   ///< no times in the results
+  std::string unit;            ///< `check` of measured data that does not state it
   double sample_time_s = 0.0;  ///< likewise
 };
 

@@ -1,9 +1,12 @@
 #include "app/identification.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
+#include "app/interpolation.h"
+#include "app/placement.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -165,6 +168,56 @@ void add_errors(IdentifiedModel& model) {
   }
 }
 
+// Where all channels move along z and are told apart, the rigid-body modes have a geometry.
+std::optional<identification::RigidGeometry> rigid_geometry(const IdentifiedModel& model) {
+  const auto rigid = model.found.fit.model.rigid_count;
+  const auto& seen = model.seen;
+  if (rigid != 2 && rigid != 3) return std::nullopt;
+  const auto rows = [&](const std::vector<modal::MeasuredChannel>& channels) {
+    Eigen::MatrixX3d places(static_cast<Eigen::Index>(channels.size()), 3);
+    Eigen::VectorXd sign(places.rows());
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      places.row(static_cast<Eigen::Index>(i)) = channels[i].position->transpose();
+      sign(static_cast<Eigen::Index>(i)) = channels[i].direction.z();
+    }
+    return Eigen::MatrixXd(sign.asDiagonal() *
+                           identification::rigid_directions(places, rigid_motion(rigid)));
+  };
+  const auto along_z = [](const auto& one) { return std::abs(one.direction.z()) > 0.999; };
+  if (!std::all_of(seen.outputs.begin(), seen.outputs.end(), along_z) ||
+      !std::all_of(seen.inputs.begin(), seen.inputs.end(), along_z)) {
+    return std::nullopt;
+  }
+  identification::RigidGeometry geometry{rows(seen.outputs), rows(seen.inputs), {}, 0.0};
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> outputs(geometry.outputs);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> inputs(geometry.inputs);
+  if (std::max(outputs.rank(), inputs.rank()) < rigid) return std::nullopt;
+  return geometry;
+}
+
+// What the simulation says of the scale between sensors and actuators where no pair does.
+identification::GainPrior gain_prior(const Study& study, const Solution& solution,
+                                     const IdentifiedModel& model) {
+  const placement::Sampler sampler(solution.model.body, solution.modes, {std::nullopt, 0.0});
+  const auto on = study.interpolation ? study.interpolation->on : std::vector<std::string>{};
+  const auto surface = sampler.surface(patches_of(solution.model.body, on, "interpolation.on"));
+  priors::Simulation simulation;
+  simulation.frequency_hz = solution.modes.frequency_hz;
+  simulation.surface = {surface.sites.position, surface.sites.normal, surface.sites.shapes};
+  simulation.area = surface.sites.area;
+  const auto sites = channel_sites(study, solution.model);
+  const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
+    std::vector<ChannelSite> chosen;
+    for (const auto& channel : channels) {
+      chosen.push_back(*std::find_if(sites.begin(), sites.end(),
+                                     [&](const auto& one) { return one.name == channel.name; }));
+    }
+    return places_at(chosen, solution.modes);
+  };
+  return {
+      places(model.seen.outputs), places(model.seen.inputs), priors::modal_basis(simulation), {}};
+}
+
 identification::GainMatch matched(const Study& study, const Solution* solution,
                                   IdentifiedModel& model, Run& run) {
   const auto plan = plan_of(study);
@@ -181,11 +234,22 @@ identification::GainMatch matched(const Study& study, const Solution* solution,
   options.pairs = model.pairs;
   options.rule =
       plan.gain == "thesis" ? identification::GainRule::thesis : identification::GainRule::tied;
+  options.geometry = rigid_geometry(model);
+  if (solution != nullptr) options.prior = gain_prior(study, *solution, model);
   return identification::gain_match(model.found.fit, model.seen.outputs, model.seen.inputs,
                                     options);
 }
 
 }  // namespace
+
+identification::RigidMotion rigid_motion(Eigen::Index rigid_count) {
+  return rigid_count == 2 ? identification::RigidMotion::beam : identification::RigidMotion::plate;
+}
+
+identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
+                                    const modal::FrfSet& set) {
+  return identification::fit_data(set, data_options(plan_of(study), model.seen));
+}
 
 IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
   const auto plan = plan_of(study);

@@ -39,6 +39,14 @@ struct IdentifiedModel {
   Eigen::MatrixXd noise;  ///< per response: its deviation over |G|, likewise
 };
 
+/// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
+[[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);
+/// Other responses of the same measurement, as the model's own fit saw them.
+[[nodiscard]] identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
+                                                  const modal::FrfSet& set);
+/// Motion as a whole that so many rigid-body modes can be, all channels along z.
+[[nodiscard]] identification::RigidMotion rigid_motion(Eigen::Index rigid_count);
+
 /// @param solution  of the study; null: solved only where the gains need a simulation
 /// @throws as its steps
 [[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Run& run);

@@ -89,6 +89,23 @@ void add_points(const Study& study, const InterpolationPlan& plan, const Solutio
   result.point_places = places_at(sites, directions, solution.modes, result.harmonics);
 }
 
+// Sensors of the study that no fit saw: their responses are predicted.
+void add_unmeasured(const Study& study, const Solution& solution, Interpolated& result) {
+  if (!result.measured.identified) return;
+  std::vector<ChannelSite> sites;
+  const auto& seen = result.measured.identified->seen.outputs;
+  for (const auto& site : channel_sites(study, solution.model)) {
+    const auto is_it = [&](const auto& one) { return one.name == site.name; };
+    if (!std::any_of(study.sensors.begin(), study.sensors.end(), is_it) ||
+        std::any_of(seen.begin(), seen.end(), is_it)) {
+      continue;
+    }
+    sites.push_back(site);
+    result.unmeasured.push_back(site.name);
+  }
+  result.unmeasured_places = places_at(sites, solution.modes, result.harmonics);
+}
+
 // What the measured channels would leave unknown of each mode of the simulation.
 Eigen::VectorXd expected_before(const Interpolated& result, double noise) {
   const auto& simulation = result.simulation;
@@ -126,13 +143,14 @@ Eigen::VectorXcd responses(const Measured& measured, const Eigen::RowVectorXd& s
   return all;
 }
 
-void score_hidden(const Measured& measured, Interpolation& one) {
+void score_hidden(const Interpolated& result, Interpolation& one) {
+  const auto& measured = result.measured;
   const auto& hidden = measured.hidden;
   const auto h = hidden.places.count();
   one.hidden_error.resize(h);
   one.hidden_frf_error.resize(h);
   one.hidden_covered.resize(h);
-  const bool has_frf = measured.shapes.frequency_hz.minCoeff() > 0.0;
+  const bool has_frf = !measured.identified && measured.shapes.frequency_hz.minCoeff() > 0.0;
   for (Eigen::Index c = 0; c < h; ++c) {
     const Eigen::RowVectorXd wrong = one.hidden.mean.row(c) - hidden.values.row(c);
     one.hidden_error(c) = wrong.norm() / hidden.values.row(c).norm();
@@ -147,6 +165,7 @@ void score_hidden(const Measured& measured, Interpolation& one) {
     one.hidden_frf_error(c) =
         (responses(measured, one.hidden.mean.row(c)) - real).norm() / real.norm();
   }
+  if (measured.identified) one.hidden_frf_error = held_out_frf_errors(result, one);
 }
 
 Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
@@ -157,9 +176,10 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
   one.surface = one.field->at(result.simulation.surface);
   if (measured.hidden.places.count() > 0) {
     one.hidden = one.field->at(measured.hidden.places);
-    score_hidden(measured, one);
+    score_hidden(result, one);
   }
   if (!result.points.empty()) one.points = one.field->at(result.point_places);
+  if (!result.unmeasured.empty()) one.unmeasured = one.field->at(result.unmeasured_places);
   if (measured.truth.size() > 0) {
     one.error = priors::squared_error(one.surface.mean, measured.truth, measured.truth_area);
     one.covered = priors::coverage(one.surface, measured.truth, measured.truth_area);
@@ -178,6 +198,7 @@ Interpolated interpolated(const Study& study, const Solution& solution, Run& run
   add_simulation(study, solution, plan, run.seed(), result);
   result.measured = measured(study, solution, result.simulation, result.harmonics, run);
   add_points(study, plan, solution, sampler.finder(), result);
+  add_unmeasured(study, solution, result);
   const double noise = study.measurement->noise;
   if (result.measured.shapes.places.count() > 0) {
     result.expected_error = expected_before(result, noise);

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "app/ensemble.h"
+#include "app/identification.h"
 #include "app/solution.h"
 #include "fem/laplace_spectrum.h"
+#include "identification/spatio_temporal.h"
 #include "placement/sites.h"
 #include "priors/interpolator.h"
 
@@ -15,11 +17,16 @@ namespace chladni::app {
 
 /// What the study's measurement says.
 struct Measured {
+  /// Where the shapes were identified from responses; null otherwise.
+  std::shared_ptr<const IdentifiedModel> identified;
+  std::vector<Eigen::Index> fitted_mode;  ///< of the identified model, per shape
   std::vector<std::string> channels, hidden_channels;
   priors::MeasuredShapes shapes;  ///< at `channels`
   priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
   Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
-  Eigen::MatrixXd truth;          ///< on the surface, without noise; empty where nothing knows it
+  /// The simulation's shapes at the identified model's sensors and actuators; empty without one.
+  Eigen::MatrixXd sensor_shapes, input_shapes;
+  Eigen::MatrixXd truth;       ///< on the surface, without noise; empty where nothing knows it
   Eigen::VectorXd truth_area;  ///< [m²] of the surface's points; 0 where the real body is not there
 };
 
@@ -28,6 +35,7 @@ struct Interpolation {
   const priors::Interpolator* method = nullptr;
   std::unique_ptr<priors::ModeField> field;
   priors::Field surface, hidden, points;
+  priors::Field unmeasured;          ///< at Interpolated::unmeasured
   Eigen::VectorXd error, covered;    ///< per mode on the surface, where the truth is known
   Eigen::VectorXd hidden_error;      ///< per held-out channel: of its shape values, relative
   Eigen::VectorXd hidden_frf_error;  ///< of its FRFs to all measured channels, relative
@@ -41,6 +49,8 @@ struct Interpolated {
   Measured measured;
   std::vector<std::string> points;  ///< names
   priors::Places point_places;
+  std::vector<std::string> unmeasured;  ///< sensors of the study that no fit saw
+  priors::Places unmeasured_places;
   /// Per mode of the simulation: what of its mean square the channels would leave unknown, before
   /// anything is measured; not a number for rigid-body modes.
   Eigen::VectorXd expected_error;
@@ -58,6 +68,25 @@ struct Interpolated {
 [[nodiscard]] Measured measured(const Study& study, const Solution& solution,
                                 const priors::Simulation& simulation,
                                 const fem::LaplaceSpectrum& harmonics, Run& run);
+
+/// The step of `measured` that identifies the shapes from responses.
+[[nodiscard]] Measured measured_by_responses(const Study& study, const Solution& solution,
+                                             const fem::LaplaceSpectrum& harmonics, Run& run);
+
+/// Responses at places with shapes from a field (mean and deviation per fitted shape), rigid-body
+/// rows from the geometry, the residual from the simulation's modes above the band.
+/// @throws InvalidInput  nothing was identified
+[[nodiscard]] identification::PlacesOfInterest places_of_interest(const Interpolated& result,
+                                                                  const priors::Places& places,
+                                                                  const priors::Field& field);
+
+/// Per held-out channel: what is predicted off what is measured, over it, all lines of the band.
+[[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
+                                                  const Interpolation& one);
+
+/// predicted.csv, predicted_band.csv (with variances) on the lines of the file, and
+/// spatio_temporal.mat: receptances at the sensors that no fit saw and at the points of interest.
+void leave_predictions(const Interpolated& result, Run& run);
 
 /// A sensor or actuator of the study where it is on the body.
 struct ChannelSite {

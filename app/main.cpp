@@ -17,15 +17,9 @@ namespace app = chladni::app;
 
 // In the order of the flow; a new verb is one line here.
 constexpr const app::Command* kCommands[] = {
-    &app::check_command,
-    &app::mesh_command,
-    &app::modes_command,
-    &app::place_command,
-    &app::priors_command,
-    &app::simulate_command,
-    &app::identify_command,
-    &app::interpolate_command,
-    &app::study_command,
+    &app::check_command,    &app::mesh_command,        &app::modes_command,
+    &app::place_command,    &app::priors_command,      &app::simulate_command,
+    &app::identify_command, &app::interpolate_command, &app::study_command,
 };
 
 enum ExitCode {
@@ -126,10 +120,12 @@ struct OtherVerbs {
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& status) {
-  auto* convert = cli.add_subcommand("convert", "geometry or measured data, from one format to another");
+  auto* convert =
+      cli.add_subcommand("convert", "geometry or measured data, from one format to another");
   convert->add_option("IN", other.from, "file to read")->required();
   convert->add_option("OUT", other.to, "file to write: .stl, .vtu; .csv, .uff, .mat")->required();
-  convert->add_option("--unit", other.unit, "unit of IN where it states none: of lengths, of responses");
+  convert->add_option("--unit", other.unit,
+                      "unit of IN where it states none: of lengths, of responses");
   convert->callback([&] {
     status =
         guarded(talk, [&] { return app::convert(other.from, other.to, other.unit, std::cout); });

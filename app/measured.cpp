@@ -184,16 +184,21 @@ priors::Places places_at(const std::vector<ChannelSite>& channels, const modal::
   return places_at(sites, directions, modes, harmonics);
 }
 
-bool has_shapes(const MeasurementPlan& plan) { return !plan.shapes.empty() || !plan.truth.empty(); }
+bool has_shapes(const MeasurementPlan& plan) {
+  return !plan.shapes.empty() || !plan.truth.empty() || has_responses(plan);
+}
 
 Measured measured(const Study& study, const Solution& solution,
                   const priors::Simulation& simulation, const fem::LaplaceSpectrum& harmonics,
                   Run& run) {
   require(study.measurement && has_shapes(*study.measurement),
           study.file.string() +
-              ": nothing is measured; expected [measurement] with shapes = \"shapes.csv\" or truth "
-              "= \"real.toml\"");
+              ": nothing is measured; expected [measurement] with frf = \"measured.uff\", shapes = "
+              "\"shapes.csv\" or truth = \"real.toml\"");
   require_distinct_names(study);
+  if (study.measurement->truth.empty() && study.measurement->shapes.empty()) {
+    return measured_by_responses(study, solution, harmonics, run);
+  }
   const auto channels = channel_sites(study, solution.model);
   Values values;
   if (!study.measurement->truth.empty()) {

@@ -13,12 +13,6 @@
 namespace chladni::app {
 namespace {
 
-modal::FrfKind kind_of(const std::string& quantity) {
-  if (quantity == "velocity") return modal::FrfKind::mobility;
-  if (quantity == "acceleration") return modal::FrfKind::accelerance;
-  return modal::FrfKind::receptance;
-}
-
 const char* quantity_of(modal::FrfKind kind) {
   if (kind == modal::FrfKind::mobility) return "velocity";
   return kind == modal::FrfKind::accelerance ? "acceleration" : "displacement";
@@ -112,6 +106,12 @@ std::vector<Eigen::Index> seen(const std::vector<modal::MeasuredChannel>& channe
 }
 
 }  // namespace
+
+modal::FrfKind kind_of(const std::string& quantity) {
+  if (quantity == "velocity") return modal::FrfKind::mobility;
+  if (quantity == "acceleration") return modal::FrfKind::accelerance;
+  return modal::FrfKind::receptance;
+}
 
 bool has_responses(const MeasurementPlan& plan) { return !plan.frf.empty() || !plan.time.empty(); }
 

@@ -167,15 +167,15 @@ struct IdentificationPlan {
   std::string method = "likelihood";   ///< or "thesis"
   std::string weighting = "variance";  ///< or "inverse_magnitude"
   double cut_off_db = 40.0;            ///< of inverse_magnitude
-  std::optional<double> model_error;   ///< of |G|; none: 0 where the file states variances, else 1 %
-  int modes = 0;                       ///< flexible ones; 0: found
-  int rigid_body_modes = -1;           ///< at 0 Hz; −1: found where nothing holds the body
+  std::optional<double> model_error;  ///< of |G|; none: 0 where the file states variances, else 1 %
+  int modes = 0;                      ///< flexible ones; 0: found
+  int rigid_body_modes = -1;          ///< at 0 Hz; −1: found where nothing holds the body
   bool delay = true, residual = true;  ///< fitted
   std::string unit;                    ///< of the sensors where the file states none
   std::vector<std::pair<std::string, std::string>> pairs;  ///< sensor, actuator
-  double pairs_within = 1e-3;  ///< [m]: where no pairs are named
-  std::string gain = "tied";   ///< or "thesis"
-  int stabilisation = 0;       ///< highest order of the diagram; 0: none
+  double pairs_within = 1e-3;                              ///< [m]: where no pairs are named
+  std::string gain = "tied";                               ///< or "thesis"
+  int stabilisation = 0;  ///< highest order of the diagram; 0: none
 };
 
 /// A point whose motion is asked for.

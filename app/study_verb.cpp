@@ -23,8 +23,8 @@ void run(const Study& study, Run& run) {
     run.show("\n" + interpolation_table(*shapes));
     leave_interpolation(study, solution, *shapes, run, false);
   }
-  leave_report(study, solution,
-               {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr}, run);
+  leave_report(study, solution, {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr},
+               run);
   if (!study.expectations.empty()) judge(study, solution, run);
 }
 

@@ -1,0 +1,285 @@
+// From identified responses to shapes at the channels, and from a field of shapes back to
+// responses.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/interpolation.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/frf_file.h"
+#include "io/mat.h"
+#include "modal/state_space.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kExplained = 0.3;  // of the fitted residual, for the simulation's to be used
+constexpr double kBeyond = 1.05;    // a mode of the simulation this much above the band is residual
+
+const IdentifiedModel& identified_of(const Interpolated& result) {
+  require(result.measured.identified != nullptr,
+          "responses are predicted from measured ones; expected measurement.frf");
+  return *result.measured.identified;
+}
+
+// The sites of all channels of the study, by name.
+const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::string& name) {
+  return *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+}
+
+// By what both sides of the pairs still differ, per mode: what the deviations of the fit do not
+// know (gains, places, neighbours).
+Eigen::VectorXd disagreement(const IdentifiedModel& model) {
+  const auto& fit = model.found.fit.model;
+  const auto& match = model.match;
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(fit.mode_count());
+  if (model.pairs.size() < 2) return result;
+  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
+    const double alpha = match.modes[static_cast<std::size_t>(m)].alpha;
+    const int sign = match.modes[static_cast<std::size_t>(m)].sign;
+    double square = 0.0;
+    for (const auto& pair : model.pairs) {
+      const double ratio = pair.at_input.size() > 0 && pair.at_input(m) != 0.0
+                               ? pair.at_output(m) / pair.at_input(m)
+                               : 1.0;
+      const double output = fit.output_shapes(pair.output, m) / alpha;
+      const double input = sign * alpha * ratio * fit.input_shapes(m, pair.input);
+      square += 0.5 * std::pow(output - input, 2);
+    }
+    result(m) = std::sqrt(square / static_cast<double>(model.pairs.size()));
+  }
+  return result;
+}
+
+// Modes with a scale, and that are no rigid-body modes.
+std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Run& run) {
+  std::vector<Eigen::Index> modes;
+  const auto& fit = model.found.fit.model;
+  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
+    if (model.match.deviation.col(m).allFinite()) {
+      modes.push_back(m);
+    } else {
+      run.talk().warn(
+          fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
+                      "actuators: it takes no part in what is predicted elsewhere",
+                      m + 1, fit.frequency_hz(m)));
+    }
+  }
+  require(!modes.empty(),
+          "no identified mode has a known scale: name a pair of a sensor and an "
+          "actuator at one place ([identification] pair)");
+  return modes;
+}
+
+void add_hidden(const Study& study, const Solution& solution, const std::vector<ChannelSite>& sites,
+                const fem::LaplaceSpectrum& harmonics, const IdentifiedModel& model,
+                Measured& result) {
+  const auto& hold_out = study.measurement->hold_out;
+  std::vector<ChannelSite> hidden;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < model.measured.all.outputs.size(); ++i) {
+    const auto& name = model.measured.all.outputs[i].name;
+    if (std::find(hold_out.begin(), hold_out.end(), name) == hold_out.end()) continue;
+    hidden.push_back(site_of(sites, name));
+    rows.push_back(static_cast<Eigen::Index>(i));
+    result.hidden_channels.push_back(name);
+  }
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  const auto m = static_cast<Eigen::Index>(result.fitted_mode.size());
+  result.hidden = {places_at(hidden, solution.modes, harmonics), result.shapes.frequency_hz,
+                   Eigen::MatrixXd(n, m), Eigen::MatrixXd(n, m)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto row = identification::fitted_row(
+        model.found.fit, model.match,
+        fit_data_of(study, model,
+                    modal::part(model.measured.all, {rows[static_cast<std::size_t>(i)]},
+                                model.measured.inputs)));
+    result.hidden.values.row(i) = row.shape(result.fitted_mode);
+    result.hidden.noise.row(i) = row.deviation(result.fitted_mode);
+  }
+}
+
+// Static flexibility of the simulation's modes above the band, places × actuators.
+Eigen::MatrixXd flexibility_above(const Interpolated& result, const Eigen::MatrixXd& places,
+                                  const Eigen::MatrixXd& inputs) {
+  const auto& model = identified_of(result);
+  const auto& frequency = result.simulation.frequency_hz;
+  const double above = kBeyond * model.data.frequency_hz(model.data.line_count() - 1);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(places.rows(), inputs.rows());
+  for (Eigen::Index r = 0; r < frequency.size(); ++r) {
+    if (frequency(r) < above) continue;
+    const double omega = 2.0 * std::numbers::pi * frequency(r);
+    sum += places.col(r) * inputs.col(r).transpose() / (omega * omega);
+  }
+  return sum;
+}
+
+// The simulation's residual in the unit of the fitted one; zero where it does not explain that one.
+Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& places) {
+  const auto& measured = result.measured;
+  const auto& model = identified_of(result);
+  const auto& fitted = model.found.fit.model.residual;
+  const auto at_sensors = flexibility_above(result, measured.sensor_shapes, measured.input_shapes);
+  const double square = at_sensors.squaredNorm();
+  const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
+  const double left = (fitted - factor * at_sensors).squaredNorm();
+  const bool explains = factor > 0.0 && left < (1.0 - kExplained) * fitted.squaredNorm();
+  return (explains ? factor : 0.0) *
+         flexibility_above(result, places.shapes, measured.input_shapes);
+}
+
+// Rigid-body rows at places whose motion is along z.
+void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
+                    identification::PlacesOfInterest& result) {
+  const auto rigid = model.found.fit.model.rigid_count;
+  if (rigid == 0 || !model.match.rigid) return;
+  const auto directions =
+      identification::rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
+  result.shapes.leftCols(rigid) =
+      places.direction.col(2).asDiagonal() * (directions * model.match.rigid->modes);
+}
+
+modal::FrfSet as_set(const IdentifiedModel& model, const std::vector<std::string>& names,
+                     const Eigen::VectorXd& frequency_hz) {
+  modal::FrfSet set;
+  for (const auto& name : names) {
+    modal::MeasuredChannel channel;
+    channel.name = name;
+    set.outputs.push_back(channel);
+  }
+  set.inputs = model.seen.inputs;
+  set.frequency_hz = frequency_hz;
+  return set;
+}
+
+}  // namespace
+
+Measured measured_by_responses(const Study& study, const Solution& solution,
+                               const fem::LaplaceSpectrum& harmonics, Run& run) {
+  Measured result;
+  auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, run));
+  run.show(identification_table(*model) + "\n");
+  leave_identification(study, *model, run, false);
+  result.identified = model;
+  result.fitted_mode = usable_modes(*model, run);
+  const auto sites = channel_sites(study, solution.model);
+  std::vector<ChannelSite> used;
+  for (const auto& row : model->match.rows) {
+    const auto& side = row.actuator ? model->seen.inputs : model->seen.outputs;
+    used.push_back(site_of(sites, side[static_cast<std::size_t>(row.channel)].name));
+    result.channels.push_back(used.back().name);
+  }
+  const auto& fit = model->found.fit.model;
+  const auto& modes = result.fitted_mode;
+  const Eigen::VectorXd doubt = disagreement(*model)(modes);
+  const Eigen::MatrixXd deviation = model->match.deviation(Eigen::all, modes);
+  result.shapes = {places_at(used, solution.modes, harmonics), fit.frequency_hz(modes),
+                   model->match.shapes(Eigen::all, modes),
+                   (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
+  result.damping_ratio = fit.damping_ratio(modes);
+  std::vector<ChannelSite> sensors;
+  std::vector<ChannelSite> actuators;
+  for (const auto& one : model->seen.outputs) sensors.push_back(site_of(sites, one.name));
+  for (const auto& one : model->seen.inputs) actuators.push_back(site_of(sites, one.name));
+  result.sensor_shapes = places_at(sensors, solution.modes).shapes;
+  result.input_shapes = places_at(actuators, solution.modes).shapes;
+  add_hidden(study, solution, sites, harmonics, *model, result);
+  return result;
+}
+
+identification::PlacesOfInterest places_of_interest(const Interpolated& result,
+                                                    const priors::Places& places,
+                                                    const priors::Field& field) {
+  const auto& model = identified_of(result);
+  const auto m = model.found.fit.model.mode_count();
+  identification::PlacesOfInterest interest{Eigen::MatrixXd::Zero(places.count(), m),
+                                            Eigen::MatrixXd::Zero(places.count(), m),
+                                            residual_at(result, places)};
+  interest.shapes(Eigen::all, result.measured.fitted_mode) = field.mean;
+  interest.deviation(Eigen::all, result.measured.fitted_mode) =
+      field.deviation.array().isFinite().select(field.deviation, 0.0);
+  add_rigid_rows(model, places, interest);
+  return interest;
+}
+
+Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolation& one) {
+  const auto& model = identified_of(result);
+  const auto& measured = result.measured;
+  Eigen::VectorXd errors(measured.hidden.places.count());
+  const auto interest = places_of_interest(result, measured.hidden.places, one.hidden);
+  const auto& frequency = model.data.frequency_hz;
+  const auto responses =
+      identification::predicted(model.found.fit, model.match, interest, frequency);
+  for (Eigen::Index c = 0; c < errors.size(); ++c) {
+    const auto& name = measured.hidden_channels[static_cast<std::size_t>(c)];
+    const auto& outputs = model.measured.all.outputs;
+    const auto row = std::find_if(outputs.begin(), outputs.end(),
+                                  [&](const auto& channel) { return channel.name == name; });
+    const auto real = modal::converted(
+        modal::band(modal::part(model.measured.all, {row - outputs.begin()}, model.measured.inputs),
+                    frequency(0), frequency(frequency.size() - 1)),
+        modal::FrfKind::receptance);
+    double wrong = 0.0;
+    double size = 0.0;
+    for (std::size_t k = 0; k < real.value.size(); ++k) {
+      const Eigen::RowVectorXcd there = real.value[k].row(0);
+      if (!there.allFinite()) continue;
+      wrong += (responses.value[k].row(c) - there).squaredNorm();
+      size += there.squaredNorm();
+    }
+    errors(c) = std::sqrt(wrong / size);
+  }
+  return errors;
+}
+
+void leave_predictions(const Interpolated& result, Run& run) {
+  const auto& model = identified_of(result);
+  const auto& shown = result.methods.front();
+  std::vector<std::string> names = result.unmeasured;
+  names.insert(names.end(), result.points.begin(), result.points.end());
+  if (names.empty()) return;
+  const auto at_sensors = places_of_interest(result, result.unmeasured_places, shown.unmeasured);
+  auto interest = at_sensors;
+  if (!result.points.empty()) {
+    const auto at_points = places_of_interest(result, result.point_places, shown.points);
+    const auto n = at_sensors.shapes.rows();
+    const auto stack = [&](Eigen::MatrixXd& into, const Eigen::MatrixXd& below) {
+      into.conservativeResize(n + below.rows(), below.cols());
+      into.bottomRows(below.rows()) = below;
+    };
+    stack(interest.shapes, at_points.shapes);
+    stack(interest.deviation, at_points.deviation);
+    stack(interest.residual, at_points.residual);
+  }
+  auto lines = model.measured.all.frequency_hz;
+  if (model.found.fit.model.rigid_count > 0 && lines(0) == 0.0) {
+    lines = Eigen::VectorXd(lines.tail(lines.size() - 1));
+  }
+  const auto responses = identification::predicted(model.found.fit, model.match, interest, lines);
+  auto receptance = as_set(model, names, lines);
+  receptance.value = responses.value;
+  for (const auto& deviation : responses.deviation) {
+    receptance.variance.push_back(deviation.cwiseAbs2());
+  }
+  write_atomically(run / "predicted_band.csv", io::frf_csv(receptance));
+  receptance.variance.clear();
+  write_atomically(run / "predicted.csv", io::frf_csv(receptance));
+  const auto reduced = identification::model_at(model.found.fit, model.match, interest);
+  const auto space = modal::state_space(reduced);
+  std::vector<std::string> inputs;
+  for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
+  io::write_mat(run / "spatio_temporal.mat", {{"A", space.a},
+                                              {"B", space.b},
+                                              {"C", space.c},
+                                              {"D", space.d},
+                                              {"delay_s", model.found.fit.delay_s},
+                                              {"outputs", names},
+                                              {"inputs", inputs},
+                                              {"shapes", interest.shapes},
+                                              {"shapes_std", interest.deviation}});
+}
+
+}  // namespace chladni::app

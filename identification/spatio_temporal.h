@@ -1,0 +1,49 @@
+// Responses at places that no sensor measures: identified modes with rows of shapes from a field.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identification/gain_match.h"
+#include "identification/modal_fit.h"
+
+namespace chladni::identification {
+
+/// n places of interest, m modes of the fit, q actuators.
+struct PlacesOfInterest {
+  Eigen::MatrixXd shapes;     ///< n×m [kg^-1/2], of the same scale as GainMatch::shapes
+  Eigen::MatrixXd deviation;  ///< n×m: standard deviations
+  Eigen::MatrixXd residual;   ///< n×q: of the modes above the band; zero where it is not known
+};
+
+/// G(ρ, s) = [Σ φ_m(ρ) r_m / (s² + 2ζ_m ω_m s + ω_m²) + residual] e^{−sτ} with its deviation.
+struct PredictedResponses {
+  std::vector<Eigen::MatrixXcd> value;  ///< [k], each n×q
+  /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit) and the
+  /// shapes' deviations, modes independent of each other. Each part of G lies within 1.96/√2 of it
+  /// in 95 % of the cases, |δG| within 1.73.
+  std::vector<Eigen::MatrixXd> deviation;
+};
+
+/// Cost: k n q m.
+/// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes
+[[nodiscard]] PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
+                                           const PlacesOfInterest& places,
+                                           const Eigen::VectorXd& frequency_hz);
+
+/// The model from the actuators to the places, without the delay.
+[[nodiscard]] modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
+                                           const PlacesOfInterest& places);
+
+/// What the responses of one further sensor say of its row: φ_m by linear least squares, poles and
+/// input vectors as they were fitted without it. For scoring.
+struct FittedRow {
+  Eigen::RowVectorXd shape, deviation;  ///< m
+  Eigen::RowVectorXd residual;          ///< q
+};
+/// @param data  of that sensor alone, the actuators in the order of the fit
+/// @throws InvalidInput  the actuators differ in number, or it has several outputs
+[[nodiscard]] FittedRow fitted_row(const ModalFit& fit, const GainMatch& match,
+                                   const FitData& data);
+
+}  // namespace chladni::identification
