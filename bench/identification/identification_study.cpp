@@ -1,14 +1,15 @@
-// identification_study [case] [seeds]: modes found, errors over the Cramér-Rao bound and seconds,
-// of the default and of the thesis' own path on the same data; figures in bench/README.md.
-// identification_study export CASE FILE.csv: the responses, for bench/peers/modal_fits.py.
+// identification_study [case] [seeds] [method]: modes found, errors over the Cramér-Rao bound and
+// CPU seconds, of the default and of the thesis' own path on the same data; figures in
+// bench/README.md. identification_study export CASE FILE.csv: the responses, for
+// bench/peers/modal_fits.py.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <functional>
 #include <map>
 #include <string>
@@ -140,10 +141,10 @@ std::vector<std::pair<std::string, Method>> methods(const FrfCase& made) {
 
 Score score_of(const Method& method, const FrfCase& made, const simulators::FrfBounds& bounds) {
   Score score;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = std::clock();
   try {
     const auto fit = method(made);
-    score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    score.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     compare(fit, made, bounds, score);
   } catch (const std::exception& failure) {
     score.failure = failure.what();
@@ -151,11 +152,12 @@ Score score_of(const Method& method, const FrfCase& made, const simulators::FrfB
   return score;
 }
 
-void run(const Trial& trial, unsigned seeds) {
+void run(const Trial& trial, unsigned seeds, const std::string& wanted) {
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     const auto made = case_of(trial, seed);
     const auto bounds = simulators::cramer_rao(made);
     for (const auto& [name, method] : methods(made)) {
+      if (name.find(wanted) == std::string::npos) continue;
       const auto score = score_of(method, made, bounds);
       if (!score.failure.empty()) {
         fmt::print("{:14} {:27} {}\n", trial.name, name, score.failure);
@@ -199,9 +201,9 @@ int study(int argc, char** argv) {
   }
   const auto seeds = static_cast<unsigned>(argc > 2 ? std::atoi(argv[2]) : 1);
   fmt::print("{:14} {:27} {:5} {:>10} {:>10} {:>9} {:>8}\n", "case", "method", "found", "freq/CRB",
-             "damp/CRB", "min MAC", "s");
+             "damp/CRB", "min MAC", "CPU s");
   for (const auto& trial : trials()) {
-    if (wanted == "all" || wanted == trial.name) run(trial, seeds);
+    if (wanted == "all" || wanted == trial.name) run(trial, seeds, argc > 3 ? argv[3] : "");
   }
   return 0;
 }
