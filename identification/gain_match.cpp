@@ -57,33 +57,55 @@ void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channe
   }
 }
 
+// Multiplies what one channel shows, and what is known of it.
+void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double factor) {
+  auto& model = state.fit.model;
+  if (is_output) {
+    model.output_shapes.row(channel) *= factor;
+  } else {
+    model.input_shapes.col(channel) *= factor;
+  }
+  const auto place = 2 + (is_output ? channel : state.p() + channel);
+  for (auto& covariance : state.fit.mode_covariance) {
+    if (covariance.rows() != 2 + state.p() + state.q()) continue;
+    covariance.row(place) *= factor;
+    covariance.col(place) *= factor;
+  }
+  scale_rigid_covariance(state, is_output, channel, factor);
+}
+
 // Divides what one side of a pair shows by the pair's gain.
 void correct_gains(Matching& state) {
   const auto& options = state.options;
   if (options.fault == GainFault::nobody) return;
+  const bool is_output = options.fault == GainFault::outputs;
   for (std::size_t c = 0; c < options.pairs.size(); ++c) {
     const auto& pair = options.pairs[c];
     const auto& gain = state.match.pairs[c];
-    const bool is_output = options.fault == GainFault::outputs;
-    const double factor = is_output ? 1.0 / gain.ratio : gain.ratio;
-    auto& model = state.fit.model;
-    if (is_output) {
-      model.output_shapes.row(pair.output) *= factor;
-    } else {
-      model.input_shapes.col(pair.input) *= factor;
-    }
-    const auto place = 2 + (is_output ? pair.output : state.p() + pair.input);
-    for (auto& covariance : state.fit.mode_covariance) {
-      if (covariance.rows() != 2 + state.p() + state.q()) continue;
-      covariance.row(place) *= factor;
-      covariance.col(place) *= factor;
-    }
-    scale_rigid_covariance(state, is_output, is_output ? pair.output : pair.input, factor);
+    scale_channel(state, is_output, is_output ? pair.output : pair.input,
+                  is_output ? 1.0 / gain.ratio : gain.ratio);
     const auto row = static_cast<Eigen::Index>(c);
     const double relative = gain.ratio_std / gain.ratio;
     state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +
                                        (relative * state.ratios.value.row(row).array()).square())
                                           .sqrt();
+  }
+}
+
+// A pair does not tell a mode where its residue has the sign that it cannot have.
+void leave_out_contradictions(Matching& state) {
+  const auto n = state.signs.size();
+  for (Eigen::Index c = 0; c < n; ++c) {
+    for (std::size_t g = 0; g < state.groups.size(); ++g) {
+      const auto column = static_cast<Eigen::Index>(g);
+      const double value = state.side * state.signs(c) * state.residues.value(c, column);
+      if (!state.residues.telling(c, column) || value > 0.0) continue;
+      state.residues.telling(c, column) = false;
+      state.match.warnings.push_back(fmt::format(
+          "{}: the residue of {} is negative there, others are not: not used for it; it is not one "
+          "place, or the mode is blended with another",
+          state.pair_name(c), state.mode_name(state.groups[g])));
+    }
   }
 }
 
@@ -113,18 +135,7 @@ void find_signs(Matching& state) {
                                    ": turned around: this sensor or this actuator counts against "
                                    "its direction");
   }
-  for (Eigen::Index c = 0; c < n; ++c) {
-    for (std::size_t g = 0; g < state.groups.size(); ++g) {
-      const auto column = static_cast<Eigen::Index>(g);
-      const double value = state.side * state.signs(c) * state.residues.value(c, column);
-      if (!state.residues.telling(c, column) || value > 0.0) continue;
-      state.residues.telling(c, column) = false;
-      state.match.warnings.push_back(fmt::format(
-          "{}: the residue of {} is negative there, others are not: not used for it; it is not one "
-          "place, or the mode is blended with another",
-          state.pair_name(c), state.mode_name(state.groups[g])));
-    }
-  }
+  leave_out_contradictions(state);
 }
 
 void warn_of_gains(Matching& state, const Eigen::MatrixXd& left) {

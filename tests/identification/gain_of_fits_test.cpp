@@ -1,0 +1,158 @@
+// From noisy responses to rows of sensors that are not there: fit, match, predict.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "gain_case.h"
+#include "identification/fit_data.h"
+#include "identification/gain_match.h"
+#include "identification/identified.h"
+#include "identification/matched_sides.h"
+#include "modal/frf.h"
+
+namespace chladni::identification {
+namespace {
+
+struct Extended {
+  ModalFit fit;
+  GainMatch match;
+};
+
+Extended extended(const simulators::FrfCase& made, const GainMatchOptions& options) {
+  IdentificationOptions how;
+  how.modes = made.truth.mode_count() - made.truth.rigid_count;
+  how.rigid_count = made.truth.rigid_count;
+  auto fit = identified(fit_data(made.measured), how).fit;
+  auto match = matched(made, fit, options);
+  return {std::move(fit), std::move(match)};
+}
+
+// Errors of the shapes over their deviations, each mode's sign set right.
+Eigen::ArrayXXd errors_in_deviations(const Extended& found, const modal::ReducedModel& truth) {
+  Eigen::MatrixXd known = truth_at(found.match, truth);
+  for (Eigen::Index m = 0; m < known.cols(); ++m) {
+    if (known.col(m).dot(found.match.shapes.col(m)) < 0.0) known.col(m) *= -1.0;
+  }
+  return (found.match.shapes - known).array() / found.match.deviation.array();
+}
+
+// Thesis 5.2.4 to 5.2.6 without a detour: from a fit that has converged the actuators' rows of the
+// suspension modes are straight by themselves.
+TEST(GainOfFits, TwoSensorsAndFourActuatorsMakeFiveRows) {
+  double square = 0.0;
+  double count = 0.0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    const auto made = two_by_four(faults);
+    const auto found = extended(made, with_pairs(made));
+    ASSERT_EQ(found.match.rows.size(), 5U);
+    const auto errors = errors_in_deviations(found, made.truth);
+    EXPECT_LT(errors.abs().maxCoeff(), 5.0) << seed;
+    square += errors.square().sum();
+    count += static_cast<double>(errors.size());
+    const auto truth = truth_at(found.match, made.truth);
+    const Eigen::MatrixXd off = found.match.shapes.cwiseAbs() - truth.cwiseAbs();
+    EXPECT_LT((off.colwise().norm().array() / truth.colwise().norm().array()).maxCoeff(), 1.5e-3);
+  }
+  EXPECT_NEAR(std::sqrt(square / count), 1.0, 0.25);  // modes share their α: about 8 by 5 by 2
+}
+
+// The last row's responses, K×q.
+Eigen::MatrixXcd last_row(const simulators::FrfCase& made, const ModalFit& fit) {
+  const auto match = matched(made, fit, with_pairs(made));
+  const auto frf = modal::frf(extended_model(fit, match), made.measured.frequency_hz);
+  Eigen::MatrixXcd row(made.measured.line_count(), made.measured.input_count());
+  for (Eigen::Index k = 0; k < row.rows(); ++k) {
+    row.row(k) = frf.value[static_cast<std::size_t>(k)].row(match.rows.size() - 1);
+  }
+  return row;
+}
+
+// Expected norm of the error of the last row: the fit moved along all it is not certain of.
+double expected_error(const simulators::FrfCase& made, const ModalFit& fit) {
+  const Eigen::MatrixXcd middle = last_row(made, fit);
+  const auto p = fit.model.output_count();
+  double square = 0.0;
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const Eigen::MatrixXd factor =
+        covariance_factor(fit.mode_covariance[static_cast<std::size_t>(m)]);
+    for (Eigen::Index d = 0; d < factor.cols(); ++d) {
+      auto moved = fit;
+      moved.model.frequency_hz(m) += factor(0, d) / (2.0 * std::numbers::pi);
+      moved.model.damping_ratio(m) += factor(1, d);
+      moved.model.output_shapes.col(m) += factor.col(d).segment(2, p);
+      moved.model.input_shapes.row(m) += factor.col(d).tail(factor.rows() - 2 - p).transpose();
+      square += (last_row(made, moved) - middle).squaredNorm();
+    }
+  }
+  return std::sqrt(square);
+}
+
+TEST(GainOfFits, PredictsEverySensorThatHasAnActuator) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    const auto whole = simulators::beam5x3(faults);
+    for (const Eigen::Index left_out : {0, 2, 4}) {
+      std::vector<Eigen::Index> kept;
+      for (Eigen::Index i = 0; i < 5; ++i) {
+        if (i != left_out) kept.push_back(i);
+      }
+      const auto made = part(whole, kept, {0, 1, 2});
+      const auto found = extended(made, with_pairs(made));
+      ASSERT_EQ(found.match.rows.size(), 5U);
+      ASSERT_TRUE(found.match.rows[4].actuator);
+      const Eigen::MatrixXcd row = last_row(made, found.fit);
+      Eigen::MatrixXcd known(row.rows(), row.cols());
+      for (Eigen::Index k = 0; k < row.rows(); ++k) {
+        known.row(k) = whole.exact[static_cast<std::size_t>(k)].row(left_out);
+      }
+      const double expected = expected_error(made, found.fit);
+      EXPECT_LT((row - known).norm(), 3.0 * expected) << left_out << " " << seed;
+      EXPECT_LT(expected, 5e-3 * known.norm()) << left_out;
+    }
+  }
+}
+
+TEST(GainOfFits, FindGainsWithinTheirDeviations) {
+  FrfFaults faults;
+  faults.output_gain = Eigen::VectorXd{{1.0, 1.0, 0.905, 1.0, 1.1}};
+  double square = 0.0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    faults.seed = seed;
+    const auto made = simulators::beam5x3(faults);
+    const auto found = extended(made, with_pairs(made));
+    const double middle = std::cbrt(0.905 * 1.1);
+    const Eigen::Vector3d known = Eigen::Vector3d(1.0, 0.905, 1.1) / middle;
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto& gain = found.match.pairs[static_cast<std::size_t>(c)];
+      EXPECT_LT(gain.ratio_std, 1e-3);
+      EXPECT_LT(std::abs(gain.ratio - known(c)), 4.5 * gain.ratio_std);
+      square += std::pow((gain.ratio - known(c)) / gain.ratio_std, 2) / 30.0;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(square), 1.0, 0.5);
+}
+
+TEST(GainOfFits, WeighTheTableByItsModesAtZero) {
+  const auto made = simulators::oat4x13();
+  GainMatchOptions options;
+  options.geometry = geometry_of(made, RigidMotion::plate);
+  const auto found = extended(made, options);
+  ASSERT_TRUE(found.match.rigid.has_value());
+  const double mass = 0.6 * 0.5988 * 2700.0 * 0.0149;
+  const auto& body = *found.match.rigid;
+  EXPECT_LT(std::abs(body.mass(0, 0) - mass), 4.0 * body.mass_std(0, 0));
+  EXPECT_LT(body.mass_std(0, 0), 1e-3 * mass);
+  EXPECT_LT(body.asymmetry, 1e-2);
+  const Eigen::MatrixXd shapes = found.match.shapes.leftCols(3);
+  const Eigen::MatrixXd known = truth_at(found.match, made.truth).leftCols(3);
+  const Eigen::MatrixXd wanted = known * known.transpose();
+  EXPECT_LT((shapes * shapes.transpose() - wanted).norm(), 1e-3 * wanted.norm());
+}
+
+}  // namespace
+}  // namespace chladni::identification
