@@ -108,6 +108,7 @@ int doctor(std::ostream& results) {
                                memory(),
                                worker("chladni-tetgen", "meshing of surfaces"),
                                worker("chladni-vtu", "reading of .vtu"),
+                               worker("chladni-mat", "reading of .mat"),
                                step_reader(),
                                worker("chladni-painter", "painting"),
                                display(),

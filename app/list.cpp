@@ -36,7 +36,10 @@ constexpr std::array kFormats = std::to_array<Row>({
     {".msh", "read: tetrahedra of Gmsh 2.2 and 4.1"},
     {".inp", "read: C3D4 and C3D10 of Abaqus and CalculiX; sets become regions and patches"},
     {".vtu", "read and written: tetrahedra of VTK, modes for ParaView"},
-    {".json .csv", "written: results"},
+    {".csv .csv.gz", "read and written: measured responses and recordings; written: results"},
+    {".uff .unv", "read (58, 58b, 15, 55, 151, 164, 781, 2411) and written: measured data"},
+    {".mat", "read (4 to 7.3) and written (5): measured data, state space"},
+    {".json", "written: results"},
 });
 constexpr std::array kMaterials = std::to_array<Row>({
     {"isotropic", "youngs_modulus, poissons_ratio, density"},

@@ -17,7 +17,7 @@ bool knows(const std::vector<std::string>& names, std::string_view name) {
 // "_u1", "->u1" without what only parts it from the name before.
 std::string_view without_sign(std::string_view word) {
   const auto first = word.find_first_not_of("_-> .:|");
-  return first == word.npos ? word : word.substr(first);
+  return first == std::string_view::npos ? word : word.substr(first);
 }
 
 // Every way to cut the word so that both halves are known; where one side has no list, anything
@@ -41,7 +41,7 @@ std::vector<ChannelPair> known_cuts(std::string_view word, const std::vector<std
 std::size_t end_of_name(std::string_view word, std::size_t from) {
   std::size_t at = from;
   while (at < word.size() && !is_digit(word[at])) ++at;
-  if (at == from || at == word.size()) return word.npos;
+  if (at == from || at == word.size()) return std::string_view::npos;
   while (at < word.size() && is_digit(word[at])) ++at;
   return at;
 }
@@ -59,10 +59,10 @@ std::optional<ChannelPair> pattern_cut(std::string_view word) {
 ChannelPair channel_pair(std::string_view word, const std::vector<std::string>& sensors,
                          const std::vector<std::string>& actuators) {
   const auto stroke = word.find('/');
-  if (stroke != word.npos) {
+  if (stroke != std::string_view::npos) {
     const auto sensor = trimmed(word.substr(0, stroke));
     const auto actuator = trimmed(word.substr(stroke + 1));
-    require(!sensor.empty() && !actuator.empty() && actuator.find('/') == actuator.npos,
+    require(!sensor.empty() && !actuator.empty() && actuator.find('/') == std::string_view::npos,
             "found " + shown(word) + ", expected sensor/actuator with one stroke");
     return {std::string(sensor), std::string(actuator)};
   }

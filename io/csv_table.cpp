@@ -19,7 +19,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 char separator_of(std::string_view header) {
   for (const char c : {',', ';', '\t'}) {
-    if (header.find(c) != header.npos) return c;
+    if (header.find(c) != std::string_view::npos) return c;
   }
   return ',';
 }
@@ -43,7 +43,7 @@ void read_row(std::string_view line, char separator, int number, CsvTable& table
   std::size_t column = 0;
   for (bool more = true; more; ++column) {
     const auto end = line.find(separator);
-    more = end != line.npos;
+    more = end != std::string_view::npos;
     if (column == expected) {
       const auto extra = static_cast<std::size_t>(std::count(line.begin(), line.end(), separator));
       column += extra + 1;
@@ -121,7 +121,7 @@ CsvTable csv_table(std::string_view bytes, const std::string& file) {
   for (int number = 1; !bytes.empty(); ++number) {
     const auto end = bytes.find('\n');
     auto line = bytes.substr(0, end);
-    bytes.remove_prefix(end == bytes.npos ? bytes.size() : end + 1);
+    bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
     if (line.ends_with('\r')) line.remove_suffix(1);
     const auto words = trimmed(line);
     if (words.empty() || words.front() == '#') continue;

@@ -182,7 +182,8 @@ Index number_of(const std::string& name, std::vector<modal::MeasuredChannel>& si
 
 /// Row and column of every response in the set.
 std::vector<std::pair<Index, Index>> add_channels(const Layout& layout, modal::FrfSet& set) {
-  std::map<std::string, Index> outputs, inputs;
+  std::map<std::string, Index> outputs;
+  std::map<std::string, Index> inputs;
   std::vector<std::pair<Index, Index>> places;
   for (const auto& [sensor, actuator] : layout.pairs) {
     const Index i = number_of(sensor, set.outputs, outputs);
@@ -280,8 +281,8 @@ std::string pair_name(const std::string& sensor, const std::string& actuator) {
     }
   };
   if (is_read_back(sensor + actuator)) return sensor + actuator;
-  const std::string word = sensor + "/" + actuator;
-  require(is_read_back(word) && word.find_first_of("\r\n") == word.npos,
+  std::string word = sensor + "/" + actuator;
+  require(is_read_back(word) && word.find_first_of("\r\n") == std::string_view::npos,
           "CSV cannot hold the names of the response " + shown(sensor) + " over " +
               shown(actuator) + "; expected names without /, line ends and blanks around them");
   return word;

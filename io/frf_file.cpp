@@ -46,7 +46,7 @@ FrfFile read_frf(const Path& file, const FrfOptions& options) {
 }
 
 std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
-  switch (measured_format(file)) {
+  switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, frf_csv(set));
       return lost_in_csv(set);

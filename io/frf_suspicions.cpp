@@ -11,6 +11,7 @@ namespace {
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
 constexpr double kClear = 0.5;  // of turning and side: noise alone stays far below it
+constexpr Index kFewest = 16;   // lines that can show it
 
 bool is_known(const Complex& value) {
   return std::isfinite(value.real()) && std::isfinite(value.imag());
@@ -169,7 +170,7 @@ std::vector<std::string> suspicions(
   Index turned = 0, judged = 0;
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
-      const double turn = turning(set, i, j);
+      const double turn = set.line_count() < kFewest ? 0.0 : turning(set, i, j);
       if (std::abs(turn) < kClear) continue;
       ++judged;
       const bool conjugated = turn > 0.0;

@@ -15,7 +15,8 @@ using Index = Eigen::Index;
 
 void require_name(const modal::MeasuredChannel& channel) {
   const auto& name = channel.name;
-  require(name.size() <= 60 && name.find_first_of("\r\n") == name.npos && trimmed(name) == name,
+  require(name.size() <= 60 && name.find_first_of("\r\n") == std::string_view::npos &&
+              trimmed(name) == name,
           "UFF cannot hold the channel name " + shown(name) +
               "; expected at most 60 letters without line ends and blanks around them");
 }

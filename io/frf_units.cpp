@@ -33,7 +33,7 @@ struct Stated {
 
 Stated stated(const std::string& word) {
   const auto stroke = word.rfind('/');
-  if (stroke != word.npos) {
+  if (stroke != std::string_view::npos) {
     const auto denominator = trimmed(std::string_view(word).substr(stroke + 1));
     const auto numerator = trimmed(std::string_view(word).substr(0, stroke));
     const auto force = force_unit(denominator);

@@ -16,6 +16,14 @@ MeasuredFormat measured_format(const std::filesystem::path& file) {
   return MeasuredFormat::none;
 }
 
+MeasuredFormat written_format(const std::filesystem::path& file) {
+  const auto format = measured_format(file);
+  if (format == MeasuredFormat::none || upper(file.extension().string()) == ".GZ") {
+    refuse_ending(file);
+  }
+  return format;
+}
+
 void refuse_ending(const std::filesystem::path& file) {
   throw InvalidInput(file.string() + ": \"" + file.extension().string() +
                      "\" is no ending of measured data; expected .csv, .uff, .unv or .mat");

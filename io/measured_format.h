@@ -11,6 +11,9 @@ enum class MeasuredFormat { csv, uff, mat, none };
 /// By the ending: .csv, .uff .unv .uf, .mat, of text also with .gz behind it.
 [[nodiscard]] MeasuredFormat measured_format(const std::filesystem::path& file);
 
+/// The same of a file to be written. @throws InvalidInput  none of them, or compressed
+[[nodiscard]] MeasuredFormat written_format(const std::filesystem::path& file);
+
 /// @throws InvalidInput  says which endings there are
 [[noreturn]] void refuse_ending(const std::filesystem::path& file);
 

@@ -235,7 +235,8 @@ std::string column_name(const modal::MeasuredChannel& channel, Side side) {
   const auto is_read_back = [&](std::string word) {
     return special(word, nothing) == nullptr &&
            side_of(word, {}) == std::pair(side, channel.name) && trimmed(word) == word &&
-           word.find_first_of("\r\n") == word.npos && !number_in(word) && word.front() != '#';
+           word.find_first_of("\r\n") == std::string_view::npos && !number_in(word) &&
+           word.front() != '#';
   };
   if (is_read_back(channel.name)) return channel.name;
   std::string word = std::string(kPrefix[static_cast<std::size_t>(side)]) + channel.name;

@@ -22,7 +22,7 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
 
 std::vector<std::string> write_time(const std::filesystem::path& file,
                                     const identification::TimeData& data) {
-  switch (measured_format(file)) {
+  switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, time_csv(data));
       return {"CSV holds no units"};

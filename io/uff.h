@@ -72,7 +72,7 @@ struct Uff {
 /// Reads datasets 15, 55, 58, 58b, 151, 164, 781 and 2411; others are noted. Takes Fortran's D
 /// exponents, numbers run together, blank lines, line ends of any kind, line feeds before and after
 /// binary data, either byte order in each dataset, a missing last -1. No length is trusted.
-/// Memory below 24 times the bytes. Cost: linear.
+/// Cost: linear; memory a multiple of the bytes whatever they say.
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
 [[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name);

@@ -51,7 +51,7 @@ bool is_followed_by_end(std::string_view rest, std::size_t at) {
   if (at > rest.size()) return false;
   rest.remove_prefix(at);
   const auto first = rest.find_first_not_of(" \t\r\n");
-  if (first == rest.npos) return rest.size() < 8;
+  if (first == std::string_view::npos) return rest.size() < 8;
   if (first > 16 || rest.substr(first, 2) != "-1") return false;
   const auto behind = rest.substr(first + 2, 1);
   return behind.empty() || std::string_view(" \t\r\n").find(behind) != std::string_view::npos;

@@ -20,7 +20,8 @@ std::optional<MotionUnit> motion_of_label(std::string label) {
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   if (auto unit = motion_unit(lower)) return unit;
   const auto stroke = label.rfind('/');
-  if (stroke == label.npos || !force_unit(label.substr(stroke + 1))) return std::nullopt;
+  if (stroke == std::string_view::npos || !force_unit(label.substr(stroke + 1)))
+    return std::nullopt;
   return motion_of_label(label.substr(0, stroke));
 }
 

@@ -21,13 +21,13 @@ std::string in_13(double value) {
   std::array<char, 40> buffer;
   auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   std::string digits(buffer.data(), end);
-  if (digits.find_first_of(".e") == digits.npos) digits += '.';
+  if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
   for (int most = 11; digits.size() > 12 && most > 3; --most) {
     end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
                         std::chars_format::general, most)
               .ptr;
     digits.assign(buffer.data(), end);
-    if (digits.find_first_of(".e") == digits.npos) digits += '.';
+    if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
   }
   return fmt::format("{:>13}", digits);
 }

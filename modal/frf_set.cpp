@@ -104,16 +104,32 @@ void check_values(const FrfSet& set) {
 
 constexpr std::array<std::string_view, 3> kPerTime{"", "/s", "/s^2"};
 
+int steps_of(FrfKind from, FrfKind to) { return static_cast<int>(to) - static_cast<int>(from); }
+
 // "m/s^2" as a receptance is "m"; what does not end so gets the factor of time itself.
 std::string converted_unit(const std::string& unit, FrfKind from, FrfKind to) {
   if (unit.empty() || from == to) return unit;
   const auto ending = kPerTime[static_cast<std::size_t>(from)];
-  const int steps = static_cast<int>(to) - static_cast<int>(from);
-  if (unit.ends_with(ending) && (from != FrfKind::receptance || unit.find('/') == unit.npos)) {
+  const int steps = steps_of(from, to);
+  if (unit.ends_with(ending) &&
+      (from != FrfKind::receptance || unit.find('/') == std::string_view::npos)) {
     return unit.substr(0, unit.size() - ending.size()) +
            std::string(kPerTime[static_cast<std::size_t>(to)]);
   }
   return unit + (steps > 0 ? "/s" : " s") + (std::abs(steps) == 2 ? "^2" : "");
+}
+
+// One row times s^steps.
+void differentiate(FrfSet& set, Eigen::Index output, int steps) {
+  for (Eigen::Index k = 0; k < set.line_count(); ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    const Complex s(0.0, 2.0 * std::numbers::pi * set.frequency_hz(k));
+    const Complex times = std::abs(steps) == 2 ? Complex(-std::norm(s)) : s;
+    const Complex factor = steps < 0 ? 1.0 / times : times;
+    set.value[line].row(output) *= factor;
+    if (!set.variance.empty()) set.variance[line].row(output) *= std::norm(factor);
+    if (!set.noise_variance.empty()) set.noise_variance[line].row(output) *= std::norm(factor);
+  }
 }
 
 FrfSet of_lines(const FrfSet& set, Eigen::Index first, Eigen::Index count) {
@@ -158,29 +174,15 @@ void check(const FrfSet& set) {
 
 FrfSet converted(const FrfSet& set, FrfKind kind) {
   bool integrated = false;
-  Eigen::VectorXi steps(set.output_count());
-  for (Eigen::Index i = 0; i < set.output_count(); ++i) {
-    const FrfKind from = set.outputs[static_cast<std::size_t>(i)].kind;
-    steps(i) = static_cast<int>(kind) - static_cast<int>(from);
-    integrated = integrated || steps(i) < 0;
-  }
+  for (const auto& output : set.outputs) integrated = integrated || steps_of(output.kind, kind) < 0;
   const bool at_rest = integrated && set.line_count() > 0 && set.frequency_hz(0) == 0.0;
   FrfSet result = of_lines(set, at_rest ? 1 : 0, set.line_count() - (at_rest ? 1 : 0));
-  for (auto& output : result.outputs) {
+  for (std::size_t i = 0; i < result.outputs.size(); ++i) {
+    auto& output = result.outputs[i];
+    const int steps = steps_of(output.kind, kind);
+    if (steps != 0) differentiate(result, static_cast<Eigen::Index>(i), steps);
     output.unit = converted_unit(output.unit, output.kind, kind);
     output.kind = kind;
-  }
-  for (Eigen::Index k = 0; k < result.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    const Complex s(0.0, 2.0 * std::numbers::pi * result.frequency_hz(k));
-    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
-      if (steps(i) == 0) continue;
-      Complex factor = std::abs(steps(i)) == 2 ? Complex(-std::norm(s)) : s;
-      if (steps(i) < 0) factor = 1.0 / factor;
-      result.value[line].row(i) *= factor;
-      if (!set.variance.empty()) result.variance[line].row(i) *= std::norm(factor);
-      if (!set.noise_variance.empty()) result.noise_variance[line].row(i) *= std::norm(factor);
-    }
   }
   return result;
 }

@@ -51,6 +51,7 @@ void set_style(vtkTextActor* actor, const TextStyle& style) {
   text->SetBold(style.bold ? 1 : 0);
   text->SetColor(style.colour[0], style.colour[1], style.colour[2]);
   text->SetVerticalJustificationToBottom();
+  if (style.upwards) text->SetOrientation(90.0);
   if (style.align == TextStyle::Align::centre) text->SetJustificationToCentered();
   if (style.align == TextStyle::Align::right) text->SetJustificationToRight();
 }
@@ -127,6 +128,43 @@ void Canvas::polygon(const std::vector<Eigen::Vector2d>& corners, const Colour& 
   };
   add(face, nullptr, fill);
   if (line > 0.0) add(nullptr, edge, border);
+}
+
+void Canvas::lines(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
+                   double width) {
+  add_paths(paths, colour, width, false);
+}
+
+void Canvas::polygons(const std::vector<std::vector<Eigen::Vector2d>>& paths,
+                      const Colour& colour) {
+  add_paths(paths, colour, 1.0, true);
+}
+
+void Canvas::add_paths(const std::vector<std::vector<Eigen::Vector2d>>& paths,
+                       const Colour& colour, double width, bool filled) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const auto& path : paths) {
+    cells->InsertNextCell(static_cast<int>(path.size()));
+    for (const auto& point : path) {
+      cells->InsertCellPoint(
+          points->InsertNextPoint(kFiner * point.x(), kFiner * (height_ - point.y()), 0.0));
+    }
+  }
+  vtkNew<vtkPolyData> shape;
+  shape->SetPoints(points);
+  if (filled) {
+    shape->SetPolys(cells);
+  } else {
+    shape->SetLines(cells);
+  }
+  vtkNew<vtkPolyDataMapper2D> mapper;
+  mapper->SetInputData(shape);
+  vtkNew<vtkActor2D> actor;
+  actor->SetMapper(mapper);
+  set_colour(actor->GetProperty(), colour);
+  actor->GetProperty()->SetLineWidth(static_cast<float>(kFiner * width));
+  front_->AddActor2D(actor);
 }
 
 std::string Canvas::png() {

@@ -24,6 +24,7 @@ struct TextStyle {
   Colour colour = kInk;
   bool bold = false;
   enum class Align { left, centre, right } align = Align::left;
+  bool upwards = false;  ///< turned by a quarter, read from below
 };
 
 /// White, offscreen. Places are in pixels of the finished picture from its upper left corner; it is
@@ -44,10 +45,18 @@ class Canvas {
   void polygon(const std::vector<Eigen::Vector2d>& corners, const Colour& fill,
                const Colour& border = kInk, double line = 1.0);
 
+  /// Many lines through points, or many filled convex polygons, of one colour.
+  void lines(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
+             double width);
+  void polygons(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour);
+
   /// Paints, and gives the picture as PNG. The same input gives the same bytes.
   [[nodiscard]] std::string png();
 
  private:
+  void add_paths(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
+                 double width, bool filled);
+
   int width_, height_;
   vtkNew<vtkRenderWindow> window_;
   vtkNew<vtkRenderer> front_;

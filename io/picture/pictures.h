@@ -28,4 +28,11 @@ namespace chladni::picture {
 /// Arrays, in the paper's frame: `points` V×3, `triangles` T×3, `values` V×P, `places_0`, ... M×3.
 [[nodiscard]] std::string layouts(const io::Message& request);
 
+/// Flat shapes and words by their pixels; PNG.
+///
+/// head: `width`, `height`; `shapes`: list of {`kind` (lines, polygons), `colour` (three numbers in
+/// [0, 1]), `width` of lines, `paths`: how many}; `texts`: list of {`x`, `y`, `words`, `size`,
+/// `colour`, `align`, `bold`, `upwards`}. Arrays: `points` N×2, `counts` M×1: of each path.
+[[nodiscard]] std::string drawing(const io::Message& request);
+
 }  // namespace chladni::picture

@@ -65,6 +65,8 @@ TEST_F(CommandLine, BadDataAreInvalidInput) {
   EXPECT_TRUE(says(check.err, "bad.csv: line 2: im_y1u1: found 'x'"));
   write("good.csv", responses());
   EXPECT_EQ(run({"convert", "good.csv", "out.stl"}).status, 3);
+  EXPECT_EQ(run({"convert", "good.csv", "out.csv.gz"}).status, 3);
+  EXPECT_TRUE(!fs::exists(folder_ / "out.csv.gz"));
   EXPECT_EQ(run({"check", "absent.uff"}).status, 3);
 }
 

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "io/read.h"
+#include "tests/fuzz/measured.h"
 #include "tests/fuzz/sound.h"
 #include "tests/io/samples.h"
 
@@ -58,6 +59,8 @@ namespace {
 
 constexpr int kMutants = 20'000;
 constexpr std::ptrdiff_t kMemoryPerByte = 64, kMemoryAtLeast = 1 << 16;
+// Small matrices, one per line of frequency, which may have two bytes.
+constexpr std::ptrdiff_t kMeasuredMemoryPerByte = 256;
 constexpr std::chrono::seconds kLongest{5};
 
 // Numbers and words that parsers trip over, as text and as bytes.
@@ -129,18 +132,27 @@ std::string mutant(const std::vector<std::string>& seeds, std::mt19937& random) 
 
 struct Parser {
   const char* name;
-  std::function<bool(std::string_view)> gives_sound_body;
+  std::function<bool(std::string_view)> gives_sound_result;
+  std::ptrdiff_t memory_per_byte = kMemoryPerByte;
 };
 
 void PrintTo(const Parser& parser, std::ostream* out) { *out << parser.name; }
 
-const std::array<Parser, 6> kParsers{{
+const std::array<Parser, 10> kParsers{{
     {"stl", [](std::string_view bytes) { return is_sound(parse_stl(bytes)); }},
     {"off", [](std::string_view bytes) { return is_sound(parse_off(bytes)); }},
     {"ply", [](std::string_view bytes) { return is_sound(parse_ply(bytes)); }},
     {"obj", [](std::string_view bytes) { return is_sound(parse_obj(bytes)); }},
     {"msh", [](std::string_view bytes) { return is_sound(parse_msh(bytes)); }},
     {"inp", [](std::string_view bytes) { return is_sound(parse_inp(bytes)); }},
+    {"frf_csv", [](std::string_view bytes) { return is_sound(read_frf_csv(bytes)); },
+     kMeasuredMemoryPerByte},
+    {"frf_uff", [](std::string_view bytes) { return is_sound(read_frf_uff(bytes)); },
+     kMeasuredMemoryPerByte},
+    {"time_csv", [](std::string_view bytes) { return is_sound(read_time_csv(bytes)); },
+     kMeasuredMemoryPerByte},
+    {"time_uff", [](std::string_view bytes) { return is_sound(read_time_uff(bytes)); },
+     kMeasuredMemoryPerByte},
 }};
 
 class Mutants : public testing::TestWithParam<Parser> {
@@ -161,7 +173,7 @@ class Mutants : public testing::TestWithParam<Parser> {
 TEST_P(Mutants, CorpusIsRead) {
   const auto all = seeds();
   ASSERT_FALSE(all.empty());
-  for (const std::string& bytes : all) EXPECT_TRUE(GetParam().gives_sound_body(bytes));
+  for (const std::string& bytes : all) EXPECT_TRUE(GetParam().gives_sound_result(bytes));
 }
 
 TEST_P(Mutants, AreReadOrRefused) {
@@ -174,7 +186,7 @@ TEST_P(Mutants, AreReadOrRefused) {
     const std::ptrdiff_t before = bytes_live;
     bytes_peak = before;
     try {
-      ASSERT_TRUE(GetParam().gives_sound_body(bytes)) << "mutant " << i;
+      ASSERT_TRUE(GetParam().gives_sound_result(bytes)) << "mutant " << i;
       ++read;
     } catch (const InvalidInput& error) {
       ASSERT_FALSE(std::string(error.what()).empty()) << "mutant " << i;
@@ -183,7 +195,7 @@ TEST_P(Mutants, AreReadOrRefused) {
       FAIL() << "mutant " << i << ": " << error.what();
     }
     ASSERT_LE(bytes_peak - before,
-              kMemoryAtLeast + kMemoryPerByte * static_cast<std::ptrdiff_t>(bytes.size()))
+              kMemoryAtLeast + GetParam().memory_per_byte * static_cast<std::ptrdiff_t>(bytes.size()))
         << "mutant " << i << " of " << bytes.size() << " bytes";
     ASSERT_LT(std::chrono::steady_clock::now() - start, kLongest) << "mutant " << i;
   }
