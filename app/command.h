@@ -28,6 +28,8 @@ struct Options {
   int animate = 0;            ///< mode, counted from 1, whose phase animation is wanted
   bool expect = false;        ///< `check` computes the modes and compares
   bool reproducible = false;  ///< no times in the results
+  std::string unit;           ///< `check` of measured data that does not state it
+  double sample_time_s = 0.0;  ///< likewise
 };
 
 /// One run of a verb: where it writes, whom it talks to, how long its steps took.
@@ -96,6 +98,7 @@ extern const Command modes_command;
 extern const Command place_command;
 extern const Command priors_command;
 extern const Command simulate_command;
+extern const Command identify_command;
 extern const Command interpolate_command;
 extern const Command study_command;
 
@@ -105,5 +108,10 @@ extern const Command study_command;
 [[nodiscard]] std::vector<std::string> listable();
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
                           const std::string& unit, std::ostream& results);
+/// Measured data: what a file holds and what in it is suspect; from one format to another.
+[[nodiscard]] int check_data(const std::filesystem::path& file, const Options& options,
+                             std::ostream& results);
+[[nodiscard]] int convert_data(const std::filesystem::path& from, const std::filesystem::path& to,
+                               const std::string& unit, std::ostream& results);
 
 }  // namespace chladni::app

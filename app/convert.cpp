@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "io/frf_file.h"
 #include "io/read.h"
 #include "io/vtu.h"
 
@@ -55,6 +56,7 @@ std::string stl_of(const mesh::Surface& surface) {
 
 int convert(const std::filesystem::path& from, const std::filesystem::path& to,
             const std::string& unit, std::ostream& results) {
+  if (io::is_measured_file(from)) return convert_data(from, to, unit, results);
   const auto geometry = io::read_geometry(from, unit);
   for (const auto& note : geometry.notes) results << note << '\n';
   const auto* tets = std::get_if<mesh::TetMesh>(&geometry.body);

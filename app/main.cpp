@@ -9,6 +9,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
+#include "io/frf_file.h"
 
 namespace {
 
@@ -22,6 +23,7 @@ constexpr const app::Command* kCommands[] = {
     &app::place_command,
     &app::priors_command,
     &app::simulate_command,
+    &app::identify_command,
     &app::interpolate_command,
     &app::study_command,
 };
@@ -67,7 +69,10 @@ std::string with_file(const std::filesystem::path& file, const std::string& mess
 
 int run(const app::Command& command, const std::filesystem::path& file, app::Options options) {
   app::Talk talk(std::cerr, app::manner_of_stderr(options.quiet));
-  return guarded(talk, [&] {
+  return guarded(talk, [&]() -> int {
+    if (command.name == "check" && chladni::io::is_measured_file(file)) {
+      return app::check_data(file, options, std::cout);
+    }
     if (options.threads > 0) chladni::set_thread_count(options.threads);
     const auto study = app::read_study(file, options.allowed);
     app::Run run(study, std::move(options), std::cout, talk);
@@ -84,7 +89,11 @@ int run(const app::Command& command, const std::filesystem::path& file, app::Opt
 
 void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
                  app::Options& options) {
-  verb.add_option("STUDY", file, "the study, a .toml file")->required();
+  verb.add_option("STUDY", file,
+                  command.name == "check" ? "the study, a .toml file, or measured data: .csv, "
+                                            ".uff, .unv, .mat"
+                                          : "the study, a .toml file")
+      ->required();
   verb.add_option("-o,--output", options.folder, "folder for the results [out/<study name>]");
   verb.add_option("--threads", options.threads, "threads [physical cores]")
       ->check(CLI::Range(1, 1024));
@@ -100,6 +109,10 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
   if (command.name == "check") {
     verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");
+    verb.add_option("--unit", options.unit,
+                    "of measured responses that do not state it: m, m/s^2, g, um/V");
+    verb.add_option("--sample-time", options.sample_time_s, "[s] of recordings without a time")
+        ->check(CLI::PositiveNumber);
     return;
   }
   verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
@@ -113,10 +126,10 @@ struct OtherVerbs {
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& status) {
-  auto* convert = cli.add_subcommand("convert", "geometry from one format to another");
+  auto* convert = cli.add_subcommand("convert", "geometry or measured data, from one format to another");
   convert->add_option("IN", other.from, "file to read")->required();
-  convert->add_option("OUT", other.to, "file to write: .stl, .vtu")->required();
-  convert->add_option("--unit", other.unit, "length unit of IN, where its format has none");
+  convert->add_option("OUT", other.to, "file to write: .stl, .vtu; .csv, .uff, .mat")->required();
+  convert->add_option("--unit", other.unit, "unit of IN where it states none: of lengths, of responses");
   convert->callback([&] {
     status =
         guarded(talk, [&] { return app::convert(other.from, other.to, other.unit, std::cout); });

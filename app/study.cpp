@@ -65,6 +65,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_placement(root, study);
   read_measurement(root, folder, study);
   read_experiment(root, study);
+  read_identification(root, study);
   read_interpolation(root, study);
   read_priors(root, study);
   read_expectations(root, study);

@@ -130,6 +130,7 @@ struct PlacementPlan {
 
 struct MeasurementPlan {
   std::filesystem::path frf;     ///< may not exist yet: `simulate` writes it; or empty
+  std::filesystem::path time;    ///< recordings that FRFs are estimated from; or empty
   std::filesystem::path shapes;  ///< a table of measured mode shapes (io/shape_table.h); or empty
   std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
   double noise = 0.01;  ///< of a shape's value over its root mean square, where none is stated
@@ -158,6 +159,23 @@ struct ExperimentPlan {
   std::vector<std::string> controlled;       ///< actuators in the loop; empty: open
   double bandwidth_hz = 0.0;
   bool leaves_time = false;  ///< the recordings instead of the responses
+};
+
+/// How a modal model is fitted to what was measured.
+struct IdentificationPlan {
+  double low_hz = 0.0, high_hz = 0.0;  ///< the band; high 0: all lines
+  std::string method = "likelihood";   ///< or "thesis"
+  std::string weighting = "variance";  ///< or "inverse_magnitude"
+  double cut_off_db = 40.0;            ///< of inverse_magnitude
+  std::optional<double> model_error;   ///< of |G|; none: 0 where the file states variances, else 1 %
+  int modes = 0;                       ///< flexible ones; 0: found
+  int rigid_body_modes = -1;           ///< at 0 Hz; −1: found where nothing holds the body
+  bool delay = true, residual = true;  ///< fitted
+  std::string unit;                    ///< of the sensors where the file states none
+  std::vector<std::pair<std::string, std::string>> pairs;  ///< sensor, actuator
+  double pairs_within = 1e-3;  ///< [m]: where no pairs are named
+  std::string gain = "tied";   ///< or "thesis"
+  int stabilisation = 0;       ///< highest order of the diagram; 0: none
 };
 
 /// A point whose motion is asked for.
@@ -214,6 +232,7 @@ struct Study {
   std::optional<PlacementPlan> placement;
   std::optional<MeasurementPlan> measurement;
   std::optional<ExperimentPlan> experiment;
+  std::optional<IdentificationPlan> identification;
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
   std::vector<Expectation> expectations;

@@ -33,12 +33,13 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   if (!table) return;
   auto& plan = study.measurement.emplace();
   plan.frf = read_path(*table, folder, "frf");
+  plan.time = read_path(*table, folder, "time");
   plan.shapes = read_path(*table, folder, "shapes");
   plan.truth = read_path(*table, folder, "truth");
-  if (!table->has("frf") && !table->has("shapes") && !table->has("truth")) {
+  if (!table->has("frf") && !table->has("time") && !table->has("shapes") && !table->has("truth")) {
     table->missing("frf",
-                   "frf = \"measured.uff\", shapes = \"shapes.csv\" or truth = \"real.toml\" (a "
-                   "study whose modes stand for measured ones)");
+                   "frf = \"measured.uff\", time = \"recorded.csv\", shapes = \"shapes.csv\" or "
+                   "truth = \"real.toml\" (a study whose modes stand for measured ones)");
   }
   if (table->has("shapes") && table->has("truth")) {
     table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");

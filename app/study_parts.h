@@ -30,6 +30,7 @@ void read_layouts(TableReader& root, Study& study);   ///< after the channels
 void read_placement(TableReader& root, Study& study);
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
 void read_experiment(TableReader& root, Study& study);  ///< after the channels
+void read_identification(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
 void read_priors(TableReader& root, Study& study);
 void read_expectations(TableReader& root, Study& study);

@@ -21,6 +21,8 @@ class Symbolic {
  public:
   /// @param pattern  n×n, lower triangle; values are not looked at
   explicit Symbolic(const SparseMatrix& pattern);
+  /// The pattern of A + s B.
+  Symbolic(const SparseMatrix& a, const SparseMatrix& b);
   ~Symbolic();
   Symbolic(Symbolic&&) noexcept;
   Symbolic& operator=(Symbolic&&) noexcept;

@@ -256,7 +256,7 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   ModesSummary summary;
   const auto start = Clock::now();
   tell(progress, "order");
-  const Symbolic symbolic(system.stiffness);
+  const Symbolic symbolic(system.stiffness, system.mass);
   const auto needed = memory_needed(symbolic, system, options);
   refuse_what_does_not_fit(needed, system, options);
   summary.forecast_bytes = needed.total();

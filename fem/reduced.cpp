@@ -130,7 +130,7 @@ Eigen::MatrixXd residual_flexibility(const System& system, const modal::Modes& m
   };
   const Eigen::MatrixXd load =
       Eigen::MatrixXd(forces) - mass_shapes * (modes.shapes.transpose() * forces);
-  const Symbolic symbolic(system.stiffness);
+  const Symbolic symbolic(system.stiffness, system.mass);
   const Factorization factor(symbolic, system.stiffness, shift(system, modes), system.mass);
   Eigen::MatrixXd x = in_the_modes_left_out(factor.solve(load));
   double change = std::numeric_limits<double>::infinity();

@@ -318,6 +318,18 @@ Symbolic::Tree build(const SparseMatrix& pattern) {
   return tree;
 }
 
+// Whether every entry of b has its place in a: so it is unless a mass is spread over elements.
+bool holds(const SparseMatrix& a, const SparseMatrix& b) {
+  for (Eigen::Index c = 0; c < b.cols(); ++c) {
+    SparseMatrix::InnerIterator x(a, c);
+    for (SparseMatrix::InnerIterator y(b, c); y; ++y) {
+      while (x && x.row() < y.row()) ++x;
+      if (!x || x.row() != y.row()) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::int64_t panel_size(const Supernode& node) {
@@ -335,6 +347,9 @@ std::int32_t first_descendant(const Symbolic::Tree& tree, std::int32_t root) {
 }
 
 Symbolic::Symbolic(const SparseMatrix& pattern) : tree_(std::make_unique<Tree>(build(pattern))) {}
+
+Symbolic::Symbolic(const SparseMatrix& a, const SparseMatrix& b)
+    : tree_(std::make_unique<Tree>(build(holds(a, b) ? a : SparseMatrix(a + b)))) {}
 Symbolic::~Symbolic() = default;
 Symbolic::Symbolic(Symbolic&&) noexcept = default;
 Symbolic& Symbolic::operator=(Symbolic&&) noexcept = default;

@@ -1,5 +1,6 @@
 #include "identification/identified.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -138,7 +139,7 @@ struct Poles {
   ResidueProblem problem;
 };
 Poles start_poles(const FitData& data, const IdentificationOptions& options, Eigen::Index& order) {
-  const bool rigid = options.rigid_count > 0;
+  const bool rigid = options.rigid_count != 0;
   const auto room = std::max<Eigen::Index>(1, (data.line_count() - 4) / 3);
   const auto highest = std::min(options.most_modes + kSpareOrder, room);
   const auto guess = options.modes > 0 ? options.modes : peak_count(data);
@@ -164,13 +165,30 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
   return std::move(*best);
 }
 
+// How many directions of the 1/s² term stand out of the noise.
+Eigen::Index rigid_rank(const FitData& data, const Residues& residues, Eigen::Index most) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residues.rigid,
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd slow = (2.0 * M_PI * data.frequency_hz).array().pow(-4);
+  const Eigen::VectorXd sums = data.weight.cwiseAbs2().transpose() * slow;
+  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) *
+                       noise_level(data, residues.cost);
+  Eigen::Index rank = 0;
+  for (; rank < std::min(most, svd.singularValues().size()); ++rank) {
+    const Eigen::MatrixXd part =
+        svd.singularValues()(rank) * svd.matrixU().col(rank) * svd.matrixV().col(rank).transpose();
+    if (part.reshaped().cwiseAbs2().dot(sums) < least) break;
+  }
+  return rank;
+}
+
 // The delay is taken out of the data before the poles are found again.
 FitData without_delay(const FitData& data, const IdentificationOptions& options, double& delay) {
   if (!options.fit.delay) return data;
   Eigen::Index order = 0;
   const auto found = start_poles(data, options, order);
   const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
-  delay = scanned_delay(data, kept, options.rigid_count > 0);
+  delay = scanned_delay(data, kept, options.rigid_count != 0);
   return undelayed(data, delay);
 }
 
@@ -182,7 +200,9 @@ Identified identified(const FitData& measured, const IdentificationOptions& opti
   const auto data = without_delay(measured, options, delay);
   const auto found = start_poles(data, options, result.start_order);
   Start start;
-  start.rigid_count = options.rigid_count;
+  start.rigid_count = options.rigid_count >= 0
+                          ? options.rigid_count
+                          : rigid_rank(data, found.problem.residues(), options.most_rigid);
   start.pole = worthwhile(data, found.problem, found.pole, options.modes);
   require(start.pole.size() + start.rigid_count > 0,
           "identification: no resonance stands out of the noise in the band");

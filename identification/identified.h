@@ -11,7 +11,8 @@ namespace chladni::identification {
 
 struct IdentificationOptions {
   Eigen::Index modes = 0;        ///< flexible ones; 0: found
-  Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the rank of the term in 1/s²
+  Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the rank of the term in 1/s²; −1: found
+  Eigen::Index most_rigid = 6;   ///< that may be found
   Eigen::Index most_modes = 80;
   FitOptions fit = {};
 };

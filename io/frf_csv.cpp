@@ -77,9 +77,9 @@ class LayoutReader {
       }
     }
     if (layout_.frequency < 0) {
-      fail(
-          "there is no column freq_hz; expected a first line such as "
-          "\"freq_hz,re_y1u1,im_y1u1\"");
+      throw NoResponses(place() +
+                        "there is no column freq_hz; expected a first line such as "
+                        "\"freq_hz,re_y1u1,im_y1u1\"");
     }
     if (layout_.pairs.empty()) fail("there is no column of a response (re_y1u1)");
     require_whole();
@@ -87,9 +87,10 @@ class LayoutReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InvalidInput(table_.file + ": line " + std::to_string(table_.header_line) + ": " + what);
+  [[nodiscard]] std::string place() const {
+    return table_.file + ": line " + std::to_string(table_.header_line) + ": ";
   }
+  [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(place() + what); }
 
   bool take(const std::string& name, Index column) {
     if (std::find(kFrequency.begin(), kFrequency.end(), name) != kFrequency.end()) {

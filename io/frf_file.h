@@ -8,9 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "modal/frf_set.h"
 
 namespace chladni::io {
+
+/// A sound file that holds something else than frequency responses, recordings for one.
+class NoResponses : public InvalidInput {
+ public:
+  using InvalidInput::InvalidInput;
+};
 
 /// What a file of measured responses does not say itself.
 struct FrfOptions {
@@ -34,6 +41,7 @@ struct FrfFile {
 /// By its ending: .csv (.csv.gz), .uff .unv .uf, .mat. docs/reference/measured_files.md has what
 /// each may hold. Values are SI where units are stated.
 /// @throws InvalidInput  names file and place, what was found and what was expected
+/// @throws NoResponses   there is no frequency response in it
 /// @throws WorkerDied    the program that reads .mat is missing
 [[nodiscard]] FrfFile read_frf(const std::filesystem::path& file, const FrfOptions& options = {});
 

@@ -285,11 +285,16 @@ const MatFields& scope_of(const MatFile& file) {
 FrfFile frf_of_mat(const MatFile& mat, const std::string& name, const FrfOptions& options) {
   FrfFile file{.format = mat.format, .set = {}, .notes = mat.notes};
   try {
+    if (!has_responses(scope_of(mat)) && mat_value(mat.variables, {"y", "u"}) != nullptr) {
+      throw NoResponses(name + ": recordings (y, u), no frequency responses");
+    }
     Reader reader(scope_of(mat), options, file);
     reader.read();
     bring_to_si(file, reader.kinds_known());
     state_units(file, reader.kinds_known(), options);
     modal::check(file.set);
+  } catch (const NoResponses&) {
+    throw;
   } catch (const InvalidInput& e) {
     throw InvalidInput(name + ": " + e.what());
   }

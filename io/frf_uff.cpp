@@ -52,7 +52,7 @@ class Collector {
     file_.format = "UFF 58";
     file_.notes = uff_.notes;
     sort_functions();
-    if (responses_.empty()) fail(nothing_found());
+    if (responses_.empty()) throw NoResponses(name_ + ": " + nothing_found());
     require_equal_lines();
     file_.set.outputs = outputs_.channels();
     file_.set.inputs = inputs_.channels();

@@ -35,13 +35,13 @@ std::string in_13(double value) {
 double read_back(double value) { return number_in(trimmed(in_13(value))).value_or(0.0); }
 
 // Whether start and increment, as they are written, give every abscissa.
-bool is_even(const Eigen::VectorXd& x) {
+bool is_even(const Eigen::VectorXd& x, double tolerance) {
   if (x.size() < 2) return false;
   const double first = read_back(x(0));
   const double step = read_back(x(1) - x(0));
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const double found = first + step * static_cast<double>(k);
-    if (std::abs(found - x(k)) > 1e-12 * (std::abs(x(k)) + step)) return false;
+    if (std::abs(found - x(k)) > tolerance * (std::abs(x(k)) + step)) return false;
   }
   return step > 0.0;
 }
@@ -110,8 +110,8 @@ std::string text_values(const UffFunction& function, bool even) {
 std::string uff_dataset(const UffFunction& function, UffEncoding encoding) {
   require(function.x.size() == function.y.size() && function.x.size() > 0,
           "UFF: a function without values, or with other abscissas than values");
-  const bool even = is_even(function.x);
   const bool binary = encoding == UffEncoding::binary;
+  const bool even = is_even(function.x, binary ? 0.0 : 1e-12);  // bytes are read back exactly
   std::string head;
   for (const auto& id : function.id) head += line_80(id);
   head += fmt::format("{:5}{:10}{:5}{:10}", function.type, 0, function.version, function.load_case);

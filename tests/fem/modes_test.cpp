@@ -74,6 +74,21 @@ TEST(Modes, OfAFreeChainMatchTheClosedForm) {
   EXPECT_EQ(summary.text.find("modes below"), 0U) << summary.text;
 }
 
+// A mass spread over several elements couples what no stiffness does.
+TEST(Modes, HoldWhereTheMassCouplesWhatTheStiffnessDoesNot) {
+  auto chain = free_chain(40, 1e4, 0.5);
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(40);
+  for (const int i : {0, 7, 19, 33, 39}) spread(i) = 0.2 * (i % 3 + 1);
+  const Eigen::MatrixXd dense = Eigen::MatrixXd(chain.mass) + spread * spread.transpose();
+  chain.mass = Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
+  chain.rigid = Eigen::MatrixXd::Constant(40, 1, 1.0 / std::sqrt(dense.sum()));
+  const auto found = modes(chain, {.count = 6}).modes;
+  const Eigen::VectorXd expected = refined_dense_frequencies(chain, 7);
+  for (Eigen::Index i = 1; i < 7; ++i) {
+    EXPECT_NEAR(found.frequency_hz(i) / expected(i), 1.0, 1e-9) << i;
+  }
+}
+
 TEST(Modes, AreMassNormalisedAndSolveTheirEquation) {
   const auto system = plate_system(0.3, 0.2, 0.01, 0.05, 2);
   const auto [found, summary] = modes(system, {.count = 12});

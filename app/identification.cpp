@@ -1,0 +1,206 @@
+#include "app/identification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kAssumedModelError = 0.01;  // where no variance is stated
+constexpr double kLargestMode = 0.15;        // deviation of ln f between a mode and its simulation
+
+IdentificationPlan plan_of(const Study& study) {
+  return study.identification.value_or(IdentificationPlan{});
+}
+
+// Springs to ground and supports hold it; what hangs on it does not.
+bool is_held(const Study& study) {
+  return !study.supports.empty() ||
+         std::any_of(study.attachments.begin(), study.attachments.end(), [](const auto& one) {
+           return std::holds_alternative<fem::GroundSpring>(one.what) ||
+                  std::holds_alternative<fem::GroundTorsionSpring>(one.what);
+         });
+}
+
+identification::FitDataOptions data_options(const IdentificationPlan& plan,
+                                            const modal::FrfSet& set) {
+  identification::FitDataOptions options{.low_hz = plan.low_hz, .high_hz = plan.high_hz};
+  if (plan.weighting == "inverse_magnitude") {
+    options.weighting = identification::Weighting::inverse_magnitude;
+  }
+  options.cut_off_db = plan.cut_off_db;
+  options.model_error = plan.model_error.value_or(set.variance.empty() ? kAssumedModelError : 0.0);
+  return options;
+}
+
+identification::IdentificationOptions fit_options(const IdentificationPlan& plan,
+                                                  const Study& study, Run& run) {
+  identification::IdentificationOptions options;
+  options.modes = plan.modes;
+  options.rigid_count = plan.rigid_body_modes;
+  if (plan.rigid_body_modes < 0 && is_held(study)) options.rigid_count = 0;
+  options.fit.delay = plan.delay;
+  options.fit.residual = plan.residual;
+  options.fit.progress = run.talk().progress();
+  return options;
+}
+
+Eigen::Index index_of(const std::vector<modal::MeasuredChannel>& channels,
+                      const std::string& name) {
+  const auto found = std::find_if(channels.begin(), channels.end(),
+                                  [&](const auto& one) { return one.name == name; });
+  return found == channels.end() ? -1 : found - channels.begin();
+}
+
+// Seen along its own direction: a sensor and an actuator on both faces of a plate are one place.
+std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
+  for (auto& one : channels) {
+    *one.position -= one.direction * one.direction.dot(*one.position);
+  }
+  return channels;
+}
+
+std::vector<identification::CollocatedPair> pairs_of(const IdentificationPlan& plan,
+                                                     const modal::FrfSet& seen) {
+  if (plan.pairs.empty()) {
+    return identification::collocated_pairs(along(seen.outputs), along(seen.inputs),
+                                            plan.pairs_within);
+  }
+  std::vector<identification::CollocatedPair> pairs;
+  for (const auto& [sensor, actuator] : plan.pairs) {
+    identification::CollocatedPair pair;
+    pair.output = index_of(seen.outputs, sensor);
+    pair.input = index_of(seen.inputs, actuator);
+    if (pair.output >= 0 && pair.input >= 0) pairs.push_back(std::move(pair));
+  }
+  return pairs;
+}
+
+double distance(const modal::FrfSet& set, const identification::CollocatedPair& pair) {
+  const auto& output = set.outputs[static_cast<std::size_t>(pair.output)];
+  const auto& input = set.inputs[static_cast<std::size_t>(pair.input)];
+  const Eigen::Vector3d apart = *output.position - *input.position;
+  return (apart - output.direction * output.direction.dot(apart)).norm();
+}
+
+Eigen::MatrixXd simulated_rows(const std::vector<modal::MeasuredChannel>& measured,
+                               const std::vector<Channel>& channels,
+                               const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
+  const auto all = shapes_at(channels, sites, modes);
+  std::vector<Eigen::Index> rows;
+  for (const auto& one : measured) {
+    const auto found = std::find_if(channels.begin(), channels.end(),
+                                    [&](const auto& channel) { return channel.name == one.name; });
+    rows.push_back(found - channels.begin());
+  }
+  return all(rows, Eigen::all);
+}
+
+double alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return std::pow(a.dot(b), 2) / std::max(1e-300, a.squaredNorm() * b.squaredNorm());
+}
+
+// The mode of the simulation that a fitted mode is most like, on both sides and in frequency.
+Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
+                            const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs,
+                            const modal::Modes& modes) {
+  Eigen::Index best = modes.rigid_count;
+  double likeness = -1.0;
+  for (auto r = modes.rigid_count; r < modes.mode_count(); ++r) {
+    const double ratio = std::log(fit.frequency_hz(mode) / modes.frequency_hz(r)) / kLargestMode;
+    const double here = alike(fit.output_shapes.col(mode), outputs.col(r)) *
+                        alike(fit.input_shapes.row(mode).transpose(), inputs.col(r)) *
+                        std::exp(-0.5 * ratio * ratio);
+    if (here > likeness) {
+      likeness = here;
+      best = r;
+    }
+  }
+  return best;
+}
+
+// What the simulation says of the two places of each pair, mode by mode.
+void add_simulated_pairs(const Study& study, const Solution& solution, IdentifiedModel& model) {
+  const auto& seen = model.seen;
+  const auto& fit = model.found.fit.model;
+  const auto outputs =
+      simulated_rows(seen.outputs, study.sensors, solution.model.sensors, solution.modes);
+  const auto inputs =
+      simulated_rows(seen.inputs, study.actuators, solution.model.actuators, solution.modes);
+  const auto m = fit.mode_count();
+  for (auto& pair : model.pairs) {
+    if (distance(seen, pair) <= 1e-3) continue;
+    pair.at_output.setOnes(m);
+    pair.at_input.setOnes(m);
+    for (auto mode = fit.rigid_count; mode < m; ++mode) {
+      const auto r = simulated_mode(fit, mode, outputs, inputs, solution.modes);
+      pair.at_output(mode) = outputs(pair.output, r);
+      pair.at_input(mode) = inputs(pair.input, r);
+    }
+  }
+}
+
+bool needs_simulation(const IdentifiedModel& model) {
+  return std::any_of(model.pairs.begin(), model.pairs.end(),
+                     [&](const auto& pair) { return distance(model.seen, pair) > 1e-3; });
+}
+
+void add_errors(IdentifiedModel& model) {
+  const auto& data = model.data;
+  const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
+  model.error.resize(data.outputs, data.inputs);
+  model.noise.resize(data.outputs, data.inputs);
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const Eigen::ArrayXd there = (data.weight.col(e).array() > 0.0).cast<double>();
+    const double size = data.value.col(e).norm();
+    const auto i = e % data.outputs;
+    const auto j = e / data.outputs;
+    const Eigen::ArrayXd wrong = (data.value.col(e) - fitted.col(e)).cwiseAbs().array() * there;
+    model.error(i, j) = wrong.matrix().norm() / size;
+    model.noise(i, j) =
+        (there / data.weight.col(e).array().max(1e-300) * there).matrix().norm() / size;
+  }
+}
+
+identification::GainMatch matched(const Study& study, const Solution* solution,
+                                  IdentifiedModel& model, Run& run) {
+  const auto plan = plan_of(study);
+  model.pairs = pairs_of(plan, model.seen);
+  if (needs_simulation(model)) {
+    if (solution != nullptr) {
+      add_simulated_pairs(study, *solution, model);
+    } else {
+      const Solution own = solved(study, run);
+      add_simulated_pairs(study, own, model);
+    }
+  }
+  identification::GainMatchOptions options;
+  options.pairs = model.pairs;
+  options.rule =
+      plan.gain == "thesis" ? identification::GainRule::thesis : identification::GainRule::tied;
+  return identification::gain_match(model.found.fit, model.seen.outputs, model.seen.inputs,
+                                    options);
+}
+
+}  // namespace
+
+IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
+  const auto plan = plan_of(study);
+  IdentifiedModel model;
+  model.measured = run.timed("read", [&] { return measured_frfs(study, run); });
+  model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
+  model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
+  const auto options = fit_options(plan, study, run);
+  model.found = run.timed("fit", [&] { return identification::identified(model.data, options); });
+  run.talk().clear_progress();
+  for (const auto& note : model.found.fit.notes) run.talk().warn(note);
+  model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
+  for (const auto& warning : model.match.warnings) run.talk().warn(warning);
+  add_errors(model);
+  return model;
+}
+
+}  // namespace chladni::app

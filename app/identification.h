@@ -1,0 +1,55 @@
+// A modal model from what was measured, on the study's channels.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/solution.h"
+#include "identification/gain_match.h"
+#include "identification/identified.h"
+#include "modal/frf_set.h"
+
+namespace chladni::app {
+
+/// What was measured, on the study's channels alone; their names, directions and kinds are its.
+struct MeasuredFrfs {
+  std::string file;
+  modal::FrfSet all;
+  std::vector<Eigen::Index> outputs, inputs;  ///< of the channels that a fit may see
+};
+
+/// Whether `[measurement]` names a file of responses or recordings.
+[[nodiscard]] bool has_responses(const MeasurementPlan& plan);
+
+/// The file of `[measurement]`, or the FRFs estimated from its recordings.
+/// @throws InvalidInput  none is named, no channel of the study is in it, a channel's unit is not
+///                       of the quantity that the study says
+[[nodiscard]] MeasuredFrfs measured_frfs(const Study& study, Run& run);
+
+struct IdentifiedModel {
+  MeasuredFrfs measured;
+  modal::FrfSet seen;  ///< by the fit
+  identification::FitData data;
+  identification::Identified found;
+  identification::GainMatch match;
+  std::vector<identification::CollocatedPair> pairs;
+  std::vector<identification::StabilisationPoint> stabilisation;
+  Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
+  Eigen::MatrixXd noise;  ///< per response: its deviation over |G|, likewise
+};
+
+/// @param solution  of the study; null: solved only where the gains need a simulation
+/// @throws as its steps
+[[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Run& run);
+
+/// |G − Ĝ| over |G|, over all responses and lines.
+[[nodiscard]] double overall_error(const IdentifiedModel& model);
+[[nodiscard]] std::string identification_table(const IdentifiedModel& model);
+[[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
+
+/// identified.json, identified.mat (state space), identified_shapes.csv, fit.png
+void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
+                          bool main_result);
+
+}  // namespace chladni::app

@@ -1,0 +1,55 @@
+// [identification] of a study: how a modal model is fitted to what was measured.
+#include "app/study_parts.h"
+
+namespace chladni::app {
+namespace {
+
+void read_band(TableReader& table, IdentificationPlan& plan) {
+  const auto band = table.quantities("band", "Hz", 2, Sign::not_negative);
+  if (!band) return;
+  plan.low_hz = (*band)(0);
+  plan.high_hz = (*band)(1);
+  if (!(plan.high_hz > plan.low_hz)) {
+    table.wrong(*table.find("band"), table.name("band") +
+                                         ": its end is not above its start; "
+                                         "expected such as [\"10 Hz\", \"800 Hz\"]");
+  }
+}
+
+void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan) {
+  for (auto& pair : table.tables("pair")) {
+    plan.pairs.emplace_back(pair.required_text("sensor"), pair.required_text("actuator"));
+    refuse_strangers(pair, "sensor", "sensor", {plan.pairs.back().first}, names_of(study.sensors));
+    refuse_strangers(pair, "actuator", "actuator", {plan.pairs.back().second},
+                     names_of(study.actuators));
+    pair.refuse_unknown();
+  }
+  plan.pairs_within = table.quantity("pairs_within", "m", Sign::positive).value_or(1e-3);
+}
+
+}  // namespace
+
+void read_identification(TableReader& root, Study& study) {
+  auto table = root.table("identification");
+  if (!table) return;
+  auto& plan = study.identification.emplace();
+  read_band(*table, plan);
+  plan.method = table->choice("method", {"likelihood", "thesis"}).value_or(plan.method);
+  // The thesis weighs by magnitude; what is said here rules.
+  plan.weighting = table->choice("weighting", {"variance", "inverse_magnitude"})
+                       .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");
+  plan.cut_off_db = table->quantity("cut_off_db", "1", Sign::positive).value_or(plan.cut_off_db);
+  plan.model_error = table->quantity("model_error", "1", Sign::not_negative);
+  plan.modes = static_cast<int>(table->integer("modes", 1, 1000).value_or(0));
+  plan.rigid_body_modes =
+      static_cast<int>(table->integer("rigid_body_modes", 0, 6).value_or(plan.rigid_body_modes));
+  plan.delay = table->truth("delay").value_or(plan.delay);
+  plan.residual = table->truth("residual").value_or(plan.residual);
+  plan.unit = table->text("unit").value_or("");
+  read_pairs(*table, study, plan);
+  plan.gain = table->choice("gain", {"tied", "thesis"}).value_or(plan.gain);
+  plan.stabilisation = static_cast<int>(table->integer("stabilisation", 2, 200).value_or(0));
+  table->refuse_unknown();
+}
+
+}  // namespace chladni::app
