@@ -205,6 +205,16 @@ void set_noise(const Study& study, unsigned seed, Bench& bench) {
   if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
 }
 
+// How long to warm up so that less than a tenth of a deviation is left.
+void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
+  const auto& seen = estimate.transient;
+  if (seen.remaining <= 0.1) return;
+  const double more = std::ceil(std::log(10.0 * seen.remaining) / -std::log(seen.decay));
+  estimate.notes.push_back(fmt::format(
+      "experiment.warm_up = {:.0f} would leave less of the transient than a tenth of a deviation",
+      plan.warm_up + static_cast<double>(estimate.dropped) + more));
+}
+
 }  // namespace
 
 Bench bench_of(const Study& study, Run& run) {
@@ -255,6 +265,7 @@ Simulated simulated(const Study& study, const Bench& bench, Run& run) {
   tell(progress, "estimating");
   result.estimate = bench.rig.controller ? closed_loop_estimate(all).estimate : frf_estimate(all);
   run.talk().clear_progress();
+  advise(plan, result.estimate);
   auto& set = result.estimate.set;
   const auto seen = phase_delay(without_delay(set, 0.0, bench.rig.sample_time_s),
                                 plan.delay + 10.0 * bench.rig.sample_time_s);
