@@ -9,8 +9,8 @@
 #include "app/solution.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "io/csv.h"
 #include "io/frf_file.h"
+#include "io/time_file.h"
 
 namespace chladni::app {
 namespace {
@@ -37,38 +37,6 @@ fs::path target_of(const Study& study, Run& run) {
               " exists and is not what `simulate` left there before; it may be measured: move it "
               "away, or name another file");
   return file;
-}
-
-// Realisation, experiment, time, sensors, actuators and (r_...) references.
-void write_recordings(const fs::path& file, const identification::TimeData& data) {
-  Eigen::Index rows = 0;
-  for (const auto& record : data.records) rows += record.outputs.rows();
-  const auto p = static_cast<Eigen::Index>(data.outputs.size());
-  const auto q = static_cast<Eigen::Index>(data.inputs.size());
-  const auto r = static_cast<Eigen::Index>(data.references.size());
-  Eigen::MatrixXd table(rows, 3 + p + q + r);
-  Eigen::Index at = 0;
-  for (const auto& record : data.records) {
-    const auto n = record.outputs.rows();
-    auto part = table.middleRows(at, n);
-    part.col(0).setConstant(record.realisation);
-    part.col(1).setConstant(record.experiment);
-    part.col(2) =
-        Eigen::VectorXd::LinSpaced(n, 0.0, static_cast<double>(n - 1)) * data.sample_time_s;
-    part.middleCols(3, p) = record.outputs;
-    part.middleCols(3 + p, q) = record.inputs;
-    part.rightCols(r) = record.references;
-    at += n;
-  }
-  std::vector<std::string> names = {"realisation", "experiment", "time_s"};
-  for (const auto* side : {&data.outputs, &data.inputs, &data.references}) {
-    for (const auto& channel : *side) names.push_back(channel.name);
-  }
-  std::vector<io::CsvColumn> columns;
-  for (Eigen::Index j = 0; j < table.cols(); ++j) {
-    columns.push_back({names[static_cast<std::size_t>(j)], Eigen::VectorXd(table.col(j))});
-  }
-  io::write_csv(file, columns);
 }
 
 void refuse_too_much(const Study& study) {
@@ -143,7 +111,7 @@ void run(const Study& study, Run& run) {
   const Simulated found = run.timed("experiment", [&] { return simulated(study, bench, run); });
   const auto left = study.experiment->leaves_time ? run / "time_data.csv" : file;
   if (study.experiment->leaves_time) {
-    write_recordings(left, found.recordings);
+    for (const auto& lost : io::write_time(left, found.recordings)) run.talk().note(lost);
   } else {
     for (const auto& lost : io::write_frf(file, found.estimate.set)) run.talk().note(lost);
   }

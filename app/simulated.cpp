@@ -104,55 +104,63 @@ Eigen::VectorXd along(const Study& study, const std::vector<Channel>& channels) 
   return result;
 }
 
-void set_structure(const Study& study, Run& run, Bench& bench) {
+void set_chain(const Study& study, Bench& bench) {
+  const auto& plan = *study.experiment;
+  require(plan.controlled.empty(), "experiment: the chain hangs on flexures and takes no loop");
+  const auto chain = identification::matrices(plan.structure == "rigid_chain"
+                                                  ? identification::beam_with_coils()
+                                                  : identification::beam_with_carried_body());
+  bench.rig.plant =
+      identification::plant(chain, along(study, study.sensors), along(study, study.actuators), 1e9);
+}
+
+Eigen::Index place_of(const std::vector<Channel>& channels, const std::string& name) {
+  const auto names = names_of(channels);
+  return std::find(names.begin(), names.end(), name) - names.begin();
+}
+
+// Around the rigid-body modes and what a suspension makes of them: all far below the bandwidth.
+void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench) {
   const auto& plan = *study.experiment;
   auto& rig = bench.rig;
-  if (plan.structure != "study") {
-    require(plan.controlled.empty(), "experiment: the chain hangs on flexures and takes no loop");
-    const auto chain = identification::matrices(plan.structure == "rigid_chain"
-                                                    ? identification::beam_with_coils()
-                                                    : identification::beam_with_carried_body());
-    rig.plant = identification::plant(chain, along(study, study.sensors),
-                                      along(study, study.actuators), 1e9);
-    return;
+  for (const auto& sensor : study.sensors) {
+    require(kind_of(sensor) == modal::FrfKind::receptance,
+            "experiment.controlled: the loop needs sensors of displacement; \"" + sensor.name +
+                "\" is none");
   }
+  std::vector<Eigen::Index> controlled;
+  for (const auto& name : plan.controlled) controlled.push_back(place_of(study.actuators, name));
+  const auto slow = (model.frequency_hz.array() < 0.5 * plan.bandwidth_hz).count();
+  rig.controller =
+      identification::stabiliser(model, slow, controlled, plan.bandwidth_hz, rig.sample_time_s);
+  if (rig.delay_s >= rig.sample_time_s) return;
+  rig.delay_s = rig.sample_time_s;
+  bench.notes.push_back(
+      fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
+}
+
+void set_structure(const Study& study, Run& run, Bench& bench) {
+  const auto& plan = *study.experiment;
+  if (plan.structure != "study") return set_chain(study, bench);
   const Solution solution = solved(study, run);
   const auto model = identification::in_view(
       run.timed("reduction", [&] { return model_at_channels(study, solution, bench); }));
   bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
-  rig.plant = identification::plant(model, kinds);
+  bench.rig.plant = identification::plant(model, kinds);
   require(model.rigid_count == 0 || !plan.controlled.empty(),
           fmt::format("experiment: the body is free ({} rigid-body modes in view) and would drift; "
                       "expected controlled = [...] and a bandwidth",
                       model.rigid_count));
-  if (model.mode_count() > 0) {
-    const double last = model.frequency_hz.tail(1)(0);
-    if (last > 0.5 * plan.sample_rate_hz) {
-      bench.notes.push_back(fmt::format(
-          "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a "
-          "laboratory without anti-aliasing filters",
-          last));
-    }
+  const double last = model.mode_count() > 0 ? model.frequency_hz.tail(1)(0) : 0.0;
+  if (last > 0.5 * plan.sample_rate_hz) {
+    bench.notes.push_back(fmt::format(
+        "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a laboratory "
+        "without anti-aliasing filters",
+        last));
   }
-  if (plan.controlled.empty()) return;
-  require(std::all_of(kinds.begin(), kinds.end(),
-                      [](auto kind) { return kind == modal::FrfKind::receptance; }),
-          "experiment.controlled: the loop needs sensors of displacement");
-  std::vector<Eigen::Index> controlled;
-  const auto names = names_of(study.actuators);
-  for (const auto& name : plan.controlled) {
-    controlled.push_back(std::find(names.begin(), names.end(), name) - names.begin());
-  }
-  const auto slow = (model.frequency_hz.array() < 0.5 * plan.bandwidth_hz).count();
-  rig.controller =
-      identification::stabiliser(model, slow, controlled, plan.bandwidth_hz, rig.sample_time_s);
-  if (rig.delay_s < rig.sample_time_s) {
-    rig.delay_s = rig.sample_time_s;
-    bench.notes.push_back(
-        fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
-  }
+  if (!plan.controlled.empty()) set_loop(study, model, bench);
 }
 
 void set_excitation(const ExperimentPlan& plan, Bench& bench) {
@@ -197,9 +205,14 @@ void set_noise(const Study& study, unsigned seed, Bench& bench) {
   if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
 }
 
-Eigen::Index place_of(const std::vector<Channel>& channels, const std::string& name) {
-  const auto names = names_of(channels);
-  return std::find(names.begin(), names.end(), name) - names.begin();
+// How long to warm up so that less than a tenth of a deviation is left.
+void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
+  const auto& seen = estimate.transient;
+  if (seen.remaining <= 0.1) return;
+  const double more = std::ceil(std::log(10.0 * seen.remaining) / -std::log(seen.decay));
+  estimate.notes.push_back(fmt::format(
+      "experiment.warm_up = {:.0f} would leave less of the transient than a tenth of a deviation",
+      plan.warm_up + static_cast<double>(estimate.dropped) + more));
 }
 
 }  // namespace
@@ -252,6 +265,7 @@ Simulated simulated(const Study& study, const Bench& bench, Run& run) {
   tell(progress, "estimating");
   result.estimate = bench.rig.controller ? closed_loop_estimate(all).estimate : frf_estimate(all);
   run.talk().clear_progress();
+  advise(plan, result.estimate);
   auto& set = result.estimate.set;
   const auto seen = phase_delay(without_delay(set, 0.0, bench.rig.sample_time_s),
                                 plan.delay + 10.0 * bench.rig.sample_time_s);

@@ -63,6 +63,27 @@ void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& resu
   }
 }
 
+// S on each line with its exact rows, its condition, and G = P S⁻¹. Returns S⁻¹.
+std::vector<Eigen::MatrixXcd> inverted(const Transfer& mean, const std::vector<bool>& exact,
+                                       Eigen::Index p, ClosedLoopEstimate& result) {
+  const auto q = static_cast<Eigen::Index>(exact.size());
+  result.condition.resize(static_cast<Eigen::Index>(mean.value.size()));
+  std::vector<Eigen::MatrixXcd> inverse;
+  for (std::size_t k = 0; k < mean.value.size(); ++k) {
+    Eigen::MatrixXcd s = mean.value[k].bottomRows(q);
+    for (Eigen::Index j = 0; j < q; ++j) {
+      if (exact[static_cast<std::size_t>(j)]) s.row(j) = Eigen::RowVectorXcd::Unit(q, j);
+    }
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(s);
+    result.condition(static_cast<Eigen::Index>(k)) =
+        svd.singularValues()(0) / svd.singularValues()(q - 1);
+    inverse.emplace_back(s.partialPivLu().inverse());
+    result.estimate.set.value.emplace_back(mean.value[k].topRows(p) * inverse.back());
+    result.sensitivity.push_back(std::move(s));
+  }
+  return inverse;
+}
+
 }  // namespace
 
 ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOptions& options) {
@@ -80,34 +101,18 @@ ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOpt
   const auto mean = transfer(spectra, plan);
   estimate.periods = mean.periods;
   estimate.realisations = mean.realisations;
-  const auto p = static_cast<Eigen::Index>(spectra.outputs.size());
-  const auto q = static_cast<Eigen::Index>(spectra.inputs.size());
-  const auto exact = uncontrolled(spectra);
-  result.condition.resize(spectra.line_count());
-  std::vector<Eigen::MatrixXcd> inverse;
-  for (std::size_t k = 0; k < mean.value.size(); ++k) {
-    Eigen::MatrixXcd s = mean.value[k].bottomRows(q);
-    for (Eigen::Index j = 0; j < q; ++j) {
-      if (exact[static_cast<std::size_t>(j)]) s.row(j) = Eigen::RowVectorXcd::Unit(q, j);
-    }
-    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(s);
-    result.condition(static_cast<Eigen::Index>(k)) =
-        svd.singularValues()(0) / svd.singularValues()(q - 1);
-    inverse.emplace_back(s.partialPivLu().inverse());
-    estimate.set.value.emplace_back(mean.value[k].topRows(p) * inverse.back());
-    result.sensitivity.push_back(std::move(s));
-  }
-  const auto found = variances(
-      spectra, plan, mean, [&](std::size_t k, const Eigen::MatrixXcd& d) -> Eigen::MatrixXcd {
-        return (d.topRows(p) - estimate.set.value[k] * d.bottomRows(q)) * inverse[k];
-      });
-  const auto of_s = variances(
-      spectra, plan, mean,
-      [&](std::size_t, const Eigen::MatrixXcd& d) -> Eigen::MatrixXcd { return d.bottomRows(q); });
   estimate.set.outputs = spectra.outputs;
   estimate.set.inputs = spectra.inputs;
-  fill(spectra, found, options, estimate);
-  warn(of_s.total, result);
+  const auto p = estimate.set.output_count();
+  const auto q = estimate.set.input_count();
+  const auto inverse = inverted(mean, uncontrolled(spectra), p, result);
+  using Deviation = Eigen::MatrixXcd;
+  const auto of_g = [&](std::size_t k, const Deviation& d) -> Deviation {
+    return (d.topRows(p) - estimate.set.value[k] * d.bottomRows(q)) * inverse[k];
+  };
+  const auto of_s = [&](std::size_t, const Deviation& d) -> Deviation { return d.bottomRows(q); };
+  fill(spectra, variances(spectra, plan, mean, of_g), options, estimate);
+  warn(variances(spectra, plan, mean, of_s).total, result);
   return result;
 }
 

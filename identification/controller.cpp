@@ -127,30 +127,29 @@ double largest_eigenvalue(const Plant& plant, const Controller& controller, doub
   for (const auto& block : blocks) states += block.a.rows();
   const auto q = static_cast<Eigen::Index>(controller.controlled.size());
   const auto own = controller.a.rows();
-  const auto line = states + own;
+  const auto line = states + own;  // u of the last whole + 2 samples, newest first
   const auto n = line + q * (delay.whole + 2);
+  const auto acting = line + q * (delay.whole - 1);  // u[k − whole] at sample k
+  const auto& controlled = controller.controlled;
   Eigen::MatrixXd loop = Eigen::MatrixXd::Zero(n, n);
   Eigen::MatrixXd see = Eigen::MatrixXd::Zero(plant.output_count(), n);
   Eigen::Index at = 0;
-  const auto acting = line + q * (delay.whole - 1);  // u[k − whole] at sample k
   for (const auto& block : blocks) {
     const auto s = block.a.rows();
     loop.block(at, at, s, s) = block.a;
-    loop.block(at, acting, s, q) = block.b(Eigen::all, controller.controlled);
-    loop.block(at, acting + q, s, q) = block.b_late(Eigen::all, controller.controlled);
+    loop.block(at, acting, s, q) = block.b(Eigen::all, controlled);
+    loop.block(at, acting + q, s, q) = block.b_late(Eigen::all, controlled);
     see.middleCols(at, s) = block.c;
     at += s;
   }
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    see.middleCols(acting + i * q, q) =
-        delay.weight(i) * plant.d(Eigen::all, controller.controlled);
-  }
+  const Eigen::MatrixXd through = plant.d(Eigen::all, controlled);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    see.middleCols(acting + i * q, q) = delay.weight(i) * through;
   loop.middleRows(states, own) = controller.b * see;
   loop.block(states, states, own, own) += controller.a;
   loop.middleRows(line, q) = controller.d * see;
   loop.block(line, states, q, own) += controller.c;
-  const auto kept = q * (delay.whole + 1);
-  loop.block(line + q, line, kept, kept).setIdentity();
+  loop.block(line + q, line, q * (delay.whole + 1), q * (delay.whole + 1)).setIdentity();
   return loop.eigenvalues().cwiseAbs().maxCoeff();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -113,11 +114,11 @@ class Stepped {
     for (const auto& block : blocks_) states_.emplace_back(Eigen::VectorXd::Zero(block.a.rows()));
   }
 
-  /// At the sample, the newest command being the one before: the outputs.
-  [[nodiscard]] Eigen::VectorXd outputs(Line& line) const {
+  /// At the sample of the newest force.
+  [[nodiscard]] Eigen::VectorXd outputs() const {
     Eigen::VectorXd y =
-        rig_.plant.d * (delay_.weight(0) * line.acting(0) + delay_.weight(1) * line.acting(1) +
-                        delay_.weight(2) * line.acting(2));
+        rig_.plant.d * (delay_.weight(0) * line_.acting(0) + delay_.weight(1) * line_.acting(1) +
+                        delay_.weight(2) * line_.acting(2));
     for (std::size_t i = 0; i < blocks_.size(); ++i) y += blocks_[i].c * states_[i];
     return y;
   }
@@ -171,6 +172,25 @@ Eigen::MatrixXd forces(const VirtualRig& rig, const Eigen::MatrixXd& command, Dr
   return force;
 }
 
+// What the loop asks of each input of the plant, step by step.
+class Feedback {
+ public:
+  explicit Feedback(const Controller& law)
+      : law_(law), states_(Eigen::VectorXd::Zero(law.a.rows())) {}
+  void add(const Eigen::VectorXd& seen, Eigen::RowVectorXd& recorded, Eigen::VectorXd& force) {
+    const Eigen::VectorXd asked = law_.c * states_ + law_.d * seen;
+    states_ = (law_.a * states_ + law_.b * seen).eval();
+    for (std::size_t j = 0; j < law_.controlled.size(); ++j) {
+      recorded(law_.controlled[j]) += asked(static_cast<Eigen::Index>(j));
+      force(law_.controlled[j]) += asked(static_cast<Eigen::Index>(j));
+    }
+  }
+
+ private:
+  const Controller& law_;
+  Eigen::VectorXd states_;
+};
+
 // A loop and a spring need every sample in turn.
 Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
   const auto p = count(rig.outputs);
@@ -178,31 +198,22 @@ Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
                 .inputs = command,
                 .references = Eigen::MatrixXd(command.rows(), 0)};
   add_noise(rig.sensor_noise, noise, record.outputs);
-  const auto disturbance =
-      forces(rig, Eigen::MatrixXd::Zero(command.rows(), command.cols()), noise);
+  const auto driven = forces(rig, command, noise);
   Stepped structure(rig);
-  Eigen::VectorXd own = Eigen::VectorXd::Zero(rig.controller ? rig.controller->a.rows() : 0);
+  std::optional<Feedback> loop;
+  if (rig.controller) loop.emplace(*rig.controller);
   for (Eigen::Index n = 0; n < command.rows(); ++n) {
-    Eigen::VectorXd force = disturbance.row(n).transpose();
-    force.head(command.cols()) += command.row(n).transpose();
-    if (!rig.controller) structure.line().push(force);
-    // In a loop the newest command acts a sample later at the earliest, so it may come after.
-    if (rig.controller) structure.line().push(Eigen::VectorXd::Zero(force.size()));
-    Eigen::VectorXd y = structure.outputs(structure.line()).head(p);
-    y += record.outputs.row(n).transpose();
+    Eigen::VectorXd force = driven.row(n).transpose();
+    structure.line().push(force);
+    Eigen::VectorXd y = structure.outputs().head(p) + record.outputs.row(n).transpose();
     for (Eigen::Index i = 0; i < rig.quantisation.size(); ++i) {
       y(i) = quantised(y(i), rig.quantisation(i));
     }
     record.outputs.row(n) = y.transpose();
-    if (rig.controller) {
-      const auto& law = *rig.controller;
-      const Eigen::VectorXd asked = law.c * own + law.d * y;
-      own = (law.a * own + law.b * y).eval();
-      for (std::size_t j = 0; j < law.controlled.size(); ++j) {
-        const auto value = asked(static_cast<Eigen::Index>(j));
-        record.inputs(n, law.controlled[j]) += value;
-        force(law.controlled[j]) += value;
-      }
+    if (loop) {  // the newest force acts a sample later at the earliest: y does not hang on it
+      Eigen::RowVectorXd sent = record.inputs.row(n);
+      loop->add(y, sent, force);
+      record.inputs.row(n) = sent;
       structure.line().replace(force);
     }
     structure.advance();

@@ -10,9 +10,11 @@
 #include "app/command.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "identification/frf_estimate.h"
 #include "identification/rigid_chain.h"
 #include "io/frf_file.h"
 #include "io/json.h"
+#include "io/time_file.h"
 #include "quiet_run.h"
 
 namespace chladni::app {
@@ -132,13 +134,22 @@ TEST_F(Simulate, NeverOverwritesWhatItDidNotLeave) {
   EXPECT_EQ(read_whole(file), "freq_hz,re_y1u1,im_y1u1\n1,2,3\n");
 }
 
-TEST_F(Simulate, LeavesTheRecordingsWhereAsked) {
-  const auto out = run(kStrip + "[experiment]\nsample_rate = \"512 Hz\"\nsamples = 128\n" +
-                       "structure = \"rigid_chain\"\nperiods = 2\nrealisations = 2\n"
-                       "leaves = \"time\"\n");
-  const auto text = read_whole(out / "time_data.csv");
-  EXPECT_TRUE(text.starts_with("realisation,experiment,time_s,y1,y4,u1\n"));
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 2 * 2 * 128);
+TEST_F(Simulate, LeavesTheRecordingsItsResponsesCameFrom) {
+  const std::string text = kStrip + "[experiment]\nsample_rate = \"512 Hz\"\nsamples = 256\n" +
+                           "structure = \"rigid_chain\"\nperiods = 3\nrealisations = 2\n"
+                           "noise = \"1 um\"\ncompensate = \"none\"\n";
+  const auto responses = io::read_frf(run(text, "a") / "measured.csv", {.unit = "m"}).set;
+  const auto out = run(text + "leaves = \"time\"\n", "b");
+  const auto data = io::read_time(out / "time_data.csv").data;
+  ASSERT_EQ(data.records.size(), 2U);
+  EXPECT_EQ(data.period, 256);
+  const auto set = identification::frf_estimate(data).set;
+  ASSERT_GE(set.value.size(), responses.value.size());
+  for (std::size_t k = 0; k < responses.value.size(); ++k) {
+    const auto line = static_cast<Eigen::Index>(k);
+    ASSERT_NEAR(set.frequency_hz(line), responses.frequency_hz(line), 1e-9);
+    EXPECT_LT((set.value[k] - responses.value[k]).norm(), 1e-9 * responses.value[k].norm());
+  }
 }
 
 TEST_F(Simulate, RefusesWhatNoLaboratoryCanDo) {
