@@ -8,6 +8,7 @@
 #include "app/interpolation.h"
 #include "app/placement.h"
 #include "base/error.h"
+#include "identification/matrix_fraction.h"
 
 namespace chladni::app {
 namespace {
@@ -251,19 +252,45 @@ identification::FitData fit_data_of(const Study& study, const IdentifiedModel& m
   return identification::fit_data(set, data_options(plan_of(study), model.seen));
 }
 
+namespace {
+
+identification::Identified found(const IdentificationPlan& plan, const Study& study,
+                                 const identification::FitData& data, Run& run) {
+  const auto options = fit_options(plan, study, run);
+  if (plan.method != "thesis") return identification::identified(data, options);
+  require(plan.modes > 0, study.file.string() +
+                              ": the thesis' path does not find the number of modes; expected "
+                              "identification.modes");
+  identification::ThesisOptions thesis{.modes = plan.modes};
+  thesis.rigid_count = std::max<Eigen::Index>(0, options.rigid_count);
+  thesis.residual = plan.residual;
+  thesis.progress = options.fit.progress;
+  identification::Identified result;
+  result.fit = identification::thesis_fit(data, thesis);
+  return result;
+}
+
+}  // namespace
+
 IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
   const auto plan = plan_of(study);
   IdentifiedModel model;
   model.measured = run.timed("read", [&] { return measured_frfs(study, run); });
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
-  const auto options = fit_options(plan, study, run);
-  model.found = run.timed("fit", [&] { return identification::identified(model.data, options); });
+  model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
   run.talk().clear_progress();
   for (const auto& note : model.found.fit.notes) run.talk().warn(note);
   model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
   for (const auto& warning : model.match.warnings) run.talk().warn(warning);
   add_errors(model);
+  if (plan.stabilisation > 0) {
+    model.stabilisation = run.timed("stabilisation", [&] {
+      return identification::stabilisation(model.data, plan.stabilisation,
+                                           model.found.fit.model.rigid_count > 0,
+                                           run.talk().progress());
+    });
+  }
   return model;
 }
 

@@ -56,7 +56,12 @@ struct IdentifiedModel {
 [[nodiscard]] std::string identification_table(const IdentifiedModel& model);
 [[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
 
-/// identified.json, identified.mat (state space), identified_shapes.csv, fit.png
+/// Magnitudes of the responses, at most 24 of them, measured, fitted and what is left.
+void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png);
+void draw_stabilisation(const IdentifiedModel& model, const std::filesystem::path& png);
+
+/// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was
+/// asked for, stabilisation.png
 void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
                           bool main_result);
 

@@ -222,6 +222,11 @@ void leave_identification(const Study& study, const IdentifiedModel& model, Run&
   io::write_shapes(run / "identified_shapes.csv",
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,
                     model.match.shapes, model.match.deviation});
+  if (run.options().pictures) {
+    tell(run.talk().progress(), "drawing");
+    draw_fit(model, run / "fit.png");
+    if (!model.stabilisation.empty()) draw_stabilisation(model, run / "stabilisation.png");
+  }
   run.leave("identified.json", identified_json(model), main_result);
 }
 

@@ -1,10 +1,19 @@
 // chladni study STUDY: every step for which the study has the data.
+#include <filesystem>
 #include <optional>
 
 #include "app/report.h"
 
 namespace chladni::app {
 namespace {
+
+// `simulate` may yet have to write the responses.
+bool is_there(const MeasurementPlan& plan) {
+  const auto missing = [](const auto& path) {
+    return !path.empty() && !std::filesystem::exists(path);
+  };
+  return has_shapes(plan) && !missing(plan.frf) && !missing(plan.time);
+}
 
 void run(const Study& study, Run& run) {
   const Solution solution = solved(study, run);
@@ -18,7 +27,7 @@ void run(const Study& study, Run& run) {
     leave_placement(study, solution, *placement, run, false);
   }
   std::optional<Interpolated> shapes;
-  if (study.measurement && has_shapes(*study.measurement)) {
+  if (study.measurement && is_there(*study.measurement)) {
     shapes = interpolated(study, solution, run);
     run.show("\n" + interpolation_table(*shapes));
     leave_interpolation(study, solution, *shapes, run, false);
