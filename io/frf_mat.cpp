@@ -64,7 +64,7 @@ class Reader {
   }
 
  private:
-  std::string had() const {
+  [[nodiscard]] std::string had() const {
     std::string names;
     for (const auto& [name, value] : fields_) names += (names.empty() ? "" : ", ") + name;
     return "; there are: " + (names.empty() ? "none" : names);
@@ -96,7 +96,7 @@ class Reader {
     }
   }
 
-  Layout layout_of(const MatValue& response) const {
+  [[nodiscard]] Layout layout_of(const MatValue& response) const {
     const Index k = file_.set.line_count();
     auto dims = response.dims;
     while (dims.size() > 3 && dims.back() == 1) dims.pop_back();
@@ -118,7 +118,7 @@ class Reader {
   }
 
   // Whether so many outputs and inputs agree with the names that are given.
-  bool fits(Index outputs, Index inputs) const {
+  [[nodiscard]] bool fits(Index outputs, Index inputs) const {
     const auto agrees = [](const std::vector<std::string>& names, Index count) {
       return names.empty() || static_cast<Index>(names.size()) == count;
     };
@@ -126,7 +126,8 @@ class Reader {
   }
 
   // Lines×n or n×lines: one input with n outputs, unless the names say otherwise.
-  Layout layout_of_two(const std::vector<Index>& dims, const std::string& found) const {
+  [[nodiscard]] Layout layout_of_two(const std::vector<Index>& dims,
+                                     const std::string& found) const {
     const Index k = file_.set.line_count();
     const bool first = dims[0] == k, last = dims[1] == k;
     require(first || last, found + "; expected " + std::to_string(k) + " lines first or last");
@@ -282,23 +283,23 @@ const MatFields& scope_of(const MatFile& file) {
 
 }  // namespace
 
-FrfFile frf_of_mat(const MatFile& mat, const std::string& name, const FrfOptions& options) {
-  FrfFile file{.format = mat.format, .set = {}, .notes = mat.notes};
+FrfFile frf_of_mat(const MatFile& file, const std::string& name, const FrfOptions& options) {
+  FrfFile result{.format = file.format, .set = {}, .notes = file.notes};
   try {
-    if (!has_responses(scope_of(mat)) && mat_value(mat.variables, {"y", "u"}) != nullptr) {
+    if (!has_responses(scope_of(file)) && mat_value(file.variables, {"y", "u"}) != nullptr) {
       throw NoResponses(name + ": recordings (y, u), no frequency responses");
     }
-    Reader reader(scope_of(mat), options, file);
+    Reader reader(scope_of(file), options, result);
     reader.read();
-    bring_to_si(file, reader.kinds_known());
-    state_units(file, reader.kinds_known(), options);
-    modal::check(file.set);
+    bring_to_si(result, reader.kinds_known());
+    state_units(result, reader.kinds_known(), options);
+    modal::check(result.set);
   } catch (const NoResponses&) {
     throw;
   } catch (const InvalidInput& e) {
     throw InvalidInput(name + ": " + e.what());
   }
-  return file;
+  return result;
 }
 
 }  // namespace chladni::io

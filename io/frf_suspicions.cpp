@@ -64,39 +64,61 @@ Count count(const modal::FrfSet& set, Index i, Index j) {
 
 std::string times(Index count) { return std::to_string(count) + (count == 1 ? " line" : " lines"); }
 
+// What is missing in one response, a sentence each.
+std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
+  const Count found = count(set, i, j);
+  if (found.unknown == set.line_count()) return {"not measured"};
+  std::vector<std::string> gaps;
+  if (found.unknown > 0) {
+    gaps.push_back("no value on " + times(found.unknown) + ", the first is " +
+                   place(set, found.first_unknown));
+  }
+  if (found.zero > 0 && found.zero + found.unknown + 1 >= set.line_count()) {
+    gaps.emplace_back("zero on all lines");
+  } else if (found.zero > 0) {
+    gaps.push_back("exactly zero on " + times(found.zero) + ", the first is " +
+                   place(set, found.first_zero));
+  }
+  return gaps;
+}
+
+// At most six names.
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 6;
+  std::string list;
+  for (std::size_t n = 0; n < std::min(names.size(), most); ++n) {
+    if (n > 0) list += ", ";
+    list += names[n];
+  }
+  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
+  return list;
+}
+
 void add_gaps(const modal::FrfSet& set, std::vector<std::string>& said) {
   std::map<std::string, std::vector<std::string>> alike;  // what is said, of whom
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
-      const Count found = count(set, i, j);
-      const auto add = [&](const std::string& what) { alike[what].push_back(name_of(set, i, j)); };
-      if (found.unknown == set.line_count()) {
-        add("not measured");
-        continue;
-      }
-      if (found.unknown > 0) {
-        add("no value on " + times(found.unknown) + ", the first is " +
-            place(set, found.first_unknown));
-      }
-      if (found.zero > 0 && found.zero + found.unknown + 1 >= set.line_count()) {
-        add("zero on all lines");
-      } else if (found.zero > 0) {
-        add("exactly zero on " + times(found.zero) + ", the first is " +
-            place(set, found.first_zero));
-      }
+      for (const auto& gap : gaps_of(set, i, j)) alike[gap].push_back(name_of(set, i, j));
     }
   }
   const auto all = static_cast<std::size_t>(set.output_count() * set.input_count());
   for (const auto& [what, whose] : alike) {
-    std::string names = whose.size() == all && all > 1 ? "all responses" : whose.front();
-    for (std::size_t n = 1; n < std::min<std::size_t>(whose.size(), 6) && whose.size() < all; ++n) {
-      names += ", " + whose[n];
-    }
-    if (whose.size() > 6 && whose.size() < all) {
-      names += " and " + std::to_string(whose.size() - 6) + " more";
-    }
-    said.push_back(names + ": " + what);
+    const bool everywhere = whose.size() == all && all > 1;
+    said.push_back((everywhere ? "all responses" : listed(whose)) + ": " + what);
   }
+}
+
+// A response by its numbers, 0 where it is not known; empty where there is nothing but zeros.
+std::vector<double> numbers_of(const modal::FrfSet& set, Index i, Index j) {
+  std::vector<double> numbers;
+  bool any = false;
+  for (const auto& line : set.value) {
+    const Complex value = is_known(line(i, j)) ? line(i, j) : Complex(0.0);
+    numbers.push_back(value.real());
+    numbers.push_back(value.imag());
+    any = any || value != 0.0;
+  }
+  return any ? numbers : std::vector<double>();
 }
 
 // Responses whose every line is the same.
@@ -104,16 +126,8 @@ void add_copies(const modal::FrfSet& set, std::vector<std::string>& said) {
   std::map<std::vector<double>, std::pair<Index, Index>> seen;
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
-      std::vector<double> key;
-      bool any = false;
-      for (const auto& line : set.value) {
-        const Complex value = line(i, j);
-        const bool known = is_known(value);
-        key.push_back(known ? value.real() : 0.0);
-        key.push_back(known ? value.imag() : 0.0);
-        any = any || (known && value != 0.0);
-      }
-      if (!any) continue;
+      auto key = numbers_of(set, i, j);
+      if (key.empty()) continue;
       const auto [other, is_new] = seen.emplace(std::move(key), std::pair{i, j});
       if (is_new) continue;
       said.push_back(name_of(set, i, j) + " is the same as " +
@@ -139,7 +153,8 @@ int collocation(const modal::FrfSet& set, Index i, Index j,
 }  // namespace
 
 double turning(const modal::FrfSet& set, Index output, Index input) {
-  double turned = 0.0, size = 0.0;
+  double turned = 0.0;
+  double size = 0.0;
   for (Index k = 0; k + 1 < set.line_count(); ++k) {
     const Complex a = as_receptance(set, k, output, input);
     const Complex b = as_receptance(set, k + 1, output, input);
@@ -152,7 +167,8 @@ double turning(const modal::FrfSet& set, Index output, Index input) {
 }
 
 double side(const modal::FrfSet& set, Index output, Index input, bool conjugated) {
-  double above = 0.0, size = 0.0;
+  double above = 0.0;
+  double size = 0.0;
   for (Index k = 0; k < set.line_count(); ++k) {
     const Complex value = as_receptance(set, k, output, input, conjugated);
     if (!is_known(value) || set.frequency_hz(k) == 0.0) continue;
@@ -162,34 +178,44 @@ double side(const modal::FrfSet& set, Index output, Index input, bool conjugated
   return size > 0.0 ? above / size : 0.0;
 }
 
-std::vector<std::string> suspicions(
-    const modal::FrfSet& set, const std::vector<std::pair<std::string, std::string>>& collocated) {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+// Which responses turn the wrong way, and whose sign is turned.
+struct Phases {
+  std::vector<std::string> conjugated, turned;
+};
+
+void judge(const modal::FrfSet& set, Index i, Index j, const Pairs& collocated, Phases& phases) {
+  const double turn = turning(set, i, j);
+  if (std::abs(turn) < kClear) return;
+  const bool conjugated = turn > 0.0;
+  if (conjugated) phases.conjugated.push_back(name_of(set, i, j));
+  const int expected = collocation(set, i, j, collocated);
+  if (expected * side(set, i, j, conjugated) > kClear) phases.turned.push_back(name_of(set, i, j));
+}
+
+}  // namespace
+
+std::vector<std::string> suspicions(const modal::FrfSet& set, const Pairs& collocated) {
   std::vector<std::string> said;
   add_gaps(set, said);
   add_copies(set, said);
-  Index turned = 0, judged = 0;
+  if (set.line_count() < kFewest) return said;
+  Phases phases;
   for (Index i = 0; i < set.output_count(); ++i) {
-    for (Index j = 0; j < set.input_count(); ++j) {
-      const double turn = set.line_count() < kFewest ? 0.0 : turning(set, i, j);
-      if (std::abs(turn) < kClear) continue;
-      ++judged;
-      const bool conjugated = turn > 0.0;
-      if (conjugated && ++turned <= 6) {
-        said.push_back(name_of(set, i, j) +
-                       " looks conjugated: its phase rises through its resonances, e^{-jwt}?");
-      }
-      const int expected = collocation(set, i, j, collocated);
-      const double found = side(set, i, j, conjugated) * expected;
-      if (expected != 0 && found > kClear) {
-        said.push_back(name_of(set, i, j) +
-                       " looks as if its sign were turned: sensor and actuator are one place and "
-                       "its phase lies in the wrong half plane");
-      }
-    }
+    for (Index j = 0; j < set.input_count(); ++j) judge(set, i, j, collocated, phases);
   }
-  if (turned > 6) {
-    said.push_back(std::to_string(turned) + " of " + std::to_string(judged) +
-                   " responses look conjugated");
+  if (!phases.conjugated.empty()) {
+    said.push_back(listed(phases.conjugated) +
+                   (phases.conjugated.size() == 1 ? " looks" : " look") +
+                   " conjugated: the phase rises through the resonances, e^{-jwt}?");
+  }
+  for (const auto& name : phases.turned) {
+    said.push_back(name +
+                   " looks as if its sign were turned: sensor and actuator are one place and its "
+                   "phase lies in the wrong half plane");
   }
   return said;
 }

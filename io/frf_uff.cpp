@@ -69,7 +69,7 @@ class Collector {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(name_ + ": " + what); }
 
-  std::string nothing_found() const {
+  [[nodiscard]] std::string nothing_found() const {
     const auto times = std::count_if(uff_.functions.begin(), uff_.functions.end(),
                                      [](const auto& f) { return f.type == 1; });
     return "no frequency response (dataset 58, function type 4) among " +
@@ -138,8 +138,8 @@ class Collector {
   }
 
   // The unit of an output or input, which all its responses share.
-  void state_unit(modal::MeasuredChannel& channel, const UffScale& scale, bool is_output,
-                  const UffFunction& function) {
+  static void state_unit(modal::MeasuredChannel& channel, const UffScale& scale, bool is_output,
+                         const UffFunction& function) {
     if (is_output && scale.kind) channel.kind = *scale.kind;
     channel.unit = std::abs(function.response.direction) > 3 && is_output && scale.unit == "m"
                        ? "rad"

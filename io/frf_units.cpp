@@ -1,5 +1,6 @@
 #include "io/frf_units.h"
 
+#include <algorithm>
 #include <array>
 
 #include "base/error.h"
@@ -99,34 +100,45 @@ void bring_to_si(FrfFile& file, bool kind_known) {
   }
 }
 
+namespace {
+
+// An output without a unit of its own gets the stated one.
+void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_known,
+                const FrfOptions& options) {
+  auto& output = file.set.outputs[i];
+  if (options.kind) output.kind = *options.kind;
+  if (!output.unit.empty()) return;
+  const auto kind = options.kind ? options.kind : unit.output.kind;
+  require(!kind_known || options.kind || !kind || *kind == output.kind,
+          "the unit \"" + options.unit + "\" is of a " + name_of(kind.value_or(output.kind)) +
+              ", the file says that " + output.name + " is of a " + name_of(output.kind));
+  output.kind = kind.value_or(output.kind);
+  output.unit = unit.output.si;
+  scale(file.set, static_cast<Eigen::Index>(i), unit.output.factor);
+}
+
+}  // namespace
+
 void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
   const Stated unit = options.unit.empty() ? Stated{} : stated(options.unit);
-  const auto kind = options.kind ? options.kind : unit.output.kind;
-  require(!options.kind || !unit.output.kind || *options.kind == *unit.output.kind,
-          "the unit \"" + options.unit + "\" is of a " +
-              (unit.output.kind ? name_of(*unit.output.kind) : "") +
-              ", the responses are said to be of another kind");
-  std::string nameless;
+  const bool contradict = options.kind && unit.output.kind && *options.kind != *unit.output.kind;
+  require(!contradict,
+          "the unit \"" + options.unit + "\" is of another kind than the responses are said to be");
   for (std::size_t i = 0; i < file.set.outputs.size(); ++i) {
-    auto& output = file.set.outputs[i];
-    if (options.kind) output.kind = *options.kind;
-    if (!output.unit.empty()) continue;
-    require(!kind_known || options.kind || !kind || *kind == output.kind,
-            "the unit \"" + options.unit + "\" is of a " + name_of(kind.value_or(output.kind)) +
-                ", the file says that " + output.name + " is of a " + name_of(output.kind));
-    output.kind = kind.value_or(output.kind);
-    output.unit = unit.output.si;
-    scale(file.set, static_cast<Eigen::Index>(i), unit.output.factor);
-    if (output.unit.empty() && nameless.empty()) nameless = output.name;
+    state_unit(file, i, unit, kind_known, options);
   }
   for (auto& input : file.set.inputs) {
     if (input.unit.empty()) input.unit = unit.input_si;
   }
-  if (nameless.empty()) return;
-  const auto& first = file.set.outputs.front();
-  file.notes.push_back("the unit of " + nameless + " is not stated: values are as they stand" +
-                       (kind_known || kind ? "" : ", taken as " + name_of(first.kind)) +
-                       "; say it as unit = \"m\", \"m/s^2\" or \"g\"");
+  const auto& outputs = file.set.outputs;
+  const auto nameless = std::find_if(outputs.begin(), outputs.end(),
+                                     [](const auto& output) { return output.unit.empty(); });
+  if (nameless == outputs.end()) return;
+  const bool assumed = !kind_known && !options.kind;
+  file.notes.push_back("the unit of " + nameless->name +
+                       " is not stated: values are as they stand" +
+                       (assumed ? ", taken as " + name_of(nameless->kind) : "") +
+                       R"(; say it as unit = "m", "m/s^2" or "g")");
 }
 
 }  // namespace chladni::io

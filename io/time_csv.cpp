@@ -188,6 +188,21 @@ void state_units(TimeFile& file, const TimeOptions& options) {
 
 }  // namespace
 
+namespace {
+
+// What letters that are followed by digits or nothing stand for.
+Side side_of_letters(std::string_view name) {
+  std::string letters = upper(name);
+  while (!letters.empty() && letters.back() >= '0' && letters.back() <= '9') letters.pop_back();
+  while (letters.ends_with('_')) letters.pop_back();
+  static const std::set<std::string> inputs{"U", "F", "A", "FORCE", "INPUT", "HAMMER"};
+  static const std::set<std::string> references{"R", "W", "REFERENCE"};
+  if (inputs.contains(letters)) return Side::input;
+  return references.contains(letters) ? Side::reference : Side::output;
+}
+
+}  // namespace
+
 std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& options) {
   const std::string whole_name(name);
   if (knows(options.sensor_names, name)) return {Side::output, whole_name};
@@ -198,16 +213,7 @@ std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& o
       return {static_cast<Side>(s), whole_name.substr(kPrefix[s].size())};
     }
   }
-  std::string letters = upper(name);
-  while (!letters.empty() && letters.back() >= '0' && letters.back() <= '9') letters.pop_back();
-  while (letters.ends_with('_')) letters.pop_back();
-  for (const char* word : {"U", "F", "A", "FORCE", "INPUT", "HAMMER"}) {
-    if (letters == word) return {Side::input, whole_name};
-  }
-  for (const char* word : {"R", "W", "REFERENCE"}) {
-    if (letters == word) return {Side::reference, whole_name};
-  }
-  return {Side::output, whole_name};
+  return {side_of_letters(name), whole_name};
 }
 
 TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
@@ -266,7 +272,9 @@ std::string time_csv(const identification::TimeData& data) {
   Index rows = 0;
   for (const auto& record : data.records) rows += record.outputs.rows();
   Eigen::VectorXd time(rows);
-  Eigen::VectorXi experiment(rows), realisation(rows), period(rows);
+  Eigen::VectorXi experiment(rows);
+  Eigen::VectorXi realisation(rows);
+  Eigen::VectorXi period(rows);
   Index at = 0;
   for (const auto& record : data.records) {
     for (Index n = 0; n < record.outputs.rows(); ++n, ++at) {

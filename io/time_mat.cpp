@@ -40,7 +40,7 @@ class Reader {
   }
 
  private:
-  const MatValue* variable(std::size_t side) const {
+  [[nodiscard]] const MatValue* variable(std::size_t side) const {
     return side == 0   ? mat_value(fields_, {"y", "outputs", "output"})
            : side == 1 ? mat_value(fields_, {"u", "inputs", "input", "force"})
                        : mat_value(fields_, {"r", "references", "reference"});
@@ -104,7 +104,7 @@ class Reader {
     }
   }
 
-  double sample_time() const {
+  [[nodiscard]] double sample_time() const {
     const auto stated = mat_numbers(mat_value(fields_, {"sample_time_s", "Ts", "dt"}), "Ts");
     if (stated.size() == 1 && stated(0) > 0.0) return stated(0);
     const auto time = mat_numbers(mat_value(fields_, {"time_s", "time", "t"}), "time_s");
@@ -174,14 +174,14 @@ class Reader {
 
 }  // namespace
 
-TimeFile time_of_mat(const MatFile& mat, const std::string& name, const TimeOptions& options) {
-  TimeFile file{.format = mat.format, .data = {}, .notes = mat.notes};
+TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOptions& options) {
+  TimeFile result{.format = file.format, .data = {}, .notes = file.notes};
   try {
-    Reader(mat.variables, options, file).read();
+    Reader(file.variables, options, result).read();
   } catch (const InvalidInput& e) {
     throw InvalidInput(name + ": " + e.what());
   }
-  return file;
+  return result;
 }
 
 MatFields mat_of_time(const identification::TimeData& data) {
@@ -189,7 +189,8 @@ MatFields mat_of_time(const identification::TimeData& data) {
   const auto records = static_cast<Index>(data.records.size());
   const Index samples = data.records.empty() ? 0 : data.records.front().outputs.rows();
   const std::array sides{&data.outputs, &data.inputs, &data.references};
-  Eigen::MatrixXd experiment(records, 1), realisation(records, 1);
+  Eigen::MatrixXd experiment(records, 1);
+  Eigen::MatrixXd realisation(records, 1);
   for (std::size_t s = 0; s < 3; ++s) {
     if (sides[s]->empty()) continue;
     const auto count = static_cast<Index>(sides[s]->size());
@@ -205,7 +206,8 @@ MatFields mat_of_time(const identification::TimeData& data) {
       realisation(r) = record.realisation;
     }
     fields.emplace_back(kVariable[s], MatValue({samples, count, records}, std::move(numbers)));
-    std::vector<std::string> names, units;
+    std::vector<std::string> names;
+    std::vector<std::string> units;
     for (const auto& channel : *sides[s]) {
       names.push_back(channel.name);
       units.push_back(channel.unit);

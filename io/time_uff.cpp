@@ -70,9 +70,10 @@ class Collector {
         ++others;
       }
     }
-    if (parts_.empty())
+    if (parts_.empty()) {
       fail("no time response (dataset 58, function type 1) among " +
            std::to_string(uff_.functions.size()) + " functions");
+    }
     if (others > 0) {
       file_.notes.push_back(std::to_string(others) + " other functions: not read");
     }

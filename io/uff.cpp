@@ -150,7 +150,8 @@ class UffReader {
     current_ = units;
     if (!uff_.units) uff_.units = units;
     if (uff_.units->length != units.length || uff_.units->force != units.force) {
-      uff_.notes.push_back("dataset 164 occurs with different units: each holds for what follows");
+      uff_.notes.emplace_back(
+          "dataset 164 occurs with different units: each holds for what follows");
     }
   }
 
@@ -164,10 +165,9 @@ class UffReader {
     const auto line = lines_.filled_record("node");
     if (trimmed(line).empty()) return;
     const auto words = words_of(line.substr(0, 40));
-    if (words.size() < 4)
-      lines_.fail("found " + shown(line) +
-                  ", expected a node: 4 whole numbers "
-                  "and 3 coordinates");
+    if (words.size() < 4) {
+      lines_.fail("found " + shown(line) + ", expected a node: 4 whole numbers and 3 coordinates");
+    }
     std::size_t at = 40;
     if (words.size() > 4) at = static_cast<std::size_t>(words[4].data() - line.data());
     Eigen::Vector3d position;

@@ -137,32 +137,32 @@ double absurd_share(const std::vector<double>& numbers) {
 
 }  // namespace
 
-std::vector<double> uff_binary_numbers(UffLines& lines, const std::string& line, std::size_t points,
+std::vector<double> uff_binary_numbers(UffLines& lines, const std::string& head, std::size_t points,
                                        int ordinate_type, bool even,
                                        std::vector<std::string>& notes) {
-  const Head head = read_head(lines, line);
+  const Head said = read_head(lines, head);
   const auto packings = packings_of(points, ordinate_type, even);
-  const auto found = packing(lines, packings, head);
+  const auto found = packing(lines, packings, said);
   if (!found) {
     lines.fail(std::to_string(points) + " values are " + std::to_string(packings.front().size) +
-               " bytes, the head says " + std::to_string(head.bytes) + " and the file has " +
+               " bytes, the head says " + std::to_string(said.bytes) + " and the file has " +
                std::to_string(lines.left()) + " left; no -1 stands where they end" +
                (lines.left() < packings.front().size
                     ? " (the file is cut off)"
                     : " (was the file sent as text, which changes line ends?)"));
   }
   const std::string at = "dataset 58b before line " + std::to_string(lines.line());
-  if (static_cast<std::size_t>(std::max(head.bytes, 0LL)) != found->size + found->skipped) {
-    notes.push_back(at + ": its head says " + std::to_string(head.bytes) + " bytes, it has " +
+  if (static_cast<std::size_t>(std::max(said.bytes, 0LL)) != found->size + found->skipped) {
+    notes.push_back(at + ": its head says " + std::to_string(said.bytes) + " bytes, it has " +
                     std::to_string(found->size));
   }
   const auto bytes = lines.rest().substr(found->start, found->size);
   const bool is_complex = ordinate_type >= 5;
-  auto numbers = numbers_of(bytes, *found, is_complex, head.order == 2);
+  auto numbers = numbers_of(bytes, *found, is_complex, said.order == 2);
   if (absurd_share(numbers) > 0.1) {
-    auto swapped = numbers_of(bytes, *found, is_complex, head.order != 2);
+    auto swapped = numbers_of(bytes, *found, is_complex, said.order != 2);
     if (absurd_share(swapped) < 0.01) {
-      notes.push_back(at + ": its head says " + (head.order == 2 ? "big" : "little") +
+      notes.push_back(at + ": its head says " + (said.order == 2 ? "big" : "little") +
                       " endian, its numbers are of the other order");
       numbers = std::move(swapped);
     }

@@ -65,7 +65,7 @@ Eigen::Index UffChannels::number(const UffDof& dof, const std::string& name) {
 
 std::vector<modal::MeasuredChannel> UffChannels::channels() const {
   const std::set<std::string> different(names_.begin(), names_.end());
-  const bool named = different.size() == names_.size() && different.count("") == 0;
+  const bool named = different.size() == names_.size() && !different.contains("");
   std::vector<modal::MeasuredChannel> result;
   std::set<std::string> used;
   for (std::size_t c = 0; c < dofs_.size(); ++c) {
@@ -170,7 +170,7 @@ std::vector<UffDof> dofs_of(const std::vector<modal::MeasuredChannel>& channels,
   std::vector<UffDof> dofs;
   long long next = 1;
   for (const auto& channel : channels) {
-    while (taken.count(next) > 0) ++next;
+    while (taken.contains(next)) ++next;
     dofs.push_back(dof_of(channel, next));
     if (!channel.node) ++next;
   }

@@ -1,5 +1,6 @@
 // Datasets 58 and 58b: functions at nodal degrees of freedom.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -30,34 +31,42 @@ int direction_of(const UffLines& lines, std::string_view word) {
   lines.fail("direction " + std::to_string(direction) + ", expected -6 to 6");
 }
 
-// 2(I5,I10), 2(1X,10A1,I10,I4), or what programs write that do not count columns.
+constexpr std::array<std::size_t, 5> kFilled{0, 2, 5, 6, 8};  // fields of record 6
+constexpr std::array<std::size_t, 11> kDegreeColumns{0, 5, 15, 20, 30, 41, 51, 55, 66, 76, 80};
+
+// Whether a line keeps to 2(I5,I10), 2(1X,10A1,I10,I4).
+bool keeps_columns(std::string_view line) {
+  if (line.size() <= 66) return false;
+  for (const std::size_t at : {5, 15, 20, 51, 76}) {
+    if (cuts(line, at)) return false;
+  }
+  return std::all_of(kFilled.begin(), kFilled.end(), [&](std::size_t field) {
+    const auto from = kDegreeColumns[field];
+    return integer_in(trimmed(columns(line, from, kDegreeColumns[field + 1] - from))).has_value();
+  });
+}
+
+// The ten fields of record 6, by columns or, of programs that do not count them, by blanks.
+std::vector<std::string_view> degree_fields(const UffLines& lines, std::string_view line) {
+  if (!keeps_columns(line)) {
+    auto words = words_of(line);
+    if (words.size() == 10) return words;
+    lines.fail("found " + shown(trimmed(line)) +
+               ", expected the function type, three numbers, and name, node and direction of "
+               "response and reference");
+  }
+  std::vector<std::string_view> fields;
+  for (std::size_t f = 0; f < 10; ++f) {
+    fields.push_back(columns(line, kDegreeColumns[f], kDegreeColumns[f + 1] - kDegreeColumns[f]));
+    const bool is_number = f != 4 && f != 7;
+    if (is_number && trimmed(fields.back()).empty()) fields.back() = "0";
+  }
+  return fields;
+}
+
 void read_degrees(UffLines& lines, UffFunction& function) {
   const std::string line(lines.filled_record("function type"));
-  constexpr std::size_t starts[] = {0, 5, 15, 20, 30, 41, 51, 55, 66, 76, 80};
-  bool by_columns = line.size() > 66;
-  for (const std::size_t at : {5, 15, 20, 41, 51, 66, 76}) {
-    by_columns = by_columns && (!cuts(line, at) || at == 41 || at == 66);
-  }
-  for (const int field : {0, 2, 5, 6, 8}) {
-    by_columns =
-        by_columns &&
-        integer_in(trimmed(columns(line, starts[field], starts[field + 1] - starts[field])));
-  }
-  std::vector<std::string_view> words;
-  if (by_columns) {
-    for (int f = 0; f < 10; ++f)
-      words.push_back(columns(line, starts[f], starts[f + 1] - starts[f]));
-    if (trimmed(words[1]).empty()) words[1] = "0";
-    if (trimmed(words[3]).empty()) words[3] = "0";
-    if (trimmed(words[9]).empty()) words[9] = "0";
-  } else {
-    words = words_of(line);
-    if (words.size() != 10) {
-      lines.fail("found " + shown(trimmed(line)) +
-                 ", expected the function type, three numbers, and "
-                 "name, node and direction of response and reference");
-    }
-  }
+  const auto words = degree_fields(lines, line);
   const auto type = uff_integer(lines, words[0], "function type");
   if (type < 0 || type > 1000) lines.fail("function type " + std::to_string(type));
   function.type = static_cast<int>(type);
@@ -175,6 +184,29 @@ void note_rounding(const UffFunction& function, const Form& form, std::string_vi
 
 }  // namespace
 
+namespace {
+
+// The numbers of one line, up to `count` of them in all. @return where they end
+std::size_t take_numbers(const UffLines& lines, std::string_view line, std::size_t count,
+                         std::vector<double>& numbers) {
+  std::size_t at = 0;
+  while (numbers.size() < count) {
+    if (const auto value = run_on_number(line, at)) {
+      numbers.push_back(*value);
+    } else if (at == line.size()) {
+      break;
+    } else if (upper(line.substr(at, 3)) == "NAN") {
+      numbers.push_back(std::nan(""));
+      at += 3;
+    } else {
+      lines.fail(not_a_number(words_of(line.substr(at)).front()));
+    }
+  }
+  return at;
+}
+
+}  // namespace
+
 std::vector<double> uff_text_numbers(UffLines& lines, std::size_t count,
                                      std::vector<std::string>& notes) {
   std::vector<double> numbers;
@@ -185,19 +217,8 @@ std::vector<double> uff_text_numbers(UffLines& lines, std::size_t count,
                  std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
     }
     const auto line = lines.peek();
-    std::size_t at = 0;
-    while (numbers.size() < count) {
-      const auto value = run_on_number(line, at);
-      if (!value && at < line.size() && upper(line.substr(at, 3)) == "NAN") {
-        numbers.push_back(std::nan(""));
-        at += 3;
-        continue;
-      }
-      if (!value && at < line.size()) lines.fail(not_a_number(words_of(line.substr(at)).front()));
-      if (!value) break;
-      numbers.push_back(*value);
-    }
-    if (numbers.size() == count && !trimmed(line.substr(at)).empty()) {
+    const std::size_t end = take_numbers(lines, line, count, numbers);
+    if (numbers.size() == count && !trimmed(line.substr(end)).empty()) {
       notes.push_back("line " + std::to_string(lines.line()) +
                       " has more numbers than the dataset says");
     }

@@ -24,6 +24,23 @@ std::size_t end_of_digits(std::string_view line, std::size_t at) {
   return at;
 }
 
+// Behind the exponent that begins at `at`, if one does.
+std::size_t end_of_exponent(std::string_view line, std::size_t at) {
+  if (at == line.size() || std::string_view("eEdD").find(line[at]) == std::string_view::npos) {
+    return at;
+  }
+  ++at;
+  if (at < line.size() && is_sign(line[at])) ++at;
+  return end_of_digits(line, at);
+}
+
+// Whether a sign and three digits stand at `at`, and no further number begins with them: Fortran
+// drops the letter where the exponent has three digits.
+bool has_bare_exponent(std::string_view line, std::size_t at) {
+  return at < line.size() && is_sign(line[at]) && end_of_digits(line, at + 1) == at + 4 &&
+         (at + 4 == line.size() || line[at + 4] != '.');
+}
+
 }  // namespace
 
 std::string_view UffLines::peek() const {
@@ -61,20 +78,15 @@ void UffLines::fail(const std::string& message) const {
 std::optional<double> run_on_number(std::string_view line, std::size_t& at) {
   while (at < line.size() && is_blank(line[at])) ++at;
   const std::size_t from = at;
-  std::size_t end = end_of_mantissa(line, from);
-  if (end == from) return std::nullopt;
-  if (end < line.size() && std::string_view("eEdD").find(line[end]) != std::string_view::npos) {
-    ++end;
-    if (end < line.size() && is_sign(line[end])) ++end;
-    end = end_of_digits(line, end);
-  } else if (end < line.size() && is_sign(line[end]) && end_of_digits(line, end + 1) == end + 4 &&
-             (end + 4 == line.size() || line[end + 4] != '.')) {
-    const std::string with_letter =
-        std::string(line.substr(from, end - from)) + "E" + std::string(line.substr(end, 4));
-    const auto value = number_in(with_letter);
-    if (value) at = end + 4;
+  const std::size_t mantissa = end_of_mantissa(line, from);
+  if (mantissa == from) return std::nullopt;
+  if (has_bare_exponent(line, mantissa)) {
+    const auto value = number_in(std::string(line.substr(from, mantissa - from)) + "E" +
+                                 std::string(line.substr(mantissa, 4)));
+    if (value) at = mantissa + 4;
     return value;
   }
+  const std::size_t end = end_of_exponent(line, mantissa);
   if (end < line.size() && !is_blank(line[end]) && !is_sign(line[end])) return std::nullopt;
   const auto value = number_in(line.substr(from, end - from));
   if (value) at = end;

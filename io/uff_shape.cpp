@@ -40,6 +40,27 @@ void read_analysis(UffLines& lines, UffShape& shape, std::vector<std::string>& n
   }
 }
 
+void read_nodes(UffLines& lines, UffShape& shape, Eigen::Index components, bool is_complex,
+                std::vector<std::string>& notes) {
+  const auto each = static_cast<std::size_t>(components) * (is_complex ? 2U : 1U);
+  std::vector<double> values;
+  while (!lines.at_delimiter()) {
+    const auto node = trimmed(lines.take());
+    if (node.empty()) continue;
+    shape.nodes.push_back(uff_integer(lines, words_of(node).front(), "node of a shape"));
+    const auto at_node = uff_text_numbers(lines, each, notes);
+    values.insert(values.end(), at_node.begin(), at_node.end());
+  }
+  shape.values.resize(static_cast<Eigen::Index>(shape.nodes.size()), components);
+  std::size_t at = 0;
+  for (Eigen::Index n = 0; n < shape.values.rows(); ++n) {
+    for (Eigen::Index c = 0; c < components; ++c) {
+      const double real = values[at++];
+      shape.values(n, c) = {real, is_complex ? values[at++] : 0.0};
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<UffShape> uff_shape(UffLines& lines, std::vector<std::string>& notes) {
@@ -61,23 +82,7 @@ std::optional<UffShape> uff_shape(UffLines& lines, std::vector<std::string>& not
     return std::nullopt;
   }
   read_analysis(lines, shape, notes);
-  const auto each = static_cast<std::size_t>(components) * (data_type == 5 ? 2U : 1U);
-  std::vector<double> values;
-  while (!lines.at_delimiter()) {
-    const auto node = trimmed(lines.take());
-    if (node.empty()) continue;
-    shape.nodes.push_back(uff_integer(lines, words_of(node).front(), "node of a shape"));
-    const auto at_node = uff_text_numbers(lines, each, notes);
-    values.insert(values.end(), at_node.begin(), at_node.end());
-  }
-  shape.values.resize(static_cast<Eigen::Index>(shape.nodes.size()), components);
-  std::size_t at = 0;
-  for (Eigen::Index n = 0; n < shape.values.rows(); ++n) {
-    for (Eigen::Index c = 0; c < components; ++c) {
-      const double real = values[at++];
-      shape.values(n, c) = {real, data_type == 5 ? values[at++] : 0.0};
-    }
-  }
+  read_nodes(lines, shape, components, data_type == 5, notes);
   return shape;
 }
 

@@ -63,9 +63,7 @@ TEST(Suspicions, ConjugatedResponsesAreNamedWhateverTheChannels) {
     auto set = measured(kind, 0.01, 2000);
     for (auto& line : set.value) line.row(1) = line.row(1).conjugate().eval();
     const auto said = suspicions(set);
-    EXPECT_EQ(times(said, "conjugated"), 2);
-    EXPECT_EQ(times(said, "y4/u1 looks conjugated"), 1);
-    EXPECT_EQ(times(said, "y4/u4 looks conjugated"), 1);
+    EXPECT_EQ(times(said, "y4/u1, y4/u4 look conjugated"), 1);
     EXPECT_EQ(times(said, "sign"), 0) << testing::PrintToString(said);
   }
 }
@@ -81,7 +79,8 @@ TEST(Suspicions, ATurnedSignShowsWhereTheChannelsAreCollocated) {
       const auto said = suspicions(set);
       EXPECT_EQ(times(said, "sign"), 1);
       EXPECT_EQ(times(said, "y1/u1 looks as if its sign were turned"), 1);
-      EXPECT_EQ(times(said, "conjugated:"), conjugated ? 6 : 0);
+      EXPECT_EQ(times(said, "y1/u1, y1/u4, y4/u1, y4/u4, y6/u1, y6/u4 look conjugated"),
+                conjugated ? 1 : 0);
     }
   }
 }
