@@ -8,6 +8,7 @@
 #include "app/interpolation.h"
 #include "app/placement.h"
 #include "base/error.h"
+#include "identification/delay_scan.h"
 #include "identification/matrix_fraction.h"
 
 namespace chladni::app {
@@ -279,6 +280,13 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
   model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
+  if (model.seen.variance.empty() && plan.weighting == "variance") {
+    // The noise is better known once the resonances are.
+    model.data = identification::reweighted(
+        model.data, identification::responses(model.found.fit, model.data.frequency_hz),
+        data_options(plan, model.seen));
+    model.found = run.timed("fit again", [&] { return found(plan, study, model.data, run); });
+  }
   run.talk().clear_progress();
   for (const auto& note : model.found.fit.notes) run.talk().warn(note);
   model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
@@ -286,7 +294,8 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   add_errors(model);
   if (plan.stabilisation > 0) {
     model.stabilisation = run.timed("stabilisation", [&] {
-      return identification::stabilisation(model.data, plan.stabilisation,
+      const auto data = identification::undelayed(model.data, model.found.fit.delay_s);
+      return identification::stabilisation(data, plan.stabilisation,
                                            model.found.fit.model.rigid_count > 0,
                                            run.talk().progress());
     });

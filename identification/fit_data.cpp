@@ -135,7 +135,9 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
                                                 " lines above 0 Hz in the band, expected " +
                                                 std::to_string(kFewestLines) + " or more");
   const double largest = largest_magnitude(set);
-  FitData data{.outputs = set.output_count(), .inputs = set.input_count()};
+  FitData data;
+  data.outputs = set.output_count();
+  data.inputs = set.input_count();
   data.frequency_hz = set.frequency_hz;
   data.value.setZero(set.line_count(), data.outputs * data.inputs);
   data.weight.setZero(set.line_count(), data.outputs * data.inputs);
@@ -154,6 +156,22 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
     }
   }
   return data;
+}
+
+FitData reweighted(const FitData& data, const Eigen::MatrixXcd& fitted,
+                   const FitDataOptions& options) {
+  FitData result = data;
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const Eigen::VectorXd there = (data.weight.col(e).array() > 0.0).cast<double>();
+    if (there.sum() == 0.0) continue;
+    const Eigen::VectorXcd left = (data.value.col(e) - fitted.col(e)).cwiseProduct(there);
+    const Eigen::VectorXd model = options.model_error * fitted.col(e).cwiseAbs();
+    const double floor = std::pow(1e-9 * data.value.col(e).cwiseAbs().maxCoeff(), 2);
+    const Eigen::VectorXd deviation =
+        (local_variance(left).array().max(floor) + model.array().square()).sqrt();
+    result.weight.col(e) = there.cwiseQuotient(deviation);
+  }
+  return result;
 }
 
 }  // namespace chladni::identification

@@ -40,4 +40,11 @@ struct FitDataOptions {
 ///                       variance that is not positive
 [[nodiscard]] FitData fit_data(const modal::FrfSet& set, const FitDataOptions& options = {});
 
+/// The same data with variances estimated from how much what a fit leaves, instead of the data,
+/// differs from local polynomials: a resonance as narrow as a few lines is no noise. For sets
+/// that state no variance.
+/// @param fitted  K×pq
+[[nodiscard]] FitData reweighted(const FitData& data, const Eigen::MatrixXcd& fitted,
+                                 const FitDataOptions& options);
+
 }  // namespace chladni::identification
