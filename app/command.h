@@ -28,6 +28,7 @@ struct Options {
   int animate = 0;             ///< mode, counted from 1, whose phase animation is wanted
   bool expect = false;         ///< `check` computes the modes and compares
   bool reproducible = false;   ///< no times in the results
+  bool keep_best = false;      ///< Ctrl-C stops a fit, not the program
   std::string unit;            ///< `check` of measured data that does not state it
   double sample_time_s = 0.0;  ///< likewise
 };

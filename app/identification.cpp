@@ -8,6 +8,7 @@
 #include "app/interpolation.h"
 #include "app/placement.h"
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "identification/delay_scan.h"
 #include "identification/matrix_fraction.h"
 
@@ -49,6 +50,7 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   if (plan.rigid_body_modes < 0 && is_held(study)) options.rigid_count = 0;
   options.fit.delay = plan.delay;
   options.fit.residual = plan.residual;
+  options.fit.keep_best = run.options().keep_best;
   options.fit.progress = run.talk().progress();
   return options;
 }
@@ -280,7 +282,12 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
   model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
-  if (model.seen.variance.empty() && plan.weighting == "variance") {
+  const bool stopped = run.options().keep_best && interrupted();
+  if (stopped) {
+    forget_interrupt();
+    run.talk().warn("the fit was stopped by Ctrl-C: its best so far is written");
+  }
+  if (!stopped && model.seen.variance.empty() && plan.weighting == "variance") {
     // The noise is better known once the resonances are.
     model.data = identification::reweighted(
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
@@ -295,9 +302,8 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   if (plan.stabilisation > 0) {
     model.stabilisation = run.timed("stabilisation", [&] {
       const auto data = identification::undelayed(model.data, model.found.fit.delay_s);
-      return identification::stabilisation(data, plan.stabilisation,
-                                           model.found.fit.model.rigid_count > 0,
-                                           run.talk().progress());
+      return identification::stabilisation(
+          data, plan.stabilisation, model.found.fit.model.rigid_count > 0, run.talk().progress());
     });
   }
   return model;

@@ -109,6 +109,10 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
         ->check(CLI::PositiveNumber);
     return;
   }
+  if (command.name == "identify" || command.name == "interpolate" || command.name == "study") {
+    verb.add_flag("--keep-best", options.keep_best,
+                  "Ctrl-C stops a fit, and its best so far is written");
+  }
   verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
   verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
       ->check(CLI::PositiveNumber);

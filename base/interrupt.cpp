@@ -29,6 +29,10 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+bool interrupted() { return noted_signal != 0; }
+
+void forget_interrupt() { noted_signal = 0; }
+
 void throw_if_interrupted() {
   switch (noted_signal) {
     case 0:

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "identification/delay_scan.h"
 #include "identification/missing_mode.h"
 #include "identification/residue_problem.h"
@@ -119,6 +120,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   const auto room = data.measured_count() / (2 * (data.outputs + data.inputs + 1));
   const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
   while (flexible_count(result.fit) < most) {
+    if (options.fit.keep_best && interrupted()) break;
     const bool wanted = options.modes > flexible_count(result.fit);
     if (!wanted && data.noise_known && excess_of(result.fit) < kEnoughExcess) break;
     auto start = start_from(result.fit);

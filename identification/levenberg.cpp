@@ -66,6 +66,7 @@ Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
   double damping = options.damping;
   int quiet = 0;
   while (now.iterations < options.iterations && quiet < 2 && now.misfit.cost > round_off) {
+    if (options.keep_best && interrupted()) return now;
     throw_if_interrupted();
     const double before = now.misfit.cost;
     if (!step_down(now, damping, target, fitted)) {

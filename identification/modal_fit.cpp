@@ -173,9 +173,11 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
     }
   }
   if (!any) return in_blocks;
-  auto result =
-      descent(std::move(single), target, fitted,
-              {.iterations = options.iterations, .damping = 1e-8, .progress = options.progress});
+  auto result = descent(std::move(single), target, fitted,
+                        {.iterations = options.iterations,
+                         .damping = 1e-8,
+                         .keep_best = options.keep_best,
+                         .progress = options.progress});
   const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
   result.iterations += in_blocks.iterations;
   return result.misfit.cost <= allowed ? result : in_blocks;
@@ -188,7 +190,9 @@ ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& op
   const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);
   const auto aim = target(data, scale);
   const Fitted fitted{options.residual, options.delay};
-  const DescentOptions how{.iterations = options.iterations, .progress = options.progress};
+  const DescentOptions how{.iterations = options.iterations,
+                           .keep_best = options.keep_best,
+                           .progress = options.progress};
   auto best = descent(start_model(data, start, aim, scale), aim, fitted, how);
   if (!std::isfinite(best.misfit.cost)) {
     throw NumericalFailure("modal fit: the cost at the start is not finite");

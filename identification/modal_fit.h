@@ -52,6 +52,7 @@ struct FitOptions {
   bool residual = true;  ///< a constant p×q for the modes above the band
   bool delay = false;    ///< one for all responses is fitted
   int iterations = 60;   ///< of Levenberg and Marquardt, at most
+  bool keep_best = false;  ///< Ctrl-C stops the fit with the best so far (`converged` is false)
   Progress progress = {};
 };
 
