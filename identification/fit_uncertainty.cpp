@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <sstream>
@@ -16,7 +17,7 @@ namespace {
 
 namespace dense = priors::dense;
 
-constexpr double kUnknownShape = 0.3;  // relative deviation of a shape that cannot be told apart
+constexpr double kUnknownShape = 0.15;  // relative deviation of a shape that cannot be told apart
 
 // Modes of a block whatever it takes: real parts of the eigenvectors of its stiffness.
 std::vector<Block> forced_modes(const Block& block) {
@@ -102,11 +103,16 @@ Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters
 // them in the parameters' own metric.
 Eigen::MatrixXd held_inverse(const NormalEquations& normal, const Eigen::MatrixXd& idle) {
   const Eigen::VectorXd scale =
-      normal.matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+      (normal.matrix.diagonal().array() > 0.0)
+          .select(normal.matrix.diagonal().cwiseSqrt().cwiseInverse(), 0.0);
   Eigen::MatrixXd a = scale.asDiagonal() *
                       Eigen::MatrixXd(normal.matrix.selfadjointView<Eigen::Lower>()) *
                       scale.asDiagonal();
-  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * idle;
+  // No data speak of a row that is not measured: it is kept out, its deviation is infinite.
+  const Eigen::VectorXd known = (scale.array() > 0.0).cast<double>();
+  const Eigen::MatrixXd scaled =
+      (normal.matrix.diagonal().array().sqrt() * known.array()).matrix().asDiagonal() * idle;
+  a.diagonal() += Eigen::VectorXd::Ones(known.size()) - known;
   const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).householderQ() *
                             Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
   a += q * q.transpose();
@@ -218,7 +224,8 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
   fit.input_std.resize(m, inputs);
 }
 
-// Neighbours within a bandwidth of which a shape is hardly known form one group.
+// Neighbours within a bandwidth form one group where the shape of either is hardly known: the data
+// turn them into each other.
 std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   const auto& model = fit.model;
   const auto unknown = [&](Eigen::Index m) {
@@ -231,13 +238,38 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
                       model.frequency_hz(m) - model.frequency_hz(m - 1) <
                           2.0 * std::max(model.damping_ratio(m), model.damping_ratio(m - 1)) *
                               model.frequency_hz(m);
-    if (near && unknown(m) && unknown(m - 1)) {
+    if (near && (unknown(m) || unknown(m - 1))) {
       ++groups.back().size;
     } else {
       groups.push_back({m, 1});
     }
   }
   return groups;
+}
+
+// Of what no data speak nothing is known: the deviations of channels without a measured response.
+void mark_unmeasured(const Target& target, ModalFit& fit) {
+  constexpr double kNothing = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd sums = target.squared.rowwise().sum();
+  const auto weight = sums.reshaped(target.outputs, target.inputs);
+  fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
+  const auto p = target.outputs;
+  const auto g = fit.model.rigid_count;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    if (weight.row(i).sum() > 0.0) continue;
+    fit.output_std.row(i).setConstant(kNothing);
+    for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
+    for (Eigen::Index a = 0; a < g; ++a) fit.rigid_covariance(i + p * a, i + p * a) = kNothing;
+  }
+  for (Eigen::Index j = 0; j < target.inputs; ++j) {
+    if (weight.col(j).sum() > 0.0) continue;
+    fit.input_std.col(j).setConstant(kNothing);
+    for (auto& covariance : fit.mode_covariance) covariance(2 + p + j, 2 + p + j) = kNothing;
+    for (Eigen::Index a = 0; a < g; ++a) {
+      const auto at = g * p + a + g * j;
+      fit.rigid_covariance(at, at) = kNothing;
+    }
+  }
 }
 
 }  // namespace
@@ -264,13 +296,14 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   const Eigen::VectorXd sums = target.squared.rowwise().sum();
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
-  if (!fitted.residual) fit.residual_std.setZero();
   fit.delay_s = model.delay / model.scale;
   if (fitted.delay) {
     fit.delay_std_s =
         std::sqrt(std::max(0.0, covariance(parameters - 1, parameters - 1))) / model.scale;
   }
   fit.groups = groups_of(fit);
+  mark_unmeasured(target, fit);
+  if (!fitted.residual) fit.residual_std.setZero();
   return fit;
 }
 

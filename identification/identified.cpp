@@ -17,6 +17,7 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kWorthwhile = 25.0;     // significance of a pole, per channel
+constexpr double kSecond = 0.2;          // least of a residue's further direction over its first
 constexpr double kMostDamping = 0.4;     // of what is called a mode
 constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise leaves
 constexpr double kLeastDecrease = 0.02;  // of the cost by a further mode, the noise not known
@@ -82,6 +83,31 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
   return poles(kept);
 }
 
+// Poles of which the residue has a second direction that is no noise, alone within a bandwidth: two
+// modes of one frequency.
+std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& poles,
+                                   const Residues& residues) {
+  const double level = noise_level(data, residues.cost);
+  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) * level;
+  const Eigen::ArrayXcd s = std::complex<double>(0.0, 2.0 * M_PI) * data.frequency_hz.array();
+  std::vector<Eigen::Index> list;
+  for (Eigen::Index m = 0; m < poles.size(); ++m) {
+    const double width = -2.0 * poles(m).real();
+    if (((poles.array() - poles(m)).abs() < width).count() > 1) continue;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residues.of_pole[static_cast<std::size_t>(m)],
+                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const auto& sigma = svd.singularValues();
+    if (sigma.size() < 2 || sigma(1) < kSecond * sigma(0)) continue;
+    const Eigen::VectorXd square =
+        (s * s + width * s + std::norm(poles(m))).abs2().inverse().matrix();
+    const Eigen::VectorXd part =
+        (sigma(1) * svd.matrixU().col(1) * svd.matrixV().col(1).transpose()).reshaped();
+    const Eigen::VectorXd sums = data.weight.cwiseAbs2().transpose() * square;
+    if (part.cwiseAbs2().dot(sums) > least) list.push_back(m);
+  }
+  return list;
+}
+
 double excess_of(const ModalFit& fit) {
   const double n = 2.0 * fit.expected_cost;
   return (2.0 * fit.cost - n) / std::sqrt(2.0 * n);
@@ -109,6 +135,21 @@ bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
                         std::log(static_cast<double>(data.measured_count()));
   const double won = before.cost - after.cost;
   return won > needed && (data.noise_known || won > kLeastDecrease * before.cost);
+}
+
+// With the poles that look repeated twice, where that pays.
+ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Eigen::Index>& twice,
+                   const FitOptions& options) {
+  auto once = modal_fit(data, start, options);
+  if (twice.empty()) return once;
+  Start more = start;
+  const auto n = start.pole.size();
+  more.pole.conservativeResize(n + static_cast<Eigen::Index>(twice.size()));
+  for (std::size_t t = 0; t < twice.size(); ++t) {
+    more.pole(n + static_cast<Eigen::Index>(t)) = start.pole(twice[t]) * (1.0 + 1e-5);
+  }
+  auto fit = modal_fit(data, more, options);
+  return pays(data, once, fit) ? fit : once;
 }
 
 Eigen::Index flexible_count(const ModalFit& fit) {
@@ -171,15 +212,13 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
 Eigen::Index rigid_rank(const FitData& data, const Residues& residues, Eigen::Index most) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residues.rigid,
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd slow = (2.0 * M_PI * data.frequency_hz).array().pow(-4);
-  const Eigen::VectorXd sums = data.weight.cwiseAbs2().transpose() * slow;
   const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) *
                        noise_level(data, residues.cost);
   Eigen::Index rank = 0;
   for (; rank < std::min(most, svd.singularValues().size()); ++rank) {
     const Eigen::MatrixXd part =
         svd.singularValues()(rank) * svd.matrixU().col(rank) * svd.matrixV().col(rank).transpose();
-    if (part.reshaped().cwiseAbs2().dot(sums) < least) break;
+    if (part.cwiseAbs2().cwiseProduct(residues.rigid_worth).sum() < least) break;
   }
   return rank;
 }
@@ -208,7 +247,12 @@ Identified identified(const FitData& measured, const IdentificationOptions& opti
   start.pole = worthwhile(data, found.problem, found.pole, options.modes);
   require(start.pole.size() + start.rigid_count > 0,
           "identification: no resonance stands out of the noise in the band");
-  result.fit = modal_fit(data, start, options.fit);
+  std::vector<Eigen::Index> twice;
+  if (options.modes == 0) {
+    const ResidueProblem kept(data, start.pole, start.rigid_count > 0);
+    twice = repeated(data, start.pole, kept.residues());
+  }
+  result.fit = first_fit(data, start, twice, options.fit);
   result.steps.push_back(
       {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
   add_missing_modes(data, options, result);

@@ -10,7 +10,8 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kLargestDamping = 1e8;
-constexpr double kEnough = 1e-8;  // relative decrease of the cost
+constexpr double kEnough = 1e-3;    // decrease of the cost, over the level of the noise
+constexpr double kUndamped = 1e-3;  // damping of a step that is as good as Gauss' and Newton's
 
 // (N + λ diag N) x = g, scaled to a unit diagonal. Empty where N is not even positive then.
 Eigen::VectorXd damped_step(const NormalEquations& normal, double damping) {
@@ -58,6 +59,10 @@ bool step_down(Descent& now, double& damping, const Target& target, const Fitted
 
 }  // namespace
 
+double noise_level(const Misfit& misfit, const Target& target) {
+  return 2.0 * misfit.cost / static_cast<double>(target.measured);
+}
+
 Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
                 const DescentOptions& options) {
   Descent now{std::move(start), {}, 0, false};
@@ -69,12 +74,14 @@ Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
     if (options.keep_best && interrupted()) return now;
     throw_if_interrupted();
     const double before = now.misfit.cost;
+    const bool undamped = damping <= kUndamped;
     if (!step_down(now, damping, target, fitted)) {
       quiet = 2;
       break;
     }
     ++now.iterations;
-    quiet = before - now.misfit.cost < kEnough * before ? quiet + 1 : 0;
+    const bool little = before - now.misfit.cost < kEnough * noise_level(now.misfit, target);
+    quiet = little ? (undamped ? 2 : quiet + 1) : 0;
     tell(options.progress, "fitting", static_cast<double>(now.iterations) / options.iterations);
   }
   now.converged = quiet >= 2 || now.misfit.cost <= round_off;

@@ -17,10 +17,11 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index kLargestBlock = 3;
 constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
-constexpr double kSecond = 0.2;       // least of a further direction of one pole, over the first
 constexpr double kAlike = 0.01;       // cost that diagonal blocks may add
+constexpr int kSingleSteps = 8;       // towards single modes
+constexpr double kSame = 5.0;         // costs that noise may explain
 
-void check(const FitData& data, const Start& start) {
+void check(const FitData& data, const Start& start, const FitOptions& options) {
   require(data.value.rows() == data.line_count() && data.weight.rows() == data.line_count() &&
               data.value.cols() == data.outputs * data.inputs &&
               data.weight.cols() == data.value.cols() && data.outputs > 0 && data.inputs > 0,
@@ -38,7 +39,9 @@ void check(const FitData& data, const Start& start) {
               " inputs");
   const auto channels = data.outputs + data.inputs;
   const auto parameters =
-      (start.pole.size() * (channels + 1)) + start.rigid_count * (channels - start.rigid_count);
+      start.pole.size() * (channels + 1) + start.rigid_count * (channels - start.rigid_count) +
+      (options.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0) +
+      (options.delay ? 1 : 0);
   require(data.measured_count() > parameters,
           "modal fit: " + std::to_string(data.measured_count()) + " measured numbers for " +
               std::to_string(parameters) + " parameters");
@@ -80,56 +83,65 @@ Eigen::MatrixXd weighted_squares(Complex pole, const Target& target) {
   return Eigen::Map<const Eigen::MatrixXd>(sum.data(), target.outputs, target.inputs);
 }
 
-// The block of a group of poles: its directions are those singular vectors of their residues that
-// stand out of the noise.
-Block block_of(const std::vector<Complex>& poles, const std::vector<Eigen::MatrixXd>& residues,
-               const Target& target) {
+// u sqrt(σ), sqrt(σ) vᵀ of the largest singular values.
+struct Sides {
+  Eigen::MatrixXd left, right;
+  Eigen::VectorXd sigma;
+};
+
+Sides sides(const Eigen::MatrixXd& residue, Eigen::Index count) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto size = std::min(count, svd.singularValues().size());
+  const Eigen::VectorXd root = svd.singularValues().head(size).cwiseSqrt();
+  return {svd.matrixU().leftCols(size) * root.asDiagonal(),
+          root.asDiagonal() * svd.matrixV().leftCols(size).transpose(),
+          svd.singularValues().head(size)};
+}
+
+// Whether every direction of a group stands out of the noise.
+bool all_stand_out(const Sides& group, Complex pole, const Target& target) {
+  const Eigen::MatrixXd square = weighted_squares(pole, target);
+  const double least = kWorthwhile * static_cast<double>(target.outputs + target.inputs);
+  for (Eigen::Index r = 0; r < group.sigma.size(); ++r) {
+    const Eigen::MatrixXd part = group.left.col(r) * group.right.row(r);
+    if (part.cwiseAbs2().cwiseProduct(square).sum() < least) return false;
+  }
+  return true;
+}
+
+// A group of poles as one block, its directions the singular vectors of what their residues sum up
+// to; as modes of their own where these are fewer than the poles.
+std::vector<Block> blocks_of(const std::vector<Complex>& poles,
+                             const std::vector<Eigen::MatrixXd>& residues, const Target& target) {
+  const auto size = static_cast<Eigen::Index>(poles.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(target.outputs, target.inputs);
   for (const auto& residue : residues) sum += residue;
-  // Directions of the group; residues of near poles may cancel in the sum, so each adds its own.
-  Eigen::MatrixXd side(target.outputs, sum.cols() * static_cast<Eigen::Index>(residues.size()));
-  for (std::size_t r = 0; r < residues.size(); ++r) {
-    side.middleCols(static_cast<Eigen::Index>(r) * sum.cols(), sum.cols()) = residues[r];
+  const auto group = sides(sum, size);
+  if (size > 1 && (group.sigma.size() < size || !all_stand_out(group, poles.front(), target))) {
+    std::vector<Block> single;
+    for (std::size_t r = 0; r < poles.size(); ++r) {
+      const auto own = sides(residues[r], 1);
+      single.push_back(single_mode(poles[r], own.left.col(0), own.right.row(0)));
+    }
+    return single;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(sum, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd sigma = svd.singularValues();
-  Complex mean = 0.0;
-  for (const auto& pole : poles) mean += pole / static_cast<double>(poles.size());
-  const Eigen::MatrixXd square = weighted_squares(mean, target);
-  const double least = kWorthwhile * static_cast<double>(target.outputs + target.inputs);
-  Eigen::Index size = 1;
-  while (size < std::min<Eigen::Index>(sigma.size(), kLargestBlock)) {
-    const Eigen::MatrixXd part =
-        sigma(size) * svd.matrixU().col(size) * svd.matrixV().col(size).transpose();
-    const bool among_poles = size < static_cast<Eigen::Index>(poles.size());
-    if (part.cwiseAbs2().cwiseProduct(square).sum() < least) break;
-    if (!among_poles && sigma(size) < kSecond * sigma(0)) break;
-    ++size;
-  }
-  const Eigen::VectorXd root = sigma.head(size).cwiseSqrt();
-  Block block{.left = svd.matrixU().leftCols(size) * root.asDiagonal(),
-              .right = root.asDiagonal() * svd.matrixV().leftCols(size).transpose(),
-              .stiffness = {},
-              .damping = {}};
   Eigen::VectorXd stiffness(size);
   Eigen::VectorXd damping(size);
   for (Eigen::Index r = 0; r < size; ++r) {
-    const bool own = static_cast<std::size_t>(size) == poles.size();
-    const Complex pole = own ? poles[static_cast<std::size_t>(r)] : mean;
-    // Equal ones would have no reason to part.
-    stiffness(r) = std::norm(pole) * (own ? 1.0 : 1.0 + 1e-5 * static_cast<double>(r));
+    const Complex pole = poles[static_cast<std::size_t>(r)];
+    stiffness(r) = std::norm(pole);
     damping(r) = -2.0 * pole.real();
   }
-  block.stiffness = stiffness.asDiagonal();
-  block.damping = damping.asDiagonal();
-  return block;
+  return {{.left = group.left,
+           .right = group.right,
+           .stiffness = stiffness.asDiagonal(),
+           .damping = damping.asDiagonal()}};
 }
 
 Block rigid_block(const Eigen::MatrixXd& residue, Eigen::Index count) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd root = svd.singularValues().head(count).cwiseSqrt();
-  return {.left = svd.matrixU().leftCols(count) * root.asDiagonal(),
-          .right = root.asDiagonal() * svd.matrixV().leftCols(count).transpose(),
+  const auto all = sides(residue, count);
+  return {.left = all.left,
+          .right = all.right,
           .stiffness = Eigen::MatrixXd::Zero(count, count),
           .damping = Eigen::MatrixXd::Zero(count, count),
           .rigid = true};
@@ -151,7 +163,7 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
       poles.push_back(start.pole(i) / scale);
       parts.emplace_back(of_pole[static_cast<std::size_t>(i)] / (scale * scale));
     }
-    model.blocks.push_back(block_of(poles, parts, target));
+    for (auto& block : blocks_of(poles, parts, target)) model.blocks.push_back(std::move(block));
   }
   return model;
 }
@@ -174,19 +186,23 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
   }
   if (!any) return in_blocks;
   auto result = descent(std::move(single), target, fitted,
-                        {.iterations = options.iterations,
+                        {.iterations = kSingleSteps,
                          .damping = 1e-8,
                          .keep_best = options.keep_best,
                          .progress = options.progress});
   const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
   result.iterations += in_blocks.iterations;
+  // Where the data hardly part the modes of a block the way is long, and leads nowhere else.
+  if (result.misfit.cost < in_blocks.misfit.cost + kSame * noise_level(in_blocks.misfit, target)) {
+    result.converged = in_blocks.converged;
+  }
   return result.misfit.cost <= allowed ? result : in_blocks;
 }
 
 }  // namespace
 
 ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& options) {
-  check(data, start);
+  check(data, start, options);
   const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);
   const auto aim = target(data, scale);
   const Fitted fitted{options.residual, options.delay};

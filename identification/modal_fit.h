@@ -28,8 +28,8 @@ struct ModalFit {
   double delay_s = 0.0;
 
   Eigen::VectorXd frequency_std_hz, damping_std;  ///< m; 0 for rigid-body modes
-  Eigen::MatrixXd output_std, input_std;          ///< of L and R
-  Eigen::MatrixXd residual_std;                   ///< p×q, the modes being given
+  Eigen::MatrixXd output_std, input_std;  ///< of L and R; infinite of channels not measured at all
+  Eigen::MatrixXd residual_std;           ///< p×q, the modes being given
   double delay_std_s = 0.0;
   /// Covariance of (ω_m, ζ_m, L_m, R_m) per mode, (2+p+q) squared, in [rad/s], [1], units of L, R.
   /// The data know only the product of L_m and R_m: the scale is fixed by |L_m| = |R_m|, the sign

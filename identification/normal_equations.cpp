@@ -101,6 +101,7 @@ Target target(const FitData& data, double scale) {
   result.value.leftCols(lines) = data.value.real().transpose();
   result.value.rightCols(lines) = data.value.imag().transpose();
   result.squared = data.weight.cwiseAbs2().transpose();
+  result.measured = std::max<Eigen::Index>(1, data.measured_count());
   result.total = data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum();
   return result;
 }

@@ -12,10 +12,11 @@ namespace chladni::identification {
 /// The data as the sums want them: a row per response, real parts of all lines, then imaginary.
 struct Target {
   Eigen::Index outputs = 0, inputs = 0;
-  Eigen::VectorXd x;        ///< K: ω / scale
-  Eigen::MatrixXd value;    ///< pq×2K
-  Eigen::MatrixXd squared;  ///< pq×K: w²
-  double total = 0.0;       ///< Σ |w G|²
+  Eigen::VectorXd x;          ///< K: ω / scale
+  Eigen::MatrixXd value;      ///< pq×2K
+  Eigen::MatrixXd squared;    ///< pq×K: w²
+  double total = 0.0;         ///< Σ |w G|²
+  Eigen::Index measured = 1;  ///< real numbers of weight above 0
 
   [[nodiscard]] Eigen::Index line_count() const { return x.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.rows(); }

@@ -50,8 +50,12 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
   used.push_back(poles_);
   if (rigid_) used.push_back(poles_ + 1);
   const auto zero = Eigen::MatrixXd::Zero(outputs_, inputs_);
-  Residues result{std::vector<Eigen::MatrixXd>(chosen.size(), zero), zero, zero,
-                  Eigen::VectorXd::Zero(n), total_};
+  Residues result{std::vector<Eigen::MatrixXd>(chosen.size(), zero),
+                  zero,
+                  zero,
+                  zero,
+                  Eigen::VectorXd::Zero(n),
+                  total_};
   for (std::size_t e = 0; e < responses_.size(); ++e) {
     if (responses_[e].gram.diagonal().maxCoeff() == 0.0) continue;
     Eigen::MatrixXd a = responses_[e].gram(used, used);
@@ -70,7 +74,11 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
       result.significance(u) += c(u) * c(u) / inverse(u, u);
     }
     result.constant(i, j) = unit(n) * c(n);
-    if (rigid_) result.rigid(i, j) = unit(n + 1) * c(n + 1) * scale_ * scale_;
+    if (rigid_) {
+      const double factor_rigid = unit(n + 1) * scale_ * scale_;
+      result.rigid(i, j) = factor_rigid * c(n + 1);
+      result.rigid_worth(i, j) = 1.0 / (inverse(n + 1, n + 1) * factor_rigid * factor_rigid);
+    }
     result.cost -= right.dot(c);
   }
   result.cost = std::max(result.cost, 0.0);

@@ -13,8 +13,9 @@ struct Residues {
   std::vector<Eigen::MatrixXd>
       of_pole;  ///< n, each p×q [rad/s]² …: times 1/(s² − 2 Re(p) s + |p|²)
   Eigen::MatrixXd constant, rigid;  ///< p×q: beside them, and times 1/s²
-  Eigen::VectorXd significance;     ///< n: by how much Σ |w error|² grows without the pole
-  double cost = 0.0;                ///< Σ |w error|²
+  Eigen::MatrixXd rigid_worth;  ///< p×q: by how much the cost grows per square of `rigid` left out
+  Eigen::VectorXd significance;  ///< n: by how much Σ |w error|² grows without the pole
+  double cost = 0.0;             ///< Σ |w error|²
 };
 
 /// Real residues, a constant and, where wanted, a term in 1/s².

@@ -21,6 +21,7 @@ using Complex = std::complex<double>;
 constexpr double kStartDamping = 0.01;
 constexpr double kLeastDamping = 1e-7;  // of a pole that came out on the axis
 constexpr double kJitter = 1e-13;       // of products scaled to a unit diagonal
+constexpr std::size_t kShares = 8;      // of the responses, for the threads
 
 // Equally apart; where the band spans two decades, half of them by ratio.
 Eigen::VectorXcd start_poles(const Eigen::VectorXd& x, Eigen::Index order) {
@@ -73,8 +74,9 @@ void eliminate(Eigen::MatrixXd a, Eigen::MatrixXd m, Eigen::MatrixXd& s) {
 
 // Σ over the responses of what is left of the denominator's products.
 Eigen::MatrixXd denominator_products(const PoleProducts& products, Eigen::Index unknowns) {
+  // Shares that do not depend on the threads, added in order: the same bits on any number of cores.
   const auto count = static_cast<std::size_t>(products.response_count());
-  const auto parts = std::min<std::size_t>(count, static_cast<std::size_t>(thread_count()));
+  const auto parts = std::min<std::size_t>(count, kShares);
   std::vector<Eigen::MatrixXd> sums(parts, Eigen::MatrixXd::Zero(unknowns, unknowns));
   parallel_ranges(parts, [&](std::size_t begin, std::size_t end) {
     for (std::size_t part = begin; part < end; ++part) {

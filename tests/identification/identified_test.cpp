@@ -1,0 +1,216 @@
+#include "identification/identified.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "fit_errors.h"
+#include "simulators/frf_bounds.h"
+#include "simulators/frf_cases.h"
+
+namespace chladni::identification {
+namespace {
+
+using simulators::FrfCase;
+using simulators::FrfFaults;
+
+Identified found_in(const FrfCase& made, bool delay = false) {
+  IdentificationOptions options;
+  options.rigid_count = made.truth.rigid_count;
+  options.fit.delay = delay;
+  return identified(fit_data(made.measured), options);
+}
+
+// Mean squares of errors over the bound of many seeds, and how many 95 % intervals hold the truth.
+struct Statistics {
+  Eigen::ArrayXd frequency = Eigen::ArrayXd::Zero(5), damping = Eigen::ArrayXd::Zero(5);
+  Eigen::Index held = 0, intervals = 0;
+};
+
+void add(const FitErrors& errors, const simulators::FrfBounds& bounds, double share,
+         Statistics& all) {
+  all.frequency += share * (errors.frequency_hz.array() / bounds.frequency_hz.array()).square();
+  all.damping += share * (errors.damping.array() / bounds.damping.array()).square();
+  for (const auto& [error, deviation] : {std::pair(errors.frequency_hz, errors.frequency_std_hz),
+                                         std::pair(errors.damping, errors.damping_std)}) {
+    all.held += (error.array().abs() < 1.96 * deviation.array()).count();
+    all.intervals += error.size();
+  }
+}
+
+// T2: 200 records of the beam at each level.
+TEST(Identified, ReachesTheBoundOnTheBeam) {
+  for (const double noise : {0.01, 0.1}) {
+    constexpr unsigned kSeeds = 200;
+    Statistics all;
+    simulators::FrfBounds bounds;
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      FrfFaults faults;
+      faults.relative_noise = noise;
+      faults.seed = seed;
+      const auto made = simulators::beam5x3(faults);
+      if (seed == 1) bounds = simulators::cramer_rao(made);
+      const auto found = found_in(made);
+      ASSERT_EQ(found.fit.model.mode_count(), 5) << noise << " seed " << seed;
+      const auto errors = fit_errors(made.truth, found.fit);
+      ASSERT_EQ(errors.missed, 0) << noise << " seed " << seed;
+      add(errors, bounds, 1.0 / kSeeds, all);
+    }
+    const Eigen::ArrayXd frequency = all.frequency.sqrt();
+    const Eigen::ArrayXd damping = all.damping.sqrt();
+    EXPECT_GT(frequency.minCoeff(), 0.85) << frequency.transpose();
+    EXPECT_LT(frequency.maxCoeff(), 1.15) << frequency.transpose();
+    EXPECT_GT(damping.minCoeff(), 0.85) << damping.transpose();
+    EXPECT_LT(damping.maxCoeff(), 1.15) << damping.transpose();
+    const double covered = static_cast<double>(all.held) / static_cast<double>(all.intervals);
+    EXPECT_GT(covered, 0.93) << noise;
+    EXPECT_LT(covered, 0.97) << noise;
+    RecordProperty(noise < 0.05 ? "covered_1" : "covered_10", std::to_string(covered));
+  }
+}
+
+// T3: the wafer table.
+TEST(Identified, FindsTheModesOfTheTable) {
+  const auto made = simulators::oat4x13();
+  const auto bounds = simulators::cramer_rao(made);
+  const auto found = found_in(made);
+  ASSERT_EQ(found.fit.model.mode_count(), 20);
+  const auto errors = fit_errors(made.truth, found.fit);
+  ASSERT_EQ(errors.missed, 0);
+  EXPECT_LT((errors.frequency_hz.array() / bounds.frequency_hz.tail(17).array()).abs().maxCoeff(),
+            3.0);
+  EXPECT_LT((errors.damping.array() / bounds.damping.tail(17).array()).abs().maxCoeff(), 3.0);
+  EXPECT_GT(errors.mac.minCoeff(), 0.9999);
+  EXPECT_LT(std::abs(excess(found.fit)), 3.5);
+}
+
+TEST(Identified, FindsTheNumberOfRigidBodyModes) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    const auto free = simulators::big(6, 5, 9, 800, faults);
+    IdentificationOptions options;
+    options.rigid_count = -1;
+    const auto found = identified(fit_data(free.measured), options);
+    EXPECT_EQ(found.fit.model.rigid_count, 3) << seed;
+    EXPECT_EQ(found.fit.model.mode_count(), 9) << seed;
+    // Bodies on a suspension have none.
+    const auto held = simulators::beam5x3(faults);
+    const auto none = identified(fit_data(held.measured), options);
+    EXPECT_EQ(none.fit.model.rigid_count, 0) << seed;
+    EXPECT_EQ(fit_errors(held.truth, none.fit).missed, 0) << seed;
+  }
+}
+
+// T4, the number of modes not given: also half of a pair that the vector fit does not see.
+TEST(Identified, FindsBothModesOfAPair) {
+  for (const double split : {1e-2, 1e-3, 1e-4, 0.0}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      FrfFaults faults;
+      faults.seed = seed;
+      const auto made = simulators::pairs(split, 0.01, 0.01, faults);
+      const auto found = found_in(made);
+      EXPECT_EQ(found.fit.model.mode_count(), 4) << split << " seed " << seed;
+      if (found.fit.model.mode_count() != 4) continue;
+      EXPECT_LT(std::abs(excess(found.fit)), 4.0) << split << " seed " << seed;
+      EXPECT_LT(largest_sine(made.truth.output_shapes.middleCols(1, 2),
+                             found.fit.model.output_shapes.middleCols(1, 2)),
+                0.02)
+          << split << " seed " << seed;
+    }
+  }
+}
+
+// T6: poles and delay of a record that is 0 to 5 samples late, without a first guess.
+TEST(Identified, FindsADelayOfSamples) {
+  for (const double samples : {0.0, 1.0, 3.3, 5.0}) {
+    FrfFaults faults;
+    faults.delay_s = samples / 4096.0;
+    const auto made = simulators::beam5x3(faults);
+    const auto bounds = simulators::cramer_rao(made, {.delay = true});
+    const auto found = found_in(made, true);
+    EXPECT_NEAR(found.fit.delay_s, faults.delay_s, 2.0 * bounds.delay_s) << samples;
+    const auto errors = fit_errors(made.truth, found.fit);
+    ASSERT_EQ(errors.missed, 0) << samples;
+    EXPECT_LT((errors.damping.array() / bounds.damping.array()).abs().maxCoeff(), 3.5) << samples;
+  }
+}
+
+// T9: a mode 7 % above the band is seen by what it leaves, and taken.
+TEST(Identified, AbsorbsAModeAboveTheBand) {
+  FrfFaults faults;
+  faults.out_of_band = 0.07;
+  const auto made = simulators::beam5x3(faults);
+  const auto bounds = simulators::cramer_rao(made);
+  const auto constant = modal_fit(fit_data(made.measured), [&] {
+    auto start = true_start(made.truth);
+    start.pole.conservativeResize(5);
+    return start;
+  }());
+  EXPECT_GT(excess(constant), 5.0);
+  const auto found = found_in(made);
+  EXPECT_LT(std::abs(excess(found.fit)), 4.0);
+  const auto errors = fit_errors(made.truth, found.fit);
+  EXPECT_LT((errors.frequency_hz.array() / bounds.frequency_hz.array()).head(5).abs().maxCoeff(),
+            3.0);
+  EXPECT_LT((errors.damping.array() / bounds.damping.array()).head(5).abs().maxCoeff(), 3.5);
+}
+
+// T8: 10 % of the values missing, a row not measured, a dead channel.
+TEST(Identified, HoldsWithGapsAndDeadChannels) {
+  FrfFaults faults;
+  faults.missing = 0.1;
+  faults.output_gain = Eigen::VectorXd::Ones(5);
+  faults.output_gain(1) = 0.0;
+  faults.output_gain(4) = -1.1;
+  auto made = simulators::beam5x3(faults);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& line : made.measured.value) line.row(3).setConstant({nan, nan});
+  made.measured.value[100].setConstant({nan, nan});
+  const auto found = found_in(made);
+  EXPECT_EQ(found.fit.model.mode_count(), 5);
+  EXPECT_LT(std::abs(excess(found.fit)), 4.0);
+  for (Eigen::Index m = 0; m < 5; ++m) {
+    EXPECT_NEAR(found.fit.model.frequency_hz(m), made.truth.frequency_hz(m),
+                5.0 * found.fit.frequency_std_hz(m));
+  }
+}
+
+TEST(Identified, TakesAsManyModesAsAreAskedFor) {
+  const auto made = simulators::beam5x3();
+  for (const Eigen::Index modes : {3, 5, 6}) {
+    IdentificationOptions options;
+    options.modes = modes;
+    EXPECT_EQ(identified(fit_data(made.measured), options).fit.model.mode_count(), modes);
+  }
+}
+
+TEST(Identified, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const auto made = simulators::beam5x3();
+  const auto data = fit_data(made.measured);
+  const int before = thread_count();
+  std::vector<ModalFit> fits;
+  for (const int threads : {1, 2, 1}) {
+    set_thread_count(threads);
+    fits.push_back(identified(data).fit);
+  }
+  set_thread_count(before);
+  for (const auto& fit : fits) {
+    EXPECT_EQ(fit.model.frequency_hz, fits[0].model.frequency_hz);
+    EXPECT_EQ(fit.model.output_shapes, fits[0].model.output_shapes);
+    EXPECT_EQ(fit.damping_std, fits[0].damping_std);
+  }
+}
+
+TEST(Identified, SaysThatNoiseHoldsNoMode) {
+  FrfFaults faults;
+  faults.floor_noise = 1e9;
+  const auto made = simulators::beam5x3(faults);
+  EXPECT_THROW((void)identified(fit_data(made.measured)), InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::identification

@@ -1,0 +1,120 @@
+#include "identification/vector_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "fit_errors.h"
+#include "simulators/frf_bounds.h"
+#include "simulators/frf_cases.h"
+
+namespace chladni::identification {
+namespace {
+
+using simulators::FrfFaults;
+
+// Largest relative distance from a true pole to the nearest found one.
+double farthest(const Eigen::VectorXcd& truth, const Eigen::VectorXcd& found) {
+  double all = 0.0;
+  for (const auto& pole : truth) {
+    all = std::max(all, (found.array() - pole).abs().minCoeff() / std::abs(pole));
+  }
+  return all;
+}
+
+TEST(VectorFit, IsExactWithoutNoise) {
+  FrfFaults faults;
+  faults.noisy = false;
+  const auto made = simulators::beam5x3(faults);
+  VectorFitOptions options;
+  options.order = 5;
+  const auto found = vector_fit(fit_data(made.measured), options);
+  ASSERT_EQ(found.size(), 5);
+  EXPECT_LT(farthest(true_start(made.truth).pole, found), 1e-9);
+}
+
+TEST(VectorFit, LeavesRigidBodyModesToTheirTerm) {
+  FrfFaults faults;
+  faults.noisy = false;
+  const auto made = simulators::big(5, 4, 9, 500, faults);
+  VectorFitOptions options;
+  options.order = 9;  // a pair is found slowly without spare ones
+  options.rigid = true;
+  EXPECT_LT(farthest(true_start(made.truth).pole, vector_fit(fit_data(made.measured), options)),
+            1e-9);
+}
+
+// Poles are near enough to start from at any noise, and whatever order is asked for.
+TEST(VectorFit, FindsEveryModeWithinAFractionOfItsBandwidth) {
+  for (const double noise : {0.01, 0.1}) {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      FrfFaults faults;
+      faults.relative_noise = noise;
+      faults.seed = seed;
+      const auto made = simulators::beam5x3(faults);
+      VectorFitOptions options;
+      options.order = 8;
+      const auto found = vector_fit(fit_data(made.measured), options);
+      for (const auto& pole : true_start(made.truth).pole) {
+        EXPECT_LT((found.array() - pole).abs().minCoeff(), -0.3 * pole.real()) << noise << seed;
+      }
+    }
+  }
+}
+
+TEST(VectorFit, ScalesWithTheUnitOfTime) {
+  const auto made = simulators::beam5x3();
+  const auto data = fit_data(made.measured);
+  VectorFitOptions options;
+  options.order = 7;
+  const auto found = vector_fit(data, options);
+  FitData other = data;
+  other.frequency_hz *= std::ldexp(1.0, 20);
+  other.value *= std::ldexp(1.0, -40);
+  other.weight *= std::ldexp(1.0, 40);
+  const auto scaled = vector_fit(other, options);
+  ASSERT_EQ(scaled.size(), found.size());
+  EXPECT_LT(farthest(found, scaled * std::ldexp(1.0, -20)), 1e-12);
+}
+
+TEST(VectorFit, IgnoresWhatIsNotMeasured) {
+  FrfFaults faults;
+  faults.missing = 0.2;
+  const auto made = simulators::beam5x3(faults);
+  auto data = fit_data(made.measured);
+  data.weight.col(4).setZero();
+  data.value.col(4).setZero();
+  VectorFitOptions options;
+  options.order = 7;
+  const auto found = vector_fit(data, options);
+  for (const auto& pole : true_start(made.truth).pole) {
+    EXPECT_LT((found.array() - pole).abs().minCoeff(), -0.2 * pole.real());
+  }
+}
+
+TEST(VectorFit, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const auto made = simulators::beam5x3();
+  const auto data = fit_data(made.measured);
+  const int before = thread_count();
+  std::vector<Eigen::VectorXcd> found;
+  for (const int threads : {1, 2, 1}) {
+    set_thread_count(threads);
+    found.push_back(vector_fit(data, {.order = 8}));
+  }
+  set_thread_count(before);
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_EQ(found[0], found[2]);
+}
+
+TEST(VectorFit, RefusesTooFewLines) {
+  const auto made = simulators::beam5x3();
+  const auto data = fit_data(made.measured);
+  EXPECT_THROW((void)vector_fit(data, {.order = 0}), InvalidInput);
+  EXPECT_THROW((void)vector_fit(data, {.order = 400}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::identification
