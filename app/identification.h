@@ -53,6 +53,8 @@ struct IdentifiedModel {
 
 /// |G − Ĝ| over |G|, over all responses and lines.
 [[nodiscard]] double overall_error(const IdentifiedModel& model);
+/// Root mean square of the responses' noise, each over its size.
+[[nodiscard]] double noise(const IdentifiedModel& model);
 [[nodiscard]] std::string identification_table(const IdentifiedModel& model);
 [[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
 

@@ -144,6 +144,10 @@ double overall_error(const IdentifiedModel& model) {
   return ((data.value - fitted).array().abs() * there).matrix().norm() / data.value.norm();
 }
 
+double noise(const IdentifiedModel& model) {
+  return model.noise.norm() / std::sqrt(static_cast<double>(model.noise.size()));
+}
+
 std::string identification_table(const IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
@@ -162,9 +166,8 @@ std::string identification_table(const IdentifiedModel& model) {
         fmt::format("{:.4f} +- {:.2g}", fit.model.frequency_hz(m), fit.frequency_std_hz(m)),
         fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
   }
-  text +=
-      fmt::format("\nresponses off by {} of their size, noise {}", percent(overall_error(model)),
-                  percent(model.noise.norm() / std::sqrt(static_cast<double>(model.noise.size()))));
+  text += fmt::format("\nresponses off by {} of their size, noise {}",
+                      percent(overall_error(model)), percent(noise(model)));
   if (fit.delay_std_s > 0.0) {
     text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
   }

@@ -112,6 +112,37 @@ io::Table methods_table(const Interpolated& shapes) {
   return table;
 }
 
+io::Section identification_section(const IdentifiedModel& model, const Run& run) {
+  io::Section section{"Modal model of the measured responses", {}};
+  if (run.options().pictures) {
+    section.blocks = io::picture_section("", run / "fit.png",
+                                         "What the fit leaves of the responses stands below them.")
+                         .blocks;
+  }
+  const auto& fit = model.found.fit;
+  io::Table table{"Modes, with standard deviations",
+                  {{"mode"}, {"Hz"}, {"+-"}, {"damping ratio [%]"}, {"+-"}, {"gain of L over R"}},
+                  {}};
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const auto& match = model.match.modes[static_cast<std::size_t>(m)];
+    const bool known = match.by != identification::MatchedBy::nothing;
+    table.rows.push_back(
+        {{std::to_string(m + 1), fmt::format("{:.4f}", fit.model.frequency_hz(m)),
+          fmt::format("{:.2g}", fit.frequency_std_hz(m)), percent(fit.model.damping_ratio(m)),
+          percent(fit.damping_std(m)), known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
+  }
+  section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(
+      io::Note{io::Note::Tone::plain,
+               fmt::format("The responses are fitted to {} % of their size; the noise "
+                           "is {} %.",
+                           percent(overall_error(model)), percent(noise(model)))});
+  for (const auto& warning : model.match.warnings) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, warning + "."});
+  }
+  return section;
+}
+
 io::Section shapes_section(const Interpolated& shapes, const Run& run) {
   io::Section section{"Shapes between the sensors", {}};
   const auto& shown = shapes.methods.front();
@@ -158,6 +189,9 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   }
   if (found.placement != nullptr) {
     report.sections.push_back(placement_section(solution, *found.placement, run));
+  }
+  if (found.shapes != nullptr && found.shapes->measured.identified) {
+    report.sections.push_back(identification_section(*found.shapes->measured.identified, run));
   }
   if (found.shapes != nullptr) report.sections.push_back(shapes_section(*found.shapes, run));
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
