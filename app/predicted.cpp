@@ -31,23 +31,25 @@ const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::strin
 }
 
 // By what both sides of the pairs still differ, per mode: what the deviations of the fit do not
-// know (gains, places, neighbours).
+// know (gains, places, neighbours). Of a pair that lies apart by what is left along the simulated
+// shape of both places: near a node of one the ratio of its sides says nothing.
 Eigen::VectorXd disagreement(const IdentifiedModel& model) {
   const auto& fit = model.found.fit.model;
   const auto& match = model.match;
   Eigen::VectorXd result = Eigen::VectorXd::Zero(fit.mode_count());
   if (model.pairs.size() < 2) return result;
   for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
-    const double alpha = match.modes[static_cast<std::size_t>(m)].alpha;
-    const int sign = match.modes[static_cast<std::size_t>(m)].sign;
+    const auto& mode = match.modes[static_cast<std::size_t>(m)];
+    if (mode.by != identification::MatchedBy::pairs) continue;
     double square = 0.0;
     for (const auto& pair : model.pairs) {
-      const double ratio = pair.at_input.size() > 0 && pair.at_input(m) != 0.0
-                               ? pair.at_output(m) / pair.at_input(m)
-                               : 1.0;
-      const double output = fit.output_shapes(pair.output, m) / alpha;
-      const double input = sign * alpha * ratio * fit.input_shapes(m, pair.input);
-      square += 0.5 * std::pow(output - input, 2);
+      const bool apart = pair.at_input.size() > 0;
+      const double here = apart ? pair.at_input(m) : 1.0;
+      const double there = apart ? pair.at_output(m) : 1.0;
+      const double output = fit.output_shapes(pair.output, m) / mode.alpha;
+      const double input = mode.sign * mode.alpha * fit.input_shapes(m, pair.input);
+      const double size = std::hypot(here, there);
+      if (size > 0.0) square += std::pow((output * here - input * there) / size, 2);
     }
     result(m) = std::sqrt(square / static_cast<double>(model.pairs.size()));
   }

@@ -57,7 +57,7 @@ struct GainMatchOptions {
   GainRule rule = GainRule::tied;
   GainFault fault = GainFault::nobody;
   double significance = 3.0;      ///< a pair tells a mode where |L_c R_c| is so many deviations
-  double simulation_error = 0.1;  ///< of the change between the two places of a near pair
+  double simulation_error = 0.1;  ///< at either place of a near pair, of the change
   std::optional<RigidGeometry> geometry;
   std::optional<GainPrior> prior;
 };

@@ -88,7 +88,9 @@ PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index 
         continue;
       }
       ratios.value(c, m) = there / here;
-      ratios.deviation(c, m) = simulation_error * std::abs(there - here) / std::abs(here);
+      // The change may be wrong at either place: near a node of one the ratio is not known.
+      ratios.deviation(c, m) = simulation_error * std::abs((there - here) * ratios.value(c, m)) *
+                               std::hypot(1.0 / there, 1.0 / here);
     }
   }
   return ratios;

@@ -204,6 +204,7 @@ TEST(GainMatch, CorrectsAPairThatIsApartByTheSimulatedShapes) {
   ASSERT_TRUE(options.pairs.empty());
   options.pairs = {
       {0, 0, whole.truth.output_shapes.row(1).transpose(), whole.truth.input_shapes.col(0)}};
+  options.simulation_error = 0.01;
   const auto match = matched(made, rescaled(true_fit(made), kScales), options);
   ASSERT_EQ(match.rows.size(), 5U);  // both of the pair keep their row
   const auto truth = truth_at(match, made.truth);
@@ -214,9 +215,25 @@ TEST(GainMatch, CorrectsAPairThatIsApartByTheSimulatedShapes) {
   // The simulation's own error is in the deviations: α is known to a part of the change.
   const double there = whole.truth.output_shapes(1, 4);
   const double here = whole.truth.input_shapes(4, 0);
-  const double ratio_error = 0.1 * std::abs(there - here) / std::abs(there);
+  const double ratio_error = 0.01 * std::abs(there - here) * std::hypot(1.0 / there, 1.0 / here);
   EXPECT_NEAR(match.modes[4].alpha_std / match.modes[4].alpha, 0.5 * ratio_error,
               0.1 * ratio_error);
+}
+
+// A tenth of the change may be wrong at either place: as much as the whole of a small shape.
+TEST(GainMatch, LeavesAModeAloneThatTheSimulationPutsNearANodeOfEitherPlace) {
+  const auto made = two_by_four();
+  const auto fit = true_fit(made);
+  for (const bool at_sensor : {true, false}) {
+    auto options = with_pairs(made);
+    auto& pair = options.pairs.front();
+    pair.at_output = Eigen::VectorXd::Ones(5);
+    pair.at_input = Eigen::VectorXd::Ones(5);
+    (at_sensor ? pair.at_output : pair.at_input)(3) = 0.05;
+    const auto match = matched(made, fit, options);
+    EXPECT_EQ(match.modes[2].by, MatchedBy::pairs);
+    EXPECT_EQ(match.modes[3].by, MatchedBy::nothing);
+  }
 }
 
 TEST(GainMatch, RefusesWhatDoesNotFit) {
