@@ -175,7 +175,8 @@ struct IdentificationPlan {
   std::vector<std::pair<std::string, std::string>> pairs;  ///< sensor, actuator
   double pairs_within = 1e-3;                              ///< [m]: where no pairs are named
   std::string gain = "tied";                               ///< or "thesis"
-  int stabilisation = 0;  ///< highest order of the diagram; 0: none
+  std::string gain_errors = "none";  ///< whose channels have wrong gains: "sensors", "actuators"
+  int stabilisation = 0;             ///< highest order of the diagram; 0: none
 };
 
 /// A point whose motion is asked for.

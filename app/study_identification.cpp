@@ -48,6 +48,8 @@ void read_identification(TableReader& root, Study& study) {
   plan.unit = table->text("unit").value_or("");
   read_pairs(*table, study, plan);
   plan.gain = table->choice("gain", {"tied", "thesis"}).value_or(plan.gain);
+  plan.gain_errors =
+      table->choice("gain_errors", {"none", "sensors", "actuators"}).value_or(plan.gain_errors);
   plan.stabilisation = static_cast<int>(table->integer("stabilisation", 2, 200).value_or(0));
   table->refuse_unknown();
 }
