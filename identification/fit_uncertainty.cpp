@@ -250,7 +250,7 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
 // Of what no data speak nothing is known: the deviations of channels without a measured response.
 void mark_unmeasured(const Target& target, ModalFit& fit) {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd sums = target.squared.rowwise().sum();
+  const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
   const auto weight = sums.reshaped(target.outputs, target.inputs);
   fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
   const auto p = target.outputs;
@@ -293,7 +293,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   const Eigen::MatrixXd covariance = 0.5 * variance * held_inverse(normal, idle);
   resize(fit, model, data.outputs, data.inputs);
   Filler(model, covariance, fit).fill();
-  const Eigen::VectorXd sums = target.squared.rowwise().sum();
+  const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
   fit.delay_s = model.delay / model.scale;

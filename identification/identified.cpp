@@ -17,6 +17,8 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kWorthwhile = 25.0;     // significance of a pole, per channel
+constexpr double kStartDamping = 0.005;  // of the poles at peaks
+constexpr double kSettled = 0.05;        // relative change of what a vector fit leaves at its end
 constexpr double kSecond = 0.2;          // least of a residue's further direction over its first
 constexpr double kMostDamping = 0.4;     // of what is called a mode
 constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise leaves
@@ -26,9 +28,9 @@ constexpr double kNoiseLeft = 1.3;       // cost over what noise leaves at which
 constexpr Eigen::Index kSpareOrder = 5;
 constexpr int kPeakReach = 3;  // lines on each side that a peak tops
 
-// Resonances that stand out, as a first guess of the order: maxima of Σ |ω² G|², each response over
-// its mean, by a factor above the median around them.
-Eigen::Index peak_count(const FitData& data) {
+// Resonances that stand out [Hz], as a first guess of the poles: maxima of Σ |ω² G|², each response
+// over its mean, by a factor above the median around them.
+std::vector<double> peaks(const FitData& data) {
   const auto lines = data.line_count();
   const Eigen::ArrayXd acceleration = data.frequency_hz.array().pow(4);
   Eigen::ArrayXd all = Eigen::ArrayXd::Zero(lines);
@@ -37,7 +39,7 @@ Eigen::Index peak_count(const FitData& data) {
     if (one.maxCoeff() > 0.0) all += one / one.mean();
   }
   const Eigen::Index around = std::max<Eigen::Index>(20, lines / 60);
-  Eigen::Index count = 0;
+  std::vector<double> list;
   std::vector<double> window;
   for (Eigen::Index k = kPeakReach; k + kPeakReach < lines; ++k) {
     if (all(k) < all.segment(k - kPeakReach, 2 * kPeakReach + 1).maxCoeff()) continue;
@@ -46,9 +48,9 @@ Eigen::Index peak_count(const FitData& data) {
     window.assign(all.data() + first, all.data() + last);
     std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size() / 2),
                      window.end());
-    if (all(k) > 3.0 * window[window.size() / 2]) ++count;
+    if (all(k) > 3.0 * window[window.size() / 2]) list.push_back(data.frequency_hz(k));
   }
-  return count;
+  return list;
 }
 
 double noise_level(const FitData& data, double cost) {
@@ -176,6 +178,14 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   }
 }
 
+// As damped as structures are; none where that would be more than the order.
+Eigen::VectorXcd poles_at(const std::vector<double>& peaks, Eigen::Index order) {
+  const auto n = static_cast<Eigen::Index>(peaks.size());
+  if (n > order) return {};
+  return std::complex<double>(-kStartDamping, 1.0) * 2.0 * M_PI *
+         Eigen::Map<const Eigen::VectorXd>(peaks.data(), n).cast<std::complex<double>>();
+}
+
 // Vector fits of rising order until a higher one leaves hardly less.
 struct Poles {
   Eigen::VectorXcd pole;
@@ -185,9 +195,14 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
   const bool rigid = options.rigid_count != 0;
   const auto room = std::max<Eigen::Index>(1, (data.line_count() - 4) / 3);
   const auto highest = std::min(options.most_modes + kSpareOrder, room);
-  const auto guess = options.modes > 0 ? options.modes : peak_count(data);
-  VectorFitOptions how{.order = std::min(guess + kSpareOrder, highest), .rigid = rigid};
+  const auto seen = peaks(data);
+  const auto guess = options.modes > 0 ? options.modes : static_cast<Eigen::Index>(seen.size());
+  // As many again: a pair is one peak, and so is what one response has between two modes.
+  const auto spare = std::max(kSpareOrder, guess);
+  VectorFitOptions how{.order = std::min(guess + spare, highest), .rigid = rigid};
   how.enough = 1e-4;
+  how.enough_value = kSettled;
+  how.start = poles_at(seen, how.order);
   std::optional<Poles> best;
   double least = std::numeric_limits<double>::infinity();
   for (; best == std::nullopt || how.order <= highest; how.order += 3 + how.order / 5) {

@@ -16,6 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr Eigen::Index kLargestBlock = 3;
+constexpr Eigen::Index kMostRigid = 12;
 constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
 constexpr double kAlike = 0.01;       // cost that diagonal blocks may add
 constexpr int kSingleSteps = 8;       // towards single modes
@@ -37,6 +38,8 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
               "apart by " +
               std::to_string(data.outputs) + " outputs and " + std::to_string(data.inputs) +
               " inputs");
+  require(start.rigid_count <= kMostRigid, "modal fit: " + std::to_string(start.rigid_count) +
+                                               " rigid-body modes, expected 12 or fewer");
   const auto channels = data.outputs + data.inputs;
   const auto parameters =
       start.pole.size() * (channels + 1) + start.rigid_count * (channels - start.rigid_count) +
@@ -79,7 +82,7 @@ Eigen::MatrixXd weighted_squares(Complex pole, const Target& target) {
     const Complex s(0.0, target.x(k));
     square(k) = 1.0 / std::norm(s * s - 2.0 * pole.real() * s + std::norm(pole));
   }
-  const Eigen::VectorXd sum = target.squared * square;
+  const Eigen::VectorXd sum = target.squared.transpose() * square;
   return Eigen::Map<const Eigen::MatrixXd>(sum.data(), target.outputs, target.inputs);
 }
 

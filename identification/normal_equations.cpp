@@ -20,24 +20,27 @@ Eigen::Index entry_count(const Block& block) {
   return block.rigid ? 1 : block.size() * block.size();
 }
 
-// H = (s² + sD + K)⁻¹ of every block on every line: entries×2K.
+// H = (s² + sD + K)⁻¹ of every block on every line: 2K×entries.
 Eigen::MatrixXd entries(const BlockModel& model, const Eigen::VectorXd& x) {
   Eigen::Index count = 0;
   for (const auto& block : model.blocks) count += entry_count(block);
   const auto lines = x.size();
-  Eigen::MatrixXd result(count, 2 * lines);
+  Eigen::MatrixXd result(2 * lines, count);
   for (Eigen::Index k = 0; k < lines; ++k) {
     const Complex s(0.0, x(k));
     Eigen::Index at = 0;
     const auto put = [&](Complex value) {
-      result(at, k) = value.real();
-      result(at++, lines + k) = value.imag();
+      result(k, at) = value.real();
+      result(lines + k, at++) = value.imag();
     };
     for (const auto& block : model.blocks) {
       if (block.rigid) {
         put(1.0 / (s * s));
       } else if (block.size() == 1) {
-        put(1.0 / (s * s + s * block.damping(0, 0) + block.stiffness(0, 0)));
+        const double real = block.stiffness(0, 0) - x(k) * x(k);
+        const double imaginary = x(k) * block.damping(0, 0);
+        const double square = real * real + imaginary * imaginary;
+        put({real / square, -imaginary / square});
       } else {
         const auto g = block.size();
         const Eigen::MatrixXcd dynamic = s * s * Eigen::MatrixXcd::Identity(g, g) +
@@ -51,11 +54,11 @@ Eigen::MatrixXd entries(const BlockModel& model, const Eigen::VectorXd& x) {
   return result;
 }
 
-// What multiplies them in every response: pq×entries.
+// What multiplies them in every response: entries×pq.
 Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::Index inputs) {
   Eigen::Index count = 0;
   for (const auto& block : model.blocks) count += entry_count(block);
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(outputs * inputs, count);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, outputs * inputs);
   Eigen::Index first = 0;
   for (const auto& block : model.blocks) {
     const auto g = block.size();
@@ -63,7 +66,7 @@ Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::In
       for (Eigen::Index a = 0; a < g; ++a) {
         if (block.rigid && a != b) continue;
         const Eigen::MatrixXd product = block.left.col(a) * block.right.row(b);
-        result.col(first + (block.rigid ? 0 : a + g * b)) += product.reshaped();
+        result.row(first + (block.rigid ? 0 : a + g * b)) += product.reshaped().transpose();
       }
     }
     first += entry_count(block);
@@ -80,12 +83,14 @@ Eigen::Index parameters_of(const Block& block) {
 Eigen::MatrixXd undelayed(const Target& target, double delay) {
   if (delay == 0.0) return target.value;
   const auto lines = target.line_count();
-  Eigen::MatrixXd result(target.value.rows(), 2 * lines);
-  for (Eigen::Index k = 0; k < lines; ++k) {
-    const double c = std::cos(target.x(k) * delay);
-    const double s = std::sin(target.x(k) * delay);
-    result.col(k) = c * target.value.col(k) - s * target.value.col(lines + k);
-    result.col(lines + k) = s * target.value.col(k) + c * target.value.col(lines + k);
+  const Eigen::ArrayXd c = (target.x.array() * delay).cos();
+  const Eigen::ArrayXd s = (target.x.array() * delay).sin();
+  Eigen::MatrixXd result(2 * lines, target.value.cols());
+  for (Eigen::Index e = 0; e < result.cols(); ++e) {
+    const auto real = target.value.col(e).head(lines).array();
+    const auto imaginary = target.value.col(e).tail(lines).array();
+    result.col(e).head(lines) = c * real - s * imaginary;
+    result.col(e).tail(lines) = s * real + c * imaginary;
   }
   return result;
 }
@@ -97,10 +102,10 @@ Target target(const FitData& data, double scale) {
       .outputs = data.outputs, .inputs = data.inputs, .x = {}, .value = {}, .squared = {}};
   const auto lines = data.line_count();
   result.x = 2.0 * std::numbers::pi / scale * data.frequency_hz;
-  result.value.resize(data.response_count(), 2 * lines);
-  result.value.leftCols(lines) = data.value.real().transpose();
-  result.value.rightCols(lines) = data.value.imag().transpose();
-  result.squared = data.weight.cwiseAbs2().transpose();
+  result.value.resize(2 * lines, data.response_count());
+  result.value.topRows(lines) = data.value.real();
+  result.value.bottomRows(lines) = data.value.imag();
+  result.squared = data.weight.cwiseAbs2();
   result.measured = std::max<Eigen::Index>(1, data.measured_count());
   result.total = data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum();
   return result;
@@ -109,22 +114,26 @@ Target target(const FitData& data, double scale) {
 Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted) {
   Misfit result;
   const auto lines = target.line_count();
-  result.response.setZero(target.response_count(), 2 * lines);
-  dense::add_product(factors(model, target.outputs, target.inputs), entries(model, target.x), 1.0,
-                     result.response);
-  result.error = undelayed(target, model.delay) - result.response;
-  if (fitted.residual) {
-    const Eigen::VectorXd best =
-        (result.error.leftCols(lines).cwiseProduct(target.squared)).rowwise().sum().array() /
-        target.squared.rowwise().sum().array().max(1e-300);
-    result.error.leftCols(lines).colwise() -= best;
-    result.response.leftCols(lines).colwise() += best;
-    model.residual = best.reshaped(target.outputs, target.inputs);
+  const auto along = entries(model, target.x);
+  const auto across = factors(model, target.outputs, target.inputs);
+  result.error = undelayed(target, model.delay);
+  dense::add_product(along, across, -1.0, result.error);
+  if (fitted.delay) {
+    result.response.setZero(2 * lines, target.response_count());
+    dense::add_product(along, across, 1.0, result.response);
   }
-  result.cost =
-      (result.error.leftCols(lines).cwiseAbs2() + result.error.rightCols(lines).cwiseAbs2())
-          .cwiseProduct(target.squared)
-          .sum();
+  for (Eigen::Index e = 0; e < result.error.cols(); ++e) {
+    auto real = result.error.col(e).head(lines).array();
+    const auto imaginary = result.error.col(e).tail(lines).array();
+    const auto squared = target.squared.col(e).array();
+    if (fitted.residual) {
+      const double best = (real * squared).sum() / std::max(squared.sum(), 1e-300);
+      real -= best;
+      if (fitted.delay) result.response.col(e).head(lines).array() += best;
+      model.residual(e % target.outputs, e / target.outputs) = best;
+    }
+    result.cost += ((real.square() + imaginary.square()) * squared).sum();
+  }
   return result;
 }
 

@@ -9,7 +9,7 @@
 
 namespace chladni::identification {
 
-/// The data as the sums want them: a row per response, real parts of all lines, then imaginary.
+/// The data as the sums want them: a column per response, real parts of all lines, then imaginary.
 struct Target {
   Eigen::Index outputs = 0, inputs = 0;
   Eigen::VectorXd x;          ///< K: ω / scale
@@ -19,7 +19,7 @@ struct Target {
   Eigen::Index measured = 1;  ///< real numbers of weight above 0
 
   [[nodiscard]] Eigen::Index line_count() const { return x.size(); }
-  [[nodiscard]] Eigen::Index response_count() const { return value.rows(); }
+  [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }
 };
 
 [[nodiscard]] Target target(const FitData& data, double scale);
@@ -31,8 +31,8 @@ struct Fitted {
 
 /// The model's residual is the best for its blocks; what is left of the data then.
 struct Misfit {
-  Eigen::MatrixXd error;     ///< pq×2K: data turned back by the delay, less the model
-  Eigen::MatrixXd response;  ///< pq×2K: the model without its delay
+  Eigen::MatrixXd error;     ///< 2K×pq: data turned back by the delay, less the model
+  Eigen::MatrixXd response;  ///< 2K×pq: the model without its delay; empty where none is fitted
   double cost = 0.0;         ///< Σ |w error|²
 };
 

@@ -64,6 +64,7 @@ void split(const Block& block, BlockFractions& result) {
 ResponseProducts::ResponseProducts(const BlockModel& model, const Misfit& misfit,
                                    const Target& target, const Fitted& fitted)
     : model_(model), misfit_(misfit), target_(target), fitted_(fitted) {
+  slow_ = target_.x.array().square().inverse();
   list_fractions();
   fill_lines();
 }
@@ -91,6 +92,7 @@ void ResponseProducts::list_fractions() {
     }
     blocks_.push_back(std::move(one));
   }
+  parameters_ = parameter + (fitted_.delay ? 1 : 0);
   pole_ = Eigen::Map<const Eigen::VectorXcd>(poles.data(), static_cast<Eigen::Index>(poles.size()));
 }
 
@@ -134,15 +136,15 @@ ResponseProducts::Sums ResponseProducts::sums(Eigen::Index begin, Eigen::Index e
   Eigen::MatrixXd weights(lines, kinds * result.count);
   for (Eigen::Index e = begin; e < end; ++e) {
     const auto column = [&](Kind kind) { return weights.col(kind * result.count + e - begin); };
-    const Eigen::VectorXd w = target_.squared.row(e).transpose();
+    const auto w = target_.squared.col(e);
     column(kWeight) = w;
-    column(kErrorReal) = w.cwiseProduct(misfit_.error.row(e).head(lines).transpose());
-    column(kErrorImaginary) = w.cwiseProduct(misfit_.error.row(e).tail(lines).transpose());
-    if (kinds > kSlow) column(kSlow) = w.array() / target_.x.array().square();
+    column(kErrorReal) = w.cwiseProduct(misfit_.error.col(e).head(lines));
+    column(kErrorImaginary) = w.cwiseProduct(misfit_.error.col(e).tail(lines));
+    if (kinds > kSlow) column(kSlow) = w.cwiseProduct(slow_);
     if (!fitted_.delay) continue;
     const Eigen::VectorXd wx = w.cwiseProduct(target_.x);  // −s Ĝ
-    column(kDelayReal) = wx.cwiseProduct(misfit_.response.row(e).tail(lines).transpose());
-    column(kDelayImaginary) = -wx.cwiseProduct(misfit_.response.row(e).head(lines).transpose());
+    column(kDelayReal) = wx.cwiseProduct(misfit_.response.col(e).tail(lines));
+    column(kDelayImaginary) = -wx.cwiseProduct(misfit_.response.col(e).head(lines));
   }
   priors::dense::add_product(lines_, weights, 1.0, result.of);
   return result;
@@ -176,31 +178,40 @@ void ResponseProducts::fill_pole_pairs(const Eigen::VectorXcd& moment,
   }
 }
 
-// What no pole is part of: 1/s², 1 and the delay among themselves and with the error.
+// What no pole is part of: 1/s², 1 and the delay among themselves and with the error. Only the real
+// parts are ever used.
 void ResponseProducts::fill_single_functions(Eigen::Index e, Products& products) const {
   const auto lines = target_.line_count();
-  const Eigen::VectorXd w = target_.squared.row(e).transpose();
-  const auto complex_row = [&](const Eigen::MatrixXd& rows) {
-    Eigen::VectorXcd result(lines);
-    result.real() = rows.row(e).head(lines).transpose();
-    result.imag() = rows.row(e).tail(lines).transpose();
-    return result;
+  const auto w = target_.squared.col(e).array();
+  const auto error = misfit_.error.col(e);
+  const Eigen::ArrayXd real = w * error.head(lines).array();
+  auto& gram = products.gram;
+  const auto put = [&](Eigen::Index u, Eigen::Index v, double value) {
+    gram(u, v) = value;
+    gram(v, u) = value;
   };
-  std::vector<std::pair<Eigen::Index, Eigen::VectorXcd>> functions;
+  if (fitted_.residual) {
+    put(residual_row(), residual_row(), w.sum());
+    products.right(residual_row()) = real.sum();
+  }
   if (rigid_) {
-    functions.emplace_back(rigid_row(), (-target_.x.array().square().inverse()).cast<Complex>());
+    put(rigid_row(), rigid_row(), (w * slow_.array().square()).sum());
+    products.right(rigid_row()) = -(real * slow_.array()).sum();
+    if (fitted_.residual) put(rigid_row(), residual_row(), -(w * slow_.array()).sum());
   }
-  if (fitted_.residual) functions.emplace_back(residual_row(), Eigen::VectorXcd::Ones(lines));
-  if (fitted_.delay) {
-    const Eigen::VectorXcd s = Complex(0.0, 1.0) * target_.x.cast<Complex>();
-    functions.emplace_back(delay_row(), -s.cwiseProduct(complex_row(misfit_.response)));
-  }
-  const Eigen::VectorXcd error = complex_row(misfit_.error);
-  for (const auto& [u, f] : functions) {
-    const Eigen::RowVectorXcd weighted = f.adjoint() * w.cast<Complex>().asDiagonal();
-    products.right(u) = weighted * error;
-    for (const auto& [v, g] : functions) products.gram(u, v) = weighted * g;
-  }
+  if (!fitted_.delay) return;
+  const auto response = misfit_.response.col(e);
+  const Eigen::ArrayXd wx = w * target_.x.array();
+  const Eigen::ArrayXd late = wx * response.tail(lines).array();  // Re −s Ĝ, weighted
+  const auto row = delay_row();
+  put(row, row,
+      (wx * target_.x.array() *
+       (response.head(lines).array().square() + response.tail(lines).array().square()))
+          .sum());
+  products.right(row) = (late * error.head(lines).array()).sum() -
+                        (wx * response.head(lines).array() * error.tail(lines).array()).sum();
+  if (rigid_) put(row, rigid_row(), -(late * slow_.array()).sum());
+  if (fitted_.residual) put(row, residual_row(), late.sum());
 }
 
 ResponseProducts::Products ResponseProducts::products(Eigen::Index e, const Sums& sums) const {
@@ -222,18 +233,18 @@ ResponseProducts::Products ResponseProducts::products(Eigen::Index e, const Sums
 
 // Derivatives of the response (i, j) by the parameters it has in a block, in the block's functions:
 // of left(i, ·), right(·, j), stiffness, damping.
-Eigen::MatrixXcd ResponseProducts::derivatives(std::size_t block, Eigen::Index i,
-                                               Eigen::Index j) const {
+ResponseProducts::SmallComplex ResponseProducts::derivatives(std::size_t block, Eigen::Index i,
+                                                             Eigen::Index j) const {
   const auto& own = model_.blocks[block];
   const auto& parts = blocks_[block];
   const auto g = own.size();
   if (own.rigid) {
-    Eigen::MatrixXcd result(1, 2 * g);
+    SmallComplex result(1, 2 * g);
     result << own.right.col(j).transpose().cast<Complex>(), own.left.row(i).cast<Complex>();
     return result;
   }
   const auto n = 2 * g;
-  Eigen::MatrixXcd result = Eigen::MatrixXcd::Zero(2 * n, 2 * g + 2 * g * g);
+  SmallComplex result = SmallComplex::Zero(2 * n, 2 * g + 2 * g * g);
   for (Eigen::Index a = 0; a < g; ++a) {
     for (Eigen::Index r = 0; r < n; ++r) {
       result(r, a) = parts.x(a, r) * parts.right(r, j);     // (H right)_a
@@ -264,21 +275,15 @@ Eigen::MatrixXcd ResponseProducts::derivatives(std::size_t block, Eigen::Index i
   return result;
 }
 
-void ResponseProducts::scatter(Eigen::Index e, const Products& products,
-                               NormalEquations& sum) const {
-  const auto i = e % target_.outputs;
-  const auto j = e / target_.outputs;
+std::vector<ResponseProducts::Part> ResponseProducts::parts_of(Eigen::Index e) const {
   const auto p = target_.outputs;
-  struct Part {
-    Eigen::Index row;
-    Eigen::MatrixXcd by;
-    std::vector<Eigen::Index> parameter;
-  };
+  const auto i = e % p;
+  const auto j = e / p;
   std::vector<Part> parts;
   for (std::size_t c = 0; c < blocks_.size(); ++c) {
     const auto& block = model_.blocks[c];
     const auto g = block.size();
-    Part part{block.rigid ? rigid_row() : blocks_[c].first, derivatives(c, i, j), {}};
+    Part part{block.rigid ? rigid_row() : blocks_[c].first, derivatives(c, i, j), {}, {}};
     const auto first = blocks_[c].parameter;
     for (Eigen::Index a = 0; a < g; ++a) part.parameter.push_back(first + i + p * a);
     for (Eigen::Index b = 0; b < g; ++b) part.parameter.push_back(first + p * g + b + g * j);
@@ -287,32 +292,45 @@ void ResponseProducts::scatter(Eigen::Index e, const Products& products,
     parts.push_back(std::move(part));
   }
   if (fitted_.delay) {
-    parts.push_back({delay_row(), Eigen::MatrixXcd::Ones(1, 1), {sum.gradient.size() - 1}});
+    parts.push_back({delay_row(), SmallComplex::Ones(1, 1), {parameters_ - 1}, {}});
   }
-  // The residual of a response touches no other: its best value follows the others'.
-  const double pivot =
-      fitted_.residual ? products.gram(residual_row(), residual_row()).real() : 0.0;
+  return parts;
+}
+
+// The residual of a response touches no other: its best value follows the others'.
+void ResponseProducts::add_gradient(const Products& products, double pivot,
+                                    std::vector<Part>& parts, NormalEquations& sum) const {
   const double off = fitted_.residual ? products.right(residual_row()).real() : 0.0;
-  std::vector<Eigen::VectorXd> with_residual;
-  for (const auto& part : parts) {
+  for (auto& part : parts) {
     const auto rows = part.by.rows();
-    Eigen::VectorXd along = (part.by.adjoint() * products.right.segment(part.row, rows)).real();
+    const auto half = part.by.adjoint();
+    SmallColumn along = half.lazyProduct(products.right.segment(part.row, rows)).real();
     if (pivot > 0.0) {
-      with_residual.emplace_back(
-          (part.by.adjoint() * products.gram.col(residual_row()).segment(part.row, rows)).real());
-      along -= with_residual.back() * (off / pivot);
+      part.with_residual =
+          half.lazyProduct(products.gram.col(residual_row()).segment(part.row, rows)).real();
+      along -= part.with_residual * (off / pivot);
     }
     for (std::size_t t = 0; t < part.parameter.size(); ++t) {
       sum.gradient(part.parameter[t]) += along(static_cast<Eigen::Index>(t));
     }
   }
+}
+
+void ResponseProducts::scatter(Eigen::Index e, const Products& products,
+                               NormalEquations& sum) const {
+  auto parts = parts_of(e);
+  const double pivot =
+      fitted_.residual ? products.gram(residual_row(), residual_row()).real() : 0.0;
+  add_gradient(products, pivot, parts, sum);
   for (std::size_t d = 0; d < parts.size(); ++d) {
     for (std::size_t c = d; c < parts.size(); ++c) {
       const auto block =
           products.gram.block(parts[c].row, parts[d].row, parts[c].by.rows(), parts[d].by.rows());
-      const Eigen::MatrixXcd half = block.lazyProduct(parts[d].by);
-      Eigen::MatrixXd square = parts[c].by.adjoint().lazyProduct(half).real();
-      if (pivot > 0.0) square -= with_residual[c] * with_residual[d].transpose() / pivot;
+      const SmallComplex half = block.lazyProduct(parts[d].by);
+      SmallReal square = parts[c].by.adjoint().lazyProduct(half).real();
+      if (pivot > 0.0) {
+        square -= parts[c].with_residual.lazyProduct(parts[d].with_residual.transpose()) / pivot;
+      }
       for (Eigen::Index t = 0; t < square.cols(); ++t) {
         const auto column = parts[d].parameter[static_cast<std::size_t>(t)];
         for (Eigen::Index r = 0; r < square.rows(); ++r) {
@@ -329,7 +347,7 @@ void ResponseProducts::add(Eigen::Index begin, Eigen::Index end, NormalEquations
     const auto last = std::min(first + kAtOnce, end);
     const auto some = sums(first, last);
     for (auto e = first; e < last; ++e) {
-      if (target_.squared.row(e).maxCoeff() > 0.0) scatter(e, products(e, some), sum);
+      if (target_.squared.col(e).maxCoeff() > 0.0) scatter(e, products(e, some), sum);
     }
   }
 }

@@ -50,8 +50,22 @@ class ResponseProducts {
   void fill_pole_pairs(const Eigen::VectorXcd& moment, Eigen::MatrixXcd& gram) const;
   void fill_single_functions(Eigen::Index e, Products& products) const;
   [[nodiscard]] Products products(Eigen::Index e, const Sums& sums) const;
-  [[nodiscard]] Eigen::MatrixXcd derivatives(std::size_t block, Eigen::Index i,
-                                             Eigen::Index j) const;
+  // At most 12 functions and 24 parameters of a response in a block: 3 modes, 12 rigid-body modes.
+  using SmallComplex =
+      Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 12, 24>;
+  using SmallReal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 24, 24>;
+  using SmallColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
+  // What a response knows of the parameters of one block.
+  struct Part {
+    Eigen::Index row;  // its first function
+    SmallComplex by;
+    std::vector<Eigen::Index> parameter;
+    SmallColumn with_residual;
+  };
+  [[nodiscard]] SmallComplex derivatives(std::size_t block, Eigen::Index i, Eigen::Index j) const;
+  [[nodiscard]] std::vector<Part> parts_of(Eigen::Index e) const;
+  void add_gradient(const Products& products, double pivot, std::vector<Part>& parts,
+                    NormalEquations& sum) const;
   void scatter(Eigen::Index e, const Products& products, NormalEquations& sum) const;
 
   [[nodiscard]] Eigen::Index rigid_row() const { return rows_; }
@@ -68,10 +82,11 @@ class ResponseProducts {
   const Target& target_;
   const Fitted& fitted_;
   std::vector<BlockFractions> blocks_;
-  Eigen::Index rows_ = 0;  // functions of the poles
+  Eigen::Index rows_ = 0, parameters_ = 0;  // functions of the poles, all parameters
   bool rigid_ = false;
   Eigen::VectorXcd pole_;                     // all
   std::vector<Eigen::Index> plain_, square_;  // rows of each pole's fraction and of its square
+  Eigen::VectorXd slow_;                      // K: 1/x²
   Eigen::MatrixXd lines_;                     // 2·rows×K: real parts, then imaginary
 };
 

@@ -161,14 +161,19 @@ Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options
   PoleProducts products(data, x, options.rigid);
   Eigen::VectorXcd poles = with_known(options.start / scale, x, options.order);
   const priors::dense::OneThread one_thread;
+  double value = 0.0;
   for (int i = 0; i < options.iterations; ++i) {
     throw_if_interrupted();
     products.set_poles(poles);
     const auto s = denominator_products(products, 2 * poles.size() + 1);
-    const auto next = pairs_of(zeros(poles, denominator(s, products.sums())));
+    const Eigen::VectorXd c = denominator(s, products.sums());
+    const auto next = pairs_of(zeros(poles, c));
+    const double here = c.dot(s * c);
     const double change = largest_change(next, poles);
     poles = next;
-    if (change < options.enough) break;
+    const bool settled = std::abs(here - value) < options.enough_value * value;
+    value = here;
+    if (change < options.enough || settled) break;
   }
   return scale * poles;
 }

@@ -11,6 +11,7 @@ struct VectorFitOptions {
   bool rigid = false;       ///< a term in 1/s² beside them, of any rank
   int iterations = 20;
   double enough = 1e-8;         ///< largest relative change of a pole at which to stop
+  double enough_value = 0.0;    ///< likewise, of the cost that it linearises
   Eigen::VectorXcd start = {};  ///< [rad/s], poles known already; the others are spread
 };
 

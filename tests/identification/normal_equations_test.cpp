@@ -37,14 +37,15 @@ Problem problem(unsigned seed) {
   result.model.blocks = {block(1, 0.2), block(2, 0.5), block(3, 0.8)};
   result.model.blocks.push_back({drawn(p, 2, draw), drawn(2, q, draw), Eigen::MatrixXd::Zero(2, 2),
                                  Eigen::MatrixXd::Zero(2, 2), true});
+  result.model.residual = Eigen::MatrixXd::Zero(p, q);
   result.model.delay = 0.3;
   auto& target = result.target;
   target.outputs = p;
   target.inputs = q;
   target.x = Eigen::VectorXd::LinSpaced(60, 0.05, 1.0);
-  target.value = 20.0 * drawn(p * q, 120, draw);
-  target.squared = drawn(p * q, 60, draw).cwiseAbs2();
-  target.squared(1, 7) = 0.0;
+  target.value = 20.0 * drawn(120, p * q, draw);
+  target.squared = drawn(60, p * q, draw).cwiseAbs2();
+  target.squared(7, 1) = 0.0;
   return result;
 }
 
@@ -69,8 +70,8 @@ Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step) {
   const auto result = misfit(model, from.target, kAll);
   const Eigen::MatrixXd root = from.target.squared.cwiseSqrt();
   Eigen::MatrixXd weighted = result.error;
-  weighted.leftCols(60).array() *= root.array();
-  weighted.rightCols(60).array() *= root.array();
+  weighted.topRows(60).array() *= root.array();
+  weighted.bottomRows(60).array() *= root.array();
   return weighted.reshaped();
 }
 
