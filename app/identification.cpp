@@ -240,6 +240,7 @@ identification::GainMatch matched(const Study& study, const Solution* solution,
       plan.gain == "thesis" ? identification::GainRule::thesis : identification::GainRule::tied;
   if (plan.gain_errors == "sensors") options.fault = identification::GainFault::outputs;
   if (plan.gain_errors == "actuators") options.fault = identification::GainFault::inputs;
+  model.corrects_gains = plan.gain_errors != "none";
   options.geometry = rigid_geometry(model);
   if (solution != nullptr) options.prior = gain_prior(study, *solution, model);
   return identification::gain_match(model.found.fit, model.seen.outputs, model.seen.inputs,

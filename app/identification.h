@@ -34,6 +34,7 @@ struct IdentifiedModel {
   identification::Identified found;
   identification::GainMatch match;
   std::vector<identification::CollocatedPair> pairs;
+  bool corrects_gains = false;  ///< `gain_errors` names a side
   std::vector<identification::StabilisationPoint> stabilisation;
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
   Eigen::MatrixXd noise;  ///< per response: its deviation over |G|, likewise

@@ -42,11 +42,14 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
     const auto& mode = match.modes[static_cast<std::size_t>(m)];
     if (mode.by != identification::MatchedBy::pairs) continue;
     double square = 0.0;
-    for (const auto& pair : model.pairs) {
+    for (std::size_t c = 0; c < model.pairs.size(); ++c) {
+      const auto& pair = model.pairs[c];
       const bool apart = pair.at_input.size() > 0;
       const double here = apart ? pair.at_input(m) : 1.0;
       const double there = apart ? pair.at_output(m) : 1.0;
-      const double output = fit.output_shapes(pair.output, m) / mode.alpha;
+      // What the gains explain is corrected, on whichever side.
+      const double gain = model.corrects_gains ? match.pairs[c].ratio : 1.0;
+      const double output = fit.output_shapes(pair.output, m) / mode.alpha / gain;
       const double input = mode.sign * mode.alpha * fit.input_shapes(m, pair.input);
       const double size = std::hypot(here, there);
       if (size > 0.0) square += std::pow((output * here - input * there) / size, 2);
