@@ -20,6 +20,8 @@ constexpr double kWorthwhile = 25.0;     // significance of a pole, per channel
 constexpr double kStartDamping = 0.005;  // of the poles at peaks
 constexpr double kSettled = 0.05;        // relative change of what a vector fit leaves at its end
 constexpr double kSecond = 0.2;          // least of a residue's further direction over its first
+constexpr double kBroad = 10.0;          // damping over what is usual
+constexpr double kSatellite = 0.01;      // worth of a pole over that of a mode near it
 constexpr double kMostDamping = 0.4;     // of what is called a mode
 constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise leaves
 constexpr double kLeastDecrease = 0.02;  // of the cost by a further mode, the noise not known
@@ -64,6 +66,57 @@ bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
          own < 1.1 * data.frequency_hz(data.line_count() - 1);
 }
 
+// Of poles with their worth: damping as it is where most of the worth is.
+double usual_damping(const Eigen::VectorXcd& poles, const Eigen::VectorXd& worth) {
+  const Eigen::VectorXd log_ratio =
+      (-poles.real().array() / poles.cwiseAbs().array()).max(1e-12).log();
+  return std::exp(worth.dot(log_ratio) / worth.sum());
+}
+
+// What real data have beside a resonance (leakage, drift between hits, nonlinearity) draws poles of
+// its own: near it, or broad ones below it. Where the noise is not known, a pole of a hundredth of
+// another's worth is taken for such within three bandwidths of either or ten lines, and anywhere
+// where it is damped ten times more than usual.
+std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueProblem& problem,
+                                             const Eigen::VectorXcd& poles,
+                                             const std::vector<Eigen::Index>& all) {
+  if (data.noise_known || all.empty()) return all;
+  const auto worth = problem.residues(all).significance;
+  const Eigen::VectorXcd p = poles(all);
+  const double usual = usual_damping(p, worth);
+  const double lines = 20.0 * M_PI *
+                       (data.frequency_hz(data.line_count() - 1) - data.frequency_hz(0)) /
+                       static_cast<double>(data.line_count() - 1);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index a = 0; a < p.size(); ++a) {
+    const bool broad = -p(a).real() > kBroad * usual * std::abs(p(a));
+    bool alone = true;
+    for (Eigen::Index b = 0; b < p.size(); ++b) {
+      const double near = std::max(lines, -6.0 * std::min(p(a).real(), p(b).real()));
+      const bool weak = worth(a) < kSatellite * worth(b);
+      alone = alone && !(weak && (broad || std::abs(p(a).imag() - p(b).imag()) < near));
+    }
+    if (alone) kept.push_back(all[static_cast<std::size_t>(a)]);
+  }
+  return kept;
+}
+
+// Whether a further mode looks like what data have beside a resonance: within a bandwidth of a mode
+// that is there, or damped ten times more than they are at most.
+bool is_satellite(const FitData& data, const ModalFit& fit, const std::complex<double>& pole) {
+  if (data.noise_known) return false;
+  const double own = std::abs(pole) / (2.0 * M_PI);
+  const double ratio = -pole.real() / std::abs(pole);
+  double most = 0.0;
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    const double width =
+        2.0 * std::max(ratio * own, fit.model.damping_ratio(m) * fit.model.frequency_hz(m));
+    if (std::abs(own - fit.model.frequency_hz(m)) < width) return true;
+    most = std::max(most, fit.model.damping_ratio(m));
+  }
+  return ratio > kBroad * most;
+}
+
 // Leaves out the poles that are no modes and then, one after the other, those that are not worth
 // their parameters.
 Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
@@ -72,6 +125,7 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
   for (Eigen::Index i = 0; i < poles.size(); ++i) {
     if (looks_like_a_mode(poles(i), data)) kept.push_back(i);
   }
+  if (modes == 0) kept = without_satellites(data, problem, poles, kept);
   // What nothing but noise leaves is known with all poles in place.
   const double level = noise_level(data, problem.residues().cost);
   const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) * level;
@@ -168,6 +222,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     if (!wanted && data.noise_known && excess_of(result.fit) < kEnoughExcess) break;
     auto start = start_from(result.fit);
     const auto candidate = missing_mode(data, result.fit);
+    if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
     start.pole.conservativeResize(start.pole.size() + 1);
     start.pole(start.pole.size() - 1) = candidate.pole;
     auto fit = modal_fit(data, start, options.fit);
