@@ -6,7 +6,9 @@
 #include "app/identification.h"
 #include "app/study_parts.h"
 #include "base/error.h"
+#include "identification/closed_loop.h"
 #include "identification/frf_estimate.h"
+#include "identification/hammer.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 
@@ -34,6 +36,19 @@ modal::FrfSet read_responses(const Study& study, const std::filesystem::path& pa
   return std::move(file.set);
 }
 
+// Periodic recordings with references come from a loop, those without a period from a hammer.
+modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std::string>& notes) {
+  if (data.period == 0) {
+    auto hits = identification::hammer_estimate(data);
+    notes = std::move(hits.notes);
+    return std::move(hits.h1);
+  }
+  auto estimate = data.references.empty() ? identification::frf_estimate(data)
+                                          : identification::closed_loop_estimate(data).estimate;
+  notes = std::move(estimate.notes);
+  return std::move(estimate.set);
+}
+
 modal::FrfSet estimated_responses(const Study& study, const std::filesystem::path& path, Run& run) {
   io::TimeOptions options;
   options.sensor_names = names_of(study.sensors);
@@ -41,9 +56,10 @@ modal::FrfSet estimated_responses(const Study& study, const std::filesystem::pat
   if (study.identification) options.unit = study.identification->unit;
   const auto file = io::read_time(path, options);
   for (const auto& note : file.notes) run.talk().note(path.string() + ": " + note);
-  auto estimate = identification::frf_estimate(file.data);
-  for (const auto& note : estimate.notes) run.talk().note(path.string() + ": " + note);
-  return std::move(estimate.set);
+  std::vector<std::string> notes;
+  auto set = responses_of(file.data, notes);
+  for (const auto& note : notes) run.talk().note(path.string() + ": " + note);
+  return set;
 }
 
 // Rows (or columns) of the file that are channels of the study, in its order.
