@@ -160,6 +160,51 @@ modal::FrfSet as_set(const IdentifiedModel& model, const std::vector<std::string
   return set;
 }
 
+// The unmeasured sensors, then the points.
+identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
+  const auto& shown = result.methods.front();
+  auto all = places_of_interest(result, result.unmeasured_places, shown.unmeasured);
+  if (result.points.empty()) return all;
+  const auto points = places_of_interest(result, result.point_places, shown.points);
+  const auto append = [](Eigen::MatrixXd& rows, const Eigen::MatrixXd& below) {
+    const auto n = rows.rows();
+    rows.conservativeResize(n + below.rows(), below.cols());
+    rows.bottomRows(below.rows()) = below;
+  };
+  append(all.shapes, points.shapes);
+  append(all.deviation, points.deviation);
+  append(all.residual, points.residual);
+  return all;
+}
+
+void leave_state_space(const IdentifiedModel& model, const std::vector<std::string>& outputs,
+                       const identification::PlacesOfInterest& interest, Run& run) {
+  const auto& fit = model.found.fit;
+  const auto space = modal::state_space(identification::model_at(fit, model.match, interest));
+  std::vector<std::string> inputs;
+  for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
+  io::write_mat(run / "spatio_temporal.mat", {{"A", space.a},
+                                              {"B", space.b},
+                                              {"C", space.c},
+                                              {"D", space.d},
+                                              {"delay_s", fit.delay_s},
+                                              {"outputs", outputs},
+                                              {"inputs", inputs},
+                                              {"shapes", interest.shapes},
+                                              {"shapes_std", interest.deviation}});
+  run.leave("spatio_temporal.json",
+            {{"outputs", io::Json::texts(outputs)},
+             {"inputs", io::Json::texts(inputs)},
+             {"a", io::Json::rows(space.a)},
+             {"b", io::Json::rows(space.b)},
+             {"c", io::Json::rows(space.c)},
+             {"d", io::Json::rows(space.d)},
+             {"delay_s", fit.delay_s},
+             {"shapes", io::Json::rows(interest.shapes)},
+             {"shapes_std", io::Json::rows(interest.deviation)}},
+            false);
+}
+
 }  // namespace
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
@@ -242,23 +287,10 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolat
 
 void leave_predictions(const Interpolated& result, Run& run) {
   const auto& model = identified_of(result);
-  const auto& shown = result.methods.front();
   std::vector<std::string> names = result.unmeasured;
   names.insert(names.end(), result.points.begin(), result.points.end());
   if (names.empty()) return;
-  const auto at_sensors = places_of_interest(result, result.unmeasured_places, shown.unmeasured);
-  auto interest = at_sensors;
-  if (!result.points.empty()) {
-    const auto at_points = places_of_interest(result, result.point_places, shown.points);
-    const auto n = at_sensors.shapes.rows();
-    const auto stack = [&](Eigen::MatrixXd& into, const Eigen::MatrixXd& below) {
-      into.conservativeResize(n + below.rows(), below.cols());
-      into.bottomRows(below.rows()) = below;
-    };
-    stack(interest.shapes, at_points.shapes);
-    stack(interest.deviation, at_points.deviation);
-    stack(interest.residual, at_points.residual);
-  }
+  const auto interest = all_of_interest(result);
   auto lines = model.measured.all.frequency_hz;
   if (model.found.fit.model.rigid_count > 0 && lines(0) == 0.0) {
     lines = Eigen::VectorXd(lines.tail(lines.size() - 1));
@@ -272,19 +304,7 @@ void leave_predictions(const Interpolated& result, Run& run) {
   write_atomically(run / "predicted_band.csv", io::frf_csv(receptance));
   receptance.variance.clear();
   write_atomically(run / "predicted.csv", io::frf_csv(receptance));
-  const auto reduced = identification::model_at(model.found.fit, model.match, interest);
-  const auto space = modal::state_space(reduced);
-  std::vector<std::string> inputs;
-  for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
-  io::write_mat(run / "spatio_temporal.mat", {{"A", space.a},
-                                              {"B", space.b},
-                                              {"C", space.c},
-                                              {"D", space.d},
-                                              {"delay_s", model.found.fit.delay_s},
-                                              {"outputs", names},
-                                              {"inputs", inputs},
-                                              {"shapes", interest.shapes},
-                                              {"shapes_std", interest.deviation}});
+  leave_state_space(model, names, interest, run);
 }
 
 }  // namespace chladni::app

@@ -200,6 +200,7 @@ io::Json priors_plan_json(const PriorsPlan& plan) {
 
 io::Json measurement_json(const MeasurementPlan& plan) {
   return io::JsonObject{{"frf", plan.frf.filename().string()},
+                        {"time", plan.time.filename().string()},
                         {"shapes", plan.shapes.filename().string()},
                         {"truth", plan.truth.filename().string()},
                         {"noise", plan.noise},
@@ -228,6 +229,25 @@ io::Json experiment_json(const ExperimentPlan& plan) {
                         {"controlled", io::Json::texts(plan.controlled)},
                         {"bandwidth_hz", plan.bandwidth_hz},
                         {"leaves", plan.leaves_time ? "time" : "frf"}};
+}
+
+io::Json identification_json(const IdentificationPlan& plan) {
+  io::JsonArray pairs;
+  for (const auto& [sensor, actuator] : plan.pairs) {
+    pairs.push_back(io::JsonObject{{"sensor", sensor}, {"actuator", actuator}});
+  }
+  return io::JsonObject{{"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
+                        {"method", plan.method},
+                        {"weighting", plan.weighting},
+                        {"modes", plan.modes},
+                        {"rigid_body_modes", plan.rigid_body_modes},
+                        {"delay", plan.delay},
+                        {"residual", plan.residual},
+                        {"unit", plan.unit},
+                        {"pairs", pairs},
+                        {"pairs_within_m", plan.pairs_within},
+                        {"gain", plan.gain},
+                        {"gain_errors", plan.gain_errors}};
 }
 
 io::Json interpolation_json(const InterpolationPlan& plan) {
@@ -295,6 +315,9 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
     object.emplace_back("measurement", measurement_json(*study.measurement));
   }
   if (study.experiment) object.emplace_back("experiment", experiment_json(*study.experiment));
+  if (study.identification) {
+    object.emplace_back("identification", identification_json(*study.identification));
+  }
   if (study.interpolation) {
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }

@@ -1,0 +1,123 @@
+// Responses at places that no sensor measures.
+#include "identification/spatio_temporal.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "base/error.h"
+#include "gain_case.h"
+#include "identification/fit_data.h"
+#include "known_fit.h"
+
+namespace chladni::identification {
+namespace {
+
+using simulators::FrfCase;
+using simulators::FrfFaults;
+
+struct Matched {
+  FrfCase made;
+  ModalFit fit;
+  GainMatch match;
+};
+
+Matched beam() {
+  FrfFaults faults;
+  faults.delay_s = 3e-4;
+  auto made = simulators::beam5x5(faults);
+  auto fit = true_fit(made);
+  fit.delay_s = faults.delay_s;
+  auto match = matched(made, fit, with_pairs(made));
+  return {std::move(made), std::move(fit), std::move(match)};
+}
+
+// Rows of the sensors themselves.
+PlacesOfInterest sensors_of(const Matched& one) {
+  const auto p = one.fit.model.output_count();
+  return {one.match.shapes.topRows(p), one.match.deviation.topRows(p), one.made.truth.residual};
+}
+
+TEST(SpatioTemporal, GivesTheSensorsOwnResponsesBack) {
+  const auto one = beam();
+  const auto& lines = one.made.measured.frequency_hz;
+  const auto found = predicted(one.fit, one.match, sensors_of(one), lines);
+  for (std::size_t k = 0; k < found.value.size(); k += 7) {
+    EXPECT_LT((found.value[k] - one.made.exact[k]).norm(), 1e-9 * one.made.exact[k].norm()) << k;
+  }
+}
+
+TEST(SpatioTemporal, IsTheStateSpaceThatItExports) {
+  const auto one = beam();
+  const auto interest = sensors_of(one);
+  const Eigen::VectorXd lines = Eigen::Vector3d(3.0, 33.0, 80.0);
+  const auto responses = modal::frf(model_at(one.fit, one.match, interest), lines);
+  const auto found = predicted(one.fit, one.match, interest, lines);
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const auto turn = std::polar(1.0, 2.0 * std::numbers::pi * lines(k) * one.fit.delay_s);
+    const auto at = static_cast<std::size_t>(k);
+    EXPECT_LT((turn * found.value[at] - responses.value[at]).norm(),
+              1e-12 * responses.value[at].norm());
+  }
+}
+
+// The deviation is the root mean square of draws of poles, input vectors and shapes.
+TEST(SpatioTemporal, SaysHowFarDrawsScatter) {
+  const auto one = beam();
+  auto interest = sensors_of(one);
+  interest.deviation = 0.003 * interest.shapes.cwiseAbs();
+  const Eigen::VectorXd lines = (Eigen::VectorXd(4) << 4.0, 20.0, 32.6, 109.0).finished();
+  const auto stated = predicted(one.fit, one.match, interest, lines);
+  simulators::Dice dice(5);
+  std::vector<Eigen::MatrixXd> square(4, Eigen::MatrixXd::Zero(5, 5));
+  constexpr int kDraws = 600;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    auto fit = one.fit;
+    auto match = one.match;
+    auto there = interest;
+    for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+      const auto at = static_cast<std::size_t>(m);
+      const Eigen::VectorXd error = normal_draw(one.fit.mode_covariance[at], dice);
+      fit.model.frequency_hz(m) += error(0) / (2.0 * std::numbers::pi);
+      fit.model.damping_ratio(m) += error(1);
+      const auto& own = one.fit.model.input_shapes.row(m);
+      const double gain = match.input_shapes.row(m).dot(own) / own.squaredNorm();
+      match.input_shapes.row(m) += gain * error.tail(5).transpose();
+      there.shapes.col(m) +=
+          interest.deviation.col(m).cwiseProduct(Eigen::VectorXd(dice.normal(5, 1)));
+    }
+    const auto found = predicted(fit, match, there, lines);
+    for (std::size_t k = 0; k < 4; ++k) {
+      square[k] += (found.value[k] - stated.value[k]).cwiseAbs2() / kDraws;
+    }
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::ArrayXXd ratio = square[k].cwiseSqrt().array() / stated.deviation[k].array();
+    EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << lines(static_cast<Eigen::Index>(k));
+    EXPECT_LT(ratio.maxCoeff(), 1.2);
+    EXPECT_GT(ratio.minCoeff(), 0.8);
+  }
+}
+
+TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {
+  const auto one = beam();
+  auto data = fit_data(modal::part(one.made.measured, {3}, {0, 1, 2, 3, 4}));
+  const auto noisy = fitted_row(one.fit, one.match, data);
+  const Eigen::RowVectorXd truth = one.match.shapes.row(3);
+  const Eigen::ArrayXd off =
+      (noisy.shape - truth).transpose().array() / noisy.deviation.transpose().array();
+  EXPECT_LT(off.abs().maxCoeff(), 4.0);
+  EXPECT_LT((noisy.shape - truth).norm(), 2e-3 * truth.norm());
+}
+
+TEST(SpatioTemporal, RefusesWhatDoesNotFit) {
+  const auto one = beam();
+  auto interest = sensors_of(one);
+  interest.shapes.conservativeResize(5, 4);
+  EXPECT_THROW((void)predicted(one.fit, one.match, interest, Eigen::VectorXd::Ones(1)),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::identification
