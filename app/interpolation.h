@@ -84,9 +84,9 @@ struct Interpolated {
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
                                                   const Interpolation& one);
 
-/// predicted.csv, predicted_band.csv (with variances) on the lines of the file, and
+/// `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file, and
 /// spatio_temporal.mat: receptances at the sensors that no fit saw and at the points of interest.
-void leave_predictions(const Interpolated& result, Run& run);
+void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
 
 /// A sensor or actuator of the study where it is on the body.
 struct ChannelSite {

@@ -143,7 +143,7 @@ void leave_interpolation(const Study& study, const Solution& solution, const Int
   const auto plan = study.interpolation.value_or(InterpolationPlan{});
   if (plan.table_pitch > 0.0) leave_table(result, solution, plan, run);
   if (plan.polynomial_degree > 0) leave_polynomials(result, plan.polynomial_degree, run);
-  if (result.measured.identified) leave_predictions(result, run);
+  if (result.measured.identified) leave_predictions(result, plan.predicted, run);
   if (run.options().pictures) {
     tell(run.talk().progress(), "drawing");
     leave_picture(result, run);

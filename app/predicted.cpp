@@ -285,7 +285,7 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolat
   return errors;
 }
 
-void leave_predictions(const Interpolated& result, Run& run) {
+void leave_predictions(const Interpolated& result, const std::string& file, Run& run) {
   const auto& model = identified_of(result);
   std::vector<std::string> names = result.unmeasured;
   names.insert(names.end(), result.points.begin(), result.points.end());
@@ -301,9 +301,10 @@ void leave_predictions(const Interpolated& result, Run& run) {
   for (const auto& deviation : responses.deviation) {
     receptance.variance.push_back(deviation.cwiseAbs2());
   }
-  write_atomically(run / "predicted_band.csv", io::frf_csv(receptance));
+  const auto stem = std::filesystem::path(file).stem().string();
+  write_atomically(run / (stem + "_band.csv"), io::frf_csv(receptance));
   receptance.variance.clear();
-  write_atomically(run / "predicted.csv", io::frf_csv(receptance));
+  write_atomically(run / file, io::frf_csv(receptance));
   leave_state_space(model, names, interest, run);
 }
 

@@ -192,6 +192,7 @@ struct InterpolationPlan {
   std::vector<PointPlan> points;
   double table_pitch = 0.0;   ///< [m] of the lookup table; 0: none
   int polynomial_degree = 0;  ///< in x and y; 0: none
+  std::string predicted = "predicted.csv";  ///< responses where nothing was measured
 };
 
 /// What is learned from the modes: hyper-parameters of a Gaussian process.

@@ -69,6 +69,12 @@ void read_interpolation(TableReader& root, Study& study) {
     point.refuse_unknown();
   }
   plan.table_pitch = table->quantity("table_pitch", "m", Sign::positive).value_or(0.0);
+  plan.predicted = table->text("predicted").value_or(plan.predicted);
+  if (!plan.predicted.ends_with(".csv") || plan.predicted.find('/') != plan.predicted.npos) {
+    table->wrong(*table->find("predicted"),
+                 table->name("predicted") + ": found \"" + plan.predicted +
+                     "\", expected the name of a file such as \"predicted.csv\"");
+  }
   plan.polynomial_degree = static_cast<int>(table->integer("polynomial_degree", 1, 30).value_or(0));
   table->refuse_unknown();
 }
