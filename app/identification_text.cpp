@@ -83,6 +83,10 @@ io::Json gain_json(const IdentifiedModel& model) {
                         {"pairs", pairs}};
 }
 
+double overall_noise(const IdentifiedModel& model) {
+  return model.noise.norm() / std::sqrt(static_cast<double>(model.noise.size()));
+}
+
 io::Json fit_json(const IdentifiedModel& model) {
   io::JsonArray channels;
   for (Eigen::Index j = 0; j < model.error.cols(); ++j) {
@@ -96,6 +100,7 @@ io::Json fit_json(const IdentifiedModel& model) {
   }
   const auto& fit = model.found.fit;
   return io::JsonObject{{"relative_error", overall_error(model)},
+                        {"noise_floor", overall_noise(model)},
                         {"per_channel", channels},
                         {"cost", fit.cost},
                         {"expected_cost", fit.expected_cost},

@@ -1,0 +1,109 @@
+// chladni identify on what was measured; the data are not part of the project.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/command.h"
+#include "base/atomic_file.h"
+#include "io/json.h"
+#include "quiet_run.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class IdentifyMeasured : public testing::Test {
+ protected:
+  [[nodiscard]] io::Json identified(const std::string& text, const fs::path& data) const {
+    const Study study = parse_study(text, folder_.path() / "study.toml", {data.parent_path()});
+    QuietRun quiet(study, folder_.path() / "out");
+    identify_command.run(study, quiet.run());
+    return io::parse_json(read_whole(folder_.path() / "out/identified.json"));
+  }
+
+  TestFolder folder_{"identify_measured"};
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+std::vector<double> frequencies(const io::Json& json) {
+  std::vector<double> result;
+  for (const auto& mode : json.at("modes").array()) {
+    result.push_back(mode.at("frequency_hz").number());
+  }
+  return result;
+}
+
+void expect_among(const std::vector<double>& found, double wanted, double within) {
+  EXPECT_TRUE(std::any_of(found.begin(), found.end(),
+                          [&](double one) { return std::abs(one - wanted) < within; }))
+      << wanted << " Hz is not there";
+}
+
+const fs::path kData = fs::path(CHLADNI_SOURCE_DIR) / "../shared/data";
+
+TEST_F(IdentifyMeasured, TheMeasuredBeamOfEindhoven) {
+  const auto file = fs::absolute(kData / "tue-beam-3x3/frf_3x3.csv").lexically_normal();
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  const auto text =
+      replaced(replaced(read_whole(fs::path(CHLADNI_SOURCE_DIR) / "models/beam/measured.toml"),
+                        "../../../shared/data/tue-beam-3x3/frf_3x3.csv", file.string()),
+               "stabilisation = 30\n", "");
+  const auto json = identified(text, file);
+  const auto found = frequencies(json);
+  expect_among(found, 2.64, 0.05);
+  for (const double wanted : {5.11, 32.74, 51.92, 93.11, 105.74}) expect_among(found, wanted, 0.05);
+  for (const double wanted : {172.4, 183.7, 289.1, 437.5, 450.1, 643.7}) {
+    expect_among(found, wanted, 1e-3 * wanted);
+  }
+  EXPECT_NEAR(json.at("delay_s").number(), 0.968e-3, 3e-6);
+}
+
+// Damping near 1e-4: the resonances are one to ten lines wide.
+TEST_F(IdentifyMeasured, TheFreeBarThatHardlyDamps) {
+  const auto file =
+      fs::absolute(kData / "freebar-modelab/frf_9x1_roving_hammer.csv.gz").lexically_normal();
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  std::string text = R"(
+geometry = { beam = { length = "1270 mm", width = "35 mm", thickness = "35 mm" } }
+material = { youngs_modulus = "210 GPa", poissons_ratio = 0.3, density = "7850 kg/m^3" }
+[[sensor]]
+name = "y1"
+at = ["-152 mm", "0 mm"]
+direction = "z"
+quantity = "acceleration"
+[identification]
+unit = "m/s^2"
+band = ["65 Hz", "1000 Hz"]
+rigid_body_modes = 0
+[measurement]
+frf = ")" + file.string() +
+                     "\"\n";
+  const std::vector<double> at{-552, -402, -277, -152, -2, 148, 273, 398, 548};
+  for (std::size_t j = 0; j < at.size(); ++j) {
+    text += "[[actuator]]\nname = \"u" + std::to_string(j + 1) + "\"\nat = [\"" +
+            std::to_string(at[j]) + " mm\", \"0 mm\"]\ndirection = \"z\"\n";
+  }
+  const auto json = identified(text, file);
+  const auto found = frequencies(json);
+  for (const double wanted : {111.992, 306.855, 596.37, 974.12}) {
+    expect_among(found, wanted, 2e-4 * wanted);
+    for (const auto& mode : json.at("modes").array()) {
+      if (std::abs(mode.at("frequency_hz").number() - wanted) > 2e-4 * wanted) continue;
+      const double within = 4.0 * mode.at("damping_std").number();
+      EXPECT_GT(mode.at("damping_ratio").number() + within, 6e-5) << wanted;
+      EXPECT_LT(mode.at("damping_ratio").number() - within, 1.1e-4) << wanted;
+      EXPECT_GT(within, 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace chladni::app

@@ -1,0 +1,364 @@
+// chladni simulate, identify and interpolate one after the other: modes, gains, rows that no fit
+// saw, and what they refuse.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/command.h"
+#include "base/atomic_file.h"
+#include "base/draw.h"
+#include "base/error.h"
+#include "identification/rigid_chain.h"
+#include "io/frf_file.h"
+#include "io/json.h"
+#include "quiet_run.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kModels = fs::path(CHLADNI_SOURCE_DIR) / "models";
+const Eigen::VectorXd kPlaces{{0.05, 0.15, 0.25, 0.35, 0.45}};  // of sensors and coils [m]
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto at = text.find(what);
+  if (at == std::string::npos) throw InvalidInput("the study has no \"" + what + "\"");
+  return text.replace(at, what.size(), by);
+}
+
+std::string model(const std::string& name) { return read_whole(kModels / name); }
+
+Eigen::MatrixXd matrix(const io::Json& rows) {
+  Eigen::MatrixXd result(std::ssize(rows.array()), std::ssize(rows.array().front().array()));
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    for (Eigen::Index j = 0; j < result.cols(); ++j) {
+      result(i, j) =
+          rows.array()[static_cast<std::size_t>(i)].array()[static_cast<std::size_t>(j)].number();
+    }
+  }
+  return result;
+}
+
+modal::FrfSet named(const modal::Frf& frf, const std::vector<int>& coils) {
+  modal::FrfSet set;
+  for (int i = 1; i <= 5; ++i) {
+    set.outputs.push_back({.name = "y" + std::to_string(i),
+                           .node = {},
+                           .position = {},
+                           .unit = "m",
+                           .kind = modal::FrfKind::receptance});
+  }
+  for (const int j : coils) {
+    set.inputs.push_back(
+        {.name = "u" + std::to_string(j), .node = {}, .position = {}, .unit = "N"});
+  }
+  set.frequency_hz = frf.frequency_hz;
+  set.value = frf.value;
+  return set;
+}
+
+// Responses of the chain's first modes and the flexibility of the rest, 0.25 Hz apart, with noise
+// of 1 % of each one's median.
+modal::FrfSet measured(const identification::RigidChain& chain, Eigen::Index modes,
+                       const std::vector<int>& coils) {
+  Eigen::VectorXd at(std::ssize(coils));
+  for (Eigen::Index j = 0; j < at.size(); ++j) {
+    at(j) = kPlaces(coils[static_cast<std::size_t>(j)] - 1);
+  }
+  const auto model =
+      identification::reduced_model(identification::matrices(chain), kPlaces, at, modes);
+  auto set = named(modal::frf(model, Eigen::VectorXd::LinSpaced(997, 1.0, 250.0)), coils);
+  Draw draw(7);
+  Eigen::MatrixXd deviation(5, at.size());
+  for (Eigen::Index e = 0; e < deviation.size(); ++e) {
+    std::vector<double> size;
+    for (const auto& value : set.value) size.push_back(std::abs(value.data()[e]));
+    std::nth_element(size.begin(), size.begin() + 498, size.end());
+    deviation.data()[e] = 0.01 * size[498];
+  }
+  for (auto& value : set.value) {
+    for (Eigen::Index e = 0; e < value.size(); ++e) {
+      const double real = draw.normal();
+      const double imaginary = draw.normal();
+      value.data()[e] +=
+          deviation.data()[e] * std::sqrt(0.5) * std::complex<double>(real, imaginary);
+    }
+    set.variance.emplace_back(deviation.cwiseAbs2());
+  }
+  return set;
+}
+
+// The chain's modes at its five places, five columns or more.
+modal::ReducedModel truth(const identification::RigidChain& chain, Eigen::Index modes) {
+  return identification::reduced_model(identification::matrices(chain), kPlaces, kPlaces, modes);
+}
+
+class Identify : public testing::Test {
+ protected:
+  // What the command said on the terminal.
+  std::string run(const Command& command, const std::string& text, const std::string& out = "out",
+                  const std::vector<fs::path>& allowed = {}) {
+    const Study study = parse_study(text, folder_.path() / "study.toml", allowed);
+    QuietRun quiet(study, folder_.path() / out);
+    command.run(study, quiet.run());
+    return quiet.said();
+  }
+
+  void write(const std::string& name, const modal::FrfSet& set) const {
+    (void)io::write_frf(folder_.path() / name, set);
+  }
+
+  [[nodiscard]] io::Json left(const std::string& name, const std::string& out = "out") const {
+    return io::parse_json(read_whole(folder_.path() / out / name));
+  }
+
+  void refused(const std::string& text, const std::string& word) {
+    try {
+      (void)run(identify_command, text);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  }
+
+  // Of the default: |predicted − measured| over |measured| of the held-out rows together.
+  double held_out_error(const std::string& text, const std::string& out) {
+    (void)run(interpolate_command, text, out);
+    const auto json = left("interpolation.json", out);
+    double square = 0.0;
+    const auto& rows = json.at("methods").array().front().at("held_out").array();
+    for (const auto& row : rows) square += std::pow(row.at("frf_error").number(), 2);
+    return std::sqrt(square / static_cast<double>(rows.size()));
+  }
+
+  TestFolder folder_{"identify"};
+};
+
+void expect_modes(const io::Json& json, const modal::ReducedModel& chain, double coupled = 0.0) {
+  const auto& modes = json.at("modes").array();
+  ASSERT_EQ(std::ssize(modes), chain.mode_count());
+  for (Eigen::Index m = 0; m < chain.mode_count(); ++m) {
+    const auto& mode = modes[static_cast<std::size_t>(m)];
+    EXPECT_FALSE(std::get<bool>(mode.at("rigid").value()));
+    // Shaken, the chain shows that its damping couples its modes.
+    EXPECT_NEAR(mode.at("frequency_hz").number(), chain.frequency_hz(m),
+                4.0 * mode.at("frequency_std_hz").number() + coupled * chain.frequency_hz(m));
+    EXPECT_NEAR(mode.at("damping_ratio").number(), chain.damping_ratio(m),
+                4.0 * mode.at("damping_std").number() + 100.0 * coupled * chain.damping_ratio(m));
+    EXPECT_LT(mode.at("frequency_std_hz").number(), 1e-3 * chain.frequency_hz(m));
+  }
+}
+
+TEST_F(Identify, FindsTheModesOfABeamThatIsShaken) {
+  auto text = model("beam/thesis_5x5.toml");
+  text = replaced(text, "\"4096 Hz\"", "\"1024 Hz\"");
+  text = replaced(text, "samples      = 16384", "samples      = 4096");
+  text = replaced(text, "periods      = 6", "periods      = 3");
+  text = replaced(text, "realisations = 4", "realisations = 2");
+  (void)run(simulate_command, text);
+  (void)run(identify_command, text);
+  const auto json = left("identified.json");
+  expect_modes(json, truth(identification::beam_with_coils(), 5), 2e-5);
+  EXPECT_EQ(matrix(json.at("output_matrix")).rows(), 5);
+  EXPECT_EQ(matrix(json.at("output_matrix")).cols(), 5);
+  EXPECT_EQ(matrix(json.at("input_matrix")).rows(), 5);
+  EXPECT_EQ(json.at("gain_match").at("alpha").array().size(), 5U);
+  EXPECT_EQ(json.at("gain_match").at("alpha_std").array().size(), 5U);
+  EXPECT_EQ(json.at("fit").at("per_channel").array().size(), 25U);
+  EXPECT_LT(json.at("fit").at("relative_error").number(), 0.005);
+  EXPECT_GT(json.at("fit").at("noise_floor").number(), 0.0);
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/identified.mat"));
+}
+
+// The shapes at all five places by the channel that has them: y1, or u1 where no y1 was seen.
+Eigen::MatrixXd shapes(const io::Json& json) {
+  const auto all = matrix(json.at("shapes").at("value"));
+  const auto& names = json.at("shapes").at("channels").array();
+  Eigen::MatrixXd result(5, all.cols());
+  for (int place = 1; place <= 5; ++place) {
+    for (std::size_t r = names.size(); r-- > 0;) {
+      if (names[r].string().substr(1) == std::to_string(place)) {
+        result.row(place - 1) = all.row(static_cast<Eigen::Index>(r));
+      }
+    }
+  }
+  return result;
+}
+
+void expect_same_shapes(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other, double within) {
+  ASSERT_EQ(one.cols(), other.cols());
+  for (Eigen::Index m = 0; m < one.cols(); ++m) {
+    const double sign = one.col(m).dot(other.col(m)) < 0.0 ? -1.0 : 1.0;
+    EXPECT_LT((one.col(m) - sign * other.col(m)).norm(), within * other.col(m).norm()) << m + 1;
+  }
+}
+
+// Figures 5.3 to 5.6 of the thesis, whose first two modes are blends of each other.
+TEST_F(Identify, HasTheShapesOfFivePairsFromTwoSensorsAndFourActuators) {
+  const auto chain = identification::beam_with_coils();
+  write("thesis_5x5.csv", measured(chain, 5, {1, 2, 3, 4, 5}));
+  (void)run(identify_command, model("beam/thesis_5x5.toml"), "five");
+  (void)run(identify_command, model("beam/thesis_2x4.toml"), "two");
+  const auto five = left("identified.json", "five");
+  const auto two = left("identified.json", "two");
+  expect_modes(five, truth(chain, 5));
+  expect_modes(two, truth(chain, 5));
+  // Columns of L and rows of R are one shape where every place has both.
+  const auto by = matrix(five.at("input_matrix"));
+  expect_same_shapes(matrix(five.at("output_matrix")), by.transpose(), 0.01);
+  EXPECT_EQ(two.at("sensors").array().size(), 2U);
+  expect_same_shapes(shapes(two), shapes(five), 0.01);
+  expect_same_shapes(shapes(two), truth(chain, 5).output_shapes, 0.01);
+}
+
+// Figures 6.2 and 6.3.
+TEST_F(Identify, PredictsALeftOutSensorAtLeastAsWellAsTheThesis) {
+  write("thesis_5x3.csv", measured(identification::beam_with_carried_body(), 6, {1, 3, 5}));
+  const auto text = model("beam/thesis_5x3_without_3.toml");
+  const double ours = held_out_error(text, "ours");
+  const auto path =
+      replaced(text, "[identification]\n",
+               "[identification]\nmethod = \"thesis\"\ngain = \"thesis\"\nmodes = 6\n");
+  const double theirs =
+      held_out_error(path + "[interpolation]\nmethods = [\"thin_plate_spline\"]\n", "theirs");
+  EXPECT_LT(ours, 0.002);
+  EXPECT_LE(ours, theirs);
+  EXPECT_TRUE(fs::exists(folder_.path() / "ours/predicted.csv"));
+}
+
+TEST_F(Identify, NeverSeesTheRowsThatAreHeldOut) {
+  auto set = measured(identification::beam_with_carried_body(), 6, {1, 3, 5});
+  const auto text = model("beam/thesis_5x3_without_3.toml");
+  write("thesis_5x3.csv", set);
+  (void)run(identify_command, text, "a");
+  for (auto& value : set.value) value.row(2) *= 3.0;
+  write("thesis_5x3.csv", set);
+  (void)run(identify_command, text, "b");
+  EXPECT_EQ(matrix(left("identified.json", "a").at("shapes").at("value")),
+            matrix(left("identified.json", "b").at("shapes").at("value")));
+}
+
+// A free plate that its prior does not know (thicker, a mass on a corner), in its loop; each sensor
+// has an actuator some 60 mm away (figures 6.4 to 6.6 in small).
+std::string plate(const std::string& thickness, const std::string& parts) {
+  std::string text =
+      "geometry = { plate = { length = \"600 mm\", width = \"500 mm\", thickness = \"" + thickness +
+      "\" } }\n" + R"(
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "60 mm", order = 2 }
+modes = { count = 16, damping_ratio = 0.005 }
+[measurement]
+frf = "plate.csv"
+hold_out = ["s4"]
+)" + parts;
+  const auto add = [&](const std::string& kind, const std::string& name, int x, int y) {
+    text += "[[" + kind + "]]\nname = \"" + name + "\"\nat = [\"" + std::to_string(x) +
+            " mm\", \"" + std::to_string(y) + " mm\"]\ndirection = \"z\"\n";
+  };
+  const std::vector<std::pair<int, int>> corners{
+      {-260, 210}, {250, 220}, {240, -200}, {-250, -220}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto [x, y] = corners[k];
+    add("sensor", "s" + std::to_string(k + 1), x, y);
+    add("actuator", "a" + std::to_string(k + 1), x - (x > 0 ? 45 : -45), y - (y > 0 ? 45 : -45));
+  }
+  add("actuator", "a5", 20, 10);
+  add("actuator", "a6", -120, 30);
+  add("actuator", "a7", 110, -70);
+  add("actuator", "a8", 10, 190);
+  add("actuator", "a9", -30, -200);
+  return text;
+}
+
+TEST_F(Identify, PredictsACornerOfAFreePlateThatTheModelDoesNotKnow) {
+  (void)run(simulate_command, plate("22 mm", R"([[attachment]]
+kind = "mass"
+name = "bracket"
+at = ["250 mm", "200 mm"]
+mass = "0.5 kg"
+[experiment]
+samples = 4096
+warm_up = 2
+periods = 3
+realisations = 2
+band = ["20 Hz", "800 Hz"]
+noise_ratio = 0.01
+controlled = ["a1", "a2", "a3", "a4"]
+bandwidth = "10 Hz"
+)"));
+  (void)run(interpolate_command, plate("20 mm", R"([identification]
+unit = "m"
+pairs_within = "70 mm"
+model_error = 0.003
+)"));
+  const auto identified = left("identified.json");
+  const auto& modes = identified.at("modes").array();
+  EXPECT_TRUE(std::get<bool>(modes[2].at("rigid").value()));
+  EXPECT_FALSE(std::get<bool>(modes[3].at("rigid").value()));
+  const auto json = left("interpolation.json");
+  const auto& methods = json.at("methods").array();
+  const auto error = [&](std::size_t method) {
+    return methods[method].at("held_out").array()[0].at("frf_error").number();
+  };
+  EXPECT_LT(error(0), 0.05);
+  for (std::size_t k = 1; k < methods.size(); ++k) EXPECT_LT(error(0), 0.5 * error(k)) << k;
+}
+
+TEST_F(Identify, NamesChannelsThatOnlyOneSideHas) {
+  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  set.outputs[2].name = "probe";
+  write("thesis_5x5.csv", set);
+  const auto said = run(identify_command, model("beam/thesis_5x5.toml"));
+  EXPECT_NE(said.find("\"probe\" is no channel of the study"), std::string::npos) << said;
+  EXPECT_EQ(left("identified.json").at("sensors").array().size(), 4U);
+  for (std::size_t i = 0; i < 5; ++i) set.outputs[i].name = "probe" + std::to_string(i);
+  write("thesis_5x5.csv", set);
+  refused(model("beam/thesis_5x5.toml"), "no response between a sensor and an actuator");
+}
+
+TEST_F(Identify, SuspectsSwappedRows) {
+  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  const auto text = model("beam/thesis_5x5.toml");
+  write("thesis_5x5.csv", set);
+  const std::string suspicion = "it is not one place";
+  EXPECT_EQ(run(identify_command, text).find(suspicion), std::string::npos);
+  for (auto& value : set.value) value.row(0).swap(value.row(3));
+  write("thesis_5x5.csv", set);
+  EXPECT_NE(run(identify_command, text).find(suspicion), std::string::npos);
+}
+
+TEST_F(Identify, DoesWithoutLinesThatWereNotMeasured) {
+  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  for (std::size_t k = 100; k < 160; ++k) set.value[k].row(1).setConstant(NAN);
+  for (std::size_t k = 300; k < 320; ++k) set.value[k].setConstant(NAN);
+  write("thesis_5x5.csv", set);
+  (void)run(identify_command, model("beam/thesis_5x5.toml"));
+  expect_modes(left("identified.json"), truth(identification::beam_with_coils(), 5));
+}
+
+TEST_F(Identify, RefusesWhatCannotBeMeant) {
+  const auto text = model("beam/thesis_2x4.toml");
+  refused(text, "thesis_5x5.csv");  // is not there
+  const auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  write("thesis_5x5.csv", set);
+  const auto unit = [&](const std::string& other) {
+    return replaced(text, "unit        = \"m\"", "unit = \"" + other + "\"");
+  };
+  refused(unit("m/s"), "the study says displacement");
+  refused(replaced(text, "frf      = \"thesis_5x5.csv\"\n", ""), "frf");
+  refused(replaced(text, "[\"y1\", \"y3\", \"y4\"]", "[\"y1\", \"y2\", \"y3\", \"y4\", \"y5\"]"),
+          "leaves no sensor");
+  write("thesis_5x5.csv", modal::band(set, 10.0, 11.0));
+  refused(text, "lines");
+  write("thesis_5x5.csv", modal::band(set, 10.0, 12.5));
+  refused(replaced(text, "[identification]\n", "[identification]\nmodes = 40\n"), "numbers");
+  write_atomically(folder_.path() / "thesis_5x5.csv",
+                   "freq_hz,re_y1u1,im_y1u1,re_y2u1,im_y2u1\n1,2,3,4,5\n2,3,4\n");
+  refused(text, "thesis_5x5.csv");  // a line that is too short
+}
+
+}  // namespace
+}  // namespace chladni::app
