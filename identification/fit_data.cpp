@@ -12,9 +12,9 @@
 namespace chladni::identification {
 namespace {
 
-constexpr Eigen::Index kFewestLines = 8;
-constexpr int kReach = 4;    // lines on each side of one, of the local polynomial
-constexpr int kDegree = 3;   // of it
+constexpr int kReach = 4;   // lines on each side of one, of the local polynomial
+constexpr int kDegree = 3;  // of it
+constexpr Eigen::Index kFewestLines = 2 * kReach + 1;
 constexpr int kSmooth = 12;  // lines on each side over which a variance is averaged
 
 std::string response_name(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
@@ -38,7 +38,8 @@ Eigen::MatrixXd differs_from_polynomial() {
 
 // Variance of each line from what its neighbourhood leaves of a local polynomial, then the median
 // over wider neighbourhoods: a resonance is no noise, and few lines know little of a variance.
-Eigen::VectorXd local_variance(const Eigen::VectorXcd& value) {
+// @pre as many lines as a polynomial is laid through
+Eigen::VectorXd variance_of_measured(const Eigen::VectorXcd& value) {
   const Eigen::Index count = value.size();
   const Eigen::Index n = 2 * kReach + 1;
   static const Eigen::MatrixXd left_over = differs_from_polynomial();
@@ -58,6 +59,17 @@ Eigen::VectorXd local_variance(const Eigen::VectorXcd& value) {
     smooth(k) = window[window.size() / 2];
   }
   return smooth;
+}
+
+// Lines that are not measured are left out, as if their neighbours were next to each other.
+Eigen::VectorXd local_variance(const Eigen::VectorXcd& value, const Eigen::VectorXd& there) {
+  std::vector<Eigen::Index> measured;
+  for (Eigen::Index k = 0; k < value.size(); ++k) {
+    if (there(k) > 0.0) measured.push_back(k);
+  }
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(value.size());
+  result(measured) = variance_of_measured(value(measured));
+  return result;
 }
 
 // |G| averaged over a line and two on each side: a weight from the noisy line itself biases a fit.
@@ -90,9 +102,11 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
     one.there(k) = 1.0;
     if (set.variance.empty()) continue;
     const double variance = set.variance[static_cast<std::size_t>(k)](i, j);
-    require(variance >= 0.0, "response " + response_name(set, i, j) + " at " +
-                                 std::to_string(set.frequency_hz(k)) + " Hz: variance " +
-                                 std::to_string(variance) + ", expected 0 or more");
+    if (!(variance >= 0.0)) {
+      throw InvalidInput("response " + response_name(set, i, j) + " at " +
+                         std::to_string(set.frequency_hz(k)) + " Hz: variance " +
+                         std::to_string(variance) + ", expected 0 or more");
+    }
     one.variance(k) = variance;
   }
   return one;
@@ -104,9 +118,13 @@ Eigen::VectorXd weights(const Response& one, const FitDataOptions& options, doub
   if (options.weighting == Weighting::inverse_magnitude) {
     const double least = largest * std::pow(10.0, -options.cut_off_db / 20.0);
     deviation = magnitude.cwiseMax(least);
+    if (options.clip_db > 0.0) {
+      const double most = magnitude.maxCoeff() * std::pow(10.0, -options.clip_db / 20.0);
+      deviation = deviation.cwiseMin(std::max(most, least));
+    }
   } else {
     Eigen::VectorXd variance = one.variance;
-    if (variance.maxCoeff() == 0.0) variance = local_variance(one.value);
+    if (variance.maxCoeff() == 0.0) variance = local_variance(one.value, one.there);
     // A line that is repeated to the last bit has no variance; it cannot weigh infinitely.
     const double floor = std::pow(1e-9 * magnitude.maxCoeff(), 2);
     deviation =
@@ -149,7 +167,7 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
       if (one.there.sum() == 0.0) continue;
       require(one.there.sum() >= kFewestLines && one.value.squaredNorm() > 0.0,
               "response " + response_name(set, i, j) +
-                  ": its lines are zero or fewer than 8 of them are finite; leave it out or set "
+                  ": its lines are zero or fewer than 9 of them are finite; leave it out or set "
                   "all its lines to NaN");
       data.value.col(i + data.outputs * j) = one.value;
       data.weight.col(i + data.outputs * j) = weights(one, options, largest);
@@ -168,7 +186,7 @@ FitData reweighted(const FitData& data, const Eigen::MatrixXcd& fitted,
     const Eigen::VectorXd model = options.model_error * fitted.col(e).cwiseAbs();
     const double floor = std::pow(1e-9 * data.value.col(e).cwiseAbs().maxCoeff(), 2);
     const Eigen::VectorXd deviation =
-        (local_variance(left).array().max(floor) + model.array().square()).sqrt();
+        (local_variance(left, there).array().max(floor) + model.array().square()).sqrt();
     result.weight.col(e) = there.cwiseQuotient(deviation);
   }
   return result;

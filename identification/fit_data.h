@@ -24,7 +24,7 @@ struct FitData {
 /// How the weights come about.
 enum class Weighting {
   variance,           ///< 1/σ: maximum likelihood
-  inverse_magnitude,  ///< 1/max(|G|, cut-off), the thesis' (4.2, step 1)
+  inverse_magnitude,  ///< 1/|G| between two limits, the thesis' (4.2, step 1)
 };
 
 struct FitDataOptions {
@@ -32,12 +32,16 @@ struct FitDataOptions {
   Weighting weighting = Weighting::variance;
   double model_error = 0.0;  ///< ε: σ² + (ε |G|)², |G| smoothed over neighbouring lines
   double cut_off_db = 40.0;  ///< of inverse_magnitude: below the largest |G| of all responses
+  /// Likewise: minima of the weights are clipped at 1/|G| this far below the response's own
+  /// largest, so that resonances weigh more (thesis 5.2.4; it does not state how far). 0: not
+  /// clipped.
+  double clip_db = 0.0;
 };
 
 /// As receptances, weighted. Variances that the set does not state are estimated from how much each
 /// line differs from a local polynomial through its neighbours.
-/// @throws InvalidInput  fewer than 8 lines in the band, a response without a finite line, a
-///                       variance that is not positive
+/// @throws InvalidInput  fewer than 9 lines in the band, a response with 1 to 8 finite lines, a
+///                       variance that is negative
 [[nodiscard]] FitData fit_data(const modal::FrfSet& set, const FitDataOptions& options = {});
 
 /// The same data with variances estimated from how much what a fit leaves, instead of the data,

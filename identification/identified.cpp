@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "identification/compression.h"
 #include "identification/delay_scan.h"
 #include "identification/missing_mode.h"
 #include "identification/residue_problem.h"
@@ -27,8 +28,11 @@ constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise lea
 constexpr double kLeastDecrease = 0.02;  // of the cost by a further mode, the noise not known
 constexpr double kHardlyLess = 0.7;      // cost of a higher order over that of a lower one
 constexpr double kNoiseLeft = 1.3;       // cost over what noise leaves at which to stop
+constexpr int kFirstSteps = 12;          // before modes that are none are left out
 constexpr Eigen::Index kSpareOrder = 5;
-constexpr int kPeakReach = 3;  // lines on each side that a peak tops
+constexpr Eigen::Index kMany = 200;   // responses above which channels are combined
+constexpr Eigen::Index kSketch = 14;  // combinations on each side to find poles from
+constexpr int kPeakReach = 3;         // lines on each side that a peak tops
 
 // Resonances that stand out [Hz], as a first guess of the poles: maxima of Σ |ω² G|², each response
 // over its mean, by a factor above the median around them.
@@ -58,6 +62,11 @@ std::vector<double> peaks(const FitData& data) {
 double noise_level(const FitData& data, double cost) {
   const double level = 2.0 * cost / static_cast<double>(data.measured_count());
   return data.noise_known ? std::max(1.0, level) : std::max(level, 1e-300);
+}
+
+// Of a pole whose residue is more than noise.
+double least_significance(const FitData& data, double cost) {
+  return kWorthwhile * static_cast<double>(data.outputs + data.inputs) * noise_level(data, cost);
 }
 
 bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
@@ -127,8 +136,7 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
   }
   if (modes == 0) kept = without_satellites(data, problem, poles, kept);
   // What nothing but noise leaves is known with all poles in place.
-  const double level = noise_level(data, problem.residues().cost);
-  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) * level;
+  const double least = least_significance(data, problem.residues().cost);
   while (!kept.empty()) {
     Eigen::Index weakest = 0;
     const double worth = problem.residues(kept).significance.minCoeff(&weakest);
@@ -143,8 +151,7 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
 // modes of one frequency.
 std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& poles,
                                    const Residues& residues) {
-  const double level = noise_level(data, residues.cost);
-  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) * level;
+  const double least = least_significance(data, residues.cost);
   const Eigen::ArrayXcd s = std::complex<double>(0.0, 2.0 * M_PI) * data.frequency_hz.array();
   std::vector<Eigen::Index> list;
   for (Eigen::Index m = 0; m < poles.size(); ++m) {
@@ -212,6 +219,27 @@ Eigen::Index flexible_count(const ModalFit& fit) {
   return fit.model.mode_count() - fit.model.rigid_count;
 }
 
+// Once the poles are the likeliest, one that the others can do without was never a mode: it mended
+// what the vector fit had left of its neighbours.
+void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
+  while (flexible_count(result.fit) > 1) {
+    const auto start = start_from(result.fit);
+    const auto residues = ResidueProblem(data, start.pole, start.rigid_count > 0).residues();
+    Eigen::Index weakest = 0;
+    const double worth = residues.significance.minCoeff(&weakest);
+    if (worth >= least_significance(data, residues.cost)) return;
+    Start less = start;
+    const auto after = start.pole.size() - weakest - 1;
+    less.pole.segment(weakest, after) = start.pole.tail(after).eval();
+    less.pole.conservativeResize(start.pole.size() - 1);
+    auto fit = modal_fit(data, less, options);
+    const bool taken = !pays(data, fit, result.fit);
+    result.steps.push_back({flexible_count(fit), fit.cost, excess_of(fit), taken});
+    if (!taken) return;
+    result.fit = std::move(fit);
+  }
+}
+
 void add_missing_modes(const FitData& data, const IdentificationOptions& options,
                        Identified& result) {
   const auto room = data.measured_count() / (2 * (data.outputs + data.inputs + 1));
@@ -256,7 +284,10 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
   const auto spare = std::max(kSpareOrder, guess);
   VectorFitOptions how{.order = std::min(guess + spare, highest), .rigid = rigid};
   how.enough = 1e-4;
-  how.enough_value = kSettled;
+  // What is left may not pass for a mode.
+  how.enough_value =
+      std::min(kSettled, kWorthwhile * static_cast<double>(data.outputs + data.inputs) /
+                             static_cast<double>(data.measured_count()));
   how.start = poles_at(seen, how.order);
   std::optional<Poles> best;
   double least = std::numeric_limits<double>::infinity();
@@ -282,8 +313,7 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
 Eigen::Index rigid_rank(const FitData& data, const Residues& residues, Eigen::Index most) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residues.rigid,
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const double least = kWorthwhile * static_cast<double>(data.outputs + data.inputs) *
-                       noise_level(data, residues.cost);
+  const double least = least_significance(data, residues.cost);
   Eigen::Index rank = 0;
   for (; rank < std::min(most, svd.singularValues().size()); ++rank) {
     const Eigen::MatrixXd part =
@@ -303,9 +333,7 @@ FitData without_delay(const FitData& data, const IdentificationOptions& options,
   return undelayed(data, delay);
 }
 
-}  // namespace
-
-Identified identified(const FitData& measured, const IdentificationOptions& options) {
+Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
   Identified result;
   double delay = 0.0;
   const auto data = without_delay(measured, options, delay);
@@ -322,12 +350,45 @@ Identified identified(const FitData& measured, const IdentificationOptions& opti
     const ResidueProblem kept(data, start.pole, start.rigid_count > 0);
     twice = repeated(data, start.pole, kept.residues());
   }
-  result.fit = first_fit(data, start, twice, options.fit);
+  FitOptions few = options.fit;
+  few.iterations = std::min(few.iterations, kFirstSteps);
+  result.fit = first_fit(data, start, twice, few);
   result.steps.push_back(
       {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
+  if (options.modes == 0) drop_idle_modes(data, few, result);
+  if (!result.fit.converged) result.fit = modal_fit(data, start_from(result.fit), options.fit);
   add_missing_modes(data, options, result);
   result.fit.delay_s += delay;
   return result;
+}
+
+// Poles from a few random combinations of the channels, then the fit of all directions that matter.
+Identified from_compressed(const Compressed& small, const FitData& measured,
+                           const IdentificationOptions& options) {
+  const auto sketch = sketched(small.data, kSketch);
+  auto result = from_all_responses(sketch, options);
+  if (sketch.response_count() < small.data.response_count()) {
+    const double delay = result.fit.delay_s;
+    const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;
+    result.fit = modal_fit(data, start_from(result.fit), options.fit);
+    result.steps.push_back(
+        {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
+    add_missing_modes(data, options, result);
+    result.fit.delay_s += delay;
+  }
+  result.fit = expanded(result.fit, small, measured);
+  return result;
+}
+
+}  // namespace
+
+Identified identified(const FitData& measured, const IdentificationOptions& options) {
+  if (measured.response_count() > kMany) {
+    if (const auto small = compressed(measured)) {
+      return from_compressed(*small, measured, options);
+    }
+  }
+  return from_all_responses(measured, options);
 }
 
 }  // namespace chladni::identification
