@@ -129,6 +129,16 @@ Eigen::MatrixXd along_modes(const Eigen::MatrixXd& weighted, const FitData& data
   return result;
 }
 
+// |L| = |R| of every flexible mode.
+void balance(modal::ReducedModel& model) {
+  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
+    const double factor =
+        std::sqrt(model.input_shapes.row(m).norm() / model.output_shapes.col(m).norm());
+    model.output_shapes.col(m) *= factor;
+    model.input_shapes.row(m) /= factor;
+  }
+}
+
 // L and R of all channels by linear least squares, one side after the other, poles given: what of
 // the shapes is beside the small space.
 void refine_shapes(const Compressed& small, const FitData& data, bool residual, ModalFit& fit) {
@@ -167,11 +177,7 @@ void refine_shapes(const Compressed& small, const FitData& data, bool residual, 
     right = solved(gram.cwiseProduct(left.transpose() * a.asDiagonal() * left), right);
     right = right * (b.array() > 0.0).cast<double>().matrix().asDiagonal();
   }
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    const double balance = std::sqrt(right.row(m).norm() / left.col(m).norm());
-    left.col(m) *= balance;
-    right.row(m) /= balance;
-  }
+  balance(fit.model);
 }
 
 // Residual, its deviation and the cost of all responses, those of one input at a time.

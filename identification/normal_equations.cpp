@@ -158,7 +158,7 @@ NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
       }
     });
     for (std::size_t t = first; t < std::min(first + cores, shares); ++t) {
-      sum.matrix += parts[t].matrix;
+      sum.matrix.triangularView<Eigen::Lower>() += parts[t].matrix;
       sum.gradient += parts[t].gradient;
       parts[t] = {};
     }

@@ -141,10 +141,18 @@ PoleProducts::Products PoleProducts::of(Eigen::Index e, bool only_functions) con
     mixed(n + 1, n) = -sum(kRealSlow);
   }
   for (Eigen::Index c = n; c < all; ++c) functions.row(c).head(c) = functions.col(c).head(c);
-  if (only_functions) return result;
+  if (!only_functions) fill_with_data(e, m, conjugate_m, result);
+  return result;
+}
+
+void PoleProducts::fill_with_data(Eigen::Index e, const Eigen::VectorXcd& m,
+                                  const Eigen::VectorXcd& conjugate_m, Products& result) const {
+  const auto n = 2 * poles_.size();
+  auto& mixed = result.mixed;
   add_pole_pairs(poles_, m, conjugate_m, mixed);
   mixed.row(n).head(n) = with_one(m).transpose();
   if (rigid_ > 0) {
+    const Complex j(0.0, 1.0);
     const Eigen::VectorXcd slow = moment(kRealSlow, e) + j * moment(kImaginarySlow, e);
     mixed.row(n + 1).head(n) = -with_one(slow).transpose();
   }
@@ -153,8 +161,7 @@ PoleProducts::Products PoleProducts::of(Eigen::Index e, bool only_functions) con
   add_pole_pairs(poles_, square, square, result.data);
   result.data.col(n).head(n) = with_one(square);
   result.data.row(n).head(n) = result.data.col(n).head(n).transpose();
-  result.data(n, n) = sum(kSquare);
-  return result;
+  result.data(n, n) = weights_.col(kSquare * responses_ + e).sum();
 }
 
 Eigen::VectorXd PoleProducts::sums() const {

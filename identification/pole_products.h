@@ -37,6 +37,9 @@ class PoleProducts {
   [[nodiscard]] Eigen::Index function_count() const { return 2 * poles_.size() + 1 + rigid_; }
 
  private:
+  // The products that the data enter, from the moments of w² G and of w² Ḡ.
+  void fill_with_data(Eigen::Index response, const Eigen::VectorXcd& m,
+                      const Eigen::VectorXcd& conjugate_m, Products& result) const;
   [[nodiscard]] Eigen::VectorXcd moment(Eigen::Index kind, Eigen::Index response) const;
 
   Eigen::Index responses_, rigid_;

@@ -316,6 +316,17 @@ void ResponseProducts::add_gradient(const Products& products, double pivot,
   }
 }
 
+ResponseProducts::SmallReal ResponseProducts::between(const Eigen::MatrixXcd& gram, const Part& c,
+                                                      const Part& d) {
+  const auto single = [](const Part& one) { return one.by.rows() == 4 && one.by.cols() == 4; };
+  if (single(c) && single(d)) {  // most of them
+    const Eigen::Matrix4cd half = gram.block<4, 4>(c.row, d.row) * d.by.topLeftCorner<4, 4>();
+    return (c.by.topLeftCorner<4, 4>().adjoint() * half).real();
+  }
+  const SmallComplex half = gram.block(c.row, d.row, c.by.rows(), d.by.rows()).lazyProduct(d.by);
+  return c.by.adjoint().lazyProduct(half).real();
+}
+
 void ResponseProducts::scatter(Eigen::Index e, const Products& products,
                                NormalEquations& sum) const {
   auto parts = parts_of(e);
@@ -324,10 +335,7 @@ void ResponseProducts::scatter(Eigen::Index e, const Products& products,
   add_gradient(products, pivot, parts, sum);
   for (std::size_t d = 0; d < parts.size(); ++d) {
     for (std::size_t c = d; c < parts.size(); ++c) {
-      const auto block =
-          products.gram.block(parts[c].row, parts[d].row, parts[c].by.rows(), parts[d].by.rows());
-      const SmallComplex half = block.lazyProduct(parts[d].by);
-      SmallReal square = parts[c].by.adjoint().lazyProduct(half).real();
+      SmallReal square = between(products.gram, parts[c], parts[d]);
       if (pivot > 0.0) {
         square -= parts[c].with_residual.lazyProduct(parts[d].with_residual.transpose()) / pivot;
       }

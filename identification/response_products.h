@@ -64,6 +64,9 @@ class ResponseProducts {
   };
   [[nodiscard]] SmallComplex derivatives(std::size_t block, Eigen::Index i, Eigen::Index j) const;
   [[nodiscard]] std::vector<Part> parts_of(Eigen::Index e) const;
+  // Re byᴴ gram by of two blocks.
+  [[nodiscard]] static SmallReal between(const Eigen::MatrixXcd& gram, const Part& c,
+                                         const Part& d);
   void add_gradient(const Products& products, double pivot, std::vector<Part>& parts,
                     NormalEquations& sum) const;
   void scatter(Eigen::Index e, const Products& products, NormalEquations& sum) const;

@@ -78,6 +78,23 @@ TEST(Compression, FindsTheModesOfManyChannels) {
   EXPECT_EQ(fit.residual_std.cols(), 18);
 }
 
+TEST(Compression, KeepsTheDelay) {
+  FrfFaults faults;
+  faults.relative_noise = 0.0;
+  faults.floor_noise = 1.0;
+  faults.delay_s = 2e-4;
+  const auto made = simulators::big(12, 9, 9, 500, faults);
+  const auto data = fit_data(made.measured);
+  const auto small = compressed(data);
+  ASSERT_TRUE(small.has_value());
+  FitOptions options;
+  options.delay = true;
+  const auto fit = expanded(modal_fit(small->data, true_start(made.truth), options), *small, data);
+  EXPECT_NEAR(fit.delay_s, faults.delay_s, 4.0 * fit.delay_std_s);
+  EXPECT_LT(std::abs(excess(fit)), 4.0);
+  EXPECT_EQ(fit_errors(made.truth, fit).missed, 0);
+}
+
 TEST(Compression, LeavesOutChannelsThatAreNotMeasured) {
   auto made = noisy(12, 9, 9, 500, 3);
   const double nan = std::numeric_limits<double>::quiet_NaN();

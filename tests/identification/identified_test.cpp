@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -157,6 +158,23 @@ TEST(Identified, AbsorbsAModeAboveTheBand) {
   EXPECT_LT((errors.frequency_hz.array() / bounds.frequency_hz.array()).head(5).abs().maxCoeff(),
             3.0);
   EXPECT_LT((errors.damping.array() / bounds.damping.array()).head(5).abs().maxCoeff(), 3.5);
+}
+
+// T15: a dashpot at one place makes the modes complex; real ones of the same number are rejected.
+TEST(Identified, RejectsRealModesWhereTheyAreComplex) {
+  FrfFaults faults;
+  faults.dashpot = 1.0;
+  const auto made = simulators::beam5x3(faults);
+  IdentificationOptions options;
+  options.modes = 5;
+  const auto fit = identified(fit_data(made.measured), options).fit;
+  EXPECT_GT(excess(fit), 5.0);
+  // Poles of real modes are still within a part of the bandwidth.
+  const auto truth = simulators::complex_modes(made.truth);
+  for (Eigen::Index m = 2; m < 5; ++m) {
+    const double own = 2.0 * std::numbers::pi * fit.model.frequency_hz(m);
+    EXPECT_NEAR(own, std::abs(truth.pole(m)), -truth.pole(m).real()) << m;
+  }
 }
 
 // T8: 10 % of the values missing, a row not measured, a dead channel.
