@@ -13,6 +13,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr Eigen::Index kAtOnce = 32;  // responses whose sums are one product
+constexpr double kLostDigits = 1e-3;  // gap over the distance of the nearest line
 constexpr double kLeastGap = 1e-9;    // between poles of one block, relative
 
 enum Kind : Eigen::Index {
@@ -67,6 +68,7 @@ ResponseProducts::ResponseProducts(const BlockModel& model, const Misfit& misfit
   slow_ = target_.x.array().square().inverse();
   list_fractions();
   fill_lines();
+  list_near_poles();
 }
 
 void ResponseProducts::list_fractions() {
@@ -178,6 +180,42 @@ void ResponseProducts::fill_pole_pairs(const Eigen::VectorXcd& moment,
   }
 }
 
+void ResponseProducts::list_near_poles() {
+  const auto n = static_cast<std::size_t>(pole_.size());
+  Eigen::VectorXd distance(pole_.size());
+  for (Eigen::Index r = 0; r < pole_.size(); ++r) {
+    const Eigen::ArrayXcd s = Complex(0.0, 1.0) * target_.x.cast<Complex>().array();
+    distance(r) = (s - pole_(r)).abs().minCoeff();
+  }
+  for (std::size_t b = 0; b < n; ++b) {
+    for (std::size_t a = 0; a <= b; ++a) {
+      const auto i = static_cast<Eigen::Index>(a);
+      const auto j = static_cast<Eigen::Index>(b);
+      const double gap = std::abs(std::conj(pole_(i)) + pole_(j));
+      if (gap < kLostDigits * std::min(distance(i), distance(j))) near_.emplace_back(a, b);
+    }
+  }
+}
+
+void ResponseProducts::fill_near_poles(Eigen::Index e, Eigen::MatrixXcd& gram) const {
+  const auto w = target_.squared.col(e).transpose();
+  const auto line = [&](Eigen::Index row) {
+    Eigen::RowVectorXcd f(target_.line_count());
+    f.real() = lines_.row(row);
+    f.imag() = lines_.row(rows_ + row);
+    return f;
+  };
+  for (const auto& [a, b] : near_) {
+    for (const auto u : {plain_[a], square_[a]}) {
+      const Eigen::RowVectorXcd left = line(u).conjugate().cwiseProduct(w.cast<Complex>());
+      for (const auto v : {plain_[b], square_[b]}) {
+        gram(u, v) = left.cwiseProduct(line(v)).sum();
+        gram(v, u) = std::conj(gram(u, v));
+      }
+    }
+  }
+}
+
 // What no pole is part of: 1/s², 1 and the delay among themselves and with the error. Only the real
 // parts are ever used.
 void ResponseProducts::fill_single_functions(Eigen::Index e, Products& products) const {
@@ -219,6 +257,7 @@ ResponseProducts::Products ResponseProducts::products(Eigen::Index e, const Sums
   Products result{Eigen::MatrixXcd::Zero(n, n), Eigen::VectorXcd::Zero(n)};
   const Eigen::VectorXcd moment = sums.complex(kWeight, e);
   fill_pole_pairs(moment, result.gram);
+  fill_near_poles(e, result.gram);
   const auto border = [&](Eigen::Index row, const Eigen::VectorXcd& with_fractions) {
     result.gram.col(row).head(rows_) = with_fractions;
     result.gram.row(row).head(rows_) = with_fractions.adjoint();

@@ -1,6 +1,7 @@
 // Normal equations of the responses one by one, from sums of partial fractions.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "identification/normal_equations.h"
@@ -48,6 +49,8 @@ class ResponseProducts {
   void fill_lines();
   [[nodiscard]] Sums sums(Eigen::Index begin, Eigen::Index end) const;
   void fill_pole_pairs(const Eigen::VectorXcd& moment, Eigen::MatrixXcd& gram) const;
+  void list_near_poles();
+  void fill_near_poles(Eigen::Index e, Eigen::MatrixXcd& gram) const;
   void fill_single_functions(Eigen::Index e, Products& products) const;
   [[nodiscard]] Products products(Eigen::Index e, const Sums& sums) const;
   // At most 12 functions and 24 parameters of a response in a block: 3 modes, 12 rigid-body modes.
@@ -89,8 +92,11 @@ class ResponseProducts {
   bool rigid_ = false;
   Eigen::VectorXcd pole_;                     // all
   std::vector<Eigen::Index> plain_, square_;  // rows of each pole's fraction and of its square
-  Eigen::VectorXd slow_;                      // K: 1/x²
-  Eigen::MatrixXd lines_;                     // 2·rows×K: real parts, then imaginary
+  /// Pairs of poles whose differences are so much smaller than their distance from every line that
+  /// the formula loses its digits: their products are summed over the lines.
+  std::vector<std::pair<std::size_t, std::size_t>> near_;
+  Eigen::VectorXd slow_;   // K: 1/x²
+  Eigen::MatrixXd lines_;  // 2·rows×K: real parts, then imaginary
 };
 
 }  // namespace chladni::identification

@@ -100,6 +100,36 @@ TEST(NormalEquations, AreThoseOfDifferences) {
   }
 }
 
+// A mode above the band with hardly any damping: its poles are nearer to their mirror images than
+// to any line by many orders.
+TEST(NormalEquations, HoldForAModeOutsideTheBandWithoutDamping) {
+  Problem from = problem(5);
+  auto& block = from.model.blocks[0];
+  block.stiffness(0, 0) = 1.4 * 1.4;
+  block.damping(0, 0) = 1e-9;
+  const auto now = misfit(from.model, from.target, kAll);
+  const auto normal = normal_equations(from.model, now, from.target, kAll);
+  const auto n = parameter_count(from.model, kAll);
+  const Eigen::Index own = 3 + 2 + 2;  // left, right, stiffness, damping of the single mode
+  Eigen::MatrixXd jacobian(now.error.size(), own);
+  constexpr double kStep = 3e-5;
+  for (Eigen::Index c = 0; c < own; ++c) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(n, c);
+    jacobian.col(c) = (8.0 * (errors(from, step) - errors(from, -step)) - errors(from, 2.0 * step) +
+                       errors(from, -2.0 * step)) /
+                      (12.0 * kStep);
+  }
+  const Eigen::MatrixXd matrix =
+      normal.matrix.topLeftCorner(own, own).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd square = jacobian.transpose() * jacobian;
+  for (Eigen::Index a = 0; a < own; ++a) {
+    for (Eigen::Index b = 0; b < own; ++b) {
+      EXPECT_NEAR(matrix(a, b), square(a, b), 1e-5 * std::sqrt(square(a, a) * square(b, b)))
+          << a << ' ' << b;
+    }
+  }
+}
+
 TEST(NormalEquations, DoNotDependOnTheBasisOfABlock) {
   Problem from = problem(4);
   const double before = misfit(from.model, from.target, kAll).cost;
