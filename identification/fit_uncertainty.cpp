@@ -111,7 +111,7 @@ Eigen::MatrixXd held_inverse(const NormalEquations& normal, const Eigen::MatrixX
   // No data speak of a row that is not measured: it is kept out, its deviation is infinite.
   const Eigen::VectorXd known = (scale.array() > 0.0).cast<double>();
   const Eigen::MatrixXd scaled =
-      (normal.matrix.diagonal().array().sqrt() * known.array()).matrix().asDiagonal() * idle;
+      (normal.matrix.diagonal().array().max(0.0).sqrt() * known.array()).matrix().asDiagonal() * idle;
   a.diagonal() += Eigen::VectorXd::Ones(known.size()) - known;
   const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).householderQ() *
                             Eigen::MatrixXd::Identity(idle.rows(), idle.cols());

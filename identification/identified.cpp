@@ -284,10 +284,12 @@ Poles start_poles(const FitData& data, const IdentificationOptions& options, Eig
   const auto spare = std::max(kSpareOrder, guess);
   VectorFitOptions how{.order = std::min(guess + spare, highest), .rigid = rigid};
   how.enough = 1e-4;
-  // What is left may not pass for a mode.
-  how.enough_value =
-      std::min(kSettled, kWorthwhile * static_cast<double>(data.outputs + data.inputs) /
-                             static_cast<double>(data.measured_count()));
+  how.enough_value = kSettled;
+  if (data.noise_known) {  // then what is left may not pass for a mode
+    how.enough_value =
+        std::min(kSettled, kWorthwhile * static_cast<double>(data.outputs + data.inputs) /
+                               static_cast<double>(data.measured_count()));
+  }
   how.start = poles_at(seen, how.order);
   std::optional<Poles> best;
   double least = std::numeric_limits<double>::infinity();
@@ -351,12 +353,13 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
     twice = repeated(data, start.pole, kept.residues());
   }
   FitOptions few = options.fit;
-  few.iterations = std::min(few.iterations, kFirstSteps);
+  if (data.noise_known) few.iterations = std::min(few.iterations, kFirstSteps);
   result.fit = first_fit(data, start, twice, few);
   result.steps.push_back(
       {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
-  if (options.modes == 0) drop_idle_modes(data, few, result);
-  if (!result.fit.converged) result.fit = modal_fit(data, start_from(result.fit), options.fit);
+  if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
+  if (data.noise_known && !result.fit.converged)
+    result.fit = modal_fit(data, start_from(result.fit), options.fit);
   add_missing_modes(data, options, result);
   result.fit.delay_s += delay;
   return result;
