@@ -159,7 +159,8 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   data.frequency_hz = set.frequency_hz;
   data.value.setZero(set.line_count(), data.outputs * data.inputs);
   data.weight.setZero(set.line_count(), data.outputs * data.inputs);
-  data.noise_known = options.weighting == Weighting::variance && !set.variance.empty();
+  data.noise_stated = options.weighting == Weighting::variance && !set.variance.empty();
+  data.noise_known = data.noise_stated && options.model_error == 0.0;
   for (Eigen::Index j = 0; j < data.inputs; ++j) {
     for (Eigen::Index i = 0; i < data.outputs; ++i) {
       const auto one = response_of(set, i, j);

@@ -13,8 +13,8 @@ struct FitData {
   Eigen::VectorXd frequency_hz;  ///< K, ascending, above 0
   Eigen::MatrixXcd value;        ///< K×pq: receptances; 0 where not measured
   Eigen::MatrixXd weight;        ///< K×pq: 1/σ with σ² = E|G − G₀|²; 0: not measured
-  bool noise_known = true;  ///< variances were stated: the weights are deviations (with a model
-                            ///< error at least so large), not only their proportions
+  bool noise_known = true;       ///< the weights are true deviations, not only their proportions
+  bool noise_stated = true;      ///< variances came with the data, whatever was added to them
 
   [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }

@@ -89,7 +89,7 @@ double usual_damping(const Eigen::VectorXcd& poles, const Eigen::VectorXd& worth
 std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueProblem& problem,
                                              const Eigen::VectorXcd& poles,
                                              const std::vector<Eigen::Index>& all) {
-  if (data.noise_known || all.empty()) return all;
+  if (data.noise_stated || all.empty()) return all;
   const auto worth = problem.residues(all).significance;
   const Eigen::VectorXcd p = poles(all);
   const double usual = usual_damping(p, worth);
@@ -113,7 +113,7 @@ std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueP
 // Whether a further mode looks like what data have beside a resonance: within a bandwidth of a mode
 // that is there, or damped ten times more than they are at most.
 bool is_satellite(const FitData& data, const ModalFit& fit, const std::complex<double>& pole) {
-  if (data.noise_known) return false;
+  if (data.noise_stated) return false;
   const double own = std::abs(pole) / (2.0 * M_PI);
   const double ratio = -pole.real() / std::abs(pole);
   double most = 0.0;
