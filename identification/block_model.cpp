@@ -11,16 +11,6 @@ namespace {
 
 constexpr double kDependent = 1e-3;  // least over largest singular value of unit shapes
 
-// ẋ = A x of the block's coordinates and their speeds.
-Eigen::MatrixXd companion(const Block& block) {
-  const auto g = block.size();
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * g, 2 * g);
-  a.topRightCorner(g, g).setIdentity();
-  a.bottomLeftCorner(g, g) = -block.stiffness;
-  a.bottomRightCorner(g, g) = -block.damping;
-  return a;
-}
-
 // v e^{jφ} with the largest real part, over its length.
 Eigen::VectorXd turned_real(const Eigen::VectorXcd& v) {
   const double angle = 0.5 * std::arg((v.array() * v.array()).sum());
@@ -29,6 +19,15 @@ Eigen::VectorXd turned_real(const Eigen::VectorXcd& v) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd companion(const Block& block) {
+  const auto g = block.size();
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * g, 2 * g);
+  a.topRightCorner(g, g).setIdentity();
+  a.bottomLeftCorner(g, g) = -block.stiffness;
+  a.bottomRightCorner(g, g) = -block.damping;
+  return a;
+}
 
 Eigen::VectorXcd poles(const Block& block) {
   Eigen::VectorXcd all = companion(block).eigenvalues();
@@ -92,10 +91,10 @@ std::vector<Block> diagonalised(const Block& block) {
 
 Block single_mode(std::complex<double> pole, const Eigen::VectorXd& left,
                   const Eigen::RowVectorXd& right) {
-  Block mode{.left = left, .right = right};
-  mode.stiffness = Eigen::MatrixXd::Constant(1, 1, std::norm(pole));
-  mode.damping = Eigen::MatrixXd::Constant(1, 1, -2.0 * pole.real());
-  return mode;
+  return {.left = left,
+          .right = right,
+          .stiffness = Eigen::MatrixXd::Constant(1, 1, std::norm(pole)),
+          .damping = Eigen::MatrixXd::Constant(1, 1, -2.0 * pole.real())};
 }
 
 }  // namespace chladni::identification

@@ -26,6 +26,10 @@ struct BlockModel {
   double delay = 0.0;        ///< times scale: without unit
 };
 
+/// 2g×2g: ẋ = A x of a block's coordinates and their speeds. Its eigenvalues are the poles, and the
+/// upper right corner of (s − A)⁻¹ is (s² + s damping + stiffness)⁻¹.
+[[nodiscard]] Eigen::MatrixXd companion(const Block& block);
+
 /// The 2g poles of a block, those with Im ≥ 0 first.
 [[nodiscard]] Eigen::VectorXcd poles(const Block& block);
 

@@ -126,7 +126,8 @@ FitData projected(const std::vector<Eigen::MatrixXd>& by_input, const Eigen::Mat
                  .frequency_hz = like.frequency_hz,
                  .value = {},
                  .weight = {},
-                 .noise_known = like.noise_known};
+                 .noise_known = like.noise_known,
+                 .noise_stated = like.noise_stated};
   result.value.resize(lines, rows * right.cols());
   for (Eigen::Index e = 0; e < result.value.cols(); ++e) {
     const auto column = z.col(e / rows).segment(2 * lines * (e % rows), 2 * lines);

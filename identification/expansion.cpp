@@ -1,10 +1,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "identification/compression.h"
+#include "identification/fit_uncertainty.h"
 #include "priors/dense.h"
 
 namespace chladni::identification {
@@ -229,24 +229,6 @@ Eigen::MatrixXd rigid_covariance(const ModalFit& fit, const Compressed& small) {
   return turn * fit.rigid_covariance * turn.transpose();
 }
 
-// Nothing is known of channels without a measured response.
-void mark_unmeasured(const Compressed& small, ModalFit& fit) {
-  constexpr double kNothing = std::numeric_limits<double>::infinity();
-  const auto p = small.left.rows();
-  for (Eigen::Index i = 0; i < p; ++i) {
-    if (small.output_scale(i) > 0.0) continue;
-    fit.output_std.row(i).setConstant(kNothing);
-    fit.residual_std.row(i).setConstant(kNothing);
-    for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
-  }
-  for (Eigen::Index j = 0; j < small.right.rows(); ++j) {
-    if (small.input_scale(j) > 0.0) continue;
-    fit.input_std.col(j).setConstant(kNothing);
-    fit.residual_std.col(j).setConstant(kNothing);
-    for (auto& covariance : fit.mode_covariance) covariance(2 + p + j, 2 + p + j) = kNothing;
-  }
-}
-
 }  // namespace
 
 ModalFit expanded(const ModalFit& fit, const Compressed& small, const FitData& data) {
@@ -279,7 +261,7 @@ ModalFit expanded(const ModalFit& fit, const Compressed& small, const FitData& d
   result.expected_cost = 0.5 * static_cast<double>(result.measured_count - result.parameter_count);
   refine_shapes(small, data, residual, result);
   fill_residual(data, residual, variance, result);
-  mark_unmeasured(small, result);
+  mark_unmeasured(data.weight.colwise().sum().reshaped(p, q), result);
   return result;
 }
 

@@ -111,7 +111,8 @@ Eigen::MatrixXd held_inverse(const NormalEquations& normal, const Eigen::MatrixX
   // No data speak of a row that is not measured: it is kept out, its deviation is infinite.
   const Eigen::VectorXd known = (scale.array() > 0.0).cast<double>();
   const Eigen::MatrixXd scaled =
-      (normal.matrix.diagonal().array().max(0.0).sqrt() * known.array()).matrix().asDiagonal() * idle;
+      (normal.matrix.diagonal().array().max(0.0).sqrt() * known.array()).matrix().asDiagonal() *
+      idle;
   a.diagonal() += Eigen::VectorXd::Ones(known.size()) - known;
   const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).householderQ() *
                             Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
@@ -247,13 +248,12 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   return groups;
 }
 
-// Of what no data speak nothing is known: the deviations of channels without a measured response.
-void mark_unmeasured(const Target& target, ModalFit& fit) {
+}  // namespace
+
+void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
-  const auto weight = sums.reshaped(target.outputs, target.inputs);
   fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
-  const auto p = target.outputs;
+  const auto p = weight.rows();
   const auto g = fit.model.rigid_count;
   for (Eigen::Index i = 0; i < p; ++i) {
     if (weight.row(i).sum() > 0.0) continue;
@@ -261,7 +261,7 @@ void mark_unmeasured(const Target& target, ModalFit& fit) {
     for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
     for (Eigen::Index a = 0; a < g; ++a) fit.rigid_covariance(i + p * a, i + p * a) = kNothing;
   }
-  for (Eigen::Index j = 0; j < target.inputs; ++j) {
+  for (Eigen::Index j = 0; j < weight.cols(); ++j) {
     if (weight.col(j).sum() > 0.0) continue;
     fit.input_std.col(j).setConstant(kNothing);
     for (auto& covariance : fit.mode_covariance) covariance(2 + p + j, 2 + p + j) = kNothing;
@@ -271,8 +271,6 @@ void mark_unmeasured(const Target& target, ModalFit& fit) {
     }
   }
 }
-
-}  // namespace
 
 ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitted& fitted,
                           const FitData& data) {
@@ -302,7 +300,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
         std::sqrt(std::max(0.0, covariance(parameters - 1, parameters - 1))) / model.scale;
   }
   fit.groups = groups_of(fit);
-  mark_unmeasured(target, fit);
+  mark_unmeasured(sums.reshaped(target.outputs, target.inputs), fit);
   if (!fitted.residual) fit.residual_std.setZero();
   return fit;
 }

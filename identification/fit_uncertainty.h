@@ -13,4 +13,9 @@ namespace chladni::identification {
 [[nodiscard]] ModalFit with_uncertainty(const Descent& found, const Target& target,
                                         const Fitted& fitted, const FitData& data);
 
+/// Of what no data speak nothing is known: infinite deviations of the residuals, shapes and
+/// rigid-body rows of channels without a measured response.
+/// @param weight  p×q: of each response, 0 where it is not measured
+void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit);
+
 }  // namespace chladni::identification

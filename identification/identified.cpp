@@ -176,20 +176,6 @@ double excess_of(const ModalFit& fit) {
   return (2.0 * fit.cost - n) / std::sqrt(2.0 * n);
 }
 
-Start start_from(const ModalFit& fit) {
-  Start start;
-  start.rigid_count = fit.model.rigid_count;
-  const auto flexible = fit.model.mode_count() - fit.model.rigid_count;
-  start.pole.resize(flexible);
-  for (Eigen::Index m = 0; m < flexible; ++m) {
-    const double own = 2.0 * M_PI * fit.model.frequency_hz(start.rigid_count + m);
-    const double ratio = fit.model.damping_ratio(start.rigid_count + m);
-    start.pole(m) =
-        own * std::complex<double>(-ratio, std::sqrt(std::max(1e-12, 1.0 - ratio * ratio)));
-  }
-  return start;
-}
-
 // Whether a fit with one mode more is worth it.
 bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   const double level = noise_level(data, after.cost);
@@ -223,7 +209,7 @@ Eigen::Index flexible_count(const ModalFit& fit) {
 // what the vector fit had left of its neighbours.
 void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
   while (flexible_count(result.fit) > 1) {
-    const auto start = start_from(result.fit);
+    const auto start = start_at(result.fit.model);
     const auto residues = ResidueProblem(data, start.pole, start.rigid_count > 0).residues();
     Eigen::Index weakest = 0;
     const double worth = residues.significance.minCoeff(&weakest);
@@ -248,7 +234,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     if (options.fit.keep_best && interrupted()) break;
     const bool wanted = options.modes > flexible_count(result.fit);
     if (!wanted && data.noise_known && excess_of(result.fit) < kEnoughExcess) break;
-    auto start = start_from(result.fit);
+    auto start = start_at(result.fit.model);
     const auto candidate = missing_mode(data, result.fit);
     if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
     start.pole.conservativeResize(start.pole.size() + 1);
@@ -359,7 +345,7 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
       {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
   if (data.noise_known && !result.fit.converged)
-    result.fit = modal_fit(data, start_from(result.fit), options.fit);
+    result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
   add_missing_modes(data, options, result);
   result.fit.delay_s += delay;
   return result;
@@ -373,7 +359,7 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
   if (sketch.response_count() < small.data.response_count()) {
     const double delay = result.fit.delay_s;
     const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;
-    result.fit = modal_fit(data, start_from(result.fit), options.fit);
+    result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
     result.steps.push_back(
         {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
     add_missing_modes(data, options, result);

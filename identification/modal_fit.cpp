@@ -204,6 +204,18 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
 
 }  // namespace
 
+Start start_at(const modal::ReducedModel& model) {
+  Start start;
+  start.rigid_count = model.rigid_count;
+  start.pole.resize(model.mode_count() - model.rigid_count);
+  for (Eigen::Index m = 0; m < start.pole.size(); ++m) {
+    const double own = 2.0 * std::numbers::pi * model.frequency_hz(start.rigid_count + m);
+    const double ratio = model.damping_ratio(start.rigid_count + m);
+    start.pole(m) = own * Complex(-ratio, std::sqrt(std::max(1e-12, 1.0 - ratio * ratio)));
+  }
+  return start;
+}
+
 ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& options) {
   check(data, start, options);
   const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);

@@ -21,6 +21,9 @@ struct Start {
   Eigen::Index rigid_count = 0;          ///< rank of the 1/s² term
 };
 
+/// The flexible modes of a model, without residues.
+[[nodiscard]] Start start_at(const modal::ReducedModel& model);
+
 /// A modal model and how sure it is.
 /// G(s) = [Σ l_m r_m / (s² + 2 ζ_m ω_m s + ω_m²) + residual] e^{−sτ}; modes of frequency 0 first.
 struct ModalFit {
@@ -49,9 +52,9 @@ struct ModalFit {
 };
 
 struct FitOptions {
-  bool residual = true;  ///< a constant p×q for the modes above the band
-  bool delay = false;    ///< one for all responses is fitted
-  int iterations = 60;   ///< of Levenberg and Marquardt, at most
+  bool residual = true;    ///< a constant p×q for the modes above the band
+  bool delay = false;      ///< one for all responses is fitted
+  int iterations = 60;     ///< of Levenberg and Marquardt, at most
   bool keep_best = false;  ///< Ctrl-C stops the fit with the best so far (`converged` is false)
   Progress progress = {};
 };

@@ -25,7 +25,7 @@ enum Kind : Eigen::Index {
   kDelayImaginary
 };
 
-// (s − A)⁻¹ of the companion form, its upper right corner.
+// From the eigenvectors of the companion form.
 void split(const Block& block, BlockFractions& result) {
   const auto g = block.size();
   if (g == 1) {
@@ -40,11 +40,7 @@ void split(const Block& block, BlockFractions& result) {
     result.y.resize(2, 1);
     result.y << 1.0 / (above - below), 1.0 / (below - above);
   } else {
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * g, 2 * g);
-    a.topRightCorner(g, g).setIdentity();
-    a.bottomLeftCorner(g, g) = -block.stiffness;
-    a.bottomRightCorner(g, g) = -block.damping;
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion(block));
     result.pole = solver.eigenvalues();
     result.x = solver.eigenvectors().topRows(g);
     result.y = solver.eigenvectors().inverse().rightCols(g);

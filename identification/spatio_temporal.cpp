@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "identification/delay_scan.h"
 
 namespace chladni::identification {
 namespace {
@@ -108,11 +109,12 @@ modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
   return model;
 }
 
-FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData& data) {
+FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData& measured) {
   const auto q = match.input_shapes.cols();
-  require(data.outputs == 1 && data.inputs == q,
-          "fitted row: " + std::to_string(data.outputs) + " sensors by " +
-              std::to_string(data.inputs) + " actuators, expected 1 by " + std::to_string(q));
+  require(measured.outputs == 1 && measured.inputs == q,
+          "fitted row: " + std::to_string(measured.outputs) + " sensors by " +
+              std::to_string(measured.inputs) + " actuators, expected 1 by " + std::to_string(q));
+  const auto data = undelayed(measured, fit.delay_s);
   const auto m = fit.model.mode_count();
   const auto lines = data.line_count();
   Eigen::MatrixXcd h(lines, m);
@@ -129,14 +131,10 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
     Eigen::MatrixXcd columns = Eigen::MatrixXcd::Zero(lines, m + q);
     columns.leftCols(m) = h * match.input_shapes.col(j).asDiagonal();
     columns.col(m + j).setOnes();
-    Eigen::VectorXcd value = data.value.col(j);
-    for (Eigen::Index k = 0; k < lines; ++k) {
-      value(k) *= std::polar(1.0, kTwoPi * data.frequency_hz(k) * fit.delay_s);
-    }
     const Eigen::VectorXd w = data.weight.col(j).cwiseAbs2();
     const Eigen::MatrixXcd weighted = columns.adjoint() * w.cast<Complex>().asDiagonal();
     normal += (weighted * columns).real();
-    right += (weighted * value).real();
+    right += (weighted * data.value.col(j)).real();
   }
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(

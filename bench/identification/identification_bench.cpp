@@ -40,18 +40,6 @@ const Measured& measured(std::int64_t which) {
 
 void label(benchmark::State& state) { state.SetLabel(state.range(0) == 0 ? "beam5x3" : "oat4x13"); }
 
-Start true_start(const modal::ReducedModel& truth) {
-  const auto n = truth.mode_count() - truth.rigid_count;
-  const Eigen::ArrayXd omega = 2.0 * std::numbers::pi * truth.frequency_hz.tail(n).array();
-  const Eigen::ArrayXd damping = truth.damping_ratio.tail(n).array();
-  Start start;
-  start.pole.resize(n);
-  start.pole.real() = -damping * omega;
-  start.pole.imag() = omega * (1.0 - damping.square()).sqrt();
-  start.rigid_count = truth.rigid_count;
-  return start;
-}
-
 void weights(benchmark::State& state) {
   const auto& made = measured(state.range(0)).made;
   for (auto _ : state) benchmark::DoNotOptimize(fit_data(made.measured));
@@ -69,7 +57,7 @@ void start_by_vector_fitting(benchmark::State& state) {
 
 void maximum_likelihood(benchmark::State& state) {
   const auto& [made, data] = measured(state.range(0));
-  const auto start = true_start(made.truth);
+  const auto start = start_at(made.truth);
   int iterations = 0;
   for (auto _ : state) iterations = modal_fit(data, start).iterations;
   state.counters["iterations"] = iterations;
@@ -97,7 +85,7 @@ void iteration_of_the_fraction(benchmark::State& state) {
 
 void gains(benchmark::State& state) {
   const auto& [made, data] = measured(state.range(0));
-  const auto fit = modal_fit(data, true_start(made.truth));
+  const auto fit = modal_fit(data, start_at(made.truth));
   GainMatchOptions options;
   options.pairs = collocated_pairs(made.measured.outputs, made.measured.inputs, 0.11);
   for (auto _ : state) {

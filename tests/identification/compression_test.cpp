@@ -32,8 +32,8 @@ TEST(Compression, LosesAFractionOfTheBound) {
   ASSERT_TRUE(small.has_value());
   EXPECT_LE(small->data.outputs, 11);
   EXPECT_GE(small->data.inputs, 6);
-  const auto direct = modal_fit(data, true_start(made.truth));
-  const auto within = modal_fit(small->data, true_start(made.truth));
+  const auto direct = modal_fit(data, start_at(made.truth));
+  const auto within = modal_fit(small->data, start_at(made.truth));
   const auto fit = expanded(within, *small, data);
   const auto bounds = simulators::cramer_rao(made);
   const auto between = [](const auto& a, const auto& b, const auto& unit) {
@@ -89,7 +89,7 @@ TEST(Compression, KeepsTheDelay) {
   ASSERT_TRUE(small.has_value());
   FitOptions options;
   options.delay = true;
-  const auto fit = expanded(modal_fit(small->data, true_start(made.truth), options), *small, data);
+  const auto fit = expanded(modal_fit(small->data, start_at(made.truth), options), *small, data);
   EXPECT_NEAR(fit.delay_s, faults.delay_s, 4.0 * fit.delay_std_s);
   EXPECT_LT(std::abs(excess(fit)), 4.0);
   EXPECT_EQ(fit_errors(made.truth, fit).missed, 0);
@@ -103,7 +103,7 @@ TEST(Compression, LeavesOutChannelsThatAreNotMeasured) {
   const auto small = compressed(data);
   ASSERT_TRUE(small.has_value());
   EXPECT_EQ(small->left.row(4).norm(), 0.0);
-  const auto fit = expanded(modal_fit(small->data, true_start(made.truth)), *small, data);
+  const auto fit = expanded(modal_fit(small->data, start_at(made.truth)), *small, data);
   EXPECT_LT(std::abs(excess(fit)), 4.0);
   EXPECT_EQ(fit.output_std(4, 5), std::numeric_limits<double>::infinity());
   EXPECT_TRUE(fit.input_std.allFinite());

@@ -9,6 +9,7 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "identification/frf_estimate.h"
+#include "identification/modal_fit.h"
 #include "modal/frf.h"
 #include "rigs.h"
 
@@ -16,16 +17,6 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
-Eigen::VectorXcd poles(const modal::ReducedModel& model) {
-  Eigen::VectorXcd result(model.mode_count());
-  for (Eigen::Index m = 0; m < result.size(); ++m) {
-    const double omega = kTwoPi * model.frequency_hz(m);
-    const double zeta = model.damping_ratio(m);
-    result(m) = {-zeta * omega, omega * std::sqrt(1.0 - zeta * zeta)};
-  }
-  return result;
-}
 
 // The model's responses, late and with 1 % noise of known variance.
 modal::FrfSet noisy(const modal::ReducedModel& model, double delay, double noise, unsigned seed) {
@@ -53,7 +44,8 @@ TEST(Delay, IsFoundWithinItsDeviationAtKnownPoles) {
   const auto model = two_modes();
   double squares = 0.0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
-    const auto found = delay_at_poles(noisy(model, 3.1e-4, 0.01, seed), poles(model), false);
+    const auto found =
+        delay_at_poles(noisy(model, 3.1e-4, 0.01, seed), start_at(model).pole, false);
     const double error = (found.delay_s - 3.1e-4) / found.std_s;
     EXPECT_LT(std::abs(error), 4.0);
     EXPECT_LT(found.std_s, 1e-6);
@@ -74,9 +66,9 @@ TEST(Delay, WithoutVariancesTheResidualTellsTheDeviationOfEqualNoise) {
     }
   }
   for (auto& v : set.variance) v.setConstant(1e-12);
-  const auto given = delay_at_poles(set, poles(model), false);
+  const auto given = delay_at_poles(set, start_at(model).pole, false);
   set.variance.clear();
-  const auto found = delay_at_poles(set, poles(model), false);
+  const auto found = delay_at_poles(set, start_at(model).pole, false);
   EXPECT_NEAR(found.delay_s, given.delay_s, 1e-3 * given.std_s);
   EXPECT_NEAR(found.std_s / given.std_s, 1.0, 0.1);  // 2400 real numbers: ± 0.03
   EXPECT_LT(std::abs(found.delay_s - 3.1e-4), 4.0 * found.std_s);
@@ -89,7 +81,7 @@ TEST(Delay, ThePhaseAloneGivesAFirstValue) {
     // Damping: 2 ζ / ω of the lowest mode at the static end.
     EXPECT_NEAR(found.delay_s, delay, 2.0 * 0.005 / (kTwoPi * 20.0)) << delay;
     const auto after =
-        delay_at_poles(noisy(model, delay, 0.01, 5), poles(model), false, found.delay_s);
+        delay_at_poles(noisy(model, delay, 0.01, 5), start_at(model).pole, false, found.delay_s);
     EXPECT_LT(std::abs(after.delay_s - delay), 4.0 * after.std_s);
   }
 }
@@ -119,8 +111,8 @@ TEST(Delay, TakenAwayWithTheHoldItLeavesTheContinuousResponse) {
   // What is left folds from beyond half the sampling frequency: (f / fs)² of the response.
   EXPECT_LT(error(without_delay(raw, rig.delay_s, rig.sample_time_s)), 1e-2);
   EXPECT_GT(error(without_delay(raw, rig.delay_s)), 0.1);
-  const auto found = delay_at_poles(without_delay(raw, 0.0, rig.sample_time_s), poles(model), false,
-                                    2.0 * rig.sample_time_s);
+  const auto found = delay_at_poles(without_delay(raw, 0.0, rig.sample_time_s),
+                                    start_at(model).pole, false, 2.0 * rig.sample_time_s);
   EXPECT_NEAR(found.delay_s, rig.delay_s, 1e-3 * rig.sample_time_s);
 }
 

@@ -14,19 +14,6 @@
 
 namespace chladni::identification {
 
-/// The true flexible poles [rad/s] and the count of rigid-body modes.
-inline Start true_start(const modal::ReducedModel& truth) {
-  const auto n = truth.mode_count() - truth.rigid_count;
-  const Eigen::ArrayXd omega = 2.0 * std::numbers::pi * truth.frequency_hz.tail(n).array();
-  const Eigen::ArrayXd ratio = truth.damping_ratio.tail(n).array();
-  Start start;
-  start.pole.resize(n);
-  start.pole.real() = -ratio * omega;
-  start.pole.imag() = omega * (1.0 - ratio.square()).sqrt();
-  start.rigid_count = truth.rigid_count;
-  return start;
-}
-
 /// Of each flexible mode of the truth the mode of the fit that is like it: within half a half-power
 /// bandwidth the one with the largest MAC, each once; −1 where there is none.
 inline std::vector<Eigen::Index> partners(const modal::ReducedModel& truth,

@@ -147,7 +147,7 @@ TEST(Identified, AbsorbsAModeAboveTheBand) {
   const auto made = simulators::beam5x3(faults);
   const auto bounds = simulators::cramer_rao(made);
   const auto constant = modal_fit(fit_data(made.measured), [&] {
-    auto start = true_start(made.truth);
+    auto start = start_at(made.truth);
     start.pole.conservativeResize(5);
     return start;
   }());

@@ -21,7 +21,7 @@ using simulators::FrfFaults;
 // The true poles, moved by a tenth of a bandwidth and their damping by a tenth.
 Start near_truth(const modal::ReducedModel& truth, unsigned seed) {
   Draw draw(seed);
-  Start start = true_start(truth);
+  Start start = start_at(truth);
   for (auto& pole : start.pole) {
     const double half = -pole.real();
     pole = {-half * std::exp(0.1 * draw.normal()), pole.imag() + 0.2 * half * draw.normal()};
@@ -75,7 +75,7 @@ TEST(ModalFit, IsExactWithRigidBodyModes) {
 TEST(ModalFit, StatesTheCramerRaoBound) {
   for (const auto& made : {simulators::beam5x3(), simulators::big(5, 4, 9, 800)}) {
     const auto bounds = simulators::cramer_rao(made);
-    const auto fit = modal_fit(fit_data(made.measured), true_start(made.truth));
+    const auto fit = modal_fit(fit_data(made.measured), start_at(made.truth));
     const auto r = made.truth.rigid_count;
     ASSERT_EQ(fit.model.mode_count(), made.truth.mode_count());
     EXPECT_EQ(fit.parameter_count, bounds.parameters);
@@ -237,10 +237,10 @@ TEST(ModalFit, KnowsADeadChannelAsZero) {
 TEST(ModalFit, ScalesItsDeviationsWhereTheNoiseIsNotKnown) {
   const auto made = simulators::beam5x3();
   FitData data = fit_data(made.measured);
-  const auto known = modal_fit(data, true_start(made.truth));
+  const auto known = modal_fit(data, start_at(made.truth));
   data.noise_known = false;
   data.weight *= 17.0;
-  const auto scaled = modal_fit(data, true_start(made.truth));
+  const auto scaled = modal_fit(data, start_at(made.truth));
   EXPECT_LT(
       (scaled.frequency_std_hz.array() / known.frequency_std_hz.array() - 1.0).abs().maxCoeff(),
       0.03);
@@ -269,7 +269,7 @@ TEST(ModalFit, GivesTheSameBitsOnAnyNumberOfThreads) {
 TEST(ModalFit, RefusesWhatDoesNotFitTogether) {
   const auto made = simulators::beam5x3();
   const auto data = fit_data(made.measured);
-  const auto good = true_start(made.truth);
+  const auto good = start_at(made.truth);
   auto start = good;
   start.residue.resize(2);
   EXPECT_THROW((void)modal_fit(data, start), InvalidInput);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "identification/frf_estimate.h"
+#include "identification/modal_fit.h"
 #include "modal/state_space.h"
 #include "rigs.h"
 
@@ -34,16 +35,6 @@ VirtualExperimentPlan thesis_plan() {
   plan.multisine.low_hz = 0.25;
   plan.multisine.high_hz = 200.0;
   return plan;
-}
-
-Eigen::VectorXcd poles(const modal::ReducedModel& model) {
-  Eigen::VectorXcd result(model.mode_count());
-  for (Eigen::Index m = 0; m < result.size(); ++m) {
-    const double omega = kTwoPi * model.frequency_hz(m);
-    const double zeta = model.damping_ratio(m);
-    result(m) = {-zeta * omega, omega * std::sqrt(1.0 - zeta * zeta)};
-  }
-  return result;
 }
 
 struct Truth {
@@ -87,7 +78,7 @@ TEST(Transient, DroppingOnePeriodLeavesPercentsAtTheModes) {
   const auto once = error_at_modes(frf_estimate(data, dropping(1)).set);
   EXPECT_GT(once.maxCoeff(), 0.02);
   // The poles of the first fit take it away altogether.
-  const auto clean = without_transient(data, poles(beam())).data;
+  const auto clean = without_transient(data, start_at(beam()).pole).data;
   const auto after = error_at_modes(frf_estimate(clean, dropping(0)).set);
   EXPECT_LT(after.maxCoeff(), 1e-7) << after.transpose();
 }
@@ -118,9 +109,10 @@ TEST(Transient, ItsRemovalLeavesLessThanATenthOfTheDeviation) {
     const auto data = virtual_experiment(noisy, thesis_plan(), 1, 3);
     const auto noise = frf_estimate(data, dropping(dropped)).set;
     // The estimator is linear in the outputs: what it makes of noiseless ones is its bias.
-    const auto bias = frf_estimate(removed ? without_transient(clean, poles(beam())).data : clean,
-                                   dropping(dropped))
-                          .set;
+    const auto bias =
+        frf_estimate(removed ? without_transient(clean, start_at(beam()).pole).data : clean,
+                     dropping(dropped))
+            .set;
     const auto truth = truth_of(bias);
     double largest = 0.0;
     for (std::size_t k = 0; k < truth.response.size(); ++k) {
@@ -140,8 +132,9 @@ TEST(Transient, NoNoiseIsAddedByItsRemoval) {
   noisy.sensor_noise = Eigen::Vector3d::Constant(1e-6);
   const auto plan = thesis_plan();
   const auto data = virtual_experiment(noisy, plan, 1, 3);
-  const auto clean = without_transient(virtual_experiment(rig(), plan, 1, 3), poles(beam())).data;
-  const auto both = without_transient(data, poles(beam())).data;
+  const auto clean =
+      without_transient(virtual_experiment(rig(), plan, 1, 3), start_at(beam()).pole).data;
+  const auto both = without_transient(data, start_at(beam()).pole).data;
   const auto added = (both.records[0].outputs - clean.records[0].outputs).norm();
   const auto was = 1e-6 * std::sqrt(static_cast<double>(both.records[0].outputs.size()));
   EXPECT_NEAR(added / was, 1.0, 0.01);

@@ -33,7 +33,7 @@ TEST(VectorFit, IsExactWithoutNoise) {
   options.order = 5;
   const auto found = vector_fit(fit_data(made.measured), options);
   ASSERT_EQ(found.size(), 5);
-  EXPECT_LT(farthest(true_start(made.truth).pole, found), 1e-9);
+  EXPECT_LT(farthest(start_at(made.truth).pole, found), 1e-9);
 }
 
 TEST(VectorFit, LeavesRigidBodyModesToTheirTerm) {
@@ -43,7 +43,7 @@ TEST(VectorFit, LeavesRigidBodyModesToTheirTerm) {
   VectorFitOptions options;
   options.order = 9;  // a pair is found slowly without spare ones
   options.rigid = true;
-  EXPECT_LT(farthest(true_start(made.truth).pole, vector_fit(fit_data(made.measured), options)),
+  EXPECT_LT(farthest(start_at(made.truth).pole, vector_fit(fit_data(made.measured), options)),
             1e-9);
 }
 
@@ -58,7 +58,7 @@ TEST(VectorFit, FindsEveryModeWithinAFractionOfItsBandwidth) {
       VectorFitOptions options;
       options.order = 8;
       const auto found = vector_fit(fit_data(made.measured), options);
-      for (const auto& pole : true_start(made.truth).pole) {
+      for (const auto& pole : start_at(made.truth).pole) {
         EXPECT_LT((found.array() - pole).abs().minCoeff(), -0.3 * pole.real()) << noise << seed;
       }
     }
@@ -90,7 +90,7 @@ TEST(VectorFit, IgnoresWhatIsNotMeasured) {
   VectorFitOptions options;
   options.order = 7;
   const auto found = vector_fit(data, options);
-  for (const auto& pole : true_start(made.truth).pole) {
+  for (const auto& pole : start_at(made.truth).pole) {
     EXPECT_LT((found.array() - pole).abs().minCoeff(), -0.2 * pole.real());
   }
 }
