@@ -1,0 +1,95 @@
+// What a simulation gets wrong and why: measured responses in, causes with their probabilities out.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/progress.h"
+#include "diagnosis/structure.h"
+#include "diagnosis/tolerances.h"
+#include "modal/frf_set.h"
+
+namespace chladni::diagnosis {
+
+enum class Verdict { no_discrepancy, named, ambiguous, partial, unexplained };
+[[nodiscard]] std::string_view name(Verdict verdict);
+
+/// A number of a cause, in `unit` (SI).
+struct CauseParameter {
+  std::string name, unit;
+  double value = 0.0, std = 0.0;
+};
+
+struct Cause {
+  std::string effect;                 ///< as effects() names it
+  std::vector<std::string> channels;  ///< it acts on; empty for the body
+  std::vector<CauseParameter> parameters;
+  std::optional<Eigen::Vector2d> place;  ///< on the chart [m]: parameters "u" and "v"
+  double log_evidence_gain = 0.0;        ///< ln Z lost when it alone is left out
+  double probability = 0.0;              ///< that this, and no rival, is behind the data
+  double share = 0.0;                    ///< of the initial excess misfit that leaves with it
+};
+
+/// Causes that explain the data together.
+struct Explanation {
+  std::vector<Cause> causes;
+  double log_evidence = 0.0;  ///< over that of the simulation with its tolerances
+  double probability = 0.0;   ///< among the explanations found
+  double excess = 0.0;        ///< z = (χ² − N) / sqrt(2N) of what it leaves
+};
+
+/// Where something acts that no effect of the catalogue explains.
+struct Superclass {
+  std::string name;     ///< "sensor", "actuator", "place", "all sensors alike", "frequencies", ...
+  std::string channel;  ///< of a row or a column
+  std::optional<Eigen::Vector2d> place;
+  double explained = 0.0;  ///< part of the excess misfit that a free function of frequency takes
+  Eigen::VectorXd frequency_hz;
+  Eigen::VectorXcd curve;  ///< that function
+};
+
+/// How likely a point attachment is at each place of the scan (Structure::surface).
+struct CauseMap {
+  Eigen::VectorXd explained;  ///< n: part of the excess misfit
+  Eigen::VectorXd posterior;  ///< n: sums to 1; zero where no place was named
+};
+
+/// Left by a fit: χ² per number measured, 1 where only noise is left.
+struct Residue {
+  Eigen::VectorXd per_output, per_input;
+  Eigen::VectorXd band_edges_hz, per_band;  ///< b + 1, b
+  double lag_one = 0.0;                     ///< correlation of neighbouring lines
+};
+
+struct DiagnosisOptions {
+  Tolerances tolerances;
+  int lines = 320;  ///< of the search, at most; the last fit takes three times as many
+  int most_causes = 3;
+  double least_evidence = 8.0;    ///< of a cause: ln of the Bayes factor
+  double rival_within = 5.0;      ///< ln Z: rivals nearer than this make it ambiguous
+  std::vector<std::string> only;  ///< names of effects; empty: all
+  Progress progress = {};
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::unexplained;
+  Explanation best;                 ///< no causes where none is needed or found
+  std::vector<Explanation> rivals;  ///< descending, without the best
+  std::optional<Superclass> superclass;
+  CauseMap map;
+  double excess_before = 0.0;  ///< z of the simulation within its tolerances
+  Residue before, after;
+  std::vector<std::string> breaches;  ///< tolerances that are stretched beyond three deviations
+  std::vector<std::string> notes;
+};
+
+/// @param measured  receptances (modal::converted) with variances; channels by name, those that
+///                  the structure lacks are left out with a note; NaN is not measured
+/// @throws InvalidInput  no channel in common, no line within the structure's modes, variances
+///                       missing or negative
+[[nodiscard]] Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
+                                  const DiagnosisOptions& options = {});
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,66 @@
+#include "diagnosis/structure.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+void fits(const Eigen::MatrixXd& values, Eigen::Index rows, Eigen::Index cols,
+          const std::string& what) {
+  require(values.rows() == rows && values.cols() == cols,
+          fmt::format("{}: {} x {} numbers, expected {} x {}", what, values.rows(), values.cols(),
+                      rows, cols));
+  require(values.allFinite(), what + ": a number that is not finite");
+}
+
+void check_side(const ChannelSide& side, Eigen::Index modes, const std::string& what) {
+  const Eigen::Index n = side.count();
+  require(n > 0, "no " + what);
+  require(static_cast<Eigen::Index>(side.names.size()) == n, what + ": one name each is expected");
+  fits(side.shapes, n, modes, "shapes at the " + what);
+  fits(side.slope_u, n, modes, "slopes along u at the " + what);
+  fits(side.slope_v, n, modes, "slopes along v at the " + what);
+  fits(side.aside_u, n, modes, "motion along u at the " + what);
+  fits(side.aside_v, n, modes, "motion along v at the " + what);
+  fits(side.places, n, 2, "places of the " + what);
+}
+
+void check_cells(const BodyCells& cells, Eigen::Index modes) {
+  const auto n = static_cast<std::size_t>(cells.count());
+  require(
+      cells.stiffness.size() == n && cells.mass.size() == n && cells.area.size() == cells.count(),
+      "cells of the body: centres, areas and matrices differ in number");
+  for (std::size_t c = 0; c < n; ++c) {
+    fits(cells.stiffness[c], modes, modes, "stiffness of a cell");
+    fits(cells.mass[c], modes, modes, "mass of a cell");
+  }
+}
+
+}  // namespace
+
+void check(const Structure& structure) {
+  const Eigen::Index r = structure.mode_count();
+  require(r > structure.rigid_count && structure.rigid_count >= 0, "no flexible mode");
+  fits(structure.frequency_hz, r, 1, "frequencies");
+  fits(structure.damping_ratio, r, 1, "damping ratios");
+  require((structure.frequency_hz.head(structure.rigid_count).array() == 0.0).all() &&
+              (structure.frequency_hz.tail(r - structure.rigid_count).array() > 0.0).all(),
+          "rigid-body modes come first, at exactly 0 Hz");
+  check_side(structure.outputs, r, "sensors");
+  check_side(structure.inputs, r, "actuators");
+  fits(structure.residual, structure.output_count(), structure.input_count(), "residual");
+  fits(structure.surface.shapes, structure.surface.count(), r, "shapes on the surface");
+  fits(structure.surface.area, structure.surface.count(), 1, "areas of the surface");
+  require(structure.surface.count() == 0 || structure.surface.at != nullptr,
+          "a surface without its map");
+  check_cells(structure.cells, r);
+  if (structure.directional.along_u.size() == 0) return;
+  fits(structure.directional.along_u, r, r, "stiffness along u");
+  fits(structure.directional.along_v, r, r, "stiffness along v");
+  fits(structure.directional.across, r, r, "stiffness across");
+  fits(structure.directional.shear, r, r, "stiffness in shear");
+}
+
+}  // namespace chladni::diagnosis

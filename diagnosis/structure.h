@@ -1,0 +1,84 @@
+// The simulation as the diagnosis sees it: its modes where they were measured, where something may
+// hang on it, and what each part of the body adds to stiffness and mass.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace chladni::diagnosis {
+
+/// Motion of the r modes at one place of the surface, along its normal. The slopes are along the
+/// chart's axes: a rotation of the material there, for thin bodies.
+struct PointMotion {
+  Eigen::VectorXd shape;             ///< r [kg^-1/2]
+  Eigen::VectorXd slope_u, slope_v;  ///< r [kg^-1/2 m^-1]
+};
+
+/// Channels of one side, c of them.
+struct ChannelSide {
+  std::vector<std::string> names;
+  Eigen::MatrixXd shapes;            ///< c×r, along each channel's direction [kg^-1/2]
+  Eigen::MatrixXd slope_u, slope_v;  ///< c×r: how they change when it is moved [kg^-1/2 m^-1]
+  Eigen::MatrixXd aside_u, aside_v;  ///< c×r: along the chart's axes instead [kg^-1/2]
+  Eigen::MatrixX2d places;           ///< c×2, on the chart [m]
+
+  [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
+};
+
+/// A part of the surface as a map of two coordinates (for a plate: its top, x and y).
+struct Surface {
+  Eigen::MatrixX2d places;  ///< n×2 [m]: of the scan, evenly spread
+  Eigen::VectorXd area;     ///< n [m²]
+  Eigen::MatrixXd shapes;   ///< n×r, along the normal
+  /// Anywhere on it; none beside it.
+  std::function<std::optional<PointMotion>(const Eigen::Vector2d&)> at;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]: of the chart, in the body's frame
+  Eigen::Vector3d axis_u = Eigen::Vector3d::UnitX(), axis_v = Eigen::Vector3d::UnitY();
+
+  [[nodiscard]] Eigen::Index count() const { return places.rows(); }
+};
+
+/// The body in parts, seen along the normal of the chart: sums of all are diag(ω²) and 1 where
+/// nothing is attached.
+struct BodyCells {
+  Eigen::MatrixX2d centres;                      ///< b×2 [m]
+  Eigen::VectorXd area;                          ///< b [m²]
+  std::vector<Eigen::MatrixXd> stiffness, mass;  ///< b, each r×r: Φᵀ K_c Φ [s^-2], Φᵀ M_c Φ [1]
+
+  [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
+};
+
+/// What the stiffness gains, Φᵀ K Φ [s^-2], when one elastic constant of the whole body doubles:
+/// along u, along v, between the two, in shear. They sum to diag(ω²) (nearly, for solids).
+struct Directional {
+  Eigen::MatrixXd along_u, along_v, across, shear;
+};
+
+/// A simulation on r modes: rigid-body modes first, flexible ones well beyond the band (two to
+/// three times), mass-normalised. The r modes are the coordinates of every hypothesis.
+struct Structure {
+  Eigen::VectorXd frequency_hz;   ///< r, ascending; rigid-body modes exactly 0
+  Eigen::VectorXd damping_ratio;  ///< r
+  Eigen::Index rigid_count = 0;
+  ChannelSide outputs, inputs;  ///< p displacements, q forces
+  Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out
+  Surface surface;
+  BodyCells cells;          ///< may be empty: then no cause inside the body is sought
+  Directional directional;  ///< may be empty (0×0): then no orthotropy is sought
+  /// (thickness)^power: 3 for bodies that bend; 0: thickness means nothing here.
+  double bending_power = 3.0;
+  double thickness = 0.0;  ///< [m]; 0: not known
+  double mass_kg = 0.0;
+
+  [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
+  [[nodiscard]] Eigen::Index output_count() const { return outputs.count(); }
+  [[nodiscard]] Eigen::Index input_count() const { return inputs.count(); }
+};
+
+/// @throws InvalidInput  arrays do not fit together, an entry is not finite
+void check(const Structure& structure);
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,25 @@
+// What a real structure or channel may deviate without that being an effect.
+#pragma once
+
+namespace chladni::diagnosis {
+
+/// Standard deviations, SI. Every parameter of an effect has its twin here: what stays within a few
+/// of these is never named. 0: known exactly.
+struct Tolerances {
+  double gain = 5e-3;         ///< of each channel, relative
+  double position = 5e-4;     ///< [m], of each channel along each axis
+  double delay = 1e-6;        ///< [s], common to all
+  double modulus = 5e-3;      ///< of the whole body, relative
+  double density = 3e-3;      ///< likewise
+  double thickness = 1.5e-3;  ///< relative, of each smooth wave over the body and of the whole
+  double orthotropy = 5e-3;   ///< of one direction's stiffness, relative
+  double frequency = 1e-3;    ///< of each mode: what solver, mesh and theory leave
+  double damping = 0.2;       ///< of each mode, of the logarithm
+};
+
+/// All but nothing: data made by the very model that is diagnosed.
+[[nodiscard]] inline Tolerances exact_model() {
+  return {1e-5, 1e-6, 1e-9, 1e-5, 1e-5, 1e-5, 1e-5, 1e-6, 1e-4};
+}
+
+}  // namespace chladni::diagnosis
