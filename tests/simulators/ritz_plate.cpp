@@ -119,16 +119,11 @@ void scale(Carried& all, double stiffness, double mass) {
   all.rotary *= mass;
 }
 
-// Bᵀ D B of the curvatures over (ψx, ψy).
-Eigen::MatrixXd bending_stiffness(const Products& at, const std::vector<Eigen::Matrix3d>& bending) {
-  const Index m = at.value.cols();
-  const Index k = at.value.rows();
-  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(3 * k, 2 * m);
-  curvature.block(0, 0, k, m) = at.by_x;
-  curvature.block(k, m, k, m) = at.by_y;
-  curvature.block(2 * k, 0, k, m) = at.by_y;
-  curvature.block(2 * k, m, k, m) = at.by_x;
-  Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(3 * k, 2 * m);
+// D κ; κ: k rows of κx, then of κy, then of κxy.
+Eigen::MatrixXd moments(const Eigen::MatrixXd& curvature,
+                        const std::vector<Eigen::Matrix3d>& bending) {
+  const Index k = curvature.rows() / 3;
+  Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(3 * k, curvature.cols());
   for (Index a = 0; a < 3; ++a) {
     for (Index b = 0; b < 3; ++b) {
       Eigen::VectorXd d(k);
@@ -137,7 +132,19 @@ Eigen::MatrixXd bending_stiffness(const Products& at, const std::vector<Eigen::M
       moment.middleRows(a * k, k) += d.asDiagonal() * curvature.middleRows(b * k, k);
     }
   }
-  return curvature.transpose() * moment;
+  return moment;
+}
+
+// Over (ψx, ψy).
+Eigen::MatrixXd bending_stiffness(const Products& at, const std::vector<Eigen::Matrix3d>& bending) {
+  const Index m = at.value.cols();
+  const Index k = at.value.rows();
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(3 * k, 2 * m);
+  curvature.block(0, 0, k, m) = at.by_x;
+  curvature.block(k, m, k, m) = at.by_y;
+  curvature.block(2 * k, 0, k, m) = at.by_y;
+  curvature.block(2 * k, m, k, m) = at.by_x;
+  return curvature.transpose() * moments(curvature, bending);
 }
 
 void add(RitzMatrices& sum, const RitzBody& body, const Carried& all) {
@@ -220,26 +227,43 @@ RitzBody aluminium_table(int degree) {
   return body;
 }
 
-RitzMatrices ritz_matrices_of_cell(const RitzBody& body, const Eigen::Vector2d& low,
-                                   const Eigen::Vector2d& high, StiffnessPart part) {
-  check(body);
-  const Index n = 3 * (body.degree + 1) * (body.degree + 1);
-  RitzMatrices sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
-  const double share = std::max((high.x() - low.x()) / body.length,  //
-                                (high.y() - low.y()) / body.width);
-  // Small cells see a part of each polynomial: 8 points for a tenth of a side.
-  const int points = std::min(points_for(body), 7 + static_cast<int>(std::ceil(20.0 * share)));
-  add(sum, body, carried(body, rectangle_rule(low, high, points), part));
-  return sum;
-}
-
 RitzMatrices ritz_matrices(const RitzBody& body) {
   check(body);
+  const Index n = 3 * (body.degree + 1) * (body.degree + 1);
   const Eigen::Vector2d half(0.5 * body.length, 0.5 * body.width);
-  auto sum = ritz_matrices_of_cell(body, -half, half);
+  RitzMatrices sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
+  add(sum, body, carried(body, rectangle_rule(-half, half, points_for(body)), StiffnessPart::all));
   for (const auto& disc : body.discs) add_disc(sum, body, disc);
   for (const auto& crack : body.cracks) add_crack(sum, body, crack);
   return sum;
+}
+
+RitzMatrices modal_cell(const RitzModes& modes, Index count, const Eigen::Vector2d& low,
+                        const Eigen::Vector2d& high, StiffnessPart part) {
+  const auto& body = modes.body;
+  const double share =
+      std::max((high.x() - low.x()) / body.length, (high.y() - low.y()) / body.width);
+  // Small cells see a part of each polynomial: 9 points for a tenth of a side.
+  const int points = std::min(points_for(body), 7 + static_cast<int>(std::ceil(20.0 * share)));
+  const auto all = carried(body, rectangle_rule(low, high, points), part);
+  const auto at = products(body, all.places);
+  const Index m = at.value.cols();
+  const Eigen::MatrixXd w = modes.coefficients.topLeftCorner(m, count);
+  const Eigen::MatrixXd x = modes.coefficients.block(m, 0, m, count);
+  const Eigen::MatrixXd y = modes.coefficients.block(2 * m, 0, m, count);
+  const Index k = all.places.rows();
+  Eigen::MatrixXd curvature(3 * k, count);
+  curvature << at.by_x * x, at.by_y * y, at.by_y * x + at.by_x * y;
+  Eigen::MatrixXd strain(2 * k, count);
+  strain << at.by_x * w + at.value * x, at.by_y * w + at.value * y;
+  const Eigen::MatrixXd moves = at.value * w;
+  const Eigen::MatrixXd turns_x = at.value * x;
+  const Eigen::MatrixXd turns_y = at.value * y;
+  return {curvature.transpose() * moments(curvature, all.bending) +
+              strain.transpose() * all.shear.replicate(2, 1).asDiagonal() * strain,
+          moves.transpose() * all.mass.asDiagonal() * moves +
+              turns_x.transpose() * all.rotary.asDiagonal() * turns_x +
+              turns_y.transpose() * all.rotary.asDiagonal() * turns_y};
 }
 
 RitzModes ritz_modes(const RitzBody& body) {
@@ -263,21 +287,21 @@ RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places) {
             fmt::format("({}, {}) m is not on the plate", place(0), place(1)));
   }
   const auto at = products(body, places);
-  const Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(places.rows(), 2 * at.value.cols());
-  RitzRows rows;
-  rows.deflection.resize(places.rows(), 3 * at.value.cols());
-  rows.deflection << at.value, rest;
-  rows.slope_x.resizeLike(rows.deflection);
-  rows.slope_x << at.by_x, rest;
-  rows.slope_y.resizeLike(rows.deflection);
-  rows.slope_y << at.by_y, rest;
-  return rows;
+  const Index m = at.value.cols();
+  const auto of_field = [m](const Eigen::MatrixXd& values, Index field) {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(values.rows(), 3 * m);
+    rows.middleCols(field * m, m) = values;
+    return rows;
+  };
+  return {of_field(at.value, 0), of_field(at.by_x, 0), of_field(at.by_y, 0), of_field(at.value, 1),
+          of_field(at.value, 2)};
 }
 
 RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places) {
   const auto rows = ritz_rows(modes.body, places);
-  return {rows.deflection * modes.coefficients, rows.slope_x * modes.coefficients,
-          rows.slope_y * modes.coefficients};
+  const auto& c = modes.coefficients;
+  return {rows.deflection * c, rows.slope_x * c, rows.slope_y * c, rows.turn_x * c,
+          rows.turn_y * c};
 }
 
 }  // namespace chladni::simulators

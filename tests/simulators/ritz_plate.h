@@ -69,6 +69,7 @@ struct RitzModes {
 /// w and its derivatives by the coefficients, at the rows of `places` (k×2 [m]).
 struct RitzRows {
   Eigen::MatrixXd deflection, slope_x, slope_y;  ///< k×n; [1], [1/m], [1/m]
+  Eigen::MatrixXd turn_x, turn_y;  ///< ψx, ψy: motion along x and y is z times these [1/m]
 };
 /// @throws InvalidInput  a place off the plate
 [[nodiscard]] RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places);
@@ -79,10 +80,11 @@ struct RitzRows {
 /// Kinds of stiffness that sum to all of it.
 enum class StiffnessPart { all, along_x, along_y, across, shear };
 
-/// What the rectangle [low, high] of the plate (its discs and cracks apart) adds.
-/// `part` along_x: q11, along_y: q22, across: q12, shear: q66 and the transverse shear.
-[[nodiscard]] RitzMatrices ritz_matrices_of_cell(const RitzBody& body, const Eigen::Vector2d& low,
-                                                 const Eigen::Vector2d& high,
-                                                 StiffnessPart part = StiffnessPart::all);
+/// Φᵀ K_c Φ [s^-2] and Φᵀ M_c Φ of the rectangle [low, high] of the plate (its discs and cracks
+/// apart) for the first `count` modes; of `part` of its stiffness: along_x: q11, along_y: q22,
+/// across: q12, shear: q66 and the transverse shear.
+[[nodiscard]] RitzMatrices modal_cell(const RitzModes& modes, Eigen::Index count,
+                                      const Eigen::Vector2d& low, const Eigen::Vector2d& high,
+                                      StiffnessPart part = StiffnessPart::all);
 
 }  // namespace chladni::simulators
