@@ -53,12 +53,11 @@ PlaceScan place_scan(const Structure& structure, const Observed& observed, const
   const Index q = state.input_count();
   const MatrixXcd shapes = structure.surface.shapes.transpose().cast<Complex>();  // r×n
   for (Index k = 0; k < observed.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
     const Complex s(0.0, observed.omega(k));
     const MatrixXcd to = factors(state.output_paths, s).asDiagonal() *
-                         (now.left[line] * shapes)(state.output_of, Eigen::all);
+                         (now.left(k) * shapes)(state.output_of, Eigen::all);
     const MatrixXcd from = (factors(state.input_paths, s).asDiagonal() *
-                            (now.right[line].transpose() * shapes)(state.input_of, Eigen::all));
+                            (now.right(k).transpose() * shapes)(state.input_of, Eigen::all));
     const MatrixXcd error = (observed.value.row(k) - now.value.row(k)).reshaped(p, q);
     const MatrixXd w2 = observed.weight.row(k).array().square().matrix().reshaped(p, q);
     const MatrixXcd weighted = error.cwiseProduct(w2.cast<Complex>());
@@ -114,10 +113,9 @@ Scene::Touched Scene::touched(const Eigen::VectorXd& shape) const {
   probe.frames.clear();
   const Solved from_shape = solved(probe, body_);
   for (Index k = 0; k < observed_.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    touch.to.col(k) = now_.left[line] * shape.cast<Complex>();
-    touch.from.col(k) = (shape.transpose().cast<Complex>() * now_.right[line]).transpose();
-    touch.own(k) = (from_shape.left[line] * shape.cast<Complex>()).value();
+    touch.to.col(k) = now_.left(k) * shape.cast<Complex>();
+    touch.from.col(k) = (shape.transpose().cast<Complex>() * now_.right(k)).transpose();
+    touch.own(k) = (from_shape.left(k) * shape.cast<Complex>()).value();
   }
   return touch;
 }
@@ -139,14 +137,13 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const Index p = state_.output_count();
   double sum = 0.0;
   for (Index k = 0; k < observed_.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
     const Complex s(0.0, observed_.omega(k));
     MatrixXcd structure = now_.structure.row(k).reshaped(p, state_.input_count());
     if (channels_move) {
       const MatrixXd outputs = changed.outputs - state_.outputs;
       const MatrixXd inputs = changed.inputs - state_.inputs;
-      structure += outputs.cast<Complex>() * now_.right[line];
-      structure += now_.left[line] * inputs.cast<Complex>();
+      structure += outputs.cast<Complex>() * now_.right(k);
+      structure += now_.left(k) * inputs.cast<Complex>();
       // Both sides at once: no effect moves an output and an input.
     }
     if (changed.frames.size() != state_.frames.size()) {

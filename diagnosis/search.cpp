@@ -153,10 +153,11 @@ struct Level {
 std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nominal) {
   Fit seen = base;
   if (nominal) seen.eta.setZero();
-  const State state = state_of(level.problem, seen.causes, seen.eta);
-  const Solved now = solved(state, Body(state, level.problem.observed.omega));
-  const Scene scene(level.problem.structure, level.problem.observed, state,
-                    widening(level.problem, seen, now));
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const State state = state_of(coarse, seen.causes, seen.eta);
+  const Solved now = solved(state, Body(state, few.omega));
+  const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
   std::vector<Candidate> all;
   for (std::size_t e = 0; e < level.catalogue.size(); ++e) {
     throw_if_interrupted();

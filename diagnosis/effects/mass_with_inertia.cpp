@@ -32,13 +32,13 @@ void hang(State& state, const Structure& structure, Eigen::Index /*option*/, con
 
 std::vector<EffectStart> weights(const Scene& scene) {
   std::vector<VectorXd> sizes;
-  for (double part = 1e-4; part < 0.3; part *= 1.8) {
-    for (const double radius : {0.02, 0.06, 0.15}) {
+  for (double part = 1e-4; part < 0.3; part *= 2.2) {
+    for (const double radius : {0.03, 0.1}) {
       sizes.push_back(
           Eigen::Vector2d(std::log(part * scene.structure().mass_kg), std::log(radius)));
     }
   }
-  return at_peaks(scene, sizes, 4);
+  return at_peaks(scene, sizes, 3);
 }
 
 }  // namespace
