@@ -54,7 +54,6 @@ diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
   diagnosis::Surface top;
   scan(top, plate.body, count);
   top.shapes = modal_rows(plate, top.places).deflection.leftCols(r);
-  top.origin = Eigen::Vector3d(0.0, 0.0, 0.5 * plate.body.thickness(0, 0));
   // Only what its closure needs: the first r modes.
   auto seen = std::make_shared<RitzModes>();
   seen->body = plate.body;
