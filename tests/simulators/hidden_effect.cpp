@@ -46,6 +46,10 @@ RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays)
   auto damping = recipe.hysteretic
                      ? hysteretic_damping(owner, ratio)
                      : modal_damping(owner, ratio, recipe.damping_exponent, first.frequency_hz(6));
+  const auto count = std::min(recipe.damping_spread.size(), plate.mode_count());
+  for (auto* losses : {&damping.viscous, &damping.loss}) {
+    if (losses->size() > 0) losses->diagonal().head(count).array() *= recipe.damping_spread.array();
+  }
   return &owner == &plate ? damping : carried_over(damping, owner, plate);
 }
 
@@ -155,6 +159,35 @@ std::vector<std::string> names_of(bool outside) {
   return names;
 }
 
+// Within what everybody tolerates.
+void deviate(Recipe& recipe, Dice& dice, double times) {
+  if (times == 0.0) return;
+  const auto draw = [&](double deviation) { return times * deviation * dice.normal(); };
+  for (auto* filters : {&recipe.outputs, &recipe.inputs}) {
+    for (auto& filter : *filters) filter.gain *= 1.0 + draw(5e-3);
+  }
+  const double late = draw(1e-6);
+  for (auto& filter : recipe.outputs) filter.delay_s += late;
+  recipe.channels.outputs += times * 5e-4 * dice.normal(4, 2);
+  recipe.channels.inputs += times * 5e-4 * dice.normal(13, 2);
+  auto& body = recipe.body;
+  const double stiffer = 1.0 + draw(5e-3);
+  for (double* q : {&body.stiffness.q11, &body.stiffness.q12, &body.stiffness.q22,
+                    &body.stiffness.q66, &body.stiffness.shear}) {
+    *q *= stiffer;
+  }
+  body.stiffness.q11 *= 1.0 + draw(5e-3);
+  body.density *= 1.0 + draw(3e-3);
+  const double mean = body.thickness(0, 0);
+  body.thickness = Eigen::MatrixXd::Zero(3, 3);
+  body.thickness(0, 0) = mean;
+  for (Index i = 0; i < 3; ++i) {
+    for (Index j = 0; i + j < 3; ++j) body.thickness(i, j) += mean * draw(1.5e-3);
+  }
+  recipe.damping_spread = (times * 0.2 * dice.normal(120, 1)).array().exp();
+  recipe.same_body = false;
+}
+
 // What is hidden, in the recipe and in the record of the truth.
 void hide(Recipe& recipe, HiddenCase& made, const std::vector<std::string>& kinds, Drawn& drawn,
           double severity) {
@@ -250,9 +283,12 @@ HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
       Eigen::VectorXd::LinSpaced(options.lines, options.low_hz, options.high_hz);
   const auto nominal = responses(recipe, measured.frequency_hz, true);
   Drawn drawn{Dice(seed), 0.0, {}, {}};
+  Dice built(seed + 0x51ed270bU);
+  deviate(recipe, built, options.deviation);
   hide(recipe, made, kinds, drawn, options.severity);
+  const bool as_believed = kinds.empty() && options.deviation == 0.0;
   made.exact =
-      kinds.empty() ? nominal : responses(recipe, measured.frequency_hz, options.damping_stays);
+      as_believed ? nominal : responses(recipe, measured.frequency_hz, options.damping_stays);
   measure(made, options, drawn.dice);
   for (std::size_t k = 0; k < nominal.size(); ++k) {
     made.evidence_there +=

@@ -14,8 +14,8 @@ namespace {
 
 HiddenOptions quick(double severity = -1.0) {
   HiddenOptions options;
-  options.lines = 25;
-  options.degree = 7;
+  options.lines = 40;
+  options.degree = 8;
   options.severity = severity;
   return options;
 }
@@ -50,6 +50,17 @@ TEST(HiddenEffect, StatesTheVarianceThatItsNoiseHas) {
   EXPECT_TRUE(none.truth.empty());
   EXPECT_NEAR(misfit(none), count, 4.0 * std::sqrt(count));
   EXPECT_NO_THROW(modal::check(none.measured));
+}
+
+TEST(HiddenEffect, DeviatesAsTablesDo) {
+  auto built = quick();
+  built.deviation = 1.0;
+  const auto one = hidden_case({}, 3, built);
+  const auto other = hidden_case({}, 4, built);
+  EXPECT_GT(one.evidence_there, 1e3);
+  EXPECT_NE(one.exact[5], other.exact[5]);
+  built.deviation = 0.1;
+  EXPECT_LT(hidden_case({}, 3, built).evidence_there, 0.1 * one.evidence_there);
 }
 
 TEST(HiddenEffect, EveryKindShowsAndGrows) {

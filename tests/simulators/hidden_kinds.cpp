@@ -18,28 +18,30 @@ HiddenEffect of_body(Recipe& recipe, std::map<std::string, double> size) {
 }
 
 HiddenEffect modulus(Recipe& recipe, Drawn& drawn) {
-  const double e = drawn.sign() * drawn.size(1e-3, 0.15);
+  const double e = drawn.sign() * drawn.size(2e-4, 0.15);
   auto& q = recipe.body.stiffness;
   for (double* value : {&q.q11, &q.q12, &q.q22, &q.q66, &q.shear}) *value *= 1.0 + e;
   return of_body(recipe, {{"relative", e}});
 }
 
 HiddenEffect density(Recipe& recipe, Drawn& drawn) {
-  const double r = drawn.sign() * drawn.size(1e-3, 0.15);
+  const double r = drawn.sign() * drawn.size(2e-4, 0.15);
   recipe.body.density *= 1.0 + r;
   return of_body(recipe, {{"relative", r}});
 }
 
 HiddenEffect thickness(Recipe& recipe, Drawn& drawn) {
-  const double t = drawn.sign() * drawn.size(5e-4, 0.08);
+  const double t = drawn.sign() * drawn.size(1e-4, 0.08);
   recipe.body.thickness *= 1.0 + t;
   return of_body(recipe, {{"relative", t}});
 }
 
 HiddenEffect taper(Recipe& recipe, Drawn& drawn) {
-  const double slope = drawn.size(2e-3, 0.08);
+  const double slope = drawn.size(5e-4, 0.08);
   const double angle = drawn.dice.between(0.0, 2.0 * pi);
-  Eigen::MatrixXd field = Eigen::MatrixXd::Zero(2, 2);
+  const Index rows = std::max<Index>(2, recipe.body.thickness.rows());
+  const Index cols = std::max<Index>(2, recipe.body.thickness.cols());
+  Eigen::MatrixXd field = Eigen::MatrixXd::Zero(rows, cols);
   field.topLeftCorner(recipe.body.thickness.rows(), recipe.body.thickness.cols()) =
       recipe.body.thickness;
   field(1, 0) += field(0, 0) * slope * std::cos(angle);
@@ -49,7 +51,7 @@ HiddenEffect taper(Recipe& recipe, Drawn& drawn) {
 }
 
 HiddenEffect orthotropy(Recipe& recipe, Drawn& drawn) {
-  const double e = drawn.sign() * drawn.size(2e-3, 0.2);
+  const double e = drawn.sign() * drawn.size(5e-4, 0.2);
   recipe.body.stiffness.q11 *= 1.0 + e;
   return of_body(recipe, {{"along_u", e}});
 }
@@ -63,10 +65,10 @@ HiddenEffect patch(Recipe& recipe, Drawn& drawn, double change) {
   return effect;
 }
 HiddenEffect softening(Recipe& recipe, Drawn& drawn) {
-  return patch(recipe, drawn, -drawn.size(0.04, 0.9));
+  return patch(recipe, drawn, -drawn.size(0.01, 0.9));
 }
 HiddenEffect stiffening(Recipe& recipe, Drawn& drawn) {
-  return patch(recipe, drawn, drawn.size(0.04, 1.5));
+  return patch(recipe, drawn, drawn.size(0.01, 1.5));
 }
 
 HiddenEffect at_point(Recipe& recipe, Drawn& drawn, RitzPoint point,
@@ -80,7 +82,7 @@ HiddenEffect point_mass(Recipe& recipe, Drawn& drawn) {
   return at_point(recipe, drawn, {{}, m, 0.0, 0.0, 0.0}, {{"mass", m}});
 }
 HiddenEffect mass_with_inertia(Recipe& recipe, Drawn& drawn) {
-  const double m = drawn.size(0.05, 2.0);
+  const double m = drawn.size(0.02, 2.0);
   const double radius = drawn.dice.between(0.025, 0.06);
   return at_point(recipe, drawn, {{}, m, m * radius * radius, 0.0, 0.0},
                   {{"mass", m}, {"radius_of_gyration", radius}});
@@ -96,7 +98,7 @@ HiddenEffect ground_damper(Recipe& recipe, Drawn& drawn) {
 
 HiddenEffect resonator(Recipe& recipe, Drawn& drawn) {
   RitzResonator one;
-  one.mass = drawn.size(5e-3, 0.5);
+  one.mass = drawn.size(1e-3, 0.5);
   one.frequency_hz = 60.0 * std::pow(800.0 / 60.0, drawn.dice.uniform());
   one.damping_ratio = drawn.dice.between(0.005, 0.03);
   one.place = drawn.place();
@@ -276,7 +278,7 @@ HiddenEffect other_plate(Recipe& recipe, Drawn& drawn) {
   auto& body = recipe.body;
   body.length = drawn.dice.between(0.35, 0.8);
   body.width = drawn.dice.between(0.35, 0.8);
-  body.thickness.setConstant(drawn.dice.between(0.008, 0.03));
+  body.thickness *= drawn.dice.between(0.4, 1.5);
   const bool steel = drawn.dice.uniform() < 0.5;
   body.stiffness = isotropic_plane(steel ? 205e9 : 70e9, 0.3);
   body.density = steel ? 7850.0 : 2700.0;

@@ -29,6 +29,7 @@ struct Recipe {
   std::optional<RitzFrame> frame;
   double damping_factor = 1.0, damping_exponent = 0.0;
   bool hysteretic = false;
+  Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is
   TableChannels channels;
   std::vector<Eigen::Index> output_of, input_of;  ///< which one a record shows
   std::vector<ChannelFilter> outputs, inputs;     ///< of the records
