@@ -1,5 +1,6 @@
 // hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
-//   [--severity X] [--tolerance] [--changed-damping] [--degree D] [--list]: hides effects in
+//   [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M] [--list]: hides
+//   effects in
 // measurements of a Ritz plate, diagnoses them from a nominal one, and prints what was found, as
 // bench/README.md has it. --tolerance: tables that deviate within the default tolerances, diagnosed
 // with these, from a structure of two degrees less; else the exact model.
@@ -32,6 +33,7 @@ struct Arguments {
   std::string kinds = "all";
   unsigned seeds = 2, first = 1;
   simulators::HiddenOptions hidden;
+  simulators::RitzStructureOptions structure;
   bool tolerance = false, list = false;
 };
 
@@ -67,6 +69,8 @@ Arguments arguments(int count, char** values) {
       all.hidden.severity = std::stod(next(i));
     } else if (word == "--degree") {
       all.hidden.degree = std::stoi(next(i));
+    } else if (word == "--modes") {
+      all.structure.modes = std::stoi(next(i));
     } else if (word == "--tolerance") {
       all.tolerance = true;
     } else if (word == "--changed-damping") {
@@ -236,8 +240,8 @@ void print_calibration(const std::vector<Done>& all) {
 int studied(int count, char** values) {
   const auto wanted = arguments(count, values);
   const int degree = wanted.hidden.degree - (wanted.tolerance ? 2 : 0);
-  const auto structure =
-      simulators::ritz_structure(simulators::believed_table(degree), simulators::table_channels());
+  const auto structure = simulators::ritz_structure(simulators::believed_table(degree),
+                                                    simulators::table_channels(), wanted.structure);
   std::vector<Done> all;
   for (const auto& trial : trials(wanted)) all.push_back(diagnosed(trial, wanted, structure));
   print_table(all);
