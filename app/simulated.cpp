@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/at_channels.h"
+#include "app/channel_paths.h"
 #include "app/study_parts.h"
 #include "base/error.h"
 #include "identification/closed_loop.h"
@@ -181,6 +182,9 @@ Bench bench_of(const Study& study, Run& run) {
   require(!study.sensors.empty() && !study.actuators.empty(),
           "an experiment needs a sensor and an actuator or more");
   const auto& plan = *study.experiment;
+  require(!plan.leaves_time || !has_paths(study),
+          "experiment.leaves: recordings pass through no gain, delay or low_pass of a channel; "
+          "expected leaves = \"frf\", or channels without them");
   Bench bench;
   auto& rig = bench.rig;
   rig.sample_time_s = 1.0 / plan.sample_rate_hz;
@@ -229,9 +233,11 @@ Simulated simulated(const Study& study, const Bench& bench, Run& run) {
                                 plan.delay + 10.0 * bench.rig.sample_time_s);
   result.phase_delay_s = seen.delay_s;
   result.phase_delay_std_s = seen.std_s;
-  if (plan.compensate == "none") return result;
-  set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
-                      bench.rig.sample_time_s);
+  if (plan.compensate != "none") {
+    set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
+                        bench.rig.sample_time_s);
+  }
+  set = recorded(study, std::move(set));
   return result;
 }
 
