@@ -48,6 +48,7 @@ void check(const Structure& structure) {
   require((structure.frequency_hz.head(structure.rigid_count).array() == 0.0).all() &&
               (structure.frequency_hz.tail(r - structure.rigid_count).array() > 0.0).all(),
           "rigid-body modes come first, at exactly 0 Hz");
+  if (structure.dashpots.size() > 0) fits(structure.dashpots, r, r, "dashpots");
   check_side(structure.outputs, r, "sensors");
   check_side(structure.inputs, r, "actuators");
   fits(structure.residual, structure.output_count(), structure.input_count(), "residual");

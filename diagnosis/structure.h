@@ -62,6 +62,7 @@ struct Directional {
 struct Structure {
   Eigen::VectorXd frequency_hz;   ///< r, ascending; rigid-body modes exactly 0
   Eigen::VectorXd damping_ratio;  ///< r
+  Eigen::MatrixXd dashpots;  ///< r×r Φᵀ C Φ [1/s] of known dampers, beside the ratios; or 0×0
   Eigen::Index rigid_count = 0;
   ChannelSide outputs, inputs;  ///< p displacements, q forces
   Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out
