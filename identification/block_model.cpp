@@ -47,7 +47,7 @@ bool is_stable(const Block& block) {
 Block balanced(const Block& block) {
   if (block.general) {  // another basis would not leave A as it is
     Block result = block;
-    const double factor = std::sqrt(block.right.norm() / std::max(1e-300, block.left.norm()));
+    const double factor = std::sqrt(0.5 * block.right.norm() / std::max(1e-300, block.left.norm()));
     if (!(factor > 0.0) || !std::isfinite(factor)) return block;
     result.left *= factor;
     result.right /= factor;
@@ -95,6 +95,25 @@ std::vector<Block> diagonalised(const Block& block) {
   for (Eigen::Index r = 0; r < g; ++r) {
     modes.push_back(single_mode(solver.eigenvalues()(upper[static_cast<std::size_t>(r)]),
                                 left.col(r), right.row(r)));
+  }
+  return modes;
+}
+
+std::vector<Block> forced_modes(const Block& block) {
+  auto modes = diagonalised(block);
+  if (!modes.empty()) return modes;
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(block.stiffness);
+  Eigen::MatrixXd turn = solver.eigenvectors().real();
+  if (turn.fullPivLu().rank() < block.size()) turn.setIdentity(block.size(), block.size());
+  const Eigen::MatrixXd back = turn.inverse();
+  const Eigen::MatrixXd damping = back * block.damping * turn;
+  const Eigen::MatrixXd left = block.left * turn;
+  const Eigen::MatrixXd right = back * block.right;
+  for (Eigen::Index r = 0; r < block.size(); ++r) {
+    const double own = std::sqrt(std::abs(solver.eigenvalues()(r)));
+    const double half = std::clamp(0.5 * std::abs(damping(r, r)), 1e-9 * own, 0.99 * own);
+    modes.push_back(
+        single_mode({-half, std::sqrt(own * own - half * half)}, left.col(r), right.row(r)));
   }
   return modes;
 }

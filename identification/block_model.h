@@ -42,13 +42,17 @@ struct BlockModel {
 [[nodiscard]] bool is_stable(const Block& block);
 
 /// The same block in the basis in which left and right have the same singular values: takes out the
-/// freedom left T, T⁻¹ right. A general block: |left| = |right|, the phase between them stays.
+/// freedom left T, T⁻¹ right. A general block: |l| = |r|, the phase between them stays.
 [[nodiscard]] Block balanced(const Block& block);
 
 /// The block as modes of its own, from the quadratic eigenproblem (s² + s D + K) v = 0 with each v
 /// turned to the largest real part. Exact where K and D are diagonal in one basis. Empty where a
 /// pole is real or the real vectors are nearly dependent.
 [[nodiscard]] std::vector<Block> diagonalised(const Block& block);
+
+/// As diagonalised, or where that is empty the eigenvectors of the stiffness and the damping along
+/// them: modes whatever it takes.
+[[nodiscard]] std::vector<Block> forced_modes(const Block& block);
 
 /// A block of one mode. @param pole  in units of the model's scale
 [[nodiscard]] Block single_mode(std::complex<double> pole, const Eigen::VectorXd& left,

@@ -86,13 +86,6 @@ Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::In
   return result;
 }
 
-Eigen::Index parameters_of(const Block& block) {
-  const auto g = block.size();
-  const auto sides = g * (block.left.rows() + block.right.cols());
-  if (block.general) return sides + 2;
-  return sides + (block.rigid ? 0 : 2 * g * g);
-}
-
 // The data turned back by the delay: value · e^{+s delay}.
 Eigen::MatrixXd undelayed(const Target& target, double delay) {
   if (delay == 0.0) return target.value;
@@ -180,9 +173,16 @@ NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
   return sum;
 }
 
+Eigen::Index parameter_count(const Block& block) {
+  const auto g = block.size();
+  const auto sides = g * (block.left.rows() + block.right.cols());
+  if (block.general) return sides + 2;
+  return sides + (block.rigid ? 0 : 2 * g * g);
+}
+
 Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted) {
   Eigen::Index count = fitted.delay ? 1 : 0;
-  for (const auto& block : model.blocks) count += parameters_of(block);
+  for (const auto& block : model.blocks) count += parameter_count(block);
   return count;
 }
 

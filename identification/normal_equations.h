@@ -52,6 +52,7 @@ struct NormalEquations {
 [[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                                const Target& target, const Fitted& fitted);
 
+[[nodiscard]] Eigen::Index parameter_count(const Block& block);
 [[nodiscard]] Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted);
 
 /// The model moved by a step in its parameters, balanced.

@@ -40,15 +40,13 @@ void ResponseProducts::list_fractions() {
   std::vector<Complex> poles;
   for (const auto& block : model_.blocks) {
     auto one = block.rigid ? BlockFractions{} : fractions(block);
-    const auto g = block.size();
     const auto n = one.pole.size();
     one.parameter = parameter;
     one.first = rows_;
-    parameter += g * (block.left.rows() + block.right.cols());
+    parameter += parameter_count(block);
     if (block.rigid) {
       rigid_ = true;
     } else {
-      parameter += block.general ? 2 : 2 * g * g;
       for (Eigen::Index r = 0; r < n; ++r) {
         poles.push_back(one.pole(r));
         plain_.push_back(rows_ + r);
