@@ -1,0 +1,176 @@
+#include "diagnosis/deviations.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+void add_gains(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
+  if (tolerance <= 0.0) return;
+  for (Index i = 0; i < structure.output_count(); ++i) {
+    all.push_back({"gain of sensor " + structure.outputs.names[at(i)],
+                   [i, tolerance](State& state, double eta) {
+                     state.output_paths[at(i)].gain *= std::exp(tolerance * eta);
+                   }});
+  }
+  for (Index j = 0; j < structure.input_count(); ++j) {
+    all.push_back({"gain of actuator " + structure.inputs.names[at(j)],
+                   [j, tolerance](State& state, double eta) {
+                     state.input_paths[at(j)].gain *= std::exp(tolerance * eta);
+                   }});
+  }
+}
+
+void add_positions(const ChannelSide& side, bool outputs, double tolerance,
+                   std::vector<Deviation>& all) {
+  if (tolerance <= 0.0) return;
+  for (Index i = 0; i < side.count(); ++i) {
+    for (const auto* slopes : {&side.slope_u, &side.slope_v}) {
+      const VectorXd by = tolerance * slopes->row(i).transpose();
+      if (by.isZero(0.0)) continue;
+      all.push_back({fmt::format("place of {} {} along {}", outputs ? "sensor" : "actuator",
+                                 side.names[at(i)], slopes == &side.slope_u ? "u" : "v"),
+                     [i, by, outputs](State& state, double eta) {
+                       if (outputs) {
+                         state.outputs.row(i) += eta * by.transpose();
+                       } else {
+                         state.inputs.col(i) += eta * by;
+                       }
+                     }});
+    }
+  }
+}
+
+// Flexible modes that cannot be told apart share what they deviate by.
+std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double high_hz) {
+  std::vector<std::pair<Index, Index>> all;  // first, size
+  for (Index k = structure.rigid_count; k < structure.mode_count(); ++k) {
+    const double f = structure.frequency_hz(k);
+    if (f > high_hz) break;
+    const bool near = !all.empty() && f - structure.frequency_hz(k - 1) <
+                                          4.0 * std::max(structure.damping_ratio(k), 1e-4) * f;
+    if (near) {
+      ++all.back().second;
+    } else {
+      all.emplace_back(k, 1);
+    }
+  }
+  return all;
+}
+
+void add_modes(const Structure& structure, const Tolerances& tolerances, double high_hz,
+               std::vector<Deviation>& all) {
+  for (const auto& [first, size] : clusters(structure, 1.5 * high_hz)) {
+    const double f = structure.frequency_hz(first);
+    if (tolerances.frequency > 0.0) {
+      all.push_back(
+          {fmt::format("frequency of the mode at {:.4g} Hz", f),
+           [first = first, size = size, t = tolerances.frequency](State& state, double eta) {
+             const double by = std::exp(2.0 * t * eta);
+             state.stiffness.diagonal().segment(first, size) *= by;
+           }});
+    }
+    if (tolerances.damping > 0.0) {
+      all.push_back(
+          {fmt::format("damping of the mode at {:.4g} Hz", f),
+           [first = first, size = size, t = tolerances.damping](State& state, double eta) {
+             state.damping.diagonal().segment(first, size) *= std::exp(t * eta);
+           }});
+    }
+  }
+}
+
+void add_body(const Structure& structure, const Tolerances& tolerances,
+              std::vector<Deviation>& all) {
+  if (tolerances.modulus > 0.0) {
+    all.push_back({"Young's modulus", [t = tolerances.modulus](State& state, double eta) {
+                     state.stiffness *= std::exp(t * eta);
+                   }});
+  }
+  if (tolerances.density > 0.0) {
+    all.push_back({"density", [t = tolerances.density](State& state, double eta) {
+                     state.mass *= std::exp(t * eta);
+                   }});
+  }
+  if (tolerances.orthotropy > 0.0 && structure.directional.along_u.size() > 0) {
+    const auto add = [&](const char* what, const MatrixXd& matrix) {
+      all.push_back({what, [matrix, t = tolerances.orthotropy](State& state, double eta) {
+                       state.stiffness += t * eta * matrix;
+                     }});
+    };
+    add("stiffness along u", structure.directional.along_u);
+    add("stiffness in shear", structure.directional.shear);
+  }
+  if (tolerances.thickness <= 0.0 || structure.cells.count() == 0) return;
+  const double power = structure.bending_power;
+  const MatrixXd fields = smooth_fields(structure.cells);
+  for (Index f = 0; f < fields.cols(); ++f) {
+    const MatrixXd k = power * sum_of(structure.cells.stiffness, fields.col(f));
+    const MatrixXd m = sum_of(structure.cells.mass, fields.col(f));
+    all.push_back({fmt::format("smooth wave {} of thickness", f + 1),
+                   [k, m, t = tolerances.thickness](State& state, double eta) {
+                     state.stiffness += t * eta * k;
+                     state.mass += t * eta * m;
+                   }});
+  }
+}
+
+}  // namespace
+
+MatrixXd smooth_fields(const BodyCells& cells) {
+  if (cells.count() == 0) return {};
+  const Eigen::RowVector2d low = cells.centres.colwise().minCoeff();
+  const Eigen::RowVector2d size = cells.centres.colwise().maxCoeff() - low;
+  const auto along = [&](int axis) -> Eigen::ArrayXd {
+    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(cells.count());
+    return 2.0 * (cells.centres.col(axis).array() - low(axis)) / size(axis) - 1.0;
+  };
+  const Eigen::ArrayXd u = along(0);
+  const Eigen::ArrayXd v = along(1);
+  MatrixXd fields(cells.count(), 0);
+  const auto add = [&](const Eigen::ArrayXd& field) {
+    fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
+    fields.rightCols(1) = field.matrix();
+  };
+  if (size(0) > 0.0) add(u);
+  if (size(1) > 0.0) add(v);
+  if (size(0) > 0.0) add(1.5 * u.square() - 0.5);
+  if (size(0) > 0.0 && size(1) > 0.0) add(u * v);
+  if (size(1) > 0.0) add(1.5 * v.square() - 0.5);
+  return fields;
+}
+
+MatrixXd sum_of(const std::vector<MatrixXd>& cells, const VectorXd& weight) {
+  MatrixXd sum = MatrixXd::Zero(cells.front().rows(), cells.front().cols());
+  for (Index c = 0; c < weight.size(); ++c) {
+    if (weight(c) != 0.0) sum += weight(c) * cells[at(c)];
+  }
+  return sum;
+}
+
+std::vector<Deviation> deviations(const Structure& structure, const Tolerances& tolerances,
+                                  double high_hz) {
+  std::vector<Deviation> all;
+  add_modes(structure, tolerances, high_hz, all);
+  add_body(structure, tolerances, all);
+  add_gains(structure, tolerances.gain, all);
+  add_positions(structure.outputs, true, tolerances.position, all);
+  add_positions(structure.inputs, false, tolerances.position, all);
+  if (tolerances.delay > 0.0) {
+    all.push_back({"delay", [t = tolerances.delay](State& state, double eta) {
+                     for (auto& path : state.output_paths) path.delay += t * eta;
+                   }});
+  }
+  return all;
+}
+
+}  // namespace chladni::diagnosis

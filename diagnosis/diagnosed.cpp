@@ -1,0 +1,119 @@
+#include "diagnosis/diagnosed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "diagnosis/scene.h"
+#include "diagnosis/superclass.h"
+#include "diagnosis/verdict.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+std::vector<const Effect*> catalogue(const DiagnosisOptions& options) {
+  std::vector<const Effect*> all;
+  for (const auto* one : effects()) {
+    if (options.only.empty() || std::ranges::find(options.only, one->name) != options.only.end()) {
+      all.push_back(one);
+    }
+  }
+  for (const auto& name : options.only) (void)effect(name);  // an unknown one is told
+  return all;
+}
+
+// The best fit again on more lines: what the search saw was thinned.
+Found refined(const Problem& problem, const Found& found) {
+  Found fine;
+  fine.nothing = fitted(problem, found.nothing);
+  const double best = found.fits.front().log_evidence;
+  for (const auto& fit : found.fits) {
+    const bool close = best - fit.log_evidence < 60.0 && fine.fits.size() < 3;
+    if (fit.causes.empty()) {
+      fine.fits.push_back(fine.nothing);
+    } else if (close || &fit == &found.fits.front()) {
+      fine.fits.push_back(fitted(problem, fit));
+    }
+  }
+  std::ranges::stable_sort(fine.fits, std::greater{}, &Fit::log_evidence);
+  return fine;
+}
+
+// Where the place of the best explanation's first cause in a place may be.
+CauseMap map_of(const Problem& problem, const Fit& best) {
+  Fit without = best;
+  const auto placed = std::ranges::find_if(without.causes, [&](const Supposed& cause) {
+    return std::ranges::any_of(cause.effect->parameters(problem.structure), &Parameter::is_place);
+  });
+  const bool named = placed != without.causes.end();
+  if (named) without.causes.erase(placed);
+  const State state = state_of(problem, without.causes, without.eta);
+  const Solved now = solved(state, Body(state, problem.observed.omega));
+  const double misfit = residual(problem.observed, now.value).squaredNorm();
+  const auto scan = place_scan(problem.structure, problem.observed, now, state);
+  CauseMap map;
+  map.explained = scan.explained / std::max(misfit - problem.observed.number_count(), 1.0);
+  map.posterior = Eigen::VectorXd::Zero(scan.explained.size());
+  if (!named || scan.explained.size() == 0) return map;
+  map.posterior = (0.5 * (scan.explained.array() - scan.explained.maxCoeff())).max(-700.0).exp() *
+                  problem.structure.surface.area.array();
+  map.posterior /= map.posterior.sum();
+  return map;
+}
+
+std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
+  std::vector<std::string> all;
+  for (Index i = 0; i < fit.eta.size(); ++i) {
+    if (std::abs(fit.eta(i)) <= 3.0) continue;
+    all.push_back(fmt::format("{}: {:+.1f} tolerances",
+                              problem.deviations[static_cast<std::size_t>(i)].name, fit.eta(i)));
+  }
+  return all;
+}
+
+}  // namespace
+
+Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
+                    const DiagnosisOptions& options) {
+  const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
+  const auto [own, all, notes] = seen(structure, measured, high_hz);
+  const double band_hz = all.omega(all.line_count() - 1) / (2.0 * std::numbers::pi);
+  const auto tolerable = deviations(own, options.tolerances, band_hz);
+  const Observed coarse = thinned(all, options.lines);
+  const Observed fine = thinned(all, 3 * options.lines);
+  SearchLimits limits;
+  limits.most_causes = options.most_causes;
+  limits.least_evidence = options.least_evidence;
+  const Problem rough{own, coarse, tolerable};
+  const Problem problem{own, fine, tolerable};
+  const Found first = searched(rough, catalogue(options), limits, options.progress);
+  const Found found = fine.line_count() > coarse.line_count() ? refined(problem, first) : first;
+  auto told = explanations(problem, found);
+
+  Diagnosis diagnosis;
+  diagnosis.notes = notes;
+  diagnosis.verdict = judged(problem, found, told, options);
+  diagnosis.excess_before = found.nothing.excess(fine.number_count());
+  diagnosis.best = told.front();
+  diagnosis.rivals.assign(told.begin() + 1, told.end());
+  diagnosis.before = residue(problem, found.nothing);
+  const auto& best = *std::ranges::find_if(found.fits, [&](const Fit& fit) {
+    return std::abs(fit.log_evidence - found.nothing.log_evidence - told.front().log_evidence) <
+           1e-9;
+  });
+  diagnosis.after = residue(problem, best);
+  diagnosis.map = map_of(problem, best);
+  diagnosis.breaches = breaches_of(problem, best);
+  if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
+    tell(options.progress, "where the unknown acts");
+    diagnosis.superclass = superclass(problem, best);
+  }
+  return diagnosis;
+}
+
+}  // namespace chladni::diagnosis

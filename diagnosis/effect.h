@@ -1,0 +1,80 @@
+// What may be wrong with a simulation: the catalogue, one entry per cause.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "diagnosis/state.h"
+
+namespace chladni::diagnosis {
+
+/// A number of an effect. The search moves its coordinate x, whose prior is normal.
+struct Parameter {
+  enum class Scale {
+    linear,       ///< value = x
+    logarithmic,  ///< value = exp(x): positive
+    relative,     ///< value = exp(x) − 1: above −1
+    place_u,      ///< value = x: with place_v uniform over the surface
+    place_v,
+  };
+  std::string_view name, unit;
+  Scale scale = Scale::linear;
+  double centre = 0.0, width = 1.0;  ///< of the prior, of x
+  double step = 1e-4;                ///< for differences, of x
+
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] double coordinate(double value) const;
+  [[nodiscard]] double value_per_coordinate(double x) const;
+  [[nodiscard]] bool is_place() const { return scale == Scale::place_u || scale == Scale::place_v; }
+};
+
+/// Where a search of an effect begins.
+struct EffectStart {
+  Eigen::Index option = 0;
+  Eigen::VectorXd x;  ///< coordinates of the parameters
+};
+
+class Scene;  // diagnosis/scene.h
+
+/// An effect: some numbers, and perhaps a choice (which channel). With all its sizes at 0 (or at
+/// −∞ of their logarithm) it changes nothing.
+struct Effect {
+  std::string_view name;        ///< "point_mass"
+  std::string_view summary;     ///< one line
+  std::string_view source;      ///< where its mathematics comes from
+  std::string_view confusable;  ///< with what, and what tells them apart
+
+  std::vector<Parameter> (*parameters)(const Structure& structure);
+  Eigen::Index (*options)(const Structure& structure);  ///< choices; 0: cannot be here
+  std::vector<std::string> (*channels)(const Structure& structure, Eigen::Index option);
+  /// @param x  coordinates, as many as parameters
+  void (*apply)(State& state, const Structure& structure, Eigen::Index option,
+                const Eigen::VectorXd& x);
+  /// Coordinates worth a look, cheap to find; empty: what the scene offers by itself is enough.
+  std::vector<EffectStart> (*starts)(const Scene& scene);
+};
+
+/// All effects, in the order in which equals are told.
+[[nodiscard]] std::span<const Effect* const> effects();
+
+/// @throws InvalidInput  there is none of that name; the message lists those there are
+[[nodiscard]] const Effect& effect(std::string_view name);
+
+/// An effect with its numbers.
+struct Supposed {
+  const Effect* effect = nullptr;
+  Eigen::Index option = 0;
+  Eigen::VectorXd x;
+};
+
+/// ln of the prior density of the coordinates and of the choice; −∞ beside the surface.
+[[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
+
+/// For entries of the table: effects without a choice.
+[[nodiscard]] Eigen::Index one_option(const Structure& structure);
+[[nodiscard]] std::vector<std::string> no_channels(const Structure& structure, Eigen::Index option);
+
+}  // namespace chladni::diagnosis

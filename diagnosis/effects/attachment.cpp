@@ -1,0 +1,39 @@
+#include "diagnosis/effects/attachment.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace chladni::diagnosis {
+
+Parameter place_u() { return {"u", "m", Parameter::Scale::place_u, 0.0, 1.0, 1e-5}; }
+Parameter place_v() { return {"v", "m", Parameter::Scale::place_v, 0.0, 1.0, 1e-5}; }
+
+Eigen::Index has_surface(const Structure& structure) {
+  return structure.surface.count() > 0 ? 1 : 0;
+}
+
+Eigen::VectorXd shape_at(const Structure& structure, double u, double v) {
+  const auto motion = structure.surface.at({u, v});
+  return motion ? motion->shape : Eigen::VectorXd::Zero(structure.mode_count());
+}
+
+double first_omega(const Structure& structure) {
+  return 2.0 * std::numbers::pi * structure.frequency_hz(structure.rigid_count);
+}
+
+std::vector<EffectStart> at_peaks(const Scene& scene, const std::vector<Eigen::VectorXd>& sizes,
+                                  std::size_t peaks) {
+  std::vector<EffectStart> starts;
+  const auto& places = scene.structure().surface.places;
+  const auto& found = scene.places().peaks;
+  for (std::size_t n = 0; n < std::min(peaks, found.size()); ++n) {
+    for (const auto& size : sizes) {
+      Eigen::VectorXd x(size.size() + 2);
+      x << size, places(found[n], 0), places(found[n], 1);
+      starts.push_back({0, x});
+    }
+  }
+  return starts;
+}
+
+}  // namespace chladni::diagnosis

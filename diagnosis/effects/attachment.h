@@ -1,0 +1,25 @@
+// What the effects that hang on a place of the surface share.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/effect.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+
+/// "u" and "v" of the place.
+[[nodiscard]] Parameter place_u();
+[[nodiscard]] Parameter place_v();
+/// 0 without a surface to hang on.
+[[nodiscard]] Eigen::Index has_surface(const Structure& structure);
+/// Shapes at (u, v), r; zero beside the surface.
+[[nodiscard]] Eigen::VectorXd shape_at(const Structure& structure, double u, double v);
+/// ω₁ [rad/s], of the first flexible mode.
+[[nodiscard]] double first_omega(const Structure& structure);
+/// Each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.
+[[nodiscard]] std::vector<EffectStart> at_peaks(const Scene& scene,
+                                                const std::vector<Eigen::VectorXd>& sizes,
+                                                std::size_t peaks = 6);
+
+}  // namespace chladni::diagnosis

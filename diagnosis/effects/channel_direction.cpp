@@ -1,0 +1,74 @@
+#include <cmath>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/sides.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+std::vector<Parameter> tilts(const Structure& /*structure*/) {
+  return {{"toward_u", "rad", Parameter::Scale::linear, 0.0, 0.05, 1e-5},
+          {"toward_v", "rad", Parameter::Scale::linear, 0.0, 0.05, 1e-5}};
+}
+
+// None where the simulation holds no motion along the surface.
+template <Side side>
+Index tiltable(const Structure& structure) {
+  const auto& channels = channels_of<side>(structure);
+  const double aside = channels.aside_u.norm() + channels.aside_v.norm();
+  return aside > 1e-3 * channels.shapes.norm() ? channels.count() : 0;
+}
+
+template <Side side>
+void tilt(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  const auto& channels = channels_of<side>(structure);
+  const double upright = 1.0 / std::sqrt(1.0 + x.squaredNorm()) - 1.0;
+  const VectorXd by = (upright * channels.shapes.row(option) +
+                       (1.0 + upright) * (x(0) * channels.aside_u.row(option) +
+                                          x(1) * channels.aside_v.row(option)))
+                          .transpose();
+  if (side == Side::sensors) {
+    state.outputs.row(option) += by.transpose();
+  } else {
+    state.inputs.col(option) += by;
+  }
+}
+
+template <Side side>
+std::vector<EffectStart> upright(const Scene& scene) {
+  std::vector<EffectStart> starts;
+  for (Index i = 0; i < tiltable<side>(scene.structure()); ++i) {
+    starts.push_back({i, VectorXd::Zero(2)});
+    for (const double by : {-0.1, 0.1}) {
+      starts.push_back({i, by * VectorXd::Unit(2, 0)});
+      starts.push_back({i, by * VectorXd::Unit(2, 1)});
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect sensor_direction{"sensor_direction",
+                              "a sensor is tilted",
+                              "its row of the shapes along the direction turned",
+                              "a sensor that is off its place: the same to first order in bending",
+                              tilts,
+                              tiltable<Side::sensors>,
+                              the_channel<Side::sensors>,
+                              tilt<Side::sensors>,
+                              upright<Side::sensors>};
+const Effect actuator_direction{"actuator_direction",
+                                "an actuator pushes at an angle",
+                                "its column of the shapes along the direction turned",
+                                "an actuator that is off its place: the same to first order",
+                                tilts,
+                                tiltable<Side::actuators>,
+                                the_channel<Side::actuators>,
+                                tilt<Side::actuators>,
+                                upright<Side::actuators>};
+
+}  // namespace chladni::diagnosis

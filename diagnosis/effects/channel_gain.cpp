@@ -1,0 +1,70 @@
+#include <cmath>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/sides.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+std::vector<Parameter> gain_parameters(const Structure& /*structure*/) {
+  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.2, 1e-4}};
+}
+
+template <Side side>
+void apply_gain(State& state, const Structure& /*structure*/, Index option,
+                const Eigen::VectorXd& x) {
+  paths_of<side>(state)[static_cast<std::size_t>(option)].gain *= std::exp(x(0));
+}
+
+template <Side side>
+std::vector<EffectStart> gain_starts(const Scene& scene) {
+  std::vector<EffectStart> starts;
+  for (Index i = 0; i < each_channel<side>(scene.structure()); ++i) {
+    const double factor = channel_factor<side>(scene, i);
+    if (factor > 0.05) starts.push_back({i, Eigen::VectorXd::Constant(1, std::log(factor))});
+  }
+  return starts;
+}
+
+void apply_overall(State& state, const Structure& /*structure*/, Index /*option*/,
+                   const Eigen::VectorXd& x) {
+  for (auto& path : state.output_paths) path.gain *= std::exp(x(0));
+}
+
+std::vector<EffectStart> overall_starts(const Scene& scene) {
+  const auto gain = scene.gain(scene.now().value);
+  if (gain.step <= -0.95) return {};
+  return {{0, Eigen::VectorXd::Constant(1, std::log1p(gain.step))}};
+}
+
+constexpr std::string_view kSource = "a real factor on a row or column of the responses";
+
+}  // namespace
+
+const Effect sensor_gain{"sensor_gain",
+                         "a sensor reads too much or too little",
+                         kSource,
+                         "its place or direction (changes over frequency), density",
+                         gain_parameters,
+                         each_channel<Side::sensors>,
+                         the_channel<Side::sensors>,
+                         apply_gain<Side::sensors>,
+                         gain_starts<Side::sensors>};
+const Effect actuator_gain{"actuator_gain",
+                           "an actuator gives more or less force than it says",
+                           kSource,
+                           "its place or direction (changes over frequency)",
+                           gain_parameters,
+                           each_channel<Side::actuators>,
+                           the_channel<Side::actuators>,
+                           apply_gain<Side::actuators>,
+                           gain_starts<Side::actuators>};
+const Effect overall_gain{"overall_gain",  "all responses share a wrong scale",
+                          kSource,         "density and modulus together: weigh the body",
+                          gain_parameters, one_option,
+                          no_channels,     apply_overall,
+                          overall_starts};
+
+}  // namespace chladni::diagnosis

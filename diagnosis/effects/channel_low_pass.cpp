@@ -1,0 +1,71 @@
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/sides.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+std::vector<Parameter> corner(const Structure& /*structure*/) {
+  return {{"frequency", "Hz", Parameter::Scale::logarithmic, std::log(5e3), 2.0, 1e-4}};
+}
+
+double lag(const VectorXd& x) { return std::exp(-x(0)) / (2.0 * std::numbers::pi); }
+
+void filter_all(State& state, const Structure& /*structure*/, Index /*option*/, const VectorXd& x) {
+  for (auto& path : state.output_paths) path.lag += lag(x);
+}
+template <Side side>
+void filter_one(State& state, const Structure& /*structure*/, Index option, const VectorXd& x) {
+  paths_of<side>(state)[static_cast<std::size_t>(option)].lag += lag(x);
+}
+
+// From a third of the band to a thousand times it.
+std::vector<EffectStart> scan(const Scene& scene, Index options) {
+  std::vector<EffectStart> starts;
+  for (Index option = 0; option < options; ++option) {
+    for (double times = 0.3; times < 1e3; times *= 2.0) {
+      starts.push_back({option, VectorXd::Constant(1, std::log(times * scene.high_hz()))});
+    }
+  }
+  return starts;
+}
+std::vector<EffectStart> one_corner(const Scene& scene) { return scan(scene, 1); }
+template <Side side>
+std::vector<EffectStart> each_corner(const Scene& scene) {
+  return scan(scene, each_channel<side>(scene.structure()));
+}
+
+constexpr std::string_view kSource = "1 / (1 + s / omega_c) on the responses";
+
+}  // namespace
+
+const Effect low_pass{"low_pass",  "amplifier or filter in all channels",
+                      kSource,     "delay (leaves the magnitude)",
+                      corner,      one_option,
+                      no_channels, filter_all,
+                      one_corner};
+const Effect sensor_low_pass{"sensor_low_pass",
+                             "a sensor is slow",
+                             kSource,
+                             "its delay",
+                             corner,
+                             each_channel<Side::sensors>,
+                             the_channel<Side::sensors>,
+                             filter_one<Side::sensors>,
+                             each_corner<Side::sensors>};
+const Effect actuator_low_pass{"actuator_low_pass",
+                               "an actuator or its amplifier is slow",
+                               kSource,
+                               "its delay",
+                               corner,
+                               each_channel<Side::actuators>,
+                               the_channel<Side::actuators>,
+                               filter_one<Side::actuators>,
+                               each_corner<Side::actuators>};
+
+}  // namespace chladni::diagnosis

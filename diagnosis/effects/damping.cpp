@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> level(const Structure& /*structure*/) {
+  return {{"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.8, 1e-4}};
+}
+
+void scale(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
+           const VectorXd& x) {
+  state.damping *= std::exp(x(0));
+  state.loss *= std::exp(x(0));
+}
+
+std::vector<EffectStart> levels(const Scene& /*scene*/) {
+  std::vector<EffectStart> starts;
+  for (double factor = 0.1; factor < 11.0; factor *= 1.25) {
+    starts.push_back({0, VectorXd::Constant(1, std::log(factor))});
+  }
+  return starts;
+}
+
+std::vector<Parameter> hysteresis(const Structure& /*structure*/) {
+  return {{"share", "1", Parameter::Scale::linear, 0.5, 0.5, 1e-4},
+          {"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.3, 1e-4}};
+}
+
+// Part of each mode's losses follows its displacement instead of its speed: 2ζω², not 2ζωs.
+void relax(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
+  const Eigen::VectorXd root = omega.cwiseSqrt();
+  const double factor = std::exp(x(1));
+  state.loss += x(0) * factor * (root.asDiagonal() * state.damping * root.asDiagonal());
+  state.damping *= (1.0 - x(0)) * factor;
+}
+
+std::vector<EffectStart> shares(const Scene& /*scene*/) {
+  return {{0, Eigen::Vector2d(0.5, 0.0)}, {0, Eigen::Vector2d(1.0, 0.0)}};
+}
+
+}  // namespace
+
+const Effect modal_damping{"modal_damping",
+                           "all modes are damped more or less than supposed",
+                           "D times a factor",
+                           "gains (peak against flank decides), a damper in one place",
+                           level,
+                           one_option,
+                           no_channels,
+                           scale,
+                           levels};
+const Effect hysteretic_damping{"hysteretic_damping",
+                                "losses follow the displacement, not the speed",
+                                "K (1 + j eta) instead of s D",
+                                "modal damping that differs from mode to mode",
+                                hysteresis,
+                                one_option,
+                                no_channels,
+                                relax,
+                                shares};
+
+}  // namespace chladni::diagnosis

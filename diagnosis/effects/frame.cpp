@@ -1,0 +1,57 @@
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> oscillator(const Structure& structure) {
+  const double typical_hz = structure.frequency_hz(structure.rigid_count);
+  return {
+      {"mass", "kg", Parameter::Scale::logarithmic, std::log(10.0 * structure.mass_kg), 2.0, 1e-4},
+      {"frequency", "Hz", Parameter::Scale::logarithmic, std::log(typical_hz), 1.5, 1e-5},
+      {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.02), 1.0, 1e-4}};
+}
+
+void stand(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
+           const VectorXd& x) {
+  const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
+  Frame one;
+  one.mass = std::exp(x(0));
+  one.stiffness = one.mass * omega * omega;
+  one.damping = 2.0 * std::exp(x(2)) * omega * one.mass;
+  one.to_outputs = VectorXd::Ones(state.output_count());
+  one.from_inputs = VectorXd::Ones(state.input_count());
+  state.frames.push_back(std::move(one));
+}
+
+std::vector<EffectStart> frames(const Scene& scene) {
+  std::vector<EffectStart> starts;
+  const double low = std::max(0.3 * scene.low_hz(), 0.5);
+  const double ratio = std::pow(1.3 * scene.high_hz() / low, 1.0 / 60.0);
+  for (double times = 0.1; times < 300.0; times *= 5.0) {
+    for (double f = low; f < 1.31 * scene.high_hz(); f *= ratio) {
+      starts.push_back({0, Eigen::Vector3d(std::log(times * scene.structure().mass_kg), std::log(f),
+                                           std::log(0.02))});
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect frame{"frame",
+                   "the support moves: actuators push it back, sensors are measured against it",
+                   "1 / (m s^2 + c s + k) added to all responses alike",
+                   "a resonator on the body, a spring to ground",
+                   oscillator,
+                   one_option,
+                   no_channels,
+                   stand,
+                   frames};
+
+}  // namespace chladni::diagnosis

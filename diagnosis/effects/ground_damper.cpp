@@ -1,0 +1,49 @@
+#include <cmath>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+double typical(const Structure& structure) {
+  return 0.01 * structure.mass_kg * first_omega(structure);
+}
+
+std::vector<Parameter> damping_and_place(const Structure& structure) {
+  return {
+      {"damping", "N s/m", Parameter::Scale::logarithmic, std::log(typical(structure)), 2.5, 1e-4},
+      place_u(),
+      place_v()};
+}
+
+void drag(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  Attached one;
+  one.shapes = shape_at(structure, x(1), x(2));
+  one.damping = std::exp(x(0));
+  state.attached.push_back(std::move(one));
+}
+
+std::vector<EffectStart> dashpots(const Scene& scene) {
+  std::vector<VectorXd> sizes;
+  for (double times = 1e-4; times < 300.0; times *= 2.0) {
+    sizes.push_back(VectorXd::Constant(1, std::log(times * typical(scene.structure()))));
+  }
+  return at_peaks(scene, sizes);
+}
+
+}  // namespace
+
+const Effect ground_damper{"ground_damper",
+                           "a damper in one place: eddy currents, a cable that rubs, a pad",
+                           "s c at a place, Woodbury; modes become complex",
+                           "modal damping where a pair is degenerate",
+                           damping_and_place,
+                           has_surface,
+                           no_channels,
+                           drag,
+                           dashpots};
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,50 @@
+#include <cmath>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+double typical(const Structure& structure) {
+  const double omega = first_omega(structure);
+  return 0.01 * structure.mass_kg * omega * omega;
+}
+
+std::vector<Parameter> stiffness_and_place(const Structure& structure) {
+  return {
+      {"stiffness", "N/m", Parameter::Scale::logarithmic, std::log(typical(structure)), 3.0, 1e-4},
+      place_u(),
+      place_v()};
+}
+
+void hold(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  Attached one;
+  one.shapes = shape_at(structure, x(1), x(2));
+  one.stiffness = std::exp(x(0));
+  state.attached.push_back(std::move(one));
+}
+
+std::vector<EffectStart> springs(const Scene& scene) {
+  std::vector<VectorXd> sizes;
+  for (double times = 1e-5; times < 1e3; times *= 2.0) {
+    sizes.push_back(VectorXd::Constant(1, std::log(times * typical(scene.structure()))));
+  }
+  return at_peaks(scene, sizes);
+}
+
+}  // namespace
+
+const Effect ground_spring{"ground_spring",
+                           "something holds the body: flexure, cable, gravity compensator",
+                           "k at a place, Woodbury",
+                           "a frame, what a closed loop leaves at low frequency",
+                           stiffness_and_place,
+                           has_surface,
+                           no_channels,
+                           hold,
+                           springs};
+
+}  // namespace chladni::diagnosis

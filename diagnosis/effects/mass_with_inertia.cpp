@@ -1,0 +1,56 @@
+#include <cmath>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> mass_radius_place(const Structure& structure) {
+  return {
+      {"mass", "kg", Parameter::Scale::logarithmic, std::log(0.01 * structure.mass_kg), 2.0, 1e-4},
+      {"radius_of_gyration", "m", Parameter::Scale::logarithmic, std::log(0.03), 1.0, 1e-4},
+      place_u(),
+      place_v()};
+}
+
+void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  const auto motion = structure.surface.at({x(2), x(3)});
+  const Eigen::Index r = structure.mode_count();
+  Attached mass;
+  mass.mass = std::exp(x(0));
+  mass.shapes = motion ? motion->shape : VectorXd::Zero(r);
+  Attached inertia;
+  inertia.mass = mass.mass * std::exp(2.0 * x(1));
+  inertia.shapes = Eigen::MatrixXd::Zero(r, 2);
+  if (motion) inertia.shapes << motion->slope_u, motion->slope_v;
+  state.attached.push_back(std::move(mass));
+  state.attached.push_back(std::move(inertia));
+}
+
+std::vector<EffectStart> weights(const Scene& scene) {
+  std::vector<VectorXd> sizes;
+  for (double part = 1e-4; part < 0.3; part *= 1.8) {
+    for (const double radius : {0.02, 0.06, 0.15}) {
+      sizes.push_back(
+          Eigen::Vector2d(std::log(part * scene.structure().mass_kg), std::log(radius)));
+    }
+  }
+  return at_peaks(scene, sizes, 4);
+}
+
+}  // namespace
+
+const Effect mass_with_inertia{"mass_with_inertia",
+                               "a mass whose height or width resists rotation",
+                               "s^2 m at a place and s^2 m r^2 at its two rotations, Woodbury",
+                               "two masses; a resonator above the band",
+                               mass_radius_place,
+                               has_surface,
+                               no_channels,
+                               hang,
+                               weights};
+
+}  // namespace chladni::diagnosis

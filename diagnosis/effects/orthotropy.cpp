@@ -1,0 +1,44 @@
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> constants(const Structure& /*structure*/) {
+  return {{"along_u", "1", Parameter::Scale::linear, 0.0, 0.2, 1e-5},
+          {"shear", "1", Parameter::Scale::linear, 0.0, 0.2, 1e-5}};
+}
+
+Eigen::Index known(const Structure& structure) {
+  return structure.directional.along_u.size() > 0 ? 1 : 0;
+}
+
+void stretch(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  state.stiffness += x(0) * structure.directional.along_u + x(1) * structure.directional.shear;
+}
+
+std::vector<EffectStart> steps(const Scene& /*scene*/) {
+  std::vector<EffectStart> starts{{0, VectorXd::Zero(2)}};
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    for (const double by : {-0.3, -0.15, -0.08, -0.04, -0.02, 0.02, 0.04, 0.08, 0.15, 0.3}) {
+      starts.push_back({0, by * VectorXd::Unit(2, i)});
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect orthotropy{"orthotropy",
+                        "stiffer along one side than along the other: rolled, ribbed, fibred",
+                        "K plus parts of it by elastic constant",
+                        "a modulus or thickness that varies",
+                        constants,
+                        known,
+                        no_channels,
+                        stretch,
+                        steps};
+
+}  // namespace chladni::diagnosis

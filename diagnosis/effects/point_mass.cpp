@@ -1,0 +1,47 @@
+#include <cmath>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> mass_and_place(const Structure& structure) {
+  return {{"mass", "kg", Parameter::Scale::linear, 0.0, 0.03 * structure.mass_kg,
+           1e-6 * structure.mass_kg},
+          place_u(),
+          place_v()};
+}
+
+void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  Attached one;
+  one.shapes = shape_at(structure, x(1), x(2));
+  one.mass = x(0);
+  state.attached.push_back(std::move(one));
+}
+
+// A hundred-thousandth to a third of the body, and as much missing.
+std::vector<EffectStart> weights(const Scene& scene) {
+  std::vector<VectorXd> sizes;
+  for (double part = 1e-5; part < 0.3; part *= 1.6) {
+    sizes.push_back(VectorXd::Constant(1, part * scene.structure().mass_kg));
+    sizes.push_back(VectorXd::Constant(1, -part * scene.structure().mass_kg));
+  }
+  return at_peaks(scene, sizes);
+}
+
+}  // namespace
+
+const Effect point_mass{"point_mass",
+                        "a mass on the body that the model lacks (negative: missing material)",
+                        "s^2 m at a place, Woodbury",
+                        "a resonator far above the band; stiffness lost under it",
+                        mass_and_place,
+                        has_surface,
+                        no_channels,
+                        hang,
+                        weights};
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,59 @@
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> oscillator_and_place(const Structure& structure) {
+  const double typical_hz = structure.frequency_hz(structure.rigid_count);
+  return {
+      {"mass", "kg", Parameter::Scale::logarithmic, std::log(0.01 * structure.mass_kg), 2.0, 1e-4},
+      {"frequency", "Hz", Parameter::Scale::logarithmic, std::log(2.0 * typical_hz), 1.2, 1e-5},
+      {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.02), 1.0, 1e-4},
+      place_u(),
+      place_v()};
+}
+
+void carry(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
+  Attached one;
+  one.carried = true;
+  one.mass = std::exp(x(0));
+  one.stiffness = one.mass * omega * omega;
+  one.damping = 2.0 * std::exp(x(2)) * omega * one.mass;
+  one.shapes = shape_at(structure, x(3), x(4));
+  state.attached.push_back(std::move(one));
+}
+
+// Where a free complex number per line explains most, over masses and frequencies.
+std::vector<EffectStart> oscillators(const Scene& scene) {
+  std::vector<VectorXd> sizes;
+  const double low = std::max(scene.low_hz(), 1.0);
+  const double ratio = std::pow(1.3 * scene.high_hz() / low, 1.0 / 40.0);
+  for (double part = 3e-4; part < 0.2; part *= 5.0) {
+    for (double f = low; f < 1.31 * scene.high_hz(); f *= ratio) {
+      sizes.push_back(
+          Eigen::Vector3d(std::log(part * scene.structure().mass_kg), std::log(f), std::log(0.02)));
+    }
+  }
+  return at_peaks(scene, sizes, 3);
+}
+
+}  // namespace
+
+const Effect resonator{"resonator",
+                       "a mass on a spring hangs on the body: bracket, cable, loose part",
+                       "m s^2 (k + c s) / (m s^2 + c s + k) at a place, Woodbury: one more pole",
+                       "frame mode; a plain mass where its frequency is far above the band",
+                       oscillator_and_place,
+                       has_surface,
+                       no_channels,
+                       carry,
+                       oscillators};
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,73 @@
+#include "diagnosis/deviations.h"
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::array<std::string_view, 5> kPlane{"u1", "v1", "u2", "u1v1", "v2"};
+constexpr std::array<std::string_view, 2> kLine{"u1", "u2"};
+
+std::vector<Parameter> coefficients(const Structure& structure) {
+  const Index waves = smooth_fields(structure.cells).cols();
+  std::vector<Parameter> all;
+  for (Index f = 0; f < waves; ++f) {
+    const auto n = static_cast<std::size_t>(f);
+    all.push_back(
+        {waves == 5 ? kPlane[n] : kLine[n], "1", Parameter::Scale::linear, 0.0, 0.05, 1e-5});
+  }
+  return all;
+}
+
+Index has_cells(const Structure& structure) { return structure.cells.count() > 2 ? 1 : 0; }
+Index bends(const Structure& structure) {
+  return structure.bending_power > 0.0 ? has_cells(structure) : 0;
+}
+
+void stiffen(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+  state.stiffness += sum_of(structure.cells.stiffness, smooth_fields(structure.cells) * x);
+}
+
+void thicken(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+  const VectorXd field = smooth_fields(structure.cells) * x;
+  const VectorXd stiffer = (1.0 + field.array()).max(0.05).pow(structure.bending_power) - 1.0;
+  state.stiffness += sum_of(structure.cells.stiffness, stiffer);
+  state.mass += sum_of(structure.cells.mass, field);
+}
+
+std::vector<EffectStart> flat(const Scene& scene) {
+  const Index n = smooth_fields(scene.structure().cells).cols();
+  std::vector<EffectStart> starts{{0, VectorXd::Zero(n)}};
+  for (Index f = 0; f < n; ++f) {
+    for (const double by : {-0.04, -0.01, 0.01, 0.04})
+      starts.push_back({0, by * VectorXd::Unit(n, f)});
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect modulus_field{"modulus_field",
+                           "Young's modulus varies smoothly over the body",
+                           "sum of x_f K_f, Legendre polynomials over the body",
+                           "thickness that varies (changes the mass too), orthotropy",
+                           coefficients,
+                           has_cells,
+                           no_channels,
+                           stiffen,
+                           flat};
+const Effect thickness_field{"thickness_field",
+                             "the thickness varies smoothly: a taper, a bow",
+                             "K_c (1 + t)^3, M_c (1 + t), Legendre polynomials over the body",
+                             "a modulus that varies (leaves the mass)",
+                             coefficients,
+                             bends,
+                             no_channels,
+                             thicken,
+                             flat};
+
+}  // namespace chladni::diagnosis

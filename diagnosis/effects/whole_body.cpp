@@ -1,0 +1,71 @@
+#include <cmath>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> relative(const Structure& /*structure*/) {
+  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.2, 1e-5}};
+}
+
+void stiffen(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
+             const VectorXd& x) {
+  state.stiffness *= std::exp(x(0));
+}
+void weigh(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
+           const VectorXd& x) {
+  state.mass *= std::exp(x(0));
+}
+void thicken(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+  state.stiffness *= std::exp(structure.bending_power * x(0));
+  state.mass *= std::exp(x(0));
+}
+
+// Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
+// matrices that are not diagonal are costly, and what is left to find by then is small.
+std::vector<EffectStart> steps(const Scene& scene, double power) {
+  const bool cheap = scene.state().stiffness.isDiagonal(0.0) && scene.state().mass.isDiagonal(0.0);
+  const double step = scene.frequency_step() / power;
+  std::vector<EffectStart> starts{{0, VectorXd::Zero(1)}};
+  const double most = 0.3 / power;
+  double by = step;
+  while (by < most) {
+    starts.push_back({0, VectorXd::Constant(1, by)});
+    starts.push_back({0, VectorXd::Constant(1, -by)});
+    by = cheap ? by + step : 2.0 * by;
+  }
+  return starts;
+}
+std::vector<EffectStart> by_half(const Scene& scene) { return steps(scene, 0.5); }
+std::vector<EffectStart> by_one(const Scene& scene) { return steps(scene, 1.0); }
+
+Eigen::Index bends(const Structure& structure) { return structure.bending_power > 0.0 ? 1 : 0; }
+
+}  // namespace
+
+const Effect youngs_modulus{
+    "youngs_modulus", "the whole body is stiffer or softer",
+    "K (1 + e)",      "density with an overall gain; thickness: weigh the body",
+    relative,         one_option,
+    no_channels,      stiffen,
+    by_half};
+const Effect density{"density",   "the whole body is heavier or lighter",
+                     "M (1 + r)", "modulus with an overall gain: weigh the body",
+                     relative,    one_option,
+                     no_channels, weigh,
+                     by_half};
+const Effect thickness{"thickness",
+                       "the whole body is thicker or thinner",
+                       "K (1 + t)^3, M (1 + t) of a body that bends",
+                       "modulus and density together: measure it",
+                       relative,
+                       bends,
+                       no_channels,
+                       thicken,
+                       by_one};
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,55 @@
+// The most probable sizes of supposed causes together with the tolerances, and how well that
+// explains the data.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/deviations.h"
+#include "diagnosis/effect.h"
+#include "diagnosis/observed.h"
+#include "diagnosis/responses.h"
+
+namespace chladni::diagnosis {
+
+/// What every fit of a diagnosis shares.
+struct Problem {
+  const Structure& structure;
+  const Observed& observed;
+  const std::vector<Deviation>& deviations;
+};
+
+/// The structure with its deviations (each in units of its tolerance), then the causes in order.
+[[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
+                             const Eigen::VectorXd& eta);
+
+/// Causes at their most probable sizes.
+struct Fit {
+  std::vector<Supposed> causes;
+  Eigen::VectorXd eta;  ///< of the deviations
+  double chi_square = 0.0;
+  double log_evidence = 0.0;   ///< ln ∫ likelihood × prior, Laplace; less (2π)^(-N/2) Π w
+  Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of eta
+  int iterations = 0;
+  bool converged = false;
+
+  [[nodiscard]] Eigen::Index coordinate_count() const;  ///< of all causes
+  /// z = (χ² − N + parameters) / sqrt(2N).
+  [[nodiscard]] double excess(double numbers) const;
+};
+
+struct FitLimits {
+  int iterations = 12;
+  double tolerance = 0.05;  ///< of the objective, ½χ² + ...: it is a logarithm of a probability
+};
+
+/// ½χ² + ½ηᵀη − ln π(x) by Levenberg and Marquardt in all coordinates; slopes by
+/// diagnosis::slope. `start.causes` and `start.eta` are where it begins.
+/// Cost: per iteration one solve of all lines, a slope per coordinate, N (coordinates)².
+[[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
+
+/// d value / d x of each coordinate in turn, weighted: N × coordinates; causes, then deviations.
+[[nodiscard]] Eigen::MatrixXd sensitivities(const Problem& problem,
+                                            const std::vector<Supposed>& causes,
+                                            const Eigen::VectorXd& eta, const Solved& now);
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,274 @@
+#include "diagnosis/search.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A cause that might be added, with its misfit in a scene.
+struct Candidate {
+  Supposed cause;
+  double misfit = 0.0;
+  const Fit* base = nullptr;
+  bool from_nominal = false;  ///< seen with the tolerances at 0
+};
+
+double numbers(const Problem& problem) { return problem.observed.number_count(); }
+
+// Σ |d value / d eta|² over the deviations, K×pq.
+MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
+  const MatrixXd jacobian = sensitivities(problem, {}, fit.eta, now);
+  const Index n = problem.observed.value.size();
+  // The rows are weighted; a part of the response each.
+  const VectorXd power = jacobian.rowwise().squaredNorm();
+  const Eigen::ArrayXXd weight2 = problem.observed.weight.array().square();
+  const Eigen::ArrayXXd sum =
+      (power.head(n) + power.tail(n))
+          .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
+          .array();
+  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
+}
+
+// Gauss-Newton on the coordinates of one cause alone, in the scene.
+Candidate improved(const Scene& scene, Candidate candidate) {
+  const auto& effect = *candidate.cause.effect;
+  const auto parameters = effect.parameters(scene.structure());
+  const auto count = static_cast<Index>(parameters.size());
+  if (count == 0) return candidate;
+  double lambda = 1e-2;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    State here = scene.state();
+    effect.apply(here, scene.structure(), candidate.cause.option, candidate.cause.x);
+    const Solved now = scene.solved_at(here);
+    const VectorXd error = residual(scene.observed(), now.value);
+    MatrixXd jacobian(error.size(), count);
+    for (Index i = 0; i < count; ++i) {
+      const double h = parameters[static_cast<std::size_t>(i)].step;
+      const auto moved = [&](double by) {
+        State state = scene.state();
+        VectorXd x = candidate.cause.x;
+        x(i) += by;
+        effect.apply(state, scene.structure(), candidate.cause.option, x);
+        return state;
+      };
+      jacobian.col(i) = weighted(scene.observed(), slope(here, now, moved(-h), moved(h), 2.0 * h));
+    }
+    MatrixXd curvature = jacobian.transpose() * jacobian;
+    VectorXd toward = jacobian.transpose() * error;
+    for (Index i = 0; i < count; ++i) {
+      const auto& parameter = parameters[static_cast<std::size_t>(i)];
+      if (parameter.is_place()) continue;
+      const double precision = 1.0 / (parameter.width * parameter.width);
+      curvature(i, i) += precision;
+      toward(i) -= precision * (candidate.cause.x(i) - parameter.centre);
+    }
+    bool taken = false;
+    double fall = 0.0;
+    for (int attempt = 0; attempt < 4 && !taken; ++attempt) {
+      MatrixXd damped = curvature;
+      damped.diagonal() *= 1.0 + lambda;
+      damped.diagonal().array() += 1e-300;
+      Supposed next = candidate.cause;
+      next.x += damped.llt().solve(toward);
+      if (std::isfinite(log_prior(next, scene.structure()))) {
+        const double misfit = scene.misfits(effect, {{next.option, next.x}})(0);
+        if (misfit < candidate.misfit) {
+          fall = candidate.misfit - misfit;
+          candidate.misfit = misfit;
+          candidate.cause = std::move(next);
+          taken = true;
+        }
+      }
+      lambda *= taken ? 0.2 : 10.0;
+    }
+    if (!taken || fall < 0.5 + 1e-4 * candidate.misfit) break;
+  }
+  return candidate;
+}
+
+// The best starts of one effect, each choice for itself, improved.
+std::vector<Candidate> candidates(const Scene& scene, const Effect& effect, const Fit& base) {
+  constexpr std::size_t kKept = 2;
+  if (effect.options(scene.structure()) == 0) return {};
+  const auto starts = effect.starts(scene);
+  if (starts.empty()) return {};
+  const VectorXd misfits = scene.misfits(effect, starts);
+  std::vector<Index> order;
+  for (Index i = 0; i < misfits.size(); ++i) {
+    if (std::isfinite(misfits(i))) order.push_back(i);
+  }
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return misfits(a) < misfits(b); });
+  std::vector<Candidate> best;
+  for (const auto i : order) {
+    const auto& start = starts[static_cast<std::size_t>(i)];
+    const auto parameters = effect.parameters(scene.structure());
+    const bool alike = std::ranges::any_of(best, [&](const Candidate& other) {
+      if (other.cause.option != start.option) return false;
+      for (std::size_t n = 0; n < parameters.size(); ++n) {
+        const auto c = static_cast<Index>(n);
+        if (parameters[n].is_place() && other.cause.x(c) != start.x(c)) return false;
+      }
+      return true;
+    });
+    if (alike) continue;
+    best.push_back({{&effect, start.option, start.x}, misfits(i), &base, false});
+    if (best.size() == kKept) break;
+  }
+  for (auto& one : best) one = improved(scene, one);
+  return best;
+}
+
+// A channel has one gain, the body one modulus; what hangs in a place may hang in several.
+bool is_there_already(const Structure& structure, const Fit& base, const Supposed& cause) {
+  const auto parameters = cause.effect->parameters(structure);
+  if (std::ranges::any_of(parameters, &Parameter::is_place)) return false;
+  return std::ranges::any_of(base.causes, [&](const Supposed& other) {
+    return other.effect == cause.effect && other.option == cause.option;
+  });
+}
+
+struct Level {
+  const Problem& problem;
+  const std::vector<const Effect*>& catalogue;
+  const SearchLimits& limits;
+  const Progress& progress;
+  int number = 0;
+};
+
+// All that might be added to `base`, the most promising first; one per effect and choice at most
+// two.
+std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nominal) {
+  Fit seen = base;
+  if (nominal) seen.eta.setZero();
+  const State state = state_of(level.problem, seen.causes, seen.eta);
+  const Solved now = solved(state, Body(state, level.problem.observed.omega));
+  const Scene scene(level.problem.structure, level.problem.observed, state,
+                    widening(level.problem, seen, now));
+  std::vector<Candidate> all;
+  for (std::size_t e = 0; e < level.catalogue.size(); ++e) {
+    throw_if_interrupted();
+    tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
+         static_cast<double>(e) / static_cast<double>(level.catalogue.size()));
+    for (auto& one : candidates(scene, *level.catalogue[e], base)) {
+      if (is_there_already(level.problem.structure, base, one.cause)) continue;
+      one.misfit -= scene.misfit();  // the fall, so that scenes compare
+      one.from_nominal = nominal;
+      all.push_back(std::move(one));
+    }
+  }
+  std::ranges::stable_sort(all, {}, &Candidate::misfit);
+  return all;
+}
+
+std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate) {
+  Fit start = *candidate.base;
+  if (candidate.from_nominal) start.eta.setZero();
+  start.causes.push_back(candidate.cause);
+  try {
+    return fitted(problem, start);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
+void keep(std::vector<Fit>& fits, Fit fit) {
+  const auto place = std::ranges::find_if(
+      fits, [&](const Fit& other) { return other.log_evidence < fit.log_evidence; });
+  fits.insert(place, std::move(fit));
+}
+
+// One more cause on top of each of the beam; what came of it.
+std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
+  std::vector<Fit> grown;
+  for (const auto& base : beam) {
+    auto all = looked_at(level, base, false);
+    if (level.number == 1 && base.eta.norm() > 1.0) {
+      for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
+      std::ranges::stable_sort(all, {}, &Candidate::misfit);
+    }
+    std::vector<std::pair<const Effect*, Index>> done;
+    for (const auto& candidate : all) {
+      if (static_cast<int>(done.size()) >= level.limits.fits_per_level) break;
+      const std::pair<const Effect*, Index> what{candidate.cause.effect, candidate.cause.option};
+      if (std::ranges::count(done, what) >= 1) continue;
+      done.push_back(what);
+      tell(level.progress, fmt::format("cause {}: fitting {}", level.number, what.first->name));
+      if (auto fit = fitted_with(level.problem, candidate)) keep(grown, std::move(*fit));
+    }
+  }
+  return grown;
+}
+
+// Without each cause in turn; the simpler stays where that costs too little.
+Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
+           const SearchLimits& limits) {
+  Fit best = whole;
+  const double excess = std::max(nothing.chi_square - numbers(problem), 1e-9);
+  for (std::size_t c = 0; c < best.causes.size() && best.causes.size() > 1;) {
+    Fit less = best;
+    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    less = fitted(problem, less);
+    const bool worth = best.log_evidence - less.log_evidence >= limits.least_evidence &&
+                       less.chi_square - best.chi_square >= limits.least_share * excess;
+    if (worth) {
+      ++c;
+    } else {
+      best = std::move(less);
+      c = 0;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
+               const SearchLimits& limits, const Progress& progress) {
+  Found found;
+  found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
+  tell(progress, "the simulation within its tolerances");
+  FitLimits patient;
+  patient.iterations = 25;
+  found.nothing = fitted(problem, found.nothing, patient);
+  found.fits = {found.nothing};
+  std::vector<Fit> beam{found.nothing};
+  for (int number = 1; number <= limits.most_causes; ++number) {
+    const double best_before = found.fits.front().log_evidence;
+    auto grown = level_up({problem, catalogue, limits, progress, number}, beam);
+    for (const auto& fit : grown) keep(found.fits, fit);
+    if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
+    if (static_cast<int>(grown.size()) > limits.beam)
+      grown.resize(static_cast<std::size_t>(limits.beam));
+    beam = std::move(grown);
+    if (beam.front().excess(numbers(problem)) < 1.0) break;
+  }
+  if (found.fits.front().causes.size() > 1) {
+    Fit simpler = pruned(problem, found.fits.front(), found.nothing, limits);
+    if (simpler.causes.size() < found.fits.front().causes.size()) {
+      // What was more is not worth its evidence: it is no rival either.
+      std::erase_if(found.fits,
+                    [&](const Fit& fit) { return fit.causes.size() > simpler.causes.size(); });
+      std::erase_if(found.fits, [&](const Fit& fit) {
+        return std::abs(fit.log_evidence - simpler.log_evidence) < 0.2 &&
+               fit.causes.size() == simpler.causes.size();
+      });
+      found.fits.insert(found.fits.begin(), std::move(simpler));
+    }
+  }
+  return found;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,32 @@
+// Which causes explain the data: one more at a time, with rivals kept, then fewer.
+#pragma once
+
+#include <vector>
+
+#include "base/progress.h"
+#include "diagnosis/fit.h"
+
+namespace chladni::diagnosis {
+
+struct SearchLimits {
+  int most_causes = 3;
+  int fits_per_level = 5;       ///< full fits of what looks best from a scene
+  int beam = 2;                 ///< explanations that are carried to the next level
+  double least_evidence = 8.0;  ///< ln of the Bayes factor of one more cause
+  double least_share = 0.01;    ///< of the initial excess misfit, or the cause is dropped
+};
+
+struct Found {
+  Fit nothing;            ///< the tolerances alone
+  std::vector<Fit> fits;  ///< all that were fitted in full, descending evidence, `nothing` too
+};
+
+/// At each level, from the best explanations so far: every effect of the catalogue is tried at the
+/// starts it offers, in a scene whose variances the tolerances widen; the best few are fitted in
+/// full. It ends when no cause brings `least_evidence`, or nothing is left to explain; then each
+/// cause is left out in turn, and stays out where that costs too little.
+/// @param catalogue  the effects that may be
+[[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
+                             const SearchLimits& limits, const Progress& progress = {});
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,169 @@
+#include "diagnosis/responses.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Complex = std::complex<double>;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+// A difference of matrices as what of it is not zero.
+struct Change {
+  MatrixXd full;             // or empty
+  Eigen::VectorXd diagonal;  // or empty
+  Change(const MatrixXd& minus, const MatrixXd& plus, double step) {
+    if (minus == plus) return;
+    MatrixXd difference = (plus - minus) / step;
+    if (difference.isDiagonal(0.0)) {
+      diagonal = difference.diagonal();
+    } else {
+      full = std::move(difference);
+    }
+  }
+};
+
+// Which rows (columns) of the channels move, and by how much.
+struct MovedChannels {
+  std::vector<Index> which;
+  std::vector<Eigen::VectorXd> by;  // r each
+  MovedChannels(const MatrixXd& minus, const MatrixXd& plus, double step) {
+    for (Index i = 0; i < minus.rows(); ++i) {
+      if (minus.row(i) == plus.row(i)) continue;
+      which.push_back(i);
+      by.emplace_back((plus.row(i) - minus.row(i)).transpose() / step);
+    }
+  }
+};
+
+class Slope {
+ public:
+  Slope(const State& at, const Solved& solved, const State& minus, const State& plus, double step)
+      : at_(at),
+        solved_(solved),
+        minus_(minus),
+        plus_(plus),
+        step_(step),
+        stiffness_(minus.stiffness, plus.stiffness, step),
+        loss_(minus.loss, plus.loss, step),
+        damping_(minus.damping, plus.damping, step),
+        mass_(minus.mass, plus.mass, step),
+        outputs_(minus.outputs, plus.outputs, step),
+        inputs_(minus.inputs.transpose(), plus.inputs.transpose(), step),
+        residual_moves_(minus.residual != plus.residual) {}
+
+  [[nodiscard]] MatrixXcd value() const {
+    MatrixXcd result(solved_.line_count(), solved_.value.cols());
+    for (Index k = 0; k < result.rows(); ++k) result.row(k) = line(k).reshaped().transpose();
+    return result;
+  }
+
+ private:
+  [[nodiscard]] MatrixXcd line(Index k) const {
+    const Complex s(0.0, solved_.omega(k));
+    MatrixXcd structure = MatrixXcd::Zero(at_.output_count(), at_.input_count());
+    add(stiffness_, 1.0, k, structure);
+    add(loss_, Complex(0.0, 1.0), k, structure);
+    add(damping_, s, k, structure);
+    add(mass_, s * s, k, structure);
+    add_channels(k, structure);
+    add_attached(k, s, structure);
+    if (residual_moves_) structure += ((plus_.residual - minus_.residual) / step_).cast<Complex>();
+    add_frames(s, structure);
+    return on_paths(k, s, structure);
+  }
+
+  void add(const Change& change, Complex factor, Index k, MatrixXcd& sum) const {
+    if (change.diagonal.size() > 0) {
+      sum.noalias() -=
+          solved_.left[at(k)] *
+          ((factor * change.diagonal.cast<Complex>()).asDiagonal() * solved_.right[at(k)]);
+    }
+    if (change.full.size() == 0) return;
+    MatrixXcd product(sum.rows(), change.full.cols());
+    product.real().noalias() = solved_.left[at(k)].real() * change.full;
+    product.imag().noalias() = solved_.left[at(k)].imag() * change.full;
+    sum.noalias() -= factor * (product * solved_.right[at(k)]);
+  }
+
+  void add_channels(Index k, MatrixXcd& sum) const {
+    for (std::size_t n = 0; n < outputs_.which.size(); ++n) {
+      sum.row(outputs_.which[n]) +=
+          outputs_.by[n].transpose().cast<Complex>() * solved_.right[at(k)];
+    }
+    for (std::size_t n = 0; n < inputs_.which.size(); ++n) {
+      sum.col(inputs_.which[n]) += solved_.left[at(k)] * inputs_.by[n].cast<Complex>();
+    }
+  }
+
+  void add_attached(Index k, Complex s, MatrixXcd& sum) const {
+    for (std::size_t n = 0; n < at_.attached.size(); ++n) {
+      const auto& minus = minus_.attached[n];
+      const auto& plus = plus_.attached[n];
+      const auto& here = at_.attached[n];
+      const Complex by = (dynamic_stiffness(plus, s) - dynamic_stiffness(minus, s)) / step_;
+      const MatrixXcd shapes = here.shapes.cast<Complex>();
+      const MatrixXcd left = solved_.left[at(k)] * shapes;
+      const MatrixXcd right = shapes.transpose() * solved_.right[at(k)];
+      if (by != 0.0) sum.noalias() -= by * (left * right);
+      if (plus.shapes == minus.shapes) continue;
+      const MatrixXcd moved = ((plus.shapes - minus.shapes) / step_).cast<Complex>();
+      const Complex z = dynamic_stiffness(here, s);
+      sum.noalias() -= z * ((solved_.left[at(k)] * moved) * right);
+      sum.noalias() -= z * (left * (moved.transpose() * solved_.right[at(k)]));
+    }
+  }
+
+  void add_frames(Complex s, MatrixXcd& sum) const {
+    for (std::size_t n = 0; n < at_.frames.size(); ++n) {
+      const auto response = [&](const Frame& frame) -> MatrixXcd {
+        return (frame.to_outputs * frame.from_inputs.transpose()).cast<Complex>() /
+               (frame.stiffness + s * frame.damping + s * s * frame.mass);
+      };
+      sum += (response(plus_.frames[n]) - response(minus_.frames[n])) / step_;
+    }
+  }
+
+  [[nodiscard]] MatrixXcd on_paths(Index k, Complex s, const MatrixXcd& structure) const {
+    const auto own = path_factors(at_, s);
+    const auto minus = path_factors(minus_, s);
+    const auto plus = path_factors(plus_, s);
+    const Index p = at_.output_count();
+    MatrixXcd value(p, at_.input_count());
+    for (Index j = 0; j < value.cols(); ++j) {
+      for (Index i = 0; i < p; ++i) {
+        const Index row = at_.output_of[at(i)];
+        const Index col = at_.input_of[at(j)];
+        const Complex turned =
+            (plus.first(i) * plus.second(j) - minus.first(i) * minus.second(j)) / step_;
+        value(i, j) = own.first(i) * own.second(j) * structure(row, col) +
+                      turned * solved_.structure(k, row + p * col);
+      }
+    }
+    return value;
+  }
+
+  [[nodiscard]] static std::pair<Eigen::VectorXcd, Eigen::VectorXcd> path_factors(
+      const State& state, Complex s) {
+    return {factors(state.output_paths, s), factors(state.input_paths, s)};
+  }
+
+  const State& at_;
+  const Solved& solved_;
+  const State &minus_, &plus_;
+  double step_;
+  Change stiffness_, loss_, damping_, mass_;
+  MovedChannels outputs_, inputs_;
+  bool residual_moves_;
+};
+
+}  // namespace
+
+MatrixXcd slope(const State& at, const Solved& solved, const State& minus, const State& plus,
+                double step) {
+  return Slope(at, solved, minus, plus, step).value();
+}
+
+}  // namespace chladni::diagnosis

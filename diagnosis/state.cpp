@@ -1,0 +1,28 @@
+#include "diagnosis/state.h"
+
+#include <numbers>
+#include <numeric>
+
+namespace chladni::diagnosis {
+
+State state_of(const Structure& structure) {
+  const Eigen::Index r = structure.mode_count();
+  const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
+  State state;
+  state.stiffness = omega.cwiseAbs2().asDiagonal();
+  state.loss = Eigen::MatrixXd::Zero(r, r);
+  state.damping = (2.0 * structure.damping_ratio.cwiseProduct(omega)).asDiagonal();
+  state.mass = Eigen::MatrixXd::Identity(r, r);
+  state.outputs = structure.outputs.shapes;
+  state.inputs = structure.inputs.shapes.transpose();
+  state.residual = structure.residual;
+  state.output_paths.resize(static_cast<std::size_t>(structure.output_count()));
+  state.input_paths.resize(static_cast<std::size_t>(structure.input_count()));
+  state.output_of.resize(state.output_paths.size());
+  state.input_of.resize(state.input_paths.size());
+  std::iota(state.output_of.begin(), state.output_of.end(), 0);
+  std::iota(state.input_of.begin(), state.input_of.end(), 0);
+  return state;
+}
+
+}  // namespace chladni::diagnosis

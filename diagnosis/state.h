@@ -1,0 +1,54 @@
+// The structure and its channels as a hypothesis has them.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "diagnosis/structure.h"
+
+namespace chladni::diagnosis {
+
+/// What hangs on the body: force over displacement k + c s + m s², or of a mass carried on a spring
+/// and dashpot, m s² (k + c s) / (m s² + c s + k).
+struct Attached {
+  Eigen::MatrixXd shapes;  ///< r×d: of the d displacements it acts on, all alike
+  double mass = 0.0, damping = 0.0, stiffness = 0.0;  ///< [kg], [N s/m], [N/m]
+  bool carried = false;
+};
+
+/// A support that moves: a mass on spring and dashpot that the inputs push back and the outputs are
+/// measured against; adds c(s) to_outputs from_inputs to the responses.
+struct Frame {
+  Eigen::VectorXd to_outputs, from_inputs;  ///< p, q [1]
+  double mass = 0.0, damping = 0.0, stiffness = 0.0;
+};
+
+/// Between a channel of the structure and its record.
+struct Path {
+  double gain = 1.0;
+  double delay = 0.0;       ///< [s]
+  double lag = 0.0;         ///< [s]: 1 / (1 + s lag)
+  double derivative = 0.0;  ///< times s to this power; −1: integrated
+};
+
+/// K + jH + s D + s² M on the r modes of the structure, its channels, and what hangs on it. Every
+/// effect and every tolerance is a change of one of these.
+struct State {
+  Eigen::MatrixXd stiffness, loss, damping, mass;  ///< r×r [s^-2], [s^-2], [1/s], [1]
+  Eigen::MatrixXd outputs, inputs;                 ///< p×r, r×q [kg^-1/2]
+  Eigen::MatrixXd residual;                        ///< p×q [m/N]
+  std::vector<Attached> attached;
+  std::vector<Frame> frames;
+  std::vector<Path> output_paths, input_paths;  ///< p, q
+  /// Which output (input) of the structure a row (column) of the record shows.
+  std::vector<Eigen::Index> output_of, input_of;
+
+  [[nodiscard]] Eigen::Index mode_count() const { return stiffness.rows(); }
+  [[nodiscard]] Eigen::Index output_count() const { return outputs.rows(); }
+  [[nodiscard]] Eigen::Index input_count() const { return inputs.cols(); }
+};
+
+/// The simulation as it is.
+[[nodiscard]] State state_of(const Structure& structure);
+
+}  // namespace chladni::diagnosis

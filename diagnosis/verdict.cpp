@@ -1,0 +1,238 @@
+#include "diagnosis/verdict.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+
+// Simple effects that are special cases of others: within `rival_within` the simpler is meant.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNested{{
+    {"point_mass", "mass_with_inertia"},
+    {"point_mass", "resonator"},
+    {"youngs_modulus", "modulus_field"},
+    {"thickness", "thickness_field"},
+    {"modal_damping", "hysteretic_damping"},
+    {"sensor_sign", "sensor_gain"},
+    {"actuator_sign", "actuator_gain"},
+    {"sensor_position", "sensor_direction"},
+    {"actuator_position", "actuator_direction"},
+}};
+
+std::optional<Eigen::Vector2d> place_of(const Structure& structure, const Supposed& cause) {
+  const auto parameters = cause.effect->parameters(structure);
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  bool placed = false;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (!parameters[i].is_place()) continue;
+    placed = true;
+    place(parameters[i].scale == Parameter::Scale::place_u ? 0 : 1) =
+        cause.x(static_cast<Index>(i));
+  }
+  return placed ? std::optional(place) : std::nullopt;
+}
+
+bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
+  if (a.effect != b.effect || a.option != b.option) return false;
+  const auto here = place_of(structure, a);
+  const auto there = place_of(structure, b);
+  if (!here || !there) return true;
+  const auto& places = structure.surface.places;
+  const double size = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
+  return (*here - *there).norm() < 0.05 * size;
+}
+
+Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index first) {
+  const auto& supposed = fit.causes[which];
+  Cause cause;
+  cause.effect = supposed.effect->name;
+  cause.channels = supposed.effect->channels(problem.structure, supposed.option);
+  cause.place = place_of(problem.structure, supposed);
+  Index i = 0;
+  for (const auto& parameter : supposed.effect->parameters(problem.structure)) {
+    const double variance = fit.covariance(first + i, first + i);
+    cause.parameters.push_back(
+        {std::string(parameter.name), std::string(parameter.unit), parameter.value(supposed.x(i)),
+         parameter.value_per_coordinate(supposed.x(i)) * std::sqrt(variance)});
+    ++i;
+  }
+  return cause;
+}
+
+Explanation explanation_of(const Problem& problem, const Found& found, const Fit& fit) {
+  Explanation told;
+  Index first = 0;
+  for (std::size_t c = 0; c < fit.causes.size(); ++c) {
+    told.causes.push_back(cause_of(problem, fit, c, first));
+    first += fit.causes[c].x.size();
+  }
+  told.log_evidence = fit.log_evidence - found.nothing.log_evidence;
+  told.excess = fit.excess(problem.observed.number_count());
+  return told;
+}
+
+bool nested(const Explanation& simple, const Explanation& other) {
+  if (simple.causes.size() != other.causes.size()) {
+    // All of the simple one and more.
+    return simple.causes.size() < other.causes.size() &&
+           std::ranges::all_of(simple.causes, [&](const Cause& cause) {
+             return std::ranges::any_of(other.causes, [&](const Cause& more) {
+               return more.effect == cause.effect && more.channels == cause.channels;
+             });
+           });
+  }
+  for (std::size_t c = 0; c < simple.causes.size(); ++c) {
+    const auto& a = simple.causes[c];
+    const auto& b = other.causes[c];
+    if (a.effect == b.effect && a.channels == b.channels) continue;
+    const std::pair<std::string_view, std::string_view> pair{a.effect, b.effect};
+    if (std::ranges::find(kNested, pair) == kNested.end()) return false;
+  }
+  return true;
+}
+
+// What each cause brings: the evidence lost without it, the share of the excess that left with it.
+void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
+  const double excess = std::max(found.nothing.chi_square - problem.observed.number_count(), 1e-9);
+  for (std::size_t c = 0; c < told.causes.size(); ++c) {
+    Fit less = fit;
+    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    less = less.causes.empty() ? found.nothing : fitted(problem, less);
+    told.causes[c].log_evidence_gain = fit.log_evidence - less.log_evidence;
+    told.causes[c].share = std::clamp((less.chi_square - fit.chi_square) / excess, 0.0, 1.0);
+  }
+}
+
+void share_probability(const Problem& problem, const Found& found, std::vector<Explanation>& all) {
+  const double n = problem.observed.number_count();
+  // What is left beyond noise is a cause that nobody named: it might be behind the rest, too.
+  const double temper = std::max(1.0, found.fits.front().chi_square / n);
+  const double best = all.front().log_evidence;
+  double sum = 0.0;
+  for (auto& one : all) {
+    one.probability = std::exp(std::max(-700.0, (one.log_evidence - best) / temper));
+    sum += one.probability;
+  }
+  for (auto& one : all) {
+    one.probability /= sum;
+    const double initial = std::max(found.nothing.excess(n), 1e-9);
+    const double left = one.excess >= 5.0 ? std::clamp(1.0 - one.excess / initial, 0.0, 0.9) : 1.0;
+    for (auto& cause : one.causes) cause.probability = left * one.probability;
+  }
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+  constexpr std::array<std::string_view, 5> kNames{"no_discrepancy", "named", "ambiguous",
+                                                   "partial", "unexplained"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+bool alike(const Structure& structure, const Fit& a, const Fit& b) {
+  if (a.causes.size() != b.causes.size()) return false;
+  return std::ranges::all_of(a.causes, [&](const Supposed& one) {
+    return std::ranges::any_of(
+        b.causes, [&](const Supposed& other) { return same_choice(structure, one, other); });
+  });
+}
+
+std::vector<Explanation> explanations(const Problem& problem, const Found& found) {
+  std::vector<const Fit*> once;
+  for (const auto& fit : found.fits) {
+    const bool again = std::ranges::any_of(
+        once, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
+    if (!again) once.push_back(&fit);
+  }
+  std::vector<Explanation> all;
+  for (const auto* fit : once) all.push_back(explanation_of(problem, found, *fit));
+  // The simpler of two that explain as well.
+  const Explanation& front = all.front();
+  for (std::size_t n = 1; n < all.size(); ++n) {
+    if (front.log_evidence - all[n].log_evidence > 5.0) break;
+    if (!nested(all[n], front)) continue;
+    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n),
+                all.begin() + static_cast<std::ptrdiff_t>(n) + 1);
+    std::rotate(once.begin(), once.begin() + static_cast<std::ptrdiff_t>(n),
+                once.begin() + static_cast<std::ptrdiff_t>(n) + 1);
+    break;
+  }
+  std::erase_if(all, [&](const Explanation& other) {
+    return &other != &all.front() && nested(all.front(), other);
+  });
+  weigh_causes(problem, found, *once.front(), all.front());
+  share_probability(problem, found, all);
+  return all;
+}
+
+Verdict judged(const Problem& problem, const Found& found,
+               const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
+  const auto& best = explanations.front();
+  const double n = problem.observed.number_count();
+  const bool explained = best.excess < 5.0;
+  if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
+  const double initial = std::max(found.nothing.chi_square - n, 1e-9);
+  const double left = std::max(best.excess, 0.0) * std::sqrt(2.0 * n);
+  if (!explained) return left < 0.5 * initial ? Verdict::partial : Verdict::unexplained;
+  const bool rivals = std::ranges::any_of(
+      explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
+        return best.log_evidence - other.log_evidence < options.rival_within;
+      });
+  return rivals ? Verdict::ambiguous : Verdict::named;
+}
+
+Residue residue(const Problem& problem, const Fit& fit) {
+  const auto& observed = problem.observed;
+  const State state = state_of(problem, fit.causes, fit.eta);
+  const Eigen::MatrixXcd model = responses(state, observed.omega);
+  const Eigen::MatrixXcd whitened =
+      (observed.value - model).cwiseProduct(observed.weight.cast<std::complex<double>>());
+  const Eigen::ArrayXXd power = whitened.cwiseAbs2();
+  const Eigen::ArrayXXd there = (observed.weight.array() > 0.0).cast<double>();
+  const auto mean = [](double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; };
+  Residue left;
+  left.per_output.resize(observed.outputs);
+  left.per_input.resize(observed.inputs);
+  const auto of = [&](const std::vector<Index>& columns) {
+    return mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());
+  };
+  for (Index i = 0; i < observed.outputs; ++i) {
+    std::vector<Index> columns;
+    for (Index j = 0; j < observed.inputs; ++j) columns.push_back(i + observed.outputs * j);
+    left.per_output(i) = of(columns);
+  }
+  for (Index j = 0; j < observed.inputs; ++j) {
+    std::vector<Index> columns;
+    for (Index i = 0; i < observed.outputs; ++i) columns.push_back(i + observed.outputs * j);
+    left.per_input(j) = of(columns);
+  }
+  constexpr Index kBands = 8;
+  left.band_edges_hz.resize(kBands + 1);
+  left.per_band.resize(kBands);
+  const Index lines = observed.line_count();
+  for (Index b = 0; b <= kBands; ++b) {
+    left.band_edges_hz(b) =
+        observed.omega(std::min(lines - 1, lines * b / kBands)) / (2.0 * std::numbers::pi);
+  }
+  for (Index b = 0; b < kBands; ++b) {
+    const Index first = lines * b / kBands;
+    const Index count = lines * (b + 1) / kBands - first;
+    left.per_band(b) =
+        mean(power.middleRows(first, count).sum(), there.middleRows(first, count).sum());
+  }
+  const auto lagged =
+      (whitened.topRows(lines - 1).conjugate().cwiseProduct(whitened.bottomRows(lines - 1)))
+          .real()
+          .sum();
+  left.lag_one = lagged / std::max(power.sum(), 1e-300);
+  return left;
+}
+
+}  // namespace chladni::diagnosis

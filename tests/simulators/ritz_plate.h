@@ -1,0 +1,90 @@
+// A free rectangular plate that bends and shears (Reissner 1945, Mindlin 1951), by the method of
+// Ritz: a truth that shares no code with fem/ and diagnosis/.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace chladni::simulators {
+
+/// Plane-stress stiffnesses [Pa]: per area ½ t³/12 (q11 κx² + 2 q12 κx κy + q22 κy² + q66 κxy²)
+/// with κxy = ψx,y + ψy,x, and ½ (5/6) t shear (γx² + γy²).
+struct PlaneStiffness {
+  double q11 = 0.0, q12 = 0.0, q22 = 0.0, q66 = 0.0, shear = 0.0;
+};
+
+/// q11 = q22 = E/(1 − ν²), q12 = ν q11, q66 = shear = E/(2 + 2ν).
+[[nodiscard]] PlaneStiffness isotropic_plane(double youngs_modulus, double poisson);
+
+/// A disc (what of it lies on the plate) whose stiffness and mass per area are multiplied.
+struct RitzDisc {
+  Eigen::Vector2d centre;
+  double radius = 0.0;  ///< [m]
+  double stiffness = 1.0, mass = 1.0;
+};
+
+/// A straight band that gives way to bending across it: M_n² t³-energy along its normal is `loss`
+/// (0 to 1) smaller.
+struct RitzCrack {
+  Eigen::Vector2d from, to;  ///< [m]
+  double width = 0.0;        ///< [m]
+  double loss = 0.0;
+};
+
+/// About the origin, sides along x and y. Defaults: nothing; see aluminium_table().
+struct RitzBody {
+  double length = 0.0, width = 0.0;  ///< along x and y [m]
+  PlaneStiffness stiffness;
+  double density = 0.0;       ///< [kg/m³]
+  Eigen::MatrixXd thickness;  ///< [m]: entry (i, j) times P_i(2x/length) P_j(2y/width), Legendre's
+  std::vector<RitzDisc> discs;
+  std::vector<RitzCrack> cracks;
+  int degree = 14;  ///< of the polynomials for w, ψx and ψy along each side
+};
+
+/// 600×600×20 mm, 70 GPa, ν = 0.33, 2700 kg/m³: 19.44 kg.
+[[nodiscard]] RitzBody aluminium_table(int degree = 14);
+
+/// Of n = 3 (degree + 1)² coefficients of w, ψx, ψy: mean-square-one Legendre polynomials.
+struct RitzMatrices {
+  Eigen::MatrixXd stiffness, mass;
+};
+/// Exact for polynomial thickness; discs and cracks by Gauss' rule on themselves. Cost: 0.1 s.
+/// @throws InvalidInput  a size that is not positive, a thickness that is not positive, a
+///                       disc whose centre is off the plate, a stiffness that is not definite
+[[nodiscard]] RitzMatrices ritz_matrices(const RitzBody& body);
+
+/// All n modes of the body: three rigid-body modes at exactly 0 Hz, the others ascending. The
+/// upper half of them is of the basis, not of the plate.
+struct RitzModes {
+  RitzBody body;
+  Eigen::VectorXd frequency_hz;  ///< n
+  Eigen::MatrixXd coefficients;  ///< n×n, mass-normalised
+
+  [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
+};
+/// Cost: 0.5 s for degree 14, as the cube of n.
+[[nodiscard]] RitzModes ritz_modes(const RitzBody& body);
+
+/// w and its derivatives by the coefficients, at the rows of `places` (k×2 [m]).
+struct RitzRows {
+  Eigen::MatrixXd deflection, slope_x, slope_y;  ///< k×n; [1], [1/m], [1/m]
+  Eigen::MatrixXd turn_x, turn_y;  ///< ψx, ψy: motion along x and y is z times these [1/m]
+};
+/// @throws InvalidInput  a place off the plate
+[[nodiscard]] RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places);
+
+/// The same by the modes: k×n [kg^-1/2], [kg^-1/2 m^-1].
+[[nodiscard]] RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places);
+
+/// Kinds of stiffness that sum to all of it.
+enum class StiffnessPart { all, along_x, along_y, across, shear };
+
+/// Φᵀ K_c Φ [s^-2] and Φᵀ M_c Φ of the rectangle [low, high] of the plate (its discs and cracks
+/// apart) for the first `count` modes; of `part` of its stiffness: along_x: q11, along_y: q22,
+/// across: q12, shear: q66 and the transverse shear.
+[[nodiscard]] RitzMatrices modal_cell(const RitzModes& modes, Eigen::Index count,
+                                      const Eigen::Vector2d& low, const Eigen::Vector2d& high,
+                                      StiffnessPart part = StiffnessPart::all);
+
+}  // namespace chladni::simulators

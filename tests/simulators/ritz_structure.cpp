@@ -1,0 +1,124 @@
+#include "simulators/ritz_structure.h"
+
+#include <Eigen/Dense>
+#include <memory>
+#include <numbers>
+
+#include "base/error.h"
+
+namespace chladni::simulators {
+namespace {
+
+using Eigen::Index;
+using std::numbers::pi;
+
+diagnosis::ChannelSide side(const RitzModes& plate, const std::vector<std::string>& names,
+                            const Eigen::MatrixX2d& places, Index r) {
+  const auto rows = modal_rows(plate, places);
+  const double top = 0.5 * plate.body.thickness(0, 0);
+  return {names,
+          rows.deflection.leftCols(r),
+          rows.slope_x.leftCols(r),
+          rows.slope_y.leftCols(r),
+          top * rows.turn_x.leftCols(r),
+          top * rows.turn_y.leftCols(r),
+          places};
+}
+
+Eigen::MatrixXd residual(const RitzModes& plate, const TableChannels& channels, Index r) {
+  const Index rest = plate.mode_count() - r;
+  const Eigen::VectorXd lambda = (2.0 * pi * plate.frequency_hz.tail(rest)).cwiseAbs2();
+  return modal_rows(plate, channels.outputs).deflection.rightCols(rest) *
+         lambda.cwiseInverse().asDiagonal() *
+         modal_rows(plate, channels.inputs).deflection.rightCols(rest).transpose();
+}
+
+// Rims included; each place stands for what is nearest to it.
+void scan(diagnosis::Surface& surface, const RitzBody& body, int count) {
+  const Index n = count;
+  surface.places.resize(n * n, 2);
+  surface.area.resize(n * n);
+  const double dx = body.length / (count - 1);
+  const double dy = body.width / (count - 1);
+  const auto share = [n](Index i) { return i == 0 || i == n - 1 ? 0.5 : 1.0; };
+  for (Index j = 0, k = 0; j < n; ++j) {
+    for (Index i = 0; i < n; ++i, ++k) {
+      surface.places.row(k) << dx * static_cast<double>(i) - 0.5 * body.length,
+          dy * static_cast<double>(j) - 0.5 * body.width;
+      surface.area(k) = dx * dy * share(i) * share(j);
+    }
+  }
+}
+
+diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
+  diagnosis::Surface top;
+  scan(top, plate.body, count);
+  top.shapes = modal_rows(plate, top.places).deflection.leftCols(r);
+  top.origin = Eigen::Vector3d(0.0, 0.0, 0.5 * plate.body.thickness(0, 0));
+  // Only what its closure needs: the first r modes.
+  auto seen = std::make_shared<RitzModes>();
+  seen->body = plate.body;
+  seen->frequency_hz = plate.frequency_hz.head(r);
+  seen->coefficients = plate.coefficients.leftCols(r);
+  top.at = [seen](const Eigen::Vector2d& place) -> std::optional<diagnosis::PointMotion> {
+    if (std::abs(place.x()) > 0.5 * seen->body.length ||
+        std::abs(place.y()) > 0.5 * seen->body.width) {
+      return std::nullopt;
+    }
+    const auto rows = modal_rows(*seen, place.transpose());
+    return diagnosis::PointMotion{rows.deflection.row(0), rows.slope_x.row(0), rows.slope_y.row(0)};
+  };
+  return top;
+}
+
+diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
+  const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
+  const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
+  diagnosis::BodyCells all;
+  all.centres.resize(Index{count} * count, 2);
+  all.area = Eigen::VectorXd::Constant(Index{count} * count, size.prod());
+  for (int j = 0, k = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i, ++k) {
+      const Eigen::Vector2d low = corner + Eigen::Vector2d(i * size.x(), j * size.y());
+      auto cell = modal_cell(plate, r, low, low + size);
+      all.centres.row(k) = (low + 0.5 * size).transpose();
+      all.stiffness.push_back(std::move(cell.stiffness));
+      all.mass.push_back(std::move(cell.mass));
+    }
+  }
+  return all;
+}
+
+diagnosis::Directional directional(const RitzModes& plate, Index r) {
+  const Eigen::Vector2d half(0.5 * plate.body.length, 0.5 * plate.body.width);
+  const auto part = [&](StiffnessPart one) {
+    return modal_cell(plate, r, -half, half, one).stiffness;
+  };
+  return {part(StiffnessPart::along_x), part(StiffnessPart::along_y), part(StiffnessPart::across),
+          part(StiffnessPart::shear)};
+}
+
+}  // namespace
+
+diagnosis::Structure ritz_structure(const RitzModes& plate, const TableChannels& channels,
+                                    const RitzStructureOptions& options) {
+  const Index r = options.modes;
+  require(r > 3 && r <= plate.mode_count(), "more modes than the plate has, or no flexible one");
+  diagnosis::Structure structure;
+  structure.frequency_hz = plate.frequency_hz.head(r);
+  structure.damping_ratio = Eigen::VectorXd::Constant(r, options.damping_ratio);
+  structure.damping_ratio.head(3).setZero();
+  structure.rigid_count = 3;
+  structure.outputs = side(plate, channels.output_names, channels.outputs, r);
+  structure.inputs = side(plate, channels.input_names, channels.inputs, r);
+  structure.residual = residual(plate, channels, r);
+  structure.surface = surface(plate, r, options.scan);
+  structure.cells = cells(plate, r, options.cells);
+  structure.directional = directional(plate, r);
+  structure.thickness = plate.body.thickness(0, 0);
+  structure.mass_kg =
+      plate.body.density * plate.body.length * plate.body.width * plate.body.thickness(0, 0);
+  return structure;
+}
+
+}  // namespace chladni::simulators
