@@ -48,6 +48,7 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   options.modes = plan.modes;
   options.rigid_count = plan.rigid_body_modes;
   if (plan.rigid_body_modes < 0 && is_held(study)) options.rigid_count = 0;
+  if (plan.damping == "general") options.fit.damping = identification::Damping::general;
   options.fit.delay = plan.delay;
   options.fit.residual = plan.residual;
   options.fit.keep_best = run.options().keep_best;

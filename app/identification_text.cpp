@@ -83,8 +83,43 @@ io::Json gain_json(const IdentifiedModel& model) {
                         {"pairs", pairs}};
 }
 
-double overall_noise(const IdentifiedModel& model) {
-  return model.noise.norm() / std::sqrt(static_cast<double>(model.noise.size()));
+// Of each mode's shapes at the sensors and at the actuators.
+struct Collinearity {
+  Eigen::VectorXd outputs, inputs;
+};
+
+Collinearity collinearity(const identification::ComplexShapes& shapes) {
+  const auto n = shapes.outputs.cols();
+  Collinearity result{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index m = 0; m < n; ++m) {
+    result.outputs(m) = identification::phase_collinearity(shapes.outputs.col(m));
+    result.inputs(m) = identification::phase_collinearity(shapes.inputs.row(m).transpose());
+  }
+  return result;
+}
+
+io::Json complex_json(const identification::ComplexShapes& shapes) {
+  const auto phases = collinearity(shapes);
+  return io::JsonObject{{"output_real", io::Json::rows(shapes.outputs.real())},
+                        {"output_imaginary", io::Json::rows(shapes.outputs.imag())},
+                        {"output_real_std", io::Json::rows(shapes.output_real_std)},
+                        {"output_imaginary_std", io::Json::rows(shapes.output_imaginary_std)},
+                        {"input_real", io::Json::rows(shapes.inputs.real())},
+                        {"input_imaginary", io::Json::rows(shapes.inputs.imag())},
+                        {"input_real_std", io::Json::rows(shapes.input_real_std)},
+                        {"input_imaginary_std", io::Json::rows(shapes.input_imaginary_std)},
+                        {"output_phase_collinearity", io::Json(phases.outputs)},
+                        {"input_phase_collinearity", io::Json(phases.inputs)}};
+}
+
+std::string complex_table(const identification::ModalFit& fit) {
+  const auto phases = collinearity(*fit.complex);
+  std::string text = fmt::format("\n{:>4} {:>34} {:>24}\n", "mode", "phase collinearity at sensors",
+                                 "at actuators");
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    text += fmt::format("{:>4} {:>34.5f} {:>24.5f}\n", m + 1, phases.outputs(m), phases.inputs(m));
+  }
+  return text;
 }
 
 io::Json fit_json(const IdentifiedModel& model) {
@@ -100,7 +135,7 @@ io::Json fit_json(const IdentifiedModel& model) {
   }
   const auto& fit = model.found.fit;
   return io::JsonObject{{"relative_error", overall_error(model)},
-                        {"noise_floor", overall_noise(model)},
+                        {"noise_floor", noise(model)},
                         {"per_channel", channels},
                         {"cost", fit.cost},
                         {"expected_cost", fit.expected_cost},
@@ -133,6 +168,30 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
                                  {"stable_shape", point.stable_shape}});
   }
   return all;
+}
+
+// The state space of real modes goes to all places of the extended model, that of complex ones to
+// the sensors.
+io::MatFields matlab_variables(const Study& study, const IdentifiedModel& model,
+                               const modal::ReducedModel& extended) {
+  const auto& fit = model.found.fit;
+  const auto space = fit.complex ? identification::state_space(fit.model, *fit.complex)
+                                 : modal::state_space(extended);
+  io::MatFields fields{{"A", space.a},
+                       {"B", space.b},
+                       {"C", space.c},
+                       {"D", space.d},
+                       {"delay_s", fit.delay_s},
+                       {"outputs", fit.complex ? names_of(model.seen.outputs) : row_names(model)},
+                       {"inputs", names_of(model.seen.inputs)},
+                       {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
+                       {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
+                       {"title", study.title}};
+  if (fit.complex) {
+    fields.emplace_back("L", fit.complex->outputs);
+    fields.emplace_back("R", fit.complex->inputs);
+  }
+  return fields;
 }
 
 std::string gain_text(const identification::ModeMatch& match) {
@@ -171,6 +230,7 @@ std::string identification_table(const IdentifiedModel& model) {
         fmt::format("{:.4f} +- {:.2g}", fit.model.frequency_hz(m), fit.frequency_std_hz(m)),
         fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
   }
+  if (fit.complex) text += complex_table(fit);
   text += fmt::format("\nresponses off by {} of their size, noise {}",
                       percent(overall_error(model)), percent(noise(model)));
   if (fit.delay_std_s > 0.0) {
@@ -190,43 +250,36 @@ io::JsonObject identified_json(const IdentifiedModel& model) {
                                       {"size", static_cast<long long>(group.size)}});
     }
   }
-  return {{"sensors", io::Json::texts(names_of(model.seen.outputs))},
-          {"actuators", io::Json::texts(names_of(model.seen.inputs))},
-          {"modes", modes_list(fit)},
-          {"output_matrix", io::Json::rows(fit.model.output_shapes)},
-          {"input_matrix", io::Json::rows(fit.model.input_shapes)},
-          {"output_std", io::Json::rows(fit.output_std)},
-          {"input_std", io::Json::rows(fit.input_std)},
-          {"residual", io::Json::rows(fit.model.residual)},
-          {"delay_s", fit.delay_s},
-          {"delay_std_s", fit.delay_std_s},
-          {"groups", groups},
-          {"gain_match", gain_json(model)},
-          {"shapes", io::JsonObject{{"channels", io::Json::texts(row_names(model))},
-                                    {"value", io::Json::rows(model.match.shapes)},
-                                    {"std", io::Json::rows(model.match.deviation)}}},
-          {"fit", fit_json(model)},
-          {"noise_floor", io::Json::rows(model.noise)},
-          {"order", steps_json(model.found)},
-          {"stabilisation", stabilisation_json(model.stabilisation)},
-          {"notes", io::Json::texts(fit.notes)}};
+  io::JsonObject json{{"damping", fit.complex ? "general" : "modal"},
+                      {"sensors", io::Json::texts(names_of(model.seen.outputs))},
+                      {"actuators", io::Json::texts(names_of(model.seen.inputs))},
+                      {"modes", modes_list(fit)},
+                      {"output_matrix", io::Json::rows(fit.model.output_shapes)},
+                      {"input_matrix", io::Json::rows(fit.model.input_shapes)},
+                      {"output_std", io::Json::rows(fit.output_std)},
+                      {"input_std", io::Json::rows(fit.input_std)},
+                      {"residual", io::Json::rows(fit.model.residual)},
+                      {"delay_s", fit.delay_s},
+                      {"delay_std_s", fit.delay_std_s},
+                      {"groups", groups},
+                      {"gain_match", gain_json(model)},
+                      {"shapes", io::JsonObject{{"channels", io::Json::texts(row_names(model))},
+                                                {"value", io::Json::rows(model.match.shapes)},
+                                                {"std", io::Json::rows(model.match.deviation)}}},
+                      {"fit", fit_json(model)},
+                      {"noise_floor", io::Json::rows(model.noise)},
+                      {"order", steps_json(model.found)},
+                      {"stabilisation", stabilisation_json(model.stabilisation)},
+                      {"notes", io::Json::texts(fit.notes)}};
+  if (fit.complex) json.emplace_back("complex_shapes", complex_json(*fit.complex));
+  return json;
 }
 
 void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
                           bool main_result) {
   const auto& fit = model.found.fit;
   const auto extended = identification::extended_model(fit, model.match);
-  const auto space = modal::state_space(extended);
-  io::write_mat(run / "identified.mat", {{"A", space.a},
-                                         {"B", space.b},
-                                         {"C", space.c},
-                                         {"D", space.d},
-                                         {"delay_s", fit.delay_s},
-                                         {"outputs", row_names(model)},
-                                         {"inputs", names_of(model.seen.inputs)},
-                                         {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
-                                         {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
-                                         {"title", study.title}});
+  io::write_mat(run / "identified.mat", matlab_variables(study, model, extended));
   io::write_shapes(run / "identified_shapes.csv",
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,
                     model.match.shapes, model.match.deviation});

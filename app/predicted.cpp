@@ -209,6 +209,10 @@ void leave_state_space(const IdentifiedModel& model, const std::vector<std::stri
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
                                const fem::LaplaceSpectrum& harmonics, Run& run) {
+  require(!study.identification || study.identification->damping == "modal",
+          study.file.string() +
+              ": identification.damping is \"general\"; complex shapes are identified, but not "
+              "interpolated: expected \"modal\"");
   Measured result;
   auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, run));
   run.show(identification_table(*model) + "\n");

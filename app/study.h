@@ -170,6 +170,7 @@ struct ExperimentPlan {
 struct IdentificationPlan {
   double low_hz = 0.0, high_hz = 0.0;  ///< the band; high 0: all lines
   std::string method = "likelihood";   ///< or "thesis"
+  std::string damping = "modal";       ///< or "general": complex shapes
   std::string weighting = "variance";  ///< or "inverse_magnitude"
   double cut_off_db = 40.0;            ///< of inverse_magnitude
   std::optional<double> model_error;  ///< of |G|; none: 0 where the file states variances, else 1 %

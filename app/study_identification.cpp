@@ -35,6 +35,13 @@ void read_identification(TableReader& root, Study& study) {
   auto& plan = study.identification.emplace();
   read_band(*table, plan);
   plan.method = table->choice("method", {"likelihood", "thesis"}).value_or(plan.method);
+  plan.damping = table->choice("damping", {"modal", "general"}).value_or(plan.damping);
+  if (plan.method == "thesis" && plan.damping == "general") {
+    table->wrong(*table->find("damping"),
+                 table->name("damping") +
+                     " is \"general\"; the thesis' path has real modes, expected "
+                     "method = \"likelihood\"");
+  }
   // The thesis weighs by magnitude; what is said here rules.
   plan.weighting = table->choice("weighting", {"variance", "inverse_magnitude"})
                        .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");

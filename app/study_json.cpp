@@ -241,6 +241,7 @@ io::Json identification_json(const IdentificationPlan& plan) {
   }
   return io::JsonObject{{"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
                         {"method", plan.method},
+                        {"damping", plan.damping},
                         {"weighting", plan.weighting},
                         {"modes", plan.modes},
                         {"rigid_body_modes", plan.rigid_body_modes},

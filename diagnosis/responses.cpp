@@ -115,7 +115,7 @@ Complex dynamic_stiffness(const Attached& attached, Complex s) {
   return inertia * spring / (inertia + spring);
 }
 
-Body::Body(const State& state, const Eigen::VectorXd& omega)
+Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
     : omega_(omega),
       stiffness_(state.stiffness),
       loss_(state.loss),
@@ -137,7 +137,7 @@ Body::Body(const State& state, const Eigen::VectorXd& omega)
   const bool turned = turn_.size() > 0;
   turned_damping_ = turned ? MatrixXd(turn_.transpose() * damping_ * turn_) : damping_;
   turned_loss_ = turned ? MatrixXd(turn_.transpose() * loss_ * turn_) : loss_;
-  coupled_ = !diagonal(turned_damping_) || !diagonal(turned_loss_);
+  coupled_ = coupled && (!diagonal(turned_damping_) || !diagonal(turned_loss_));
   diagonal_inverse_.resize(state.mode_count(), omega.size());
   for (Index k = 0; k < omega.size(); ++k) {
     const double w = omega(k);
@@ -175,7 +175,7 @@ MatrixXcd Body::iterated(const MatrixXd& v) const {
   const MatrixXd loss = without_diagonal(turned_loss_);
   const bool lossy = !loss.isZero(0.0);
   constexpr int kMost = 6;
-  constexpr double kEnough = 1e-9;
+  constexpr double kEnough = 1e-7;
   std::vector<Index> slow;
   for (int iteration = 0; iteration < kMost; ++iteration) {
     MatrixXcd coupled = product(damping, x);
@@ -269,8 +269,8 @@ Solved solved(const State& state, const Body& body) {
   return result;
 }
 
-MatrixXcd responses(const State& state, const Eigen::VectorXd& omega) {
-  return solved(state, Body(state, omega)).value;
+MatrixXcd responses(const State& state, const Eigen::VectorXd& omega, bool coupled) {
+  return solved(state, Body(state, omega, coupled)).value;
 }
 
 }  // namespace chladni::diagnosis

@@ -36,8 +36,9 @@ struct Solved {
 class Body {
  public:
   /// Cost: 10 r³ (nothing where all matrices are diagonal), and one `solve` of the channels.
+  /// @param coupled  false: what damping is beside the diagonal is left out, for a first look
   /// @throws NumericalFailure  Z is singular at a line, M is not positive definite
-  Body(const State& state, const Eigen::VectorXd& omega);
+  Body(const State& state, const Eigen::VectorXd& omega, bool coupled = true);
 
   [[nodiscard]] bool same(const State& state) const;  ///< has these matrices
   [[nodiscard]] const Eigen::VectorXd& omega() const { return omega_; }
@@ -69,7 +70,8 @@ class Body {
 [[nodiscard]] Solved solved(const State& state, const Body& body);
 
 /// Only the responses, K×pq.
-[[nodiscard]] Eigen::MatrixXcd responses(const State& state, const Eigen::VectorXd& omega);
+[[nodiscard]] Eigen::MatrixXcd responses(const State& state, const Eigen::VectorXd& omega,
+                                         bool coupled = true);
 
 /// d value / d x of states that move from `minus` to `plus` while x changes by `step`, K×pq, to
 /// first order about `at`, whose responses are `solved`; exact but for the difference of the two

@@ -80,7 +80,7 @@ Scene::Scene(const Structure& structure, const Observed& observed, State state,
     : structure_(structure),
       observed_(widened(observed, widening)),
       state_(std::move(state)),
-      body_(state_, observed_.omega),
+      body_(state_, observed_.omega, false),
       now_(solved(state_, body_)),
       misfit_(chi_square(observed_, now_.value)),
       places_(place_scan(structure_, observed_, now_, state_)) {
@@ -96,7 +96,7 @@ double Scene::high_hz() const {
 
 Solved Scene::solved_at(const State& state) const {
   if (body_.same(state)) return solved(state, body_);
-  return solved(state, Body(state, observed_.omega));
+  return solved(state, Body(state, observed_.omega, false));
 }
 
 Scene::Touched Scene::touched(const Eigen::VectorXd& shape) const {
@@ -168,9 +168,9 @@ Eigen::VectorXd Scene::misfits(const Effect& effect, const std::vector<EffectSta
   for (std::size_t n = 0; n < starts.size(); ++n) {
     State changed = state_;
     effect.apply(changed, structure_, starts[n].option, starts[n].x);
-    all(static_cast<Index>(n)) = near(changed)
-                                     ? quick_misfit(changed, touch)
-                                     : chi_square(observed_, responses(changed, observed_.omega));
+    all(static_cast<Index>(n)) =
+        near(changed) ? quick_misfit(changed, touch)
+                      : chi_square(observed_, responses(changed, observed_.omega, false));
   }
   return all;
 }

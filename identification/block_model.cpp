@@ -30,6 +30,7 @@ Eigen::MatrixXd companion(const Block& block) {
 }
 
 Eigen::VectorXcd poles(const Block& block) {
+  if (block.general) return Eigen::Vector2cd(block.pole, std::conj(block.pole));
   Eigen::VectorXcd all = companion(block).eigenvalues();
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.imag() > b.imag(); });
@@ -38,11 +39,20 @@ Eigen::VectorXcd poles(const Block& block) {
 
 bool is_stable(const Block& block) {
   if (block.rigid) return true;
+  if (block.general) return block.pole.real() < 0.0 && block.pole.imag() > 0.0;
   if (block.size() == 1) return block.stiffness(0, 0) > 0.0 && block.damping(0, 0) > 0.0;
   return poles(block).real().maxCoeff() < 0.0;
 }
 
 Block balanced(const Block& block) {
+  if (block.general) {  // another basis would not leave A as it is
+    Block result = block;
+    const double factor = std::sqrt(0.5 * block.right.norm() / std::max(1e-300, block.left.norm()));
+    if (!(factor > 0.0) || !std::isfinite(factor)) return block;
+    result.left *= factor;
+    result.right /= factor;
+    return result;
+  }
   // left right = U S Vᵀ without forming the product: both are thin.
   const auto g = block.size();
   if (block.left.rows() < g || block.right.cols() < g) return block;
@@ -89,12 +99,43 @@ std::vector<Block> diagonalised(const Block& block) {
   return modes;
 }
 
+std::vector<Block> forced_modes(const Block& block) {
+  auto modes = diagonalised(block);
+  if (!modes.empty()) return modes;
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(block.stiffness);
+  Eigen::MatrixXd turn = solver.eigenvectors().real();
+  if (turn.fullPivLu().rank() < block.size()) turn.setIdentity(block.size(), block.size());
+  const Eigen::MatrixXd back = turn.inverse();
+  const Eigen::MatrixXd damping = back * block.damping * turn;
+  const Eigen::MatrixXd left = block.left * turn;
+  const Eigen::MatrixXd right = back * block.right;
+  for (Eigen::Index r = 0; r < block.size(); ++r) {
+    const double own = std::sqrt(std::abs(solver.eigenvalues()(r)));
+    const double half = std::clamp(0.5 * std::abs(damping(r, r)), 1e-9 * own, 0.99 * own);
+    modes.push_back(
+        single_mode({-half, std::sqrt(own * own - half * half)}, left.col(r), right.row(r)));
+  }
+  return modes;
+}
+
 Block single_mode(std::complex<double> pole, const Eigen::VectorXd& left,
                   const Eigen::RowVectorXd& right) {
   return {.left = left,
           .right = right,
           .stiffness = Eigen::MatrixXd::Constant(1, 1, std::norm(pole)),
           .damping = Eigen::MatrixXd::Constant(1, 1, -2.0 * pole.real())};
+}
+
+Block general_mode(std::complex<double> pole, const Eigen::VectorXcd& l,
+                   const Eigen::RowVectorXcd& r) {
+  Block block;
+  block.left.resize(l.size(), 2);
+  block.left << l.real(), l.imag();
+  block.right.resize(2, r.size());
+  block.right << 2.0 * r.real(), -2.0 * r.imag();
+  block.general = true;
+  block.pole = pole;
+  return balanced(block);
 }
 
 }  // namespace chladni::identification

@@ -8,14 +8,19 @@
 
 namespace chladni::identification {
 
-/// left (s² + s damping + stiffness)⁻¹ right; s in units of BlockModel::scale.
+/// left (s² + s damping + stiffness)⁻¹ right; s in units of BlockModel::scale. A general block is
+/// one complex mode instead: left (s − A)⁻¹ right with A = [σ ω; −ω σ] and σ + jω its pole, which
+/// is l r / (s − pole) and its conjugate with l = left (1, j)ᵀ and r = ½ (1, −j) right.
 struct Block {
   Eigen::MatrixXd left;                ///< p×g
   Eigen::MatrixXd right;               ///< g×q
-  Eigen::MatrixXd stiffness, damping;  ///< g×g
+  Eigen::MatrixXd stiffness, damping;  ///< g×g; none of a general block
   bool rigid = false;                  ///< stiffness and damping are zero and stay so
+  bool general = false;                ///< g = 2
+  std::complex<double> pole = {0, 0};  ///< of a general block
 
   [[nodiscard]] Eigen::Index size() const { return left.cols(); }
+  [[nodiscard]] Eigen::Index mode_count() const { return general ? 1 : size(); }
 };
 
 /// Σ blocks + residual, all times e^{−s delay}.
@@ -27,17 +32,17 @@ struct BlockModel {
 };
 
 /// 2g×2g: ẋ = A x of a block's coordinates and their speeds. Its eigenvalues are the poles, and the
-/// upper right corner of (s − A)⁻¹ is (s² + s damping + stiffness)⁻¹.
+/// upper right corner of (s − A)⁻¹ is (s² + s damping + stiffness)⁻¹. @pre no general block
 [[nodiscard]] Eigen::MatrixXd companion(const Block& block);
 
-/// The 2g poles of a block, those with Im ≥ 0 first.
+/// The 2g poles of a block (2 of a general one), those with Im ≥ 0 first.
 [[nodiscard]] Eigen::VectorXcd poles(const Block& block);
 
 /// Re p < 0 of every pole.
 [[nodiscard]] bool is_stable(const Block& block);
 
 /// The same block in the basis in which left and right have the same singular values: takes out the
-/// freedom left T, T⁻¹ right.
+/// freedom left T, T⁻¹ right. A general block: |l| = |r|, the phase between them stays.
 [[nodiscard]] Block balanced(const Block& block);
 
 /// The block as modes of its own, from the quadratic eigenproblem (s² + s D + K) v = 0 with each v
@@ -45,8 +50,16 @@ struct BlockModel {
 /// pole is real or the real vectors are nearly dependent.
 [[nodiscard]] std::vector<Block> diagonalised(const Block& block);
 
+/// As diagonalised, or where that is empty the eigenvectors of the stiffness and the damping along
+/// them: modes whatever it takes.
+[[nodiscard]] std::vector<Block> forced_modes(const Block& block);
+
 /// A block of one mode. @param pole  in units of the model's scale
 [[nodiscard]] Block single_mode(std::complex<double> pole, const Eigen::VectorXd& left,
                                 const Eigen::RowVectorXd& right);
+
+/// The general block of l r / (s − pole) and its conjugate, balanced.
+[[nodiscard]] Block general_mode(std::complex<double> pole, const Eigen::VectorXcd& l,
+                                 const Eigen::RowVectorXcd& r);
 
 }  // namespace chladni::identification

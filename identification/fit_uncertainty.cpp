@@ -10,6 +10,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "identification/general_mode.h"
 #include "priors/dense.h"
 
 namespace chladni::identification {
@@ -19,27 +20,8 @@ namespace dense = priors::dense;
 
 constexpr double kUnknownShape = 0.15;  // relative deviation of a shape that cannot be told apart
 
-// Modes of a block whatever it takes: real parts of the eigenvectors of its stiffness.
-std::vector<Block> forced_modes(const Block& block) {
-  auto modes = diagonalised(block);
-  if (!modes.empty()) return modes;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(block.stiffness);
-  Eigen::MatrixXd turn = solver.eigenvectors().real();
-  if (turn.fullPivLu().rank() < block.size()) turn.setIdentity(block.size(), block.size());
-  const Eigen::MatrixXd back = turn.inverse();
-  const Eigen::MatrixXd damping = back * block.damping * turn;
-  const Eigen::MatrixXd left = block.left * turn;
-  const Eigen::MatrixXd right = back * block.right;
-  for (Eigen::Index r = 0; r < block.size(); ++r) {
-    const double own = std::sqrt(std::abs(solver.eigenvalues()(r)));
-    const double half = std::clamp(0.5 * std::abs(damping(r, r)), 1e-9 * own, 0.99 * own);
-    modes.push_back(
-        single_mode({-half, std::sqrt(own * own - half * half)}, left.col(r), right.row(r)));
-  }
-  return modes;
-}
-
 double own_frequency(const Block& block) {
+  if (block.general) return std::abs(block.pole);
   return block.rigid ? 0.0 : std::sqrt(block.stiffness(0, 0));
 }
 
@@ -48,6 +30,10 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
   BlockModel result = model;
   result.blocks.clear();
   for (const auto& block : model.blocks) {
+    if (block.general) {
+      result.blocks.push_back(turned(block));
+      continue;
+    }
     if (block.rigid || block.size() == 1) {
       result.blocks.push_back(balanced(block));
       continue;
@@ -63,7 +49,7 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
     return own_frequency(a) < own_frequency(b);
   });
   for (auto& block : result.blocks) {
-    for (Eigen::Index a = 0; a < block.size(); ++a) {
+    for (Eigen::Index a = 0; a < block.size() && !block.general; ++a) {
       Eigen::Index largest = 0;
       block.left.col(a).cwiseAbs().maxCoeff(&largest);
       if (block.left(largest, a) < 0.0) {
@@ -75,26 +61,40 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
   return result;
 }
 
+// What the basis of a block may be changed by.
+std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
+  if (block.general) {  // what A commutes with
+    return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd{{0.0, 1.0}, {-1.0, 0.0}}};
+  }
+  const auto g = block.size();
+  std::vector<Eigen::MatrixXd> all;
+  for (Eigen::Index b = 0; b < g; ++b) {
+    for (Eigen::Index a = 0; a < g; ++a) {
+      all.emplace_back(Eigen::MatrixXd::Zero(g, g));
+      all.back()(a, b) = 1.0;
+    }
+  }
+  return all;
+}
+
 // Columns: directions in the parameters that leave every response as it is.
 Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters) {
   Eigen::Index count = 0;
-  for (const auto& block : model.blocks) count += block.size() * block.size();
+  for (const auto& block : model.blocks) {
+    count += block.general ? 2 : block.size() * block.size();
+  }
   Eigen::MatrixXd idle = Eigen::MatrixXd::Zero(parameters, count);
   Eigen::Index column = 0;
   Eigen::Index first = 0;
   for (const auto& block : model.blocks) {
     const auto g = block.size();
     const auto p = block.left.rows();
-    for (Eigen::Index b = 0; b < g; ++b) {
-      for (Eigen::Index a = 0; a < g; ++a) {  // left += left E_ab, right −= E_ab right
-        idle.col(column).segment(first + p * b, p) = block.left.col(a);
-        for (Eigen::Index j = 0; j < block.right.cols(); ++j) {
-          idle(first + g * p + a + g * j, column) = -block.right(b, j);
-        }
-        ++column;
-      }
+    for (const auto& change : idle_changes(block)) {  // left += left T, right −= T right
+      idle.col(column).segment(first, g * p) = (block.left * change).reshaped();
+      idle.col(column++).segment(first + g * p, g * block.right.cols()) =
+          -(change * block.right).reshaped();
     }
-    first += g * (p + block.right.cols()) + (block.rigid ? 0 : 2 * g * g);
+    first += parameter_count(block);
   }
   return idle;
 }
@@ -152,6 +152,8 @@ class Filler {
     for (const auto& block : model_.blocks) {
       if (block.rigid) {
         add_rigid(block);
+      } else if (block.general) {
+        add_general(block);
       } else {
         add_mode(block);
       }
@@ -172,29 +174,62 @@ class Filler {
       for (Eigen::Index j = 0; j < q; ++j) own.push_back(g * p + a + g * j);
       Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 + p + q, 2 + p + q);
       all.bottomRightCorner(p + q, p + q) = fit_.rigid_covariance(own, own);
-      put(0.0, 0.0, block.left.col(a), block.right.row(a), all);
+      if (fit_.complex) {
+        Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(2 + 2 * (p + q), 2 + 2 * (p + q));
+        wider.topLeftCorner(2 + p + q, 2 + p + q) = all;
+        put_complex(mode_, model_.scale * block.left.col(a), model_.scale * block.right.row(a),
+                    wider);
+      }
+      put(0.0, 0.0, model_.scale * block.left.col(a), model_.scale * block.right.row(a), all);
     }
     first_ += count;
   }
 
+  void add_general(const Block& block) {
+    const auto count = parameter_count(block);
+    const auto real = 2 + block.left.rows() + block.right.cols();
+    const auto mode =
+        general_mode_of(block, model_.scale, covariance_.block(first_, first_, count, count));
+    put_complex(mode_, mode.outputs, mode.inputs, mode.covariance);
+    put(mode.omega / (2.0 * std::numbers::pi), mode.damping_ratio, mode.outputs.real(),
+        mode.inputs.real(), mode.covariance.topLeftCorner(real, real));
+    first_ += count;
+  }
+
   void add_mode(const Block& block) {
-    const auto count = block.left.rows() + block.right.cols() + 2;
+    const auto count = parameter_count(block);
     const Eigen::MatrixXd jacobian = physical(block, model_.scale);
     const double own = own_frequency(block);
     put(own * model_.scale / (2.0 * std::numbers::pi), block.damping(0, 0) / (2.0 * own),
-        block.left.col(0), block.right.row(0),
+        model_.scale * block.left.col(0), model_.scale * block.right.row(0),
         jacobian * covariance_.block(first_, first_, count, count) * jacobian.transpose());
     first_ += count;
   }
 
+  void put_complex(Eigen::Index m, const Eigen::VectorXcd& outputs,
+                   const Eigen::RowVectorXcd& inputs, const Eigen::MatrixXd& covariance) {
+    auto& shapes = *fit_.complex;
+    const auto p = outputs.size();
+    const auto q = inputs.size();
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    shapes.outputs.col(m) = outputs;
+    shapes.inputs.row(m) = inputs;
+    shapes.output_real_std.col(m) = deviation.segment(2, p);
+    shapes.input_real_std.row(m) = deviation.segment(2 + p, q).transpose();
+    shapes.output_imaginary_std.col(m) = deviation.segment(2 + p + q, p);
+    shapes.input_imaginary_std.row(m) = deviation.tail(q).transpose();
+    shapes.covariance.push_back(covariance);
+  }
+
+  // In physical units.
   void put(double frequency_hz, double damping, const Eigen::VectorXd& left,
            const Eigen::RowVectorXd& right, const Eigen::MatrixXd& covariance) {
     const auto m = mode_++;
     const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     fit_.model.frequency_hz(m) = frequency_hz;
     fit_.model.damping_ratio(m) = damping;
-    fit_.model.output_shapes.col(m) = model_.scale * left;
-    fit_.model.input_shapes.row(m) = model_.scale * right;
+    fit_.model.output_shapes.col(m) = left;
+    fit_.model.input_shapes.row(m) = right;
     fit_.frequency_std_hz(m) = deviation(0) / (2.0 * std::numbers::pi);
     fit_.damping_std(m) = deviation(1);
     fit_.output_std.col(m) = deviation.segment(2, left.size());
@@ -211,7 +246,7 @@ class Filler {
 void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen::Index inputs) {
   Eigen::Index m = 0;
   for (const auto& block : model.blocks) {
-    m += block.size();
+    m += block.mode_count();
     if (block.rigid) fit.model.rigid_count = block.size();
   }
   fit.model.frequency_hz.resize(m);
@@ -223,6 +258,12 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
   fit.damping_std.resize(m);
   fit.output_std.resize(outputs, m);
   fit.input_std.resize(m, inputs);
+  if (!fit.complex) return;
+  auto& shapes = *fit.complex;
+  shapes.outputs.resize(outputs, m);
+  shapes.inputs.resize(m, inputs);
+  shapes.output_real_std = shapes.output_imaginary_std = fit.output_std;
+  shapes.input_real_std = shapes.input_imaginary_std = fit.input_std;
 }
 
 // Neighbours within a bandwidth form one group where the shape of either is hardly known: the data
@@ -248,10 +289,30 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   return groups;
 }
 
+constexpr double kNothing = std::numeric_limits<double>::infinity();  // is known
+
+void mark_unmeasured_output(Eigen::Index i, ComplexShapes& shapes) {
+  const auto both = shapes.outputs.rows() + shapes.inputs.cols();
+  shapes.output_real_std.row(i).setConstant(kNothing);
+  shapes.output_imaginary_std.row(i).setConstant(kNothing);
+  for (auto& covariance : shapes.covariance) {
+    covariance(2 + i, 2 + i) = covariance(2 + both + i, 2 + both + i) = kNothing;
+  }
+}
+
+void mark_unmeasured_input(Eigen::Index j, ComplexShapes& shapes) {
+  const auto p = shapes.outputs.rows();
+  const auto both = p + shapes.inputs.cols();
+  shapes.input_real_std.col(j).setConstant(kNothing);
+  shapes.input_imaginary_std.col(j).setConstant(kNothing);
+  for (auto& covariance : shapes.covariance) {
+    covariance(2 + p + j, 2 + p + j) = covariance(2 + both + p + j, 2 + both + p + j) = kNothing;
+  }
+}
+
 }  // namespace
 
 void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
-  constexpr double kNothing = std::numeric_limits<double>::infinity();
   fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
   const auto p = weight.rows();
   const auto g = fit.model.rigid_count;
@@ -260,6 +321,7 @@ void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
     fit.output_std.row(i).setConstant(kNothing);
     for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
     for (Eigen::Index a = 0; a < g; ++a) fit.rigid_covariance(i + p * a, i + p * a) = kNothing;
+    if (fit.complex) mark_unmeasured_output(i, *fit.complex);
   }
   for (Eigen::Index j = 0; j < weight.cols(); ++j) {
     if (weight.col(j).sum() > 0.0) continue;
@@ -269,11 +331,12 @@ void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
       const auto at = g * p + a + g * j;
       fit.rigid_covariance(at, at) = kNothing;
     }
+    if (fit.complex) mark_unmeasured_input(j, *fit.complex);
   }
 }
 
 ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitted& fitted,
-                          const FitData& data) {
+                          const FitData& data, Damping damping) {
   ModalFit fit;
   auto model = in_modes(found.model, fit.notes);
   const auto left_over = misfit(model, target, fitted);
@@ -289,6 +352,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   fit.converged = found.converged;
   const double variance = data.noise_known ? 1.0 : fit.cost / fit.expected_cost;
   const Eigen::MatrixXd covariance = 0.5 * variance * held_inverse(normal, idle);
+  if (damping == Damping::general) fit.complex.emplace();
   resize(fit, model, data.outputs, data.inputs);
   Filler(model, covariance, fit).fill();
   const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();

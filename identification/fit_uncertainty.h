@@ -11,7 +11,7 @@ namespace chladni::identification {
 /// rigid-body modes) are held still. Blocks that stayed together become modes of one group.
 /// Cost: one set of normal equations and the inverse of their matrix.
 [[nodiscard]] ModalFit with_uncertainty(const Descent& found, const Target& target,
-                                        const Fitted& fitted, const FitData& data);
+                                        const Fitted& fitted, const FitData& data, Damping damping);
 
 /// Of what no data speak nothing is known: infinite deviations of the residuals, shapes and
 /// rigid-body rows of channels without a measured response.

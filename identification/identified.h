@@ -35,7 +35,8 @@ struct Identified {
 /// worth their parameters left out; maximum likelihood; then, while more is left than noise, the
 /// mode that explains most of it, kept where the Bayesian information criterion says so.
 /// Where the noise is not known its level is what the fit leaves, and a further mode must lower the
-/// cost by 2 %.
+/// cost by 2 %. With general damping the delay is that of real modes unless the data ask for another:
+/// phases of complex modes can hardly be told from a delay, which is what its deviation says.
 /// @throws InvalidInput  as modal_fit; nothing in the data stands out of the noise
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 

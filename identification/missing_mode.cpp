@@ -34,6 +34,7 @@ struct Scanned {
   const FitData& data;
   const Eigen::MatrixXcd& error;  // K×pq, times w²
   Eigen::MatrixXd weight;         // w²
+  bool general;                   // residues of any phase
 };
 
 double gain_of(const Scanned& scanned, Complex pole) {
@@ -53,7 +54,10 @@ double gain_of(const Scanned& scanned, Complex pole) {
   const Eigen::RowVectorXcd along = h.adjoint() * scanned.error.middleRows(first, count);
   const Eigen::RowVectorXd square =
       h.cwiseAbs2().transpose() * scanned.weight.middleRows(first, count);
-  return (along.real().array().square() / square.array().max(1e-300)).sum();
+  const Eigen::RowVectorXd explained = scanned.general
+                                           ? Eigen::RowVectorXd(along.cwiseAbs2())
+                                           : Eigen::RowVectorXd(along.real().cwiseAbs2());
+  return explained.cwiseQuotient(square.cwiseMax(1e-300)).sum();
 }
 
 }  // namespace
@@ -62,7 +66,7 @@ MissingMode missing_mode(const FitData& data, const ModalFit& fit) {
   const Eigen::MatrixXd square = data.weight.cwiseAbs2();
   const Eigen::MatrixXcd error =
       (data.value - responses(fit, data.frequency_hz)).cwiseProduct(square.cast<Complex>());
-  const Scanned scanned{data, error, square};
+  const Scanned scanned{data, error, square, fit.complex.has_value()};
   const double low = data.frequency_hz(0);
   const double high = data.frequency_hz(data.line_count() - 1);
   const double spacing = (high - low) / static_cast<double>(data.line_count() - 1);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "identification/block_fractions.h"
 #include "identification/fit_uncertainty.h"
 #include "identification/levenberg.h"
 #include "identification/residue_problem.h"
@@ -41,8 +42,9 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
   require(start.rigid_count <= kMostRigid, "modal fit: " + std::to_string(start.rigid_count) +
                                                " rigid-body modes, expected 12 or fewer");
   const auto channels = data.outputs + data.inputs;
+  const auto of_mode = options.damping == Damping::general ? 2 * channels : channels + 1;
   const auto parameters =
-      start.pole.size() * (channels + 1) + start.rigid_count * (channels - start.rigid_count) +
+      start.pole.size() * of_mode + start.rigid_count * (channels - start.rigid_count) +
       (options.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0) +
       (options.delay ? 1 : 0);
   require(data.measured_count() > parameters,
@@ -150,25 +152,95 @@ Block rigid_block(const Eigen::MatrixXd& residue, Eigen::Index count) {
           .rigid = true};
 }
 
-BlockModel start_model(const FitData& data, const Start& start, const Target& target,
-                       double scale) {
+// Residues of a start in units of the model, the general ones X of X/(s − p) or none.
+struct StartResidues {
+  std::vector<Eigen::MatrixXd> real;
+  std::vector<Eigen::MatrixXcd> general;
+  Eigen::MatrixXd rigid;
+};
+
+StartResidues start_residues(const FitData& data, const Start& start, Damping damping,
+                             double scale) {
+  const bool rigid = start.rigid_count > 0;
+  auto fitted = ResidueProblem(data, start.pole, rigid).residues();
+  StartResidues result{start.residue.empty() ? fitted.of_pole : start.residue, {}, fitted.rigid};
+  if (damping == Damping::general) {
+    if (start.residue.empty()) {
+      fitted = ResidueProblem(data, start.pole, rigid, Damping::general).residues();
+      result.general = std::move(fitted.general);
+      result.rigid = fitted.rigid;
+    } else {
+      for (std::size_t m = 0; m < result.real.size(); ++m) {
+        const Complex twice(0.0, 2.0 * start.pole(static_cast<Eigen::Index>(m)).imag());
+        result.general.emplace_back(result.real[m].cast<Complex>() / twice);
+      }
+    }
+  }
+  for (auto& residue : result.real) residue /= scale * scale;
+  for (auto& residue : result.general) residue /= scale;
+  result.rigid /= scale * scale;
+  return result;
+}
+
+// The largest singular direction of X as a complex mode.
+Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
+  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return general_mode(pole, svd.singularValues()(0) * svd.matrixU().col(0),
+                      svd.matrixV().col(0).adjoint());
+}
+
+BlockModel start_model(const FitData& data, const Start& start, const Target& target, double scale,
+                       Damping damping) {
   BlockModel model{.scale = scale, .blocks = {}, .residual = {}};
   model.residual = Eigen::MatrixXd::Zero(data.outputs, data.inputs);
-  const auto fitted = ResidueProblem(data, start.pole, start.rigid_count > 0).residues();
-  const auto& of_pole = start.residue.empty() ? fitted.of_pole : start.residue;
+  const auto residues = start_residues(data, start, damping, scale);
   if (start.rigid_count > 0) {
-    model.blocks.push_back(rigid_block(fitted.rigid / (scale * scale), start.rigid_count));
+    model.blocks.push_back(rigid_block(residues.rigid, start.rigid_count));
   }
   for (const auto& group : neighbours(start.pole)) {
+    if (damping == Damping::general && group.size() == 1) {
+      const auto m = static_cast<std::size_t>(group.front());
+      model.blocks.push_back(
+          strongest_mode(start.pole(group.front()) / scale, residues.general[m]));
+      continue;
+    }
     std::vector<Complex> poles;
     std::vector<Eigen::MatrixXd> parts;
     for (const auto i : group) {
       poles.push_back(start.pole(i) / scale);
-      parts.emplace_back(of_pole[static_cast<std::size_t>(i)] / (scale * scale));
+      parts.emplace_back(residues.real[static_cast<std::size_t>(i)]);
     }
     for (auto& block : blocks_of(poles, parts, target)) model.blocks.push_back(std::move(block));
   }
   return model;
+}
+
+// Every block as complex modes, which it is the same as, and down from there.
+Descent with_complex_modes(const Descent& in_blocks, const Target& target, const Fitted& fitted,
+                           const DescentOptions& options) {
+  BlockModel general = in_blocks.model;
+  general.blocks.clear();
+  bool any = false;
+  const auto add = [&](const std::vector<Block>& modes) {
+    general.blocks.insert(general.blocks.end(), modes.begin(), modes.end());
+  };
+  for (const auto& block : in_blocks.model.blocks) {
+    if (block.rigid || block.general) {
+      general.blocks.push_back(block);
+      continue;
+    }
+    any = true;
+    const auto modes = general_modes(block);
+    if (!modes.empty()) {
+      add(modes);
+      continue;
+    }
+    for (const auto& mode : forced_modes(block)) add(general_modes(mode));
+  }
+  if (!any) return in_blocks;
+  auto result = descent(std::move(general), target, fitted, options);
+  result.iterations += in_blocks.iterations;
+  return result;
 }
 
 // Every block as single modes where that loses nothing.
@@ -224,12 +296,13 @@ ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& op
   const DescentOptions how{.iterations = options.iterations,
                            .keep_best = options.keep_best,
                            .progress = options.progress};
-  auto best = descent(start_model(data, start, aim, scale), aim, fitted, how);
+  auto best = descent(start_model(data, start, aim, scale, options.damping), aim, fitted, how);
   if (!std::isfinite(best.misfit.cost)) {
     throw NumericalFailure("modal fit: the cost at the start is not finite");
   }
-  best = with_single_modes(best, aim, fitted, how);
-  return with_uncertainty(best, aim, fitted, data);
+  best = options.damping == Damping::general ? with_complex_modes(best, aim, fitted, how)
+                                             : with_single_modes(best, aim, fitted, how);
+  return with_uncertainty(best, aim, fitted, data, options.damping);
 }
 
 Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
@@ -237,11 +310,17 @@ Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency
   const auto p = model.output_count();
   const auto q = model.input_count();
   Eigen::MatrixXcd result(frequency_hz.size(), p * q);
-  const auto frf = modal::frf(model, frequency_hz);
+  if (fit.complex) {
+    result = responses(model, *fit.complex, frequency_hz);
+  } else {
+    const auto frf = modal::frf(model, frequency_hz);
+    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+      const auto& line = frf.value[static_cast<std::size_t>(k)];
+      result.row(k) = Eigen::Map<const Eigen::RowVectorXcd>(line.data(), p * q);
+    }
+  }
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
-    const Complex turn = std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * fit.delay_s);
-    const auto& line = frf.value[static_cast<std::size_t>(k)];
-    result.row(k) = turn * Eigen::Map<const Eigen::RowVectorXcd>(line.data(), p * q);
+    result.row(k) *= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * fit.delay_s);
   }
   return result;
 }

@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/progress.h"
+#include "identification/complex_shapes.h"
 #include "identification/fit_data.h"
 #include "modal/groups.h"
 #include "modal/reduced_model.h"
@@ -26,9 +28,12 @@ struct Start {
 
 /// A modal model and how sure it is.
 /// G(s) = [Σ l_m r_m / (s² + 2 ζ_m ω_m s + ω_m²) + residual] e^{−sτ}; modes of frequency 0 first.
+/// Of a fit with general damping the modes are those of `complex`; real shapes, their deviations
+/// and covariances here are of the real parts then.
 struct ModalFit {
   modal::ReducedModel model;  ///< output_shapes L p×m, input_shapes R m×q; residual p×q
   double delay_s = 0.0;
+  std::optional<ComplexShapes> complex;  ///< where the damping is general
 
   Eigen::VectorXd frequency_std_hz, damping_std;  ///< m; 0 for rigid-body modes
   Eigen::MatrixXd output_std, input_std;  ///< of L and R; infinite of channels not measured at all
@@ -49,9 +54,12 @@ struct ModalFit {
   int iterations = 0;
   bool converged = false;
   std::vector<std::string> notes;
+
+  [[nodiscard]] Damping damping() const { return complex ? Damping::general : Damping::modal; }
 };
 
 struct FitOptions {
+  Damping damping = Damping::modal;
   bool residual = true;    ///< a constant p×q for the modes above the band
   bool delay = false;      ///< one for all responses is fitted
   int iterations = 60;     ///< of Levenberg and Marquardt, at most
@@ -61,7 +69,8 @@ struct FitOptions {
 
 /// Maximum likelihood by Levenberg and Marquardt from `start` (docs/reference/identification.md).
 /// Modes nearer to each other than their half-power bandwidth are fitted as blocks and told apart
-/// afterwards where the data can.
+/// afterwards where the data can. With general damping each mode has complex shapes, blocks only
+/// lead to them.
 /// @throws InvalidInput      start and data do not fit together, more parameters than numbers
 /// @throws NumericalFailure  no step lowers the cost from the start
 [[nodiscard]] ModalFit modal_fit(const FitData& data, const Start& start,

@@ -15,8 +15,10 @@ namespace {
 using Complex = std::complex<double>;
 namespace dense = priors::dense;
 
-// Entries of H of all blocks; a rigid block has 1/s² alone.
+// Entries of H of all blocks; a rigid block has 1/s² alone, a general one (s − σ)/d and ω/d with
+// d = (s − σ)² + ω².
 Eigen::Index entry_count(const Block& block) {
+  if (block.general) return 2;
   return block.rigid ? 1 : block.size() * block.size();
 }
 
@@ -36,6 +38,11 @@ Eigen::MatrixXd entries(const BlockModel& model, const Eigen::VectorXd& x) {
     for (const auto& block : model.blocks) {
       if (block.rigid) {
         put(1.0 / (s * s));
+      } else if (block.general) {
+        const Complex from = s - block.pole.real();
+        const Complex over = 1.0 / (from * from + block.pole.imag() * block.pole.imag());
+        put(from * over);
+        put(block.pole.imag() * over);
       } else if (block.size() == 1) {
         const double real = block.stiffness(0, 0) - x(k) * x(k);
         const double imaginary = x(k) * block.damping(0, 0);
@@ -65,18 +72,18 @@ Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::In
     for (Eigen::Index b = 0; b < g; ++b) {
       for (Eigen::Index a = 0; a < g; ++a) {
         if (block.rigid && a != b) continue;
-        const Eigen::MatrixXd product = block.left.col(a) * block.right.row(b);
-        result.row(first + (block.rigid ? 0 : a + g * b)) += product.reshaped().transpose();
+        Eigen::MatrixXd product = block.left.col(a) * block.right.row(b);
+        auto row = first + (block.rigid ? 0 : a + g * b);
+        if (block.general) {  // (s − A)⁻¹ = [s − σ, ω; −ω, s − σ] / d
+          row = first + (a == b ? 0 : 1);
+          if (a > b) product *= -1.0;
+        }
+        result.row(row) += product.reshaped().transpose();
       }
     }
     first += entry_count(block);
   }
   return result;
-}
-
-Eigen::Index parameters_of(const Block& block) {
-  const auto g = block.size();
-  return g * (block.left.rows() + block.right.cols()) + (block.rigid ? 0 : 2 * g * g);
 }
 
 // The data turned back by the delay: value · e^{+s delay}.
@@ -166,9 +173,16 @@ NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
   return sum;
 }
 
+Eigen::Index parameter_count(const Block& block) {
+  const auto g = block.size();
+  const auto sides = g * (block.left.rows() + block.right.cols());
+  if (block.general) return sides + 2;
+  return sides + (block.rigid ? 0 : 2 * g * g);
+}
+
 Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted) {
   Eigen::Index count = fitted.delay ? 1 : 0;
-  for (const auto& block : model.blocks) count += parameters_of(block);
+  for (const auto& block : model.blocks) count += parameter_count(block);
   return count;
 }
 
@@ -182,7 +196,10 @@ BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step, const Fit
   for (auto& block : result.blocks) {
     take(block.left);
     take(block.right);
-    if (!block.rigid) {
+    if (block.general) {
+      block.pole += std::complex<double>(step(at), step(at + 1));
+      at += 2;
+    } else if (!block.rigid) {
       take(block.stiffness);
       take(block.damping);
     }

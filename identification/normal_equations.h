@@ -40,7 +40,7 @@ struct Misfit {
 [[nodiscard]] Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted);
 
 /// JᵀJ and Jᵀr of the weighted errors, residual eliminated. Parameters: of each block left (column
-/// by column), right, stiffness, damping; the delay last.
+/// by column), right, stiffness, damping (of a general block σ, ω instead); the delay last.
 struct NormalEquations {
   Eigen::MatrixXd matrix;    ///< lower triangle
   Eigen::VectorXd gradient;  ///< the step that lowers the cost is along it
@@ -52,6 +52,7 @@ struct NormalEquations {
 [[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                                const Target& target, const Fitted& fitted);
 
+[[nodiscard]] Eigen::Index parameter_count(const Block& block);
 [[nodiscard]] Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted);
 
 /// The model moved by a step in its parameters, balanced.

@@ -1,7 +1,9 @@
 #include "identification/residue_problem.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <numeric>
 
@@ -15,10 +17,12 @@ constexpr double kJitter = 1e-13;  // of products scaled to a unit diagonal
 
 }  // namespace
 
-ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& poles, bool rigid)
+ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& poles, bool rigid,
+                               Damping damping)
     : outputs_(data.outputs),
       inputs_(data.inputs),
       poles_(poles.size()),
+      per_pole_(damping == Damping::general ? 2 : 1),
       rigid_(rigid),
       scale_(2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1)),
       total_(data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum()) {
@@ -29,7 +33,10 @@ ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& pole
   PoleProducts products(data, 2.0 * std::numbers::pi / scale_ * data.frequency_hz, rigid);
   products.set_poles(scaled);
   std::vector<Eigen::Index> used;
-  for (Eigen::Index u = 0; u < poles_; ++u) used.push_back(2 * u + 1);
+  for (Eigen::Index u = 0; u < poles_; ++u) {
+    if (per_pole_ == 2) used.push_back(2 * u);
+    used.push_back(2 * u + 1);
+  }
   for (auto u = 2 * poles_; u < products.function_count(); ++u) used.push_back(u);
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
     const auto one = products.of(e, true);
@@ -44,18 +51,49 @@ Residues ResidueProblem::residues() const {
   return residues(all);
 }
 
+void ResidueProblem::put(std::size_t response, const std::vector<Eigen::Index>& chosen,
+                         const Eigen::VectorXd& c, const Eigen::MatrixXd& inverse,
+                         const Eigen::VectorXd& unit, Residues& result) const {
+  const auto i = static_cast<Eigen::Index>(response) % outputs_;
+  const auto j = static_cast<Eigen::Index>(response) / outputs_;
+  for (std::size_t m = 0; m < chosen.size(); ++m) {
+    const auto u = per_pole_ * static_cast<Eigen::Index>(m);
+    if (per_pole_ == 1) {
+      result.of_pole[m](i, j) = factor_(chosen[m]) * unit(u) * c(u);
+      result.significance(u) += c(u) * c(u) / inverse(u, u);
+    } else {
+      result.general[m](i, j) =
+          scale_ * std::complex<double>(unit(u) * c(u), unit(u + 1) * c(u + 1));
+      const Eigen::Vector2d both = c.segment<2>(u);
+      const Eigen::Matrix2d spread = inverse.block<2, 2>(u, u);
+      result.significance(static_cast<Eigen::Index>(m)) += both.dot(spread.inverse() * both);
+    }
+  }
+  const auto n = per_pole_ * static_cast<Eigen::Index>(chosen.size());
+  result.constant(i, j) = unit(n) * c(n);
+  if (!rigid_) return;
+  const double factor_rigid = unit(n + 1) * scale_ * scale_;
+  result.rigid(i, j) = factor_rigid * c(n + 1);
+  result.rigid_worth(i, j) = 1.0 / (inverse(n + 1, n + 1) * factor_rigid * factor_rigid);
+}
+
 Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const {
-  const auto n = static_cast<Eigen::Index>(chosen.size());
-  auto used = chosen;
-  used.push_back(poles_);
-  if (rigid_) used.push_back(poles_ + 1);
+  std::vector<Eigen::Index> used;
+  for (const auto pole : chosen) {
+    for (Eigen::Index u = 0; u < per_pole_; ++u) used.push_back(per_pole_ * pole + u);
+  }
+  used.push_back(per_pole_ * poles_);
+  if (rigid_) used.push_back(per_pole_ * poles_ + 1);
   const auto zero = Eigen::MatrixXd::Zero(outputs_, inputs_);
-  Residues result{std::vector<Eigen::MatrixXd>(chosen.size(), zero),
-                  zero,
-                  zero,
-                  zero,
-                  Eigen::VectorXd::Zero(n),
-                  total_};
+  const bool general = per_pole_ == 2;
+  Residues result{
+      std::vector<Eigen::MatrixXd>(general ? 0 : chosen.size(), zero),
+      std::vector<Eigen::MatrixXcd>(general ? chosen.size() : 0, zero.cast<std::complex<double>>()),
+      zero,
+      zero,
+      zero,
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chosen.size())),
+      total_};
   for (std::size_t e = 0; e < responses_.size(); ++e) {
     if (responses_[e].gram.diagonal().maxCoeff() == 0.0) continue;
     Eigen::MatrixXd a = responses_[e].gram(used, used);
@@ -66,19 +104,7 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
     const Eigen::VectorXd right = unit.cwiseProduct(responses_[e].right(used));
     const Eigen::VectorXd c = factor.solve(right);
     const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
-    const auto i = static_cast<Eigen::Index>(e) % outputs_;
-    const auto j = static_cast<Eigen::Index>(e) / outputs_;
-    for (Eigen::Index u = 0; u < n; ++u) {
-      const auto pole = chosen[static_cast<std::size_t>(u)];
-      result.of_pole[static_cast<std::size_t>(u)](i, j) = factor_(pole) * unit(u) * c(u);
-      result.significance(u) += c(u) * c(u) / inverse(u, u);
-    }
-    result.constant(i, j) = unit(n) * c(n);
-    if (rigid_) {
-      const double factor_rigid = unit(n + 1) * scale_ * scale_;
-      result.rigid(i, j) = factor_rigid * c(n + 1);
-      result.rigid_worth(i, j) = 1.0 / (inverse(n + 1, n + 1) * factor_rigid * factor_rigid);
-    }
+    put(e, chosen, c, inverse, unit, result);
     result.cost -= right.dot(c);
   }
   result.cost = std::max(result.cost, 0.0);

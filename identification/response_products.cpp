@@ -14,7 +14,6 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index kAtOnce = 32;  // responses whose sums are one product
 constexpr double kLostDigits = 1e-3;  // gap over the distance of the nearest line
-constexpr double kLeastGap = 1e-9;    // between poles of one block, relative
 
 enum Kind : Eigen::Index {
   kWeight,
@@ -24,37 +23,6 @@ enum Kind : Eigen::Index {
   kDelayReal,
   kDelayImaginary
 };
-
-// From the eigenvectors of the companion form.
-void split(const Block& block, BlockFractions& result) {
-  const auto g = block.size();
-  if (g == 1) {
-    const double half = 0.5 * block.damping(0, 0);
-    const Complex root = std::sqrt(Complex(half * half - block.stiffness(0, 0), 0.0));
-    const Complex above = -half + root;
-    Complex below = -half - root;
-    if (std::abs(above - below) < kLeastGap * std::abs(above)) below *= 1.0 + kLeastGap;
-    result.pole.resize(2);
-    result.pole << above, below;
-    result.x.setOnes(1, 2);
-    result.y.resize(2, 1);
-    result.y << 1.0 / (above - below), 1.0 / (below - above);
-  } else {
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion(block));
-    result.pole = solver.eigenvalues();
-    result.x = solver.eigenvectors().topRows(g);
-    result.y = solver.eigenvectors().inverse().rightCols(g);
-    for (Eigen::Index r = 0; r < 2 * g; ++r) {
-      for (Eigen::Index t = 0; t < r; ++t) {
-        if (std::abs(result.pole(r) - result.pole(t)) < kLeastGap * std::abs(result.pole(r))) {
-          result.pole(r) *= 1.0 + kLeastGap * static_cast<double>(r);
-        }
-      }
-    }
-  }
-  result.left = block.left.cast<Complex>() * result.x;
-  result.right = result.y * block.right.cast<Complex>();
-}
 
 }  // namespace
 
@@ -71,22 +39,20 @@ void ResponseProducts::list_fractions() {
   Eigen::Index parameter = 0;
   std::vector<Complex> poles;
   for (const auto& block : model_.blocks) {
-    BlockFractions one;
-    const auto g = block.size();
+    auto one = block.rigid ? BlockFractions{} : fractions(block);
+    const auto n = one.pole.size();
     one.parameter = parameter;
     one.first = rows_;
-    parameter += g * (block.left.rows() + block.right.cols());
+    parameter += parameter_count(block);
     if (block.rigid) {
       rigid_ = true;
     } else {
-      split(block, one);
-      parameter += 2 * g * g;
-      for (Eigen::Index r = 0; r < 2 * g; ++r) {
+      for (Eigen::Index r = 0; r < n; ++r) {
         poles.push_back(one.pole(r));
         plain_.push_back(rows_ + r);
-        square_.push_back(rows_ + 2 * g + r);
+        square_.push_back(rows_ + n + r);
       }
-      rows_ += 4 * g;
+      rows_ += 2 * n;
     }
     blocks_.push_back(std::move(one));
   }
@@ -266,50 +232,6 @@ ResponseProducts::Products ResponseProducts::products(Eigen::Index e, const Sums
   return result;
 }
 
-// Derivatives of the response (i, j) by the parameters it has in a block, in the block's functions:
-// of left(i, ·), right(·, j), stiffness, damping.
-ResponseProducts::SmallComplex ResponseProducts::derivatives(std::size_t block, Eigen::Index i,
-                                                             Eigen::Index j) const {
-  const auto& own = model_.blocks[block];
-  const auto& parts = blocks_[block];
-  const auto g = own.size();
-  if (own.rigid) {
-    SmallComplex result(1, 2 * g);
-    result << own.right.col(j).transpose().cast<Complex>(), own.left.row(i).cast<Complex>();
-    return result;
-  }
-  const auto n = 2 * g;
-  SmallComplex result = SmallComplex::Zero(2 * n, 2 * g + 2 * g * g);
-  for (Eigen::Index a = 0; a < g; ++a) {
-    for (Eigen::Index r = 0; r < n; ++r) {
-      result(r, a) = parts.x(a, r) * parts.right(r, j);     // (H right)_a
-      result(r, g + a) = parts.left(i, r) * parts.y(r, a);  // (left H)_a
-    }
-  }
-  for (Eigen::Index b = 0; b < g; ++b) {
-    for (Eigen::Index a = 0; a < g; ++a) {  // −(left H)_a (H right)_b, and times s
-      const auto stiffness = 2 * g + a + g * b;
-      const auto damping = stiffness + g * g;
-      for (Eigen::Index r = 0; r < n; ++r) {
-        const Complex one = result(r, g + a);
-        const Complex other = result(r, b);
-        const Complex square = -one * other;
-        Complex plain = 0.0;
-        for (Eigen::Index t = 0; t < n; ++t) {
-          if (t == r) continue;
-          plain -=
-              (one * result(t, b) + result(t, g + a) * other) / (parts.pole(r) - parts.pole(t));
-        }
-        result(r, stiffness) = plain;
-        result(n + r, stiffness) = square;
-        result(r, damping) = plain * parts.pole(r) + square;
-        result(n + r, damping) = square * parts.pole(r);
-      }
-    }
-  }
-  return result;
-}
-
 std::vector<ResponseProducts::Part> ResponseProducts::parts_of(Eigen::Index e) const {
   const auto p = target_.outputs;
   const auto i = e % p;
@@ -318,7 +240,8 @@ std::vector<ResponseProducts::Part> ResponseProducts::parts_of(Eigen::Index e) c
   for (std::size_t c = 0; c < blocks_.size(); ++c) {
     const auto& block = model_.blocks[c];
     const auto g = block.size();
-    Part part{block.rigid ? rigid_row() : blocks_[c].first, derivatives(c, i, j), {}, {}};
+    Part part{
+        block.rigid ? rigid_row() : blocks_[c].first, derivatives(block, blocks_[c], i, j), {}, {}};
     const auto first = blocks_[c].parameter;
     for (Eigen::Index a = 0; a < g; ++a) part.parameter.push_back(first + i + p * a);
     for (Eigen::Index b = 0; b < g; ++b) part.parameter.push_back(first + p * g + b + g * j);

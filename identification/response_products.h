@@ -4,19 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "identification/block_fractions.h"
 #include "identification/normal_equations.h"
 
 namespace chladni::identification {
-
-/// One block as partial fractions: (s² + sD + K)⁻¹ = Σ_r x_r y_r / (s − p_r), r = 1 … 2g.
-struct BlockFractions {
-  Eigen::VectorXcd pole;       ///< 2g; none of a rigid block
-  Eigen::MatrixXcd x, y;       ///< g×2g, 2g×g
-  Eigen::MatrixXcd left;       ///< p×2g: left x
-  Eigen::MatrixXcd right;      ///< 2g×q: y right
-  Eigen::Index first = 0;      ///< row of its first function: 2g fractions, then their squares
-  Eigen::Index parameter = 0;  ///< its first
-};
 
 /// The derivatives of a response by a block's parameters are sums of 1/(s − p) and 1/(s − p)² of
 /// its poles, so all weighted products follow from m₁ = Σ w²/(s−p) and m₂ = Σ w²/(s−p)²: with
@@ -53,9 +44,6 @@ class ResponseProducts {
   void fill_near_poles(Eigen::Index e, Eigen::MatrixXcd& gram) const;
   void fill_single_functions(Eigen::Index e, Products& products) const;
   [[nodiscard]] Products products(Eigen::Index e, const Sums& sums) const;
-  // At most 12 functions and 24 parameters of a response in a block: 3 modes, 12 rigid-body modes.
-  using SmallComplex =
-      Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 12, 24>;
   using SmallReal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 24, 24>;
   using SmallColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
   // What a response knows of the parameters of one block.
@@ -65,7 +53,6 @@ class ResponseProducts {
     std::vector<Eigen::Index> parameter;
     SmallColumn with_residual;
   };
-  [[nodiscard]] SmallComplex derivatives(std::size_t block, Eigen::Index i, Eigen::Index j) const;
   [[nodiscard]] std::vector<Part> parts_of(Eigen::Index e) const;
   // Re byᴴ gram by of two blocks.
   [[nodiscard]] static SmallReal between(const Eigen::MatrixXcd& gram, const Part& c,

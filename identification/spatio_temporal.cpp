@@ -15,7 +15,14 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
+void refuse_complex_shapes(const ModalFit& fit) {
+  require(!fit.complex,
+          "predicted responses: the fit has complex shapes, of general damping; expected real ones, "
+          "of modal damping");
+}
+
 void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& places) {
+  refuse_complex_shapes(fit);
   const auto m = fit.model.mode_count();
   require(places.shapes.cols() == m && places.deviation.rows() == places.shapes.rows() &&
               places.deviation.cols() == m && match.input_shapes.rows() == m &&
@@ -110,6 +117,7 @@ modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
 }
 
 FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData& measured) {
+  refuse_complex_shapes(fit);
   const auto q = match.input_shapes.cols();
   require(measured.outputs == 1 && measured.inputs == q,
           "fitted row: " + std::to_string(measured.outputs) + " sensors by " +

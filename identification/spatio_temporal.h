@@ -26,7 +26,7 @@ struct PredictedResponses {
 };
 
 /// Cost: k n q m.
-/// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes
+/// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes; shapes of general damping
 [[nodiscard]] PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places,
                                            const Eigen::VectorXd& frequency_hz);
@@ -42,7 +42,8 @@ struct FittedRow {
   Eigen::RowVectorXd residual;          ///< q
 };
 /// @param data  of that sensor alone, the actuators in the order of the fit
-/// @throws InvalidInput  the actuators differ in number, or it has several outputs
+/// @throws InvalidInput  the actuators differ in number, or it has several outputs; shapes of general
+///                       damping
 [[nodiscard]] FittedRow fitted_row(const ModalFit& fit, const GainMatch& match,
                                    const FitData& data);
 

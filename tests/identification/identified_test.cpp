@@ -177,6 +177,46 @@ TEST(Identified, RejectsRealModesWhereTheyAreComplex) {
   }
 }
 
+// As many complex ones are found, and fit to the noise; with a delay, that phases could be too.
+TEST(Identified, FindsComplexModesWhereTheyAre) {
+  for (const double samples : {0.0, 2.0}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      FrfFaults faults;
+      faults.dashpot = 1.0;
+      faults.seed = seed;
+      faults.delay_s = samples / 4096.0;
+      const auto made = simulators::beam5x3(faults);
+      IdentificationOptions options;
+      options.fit.damping = Damping::general;
+      options.fit.delay = samples > 0.0;
+      const auto fit = identified(fit_data(made.measured), options).fit;
+      ASSERT_EQ(fit.model.mode_count(), 5) << samples << " seed " << seed;
+      ASSERT_TRUE(fit.complex);
+      EXPECT_LT(std::abs(excess(fit)), 4.0) << samples << " seed " << seed;
+      EXPECT_NEAR(fit.delay_s, faults.delay_s, 3e-5) << seed;
+      EXPECT_LE(std::abs(fit.delay_s - faults.delay_s), fit.delay_std_s) << seed;
+      const auto truth = simulators::complex_modes(made.truth);
+      for (Eigen::Index m = 0; m < 5; ++m) {
+        EXPECT_NEAR(2.0 * std::numbers::pi * fit.model.frequency_hz(m), std::abs(truth.pole(m)),
+                    4.0 * 2.0 * std::numbers::pi * fit.frequency_std_hz(m))
+            << m << " seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(Identified, FindsTheModesOfAFreePlateWithGeneralDamping) {
+  const auto made = simulators::big(6, 5, 9, 800);
+  IdentificationOptions options;
+  options.rigid_count = -1;
+  options.fit.damping = Damping::general;
+  const auto fit = identified(fit_data(made.measured), options).fit;
+  EXPECT_EQ(fit.model.rigid_count, 3);
+  ASSERT_EQ(fit.model.mode_count(), 9);
+  EXPECT_EQ(fit_errors(made.truth, fit).missed, 0);
+  EXPECT_LT(std::abs(excess(fit)), 4.0);
+}
+
 // T8: 10 % of the values missing, a row not measured, a dead channel.
 TEST(Identified, HoldsWithGapsAndDeadChannels) {
   FrfFaults faults;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/draw.h"
+#include "identification/block_fractions.h"
 
 namespace chladni::identification {
 namespace {
@@ -20,8 +21,8 @@ struct Problem {
   Target target;
 };
 
-// A single mode, a pair and a triple that are coupled, two rigid-body modes; data of nothing in
-// particular.
+// A single mode, a pair and a triple that are coupled, a complex mode, two rigid-body modes; data
+// of nothing in particular.
 Problem problem(unsigned seed) {
   Draw draw(seed);
   Problem result;
@@ -34,9 +35,14 @@ Problem problem(unsigned seed) {
     one.damping = 0.1 * own * (Eigen::MatrixXd::Identity(g, g) + 0.1 * coupled.transpose());
     return one;
   };
+  const auto complex = [&](Eigen::Index rows, Eigen::Index columns) {
+    const Eigen::MatrixXd real = drawn(rows, columns, draw);
+    return Eigen::MatrixXcd(real + std::complex<double>(0.0, 1.0) * drawn(rows, columns, draw));
+  };
   result.model.blocks = {block(1, 0.2), block(2, 0.5), block(3, 0.8)};
   result.model.blocks.push_back({drawn(p, 2, draw), drawn(2, q, draw), Eigen::MatrixXd::Zero(2, 2),
                                  Eigen::MatrixXd::Zero(2, 2), true});
+  result.model.blocks.push_back(general_mode({-0.03, 0.6}, complex(p, 1), complex(1, q)));
   result.model.residual = Eigen::MatrixXd::Zero(p, q);
   result.model.delay = 0.3;
   auto& target = result.target;
@@ -62,7 +68,11 @@ Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step) {
     };
     take(block.left);
     take(block.right);
-    if (block.rigid) continue;
+    if (block.general) {
+      block.pole += std::complex<double>(step(at), step(at + 1));
+      at += 2;
+    }
+    if (block.rigid || block.general) continue;
     take(block.stiffness);
     take(block.damping);
   }
@@ -128,6 +138,40 @@ TEST(NormalEquations, HoldForAModeOutsideTheBandWithoutDamping) {
           << a << ' ' << b;
     }
   }
+}
+
+// l r / (s − p) and its conjugate.
+TEST(NormalEquations, KnowAComplexMode) {
+  const Eigen::VectorXcd l{{{1.0, 0.3}, {-0.4, 0.8}, {0.2, 0.0}}};
+  const Eigen::RowVectorXcd r{{{0.5, -0.2}, {0.1, 0.7}}};
+  const std::complex<double> pole(-0.02, 0.5);
+  Problem from = problem(1);
+  from.model.blocks = {general_mode(pole, l, r)};
+  from.model.delay = 0.0;
+  from.target.value.setZero();
+  const auto all = misfit(from.model, from.target, {.residual = false, .delay = false});
+  for (Eigen::Index k = 0; k < 60; ++k) {
+    const std::complex<double> s(0.0, from.target.x(k));
+    const Eigen::MatrixXcd response =
+        l * r / (s - pole) + (l * r).conjugate() / (s - std::conj(pole));
+    const Eigen::RowVectorXcd row = response.reshaped().transpose();
+    EXPECT_LT((all.error.row(k) + row.real()).norm(), 1e-13 * row.norm());
+    EXPECT_LT((all.error.row(60 + k) + row.imag()).norm(), 1e-13 * row.norm());
+  }
+}
+
+// A pair that its damping couples is two complex modes, and the same responses.
+TEST(NormalEquations, KnowACoupledBlockAsComplexModes) {
+  Problem from = problem(4);
+  const double before = misfit(from.model, from.target, kAll).cost;
+  auto& blocks = from.model.blocks;
+  const auto count = blocks.size();
+  for (std::size_t b = 0; b < 3; ++b) {
+    for (const auto& mode : general_modes(blocks[b])) blocks.push_back(mode);
+  }
+  ASSERT_EQ(blocks.size(), count + 6);
+  blocks.erase(blocks.begin(), blocks.begin() + 3);
+  EXPECT_NEAR(misfit(from.model, from.target, kAll).cost / before, 1.0, 1e-11);
 }
 
 TEST(NormalEquations, DoNotDependOnTheBasisOfABlock) {

@@ -119,5 +119,14 @@ TEST(SpatioTemporal, RefusesWhatDoesNotFit) {
                InvalidInput);
 }
 
+TEST(SpatioTemporal, RefusesComplexShapes) {
+  auto one = beam();
+  one.fit.complex.emplace();
+  const auto interest = sensors_of(one);
+  EXPECT_THROW((void)predicted(one.fit, one.match, interest, Eigen::VectorXd::Ones(1)),
+               InvalidInput);
+  EXPECT_THROW((void)model_at(one.fit, one.match, interest), InvalidInput);
+}
+
 }  // namespace
 }  // namespace chladni::identification
