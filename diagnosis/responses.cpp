@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "diagnosis/attachments.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {
@@ -26,42 +27,6 @@ Complex factor(const Path& path, Complex s) {
   if (path.derivative != 0.0) value *= std::pow(s, path.derivative);
   return value;
 }
-
-// All attachments side by side, and the dynamic stiffness of each of their displacements.
-struct Attachments {
-  MatrixXd shapes;  // r×D
-  explicit Attachments(const State& state) {
-    Index count = 0;
-    for (const auto& one : state.attached) count += one.shapes.cols();
-    shapes.resize(state.mode_count(), count);
-    count = 0;
-    for (const auto& one : state.attached) {
-      shapes.middleCols(count, one.shapes.cols()) = one.shapes;
-      count += one.shapes.cols();
-    }
-  }
-  [[nodiscard]] Eigen::VectorXcd stiffness(const State& state, Complex s) const {
-    Eigen::VectorXcd all(shapes.cols());
-    Index count = 0;
-    for (const auto& one : state.attached) {
-      all.segment(count, one.shapes.cols()).setConstant(dynamic_stiffness(one, s));
-      count += one.shapes.cols();
-    }
-    return all;
-  }
-  // What they take from C Z⁻¹ and Z⁻¹ B, given W = Z⁻¹ F, on line k.
-  void couple(const State& state, Complex s, const MatrixXcd& w, Eigen::Ref<MatrixXcd> left,
-              Eigen::Ref<MatrixXcd> right) const {
-    const Eigen::VectorXcd delta = stiffness(state, s);
-    MatrixXcd middle = delta.asDiagonal() * (shapes.transpose().cast<Complex>() * w);
-    middle.diagonal().array() += 1.0;
-    const MatrixXcd m = middle.partialPivLu().solve(MatrixXcd(delta.asDiagonal()));
-    const MatrixXcd from_outputs = w.transpose() * state.outputs.transpose().cast<Complex>();
-    const MatrixXcd from_inputs = w.transpose() * state.inputs.cast<Complex>();
-    left.noalias() -= w * (m.transpose() * from_outputs);
-    right.noalias() -= w * (m * from_inputs);
-  }
-};
 
 MatrixXd without_diagonal(MatrixXd matrix) {
   matrix.diagonal().setZero();
@@ -106,13 +71,6 @@ MatrixXcd recorded(const State& state, const MatrixXcd& structure, Complex s) {
     }
   }
   return value;
-}
-
-Complex dynamic_stiffness(const Attached& attached, Complex s) {
-  const Complex spring = attached.stiffness + s * attached.damping;
-  const Complex inertia = attached.mass * s * s;
-  if (!attached.carried) return spring + inertia;
-  return inertia * spring / (inertia + spring);
 }
 
 Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
@@ -205,43 +163,31 @@ void Body::finish(Index line, const MatrixXd& v, MatrixXcd& x) const {
   x.middleCols(v.cols() * line, v.cols()) = z.partialPivLu().solve(v.cast<Complex>());
 }
 
-MatrixXcd Body::left(const State& state) const {
-  if (state.outputs.rows() == outputs_.rows() && state.outputs == outputs_) return left_;
-  const Index p = state.output_count();
+// Columns of each line where `now` is `before`, the others solved for.
+MatrixXcd Body::channels(const MatrixXd& now, const MatrixXd& before, const MatrixXcd& kept) const {
+  if (now.cols() == before.cols() && now == before) return kept;
   std::vector<Index> moved;
-  for (Index i = 0; i < p; ++i) {
-    if (i >= outputs_.rows() || state.outputs.row(i) != outputs_.row(i)) moved.push_back(i);
+  for (Index j = 0; j < now.cols(); ++j) {
+    if (j >= before.cols() || now.col(j) != before.col(j)) moved.push_back(j);
   }
-  const MatrixXcd fresh = solve(state.outputs(moved, Eigen::all).transpose());
-  MatrixXcd columns(state.mode_count(), p * omega_.size());
+  const MatrixXcd fresh = solve(now(Eigen::all, moved));
+  const auto count = static_cast<Index>(moved.size());
+  const Index same = std::min(now.cols(), before.cols());
+  MatrixXcd columns(now.rows(), now.cols() * omega_.size());
   for (Index k = 0; k < omega_.size(); ++k) {
-    const Index kept = std::min(p, outputs_.rows());
-    columns.middleCols(p * k, kept) = left_.middleCols(outputs_.rows() * k, kept);
-    for (std::size_t n = 0; n < moved.size(); ++n) {
-      columns.col(p * k + moved[n]) =
-          fresh.col(static_cast<Index>(moved.size()) * k + static_cast<Index>(n));
+    columns.middleCols(now.cols() * k, same) = kept.middleCols(before.cols() * k, same);
+    for (Index n = 0; n < count; ++n) {
+      columns.col(now.cols() * k + moved[at(n)]) = fresh.col(count * k + n);
     }
   }
   return columns;
 }
 
-MatrixXcd Body::right(const State& state) const {
-  if (state.inputs == inputs_) return right_;
-  const Index q = state.input_count();
-  std::vector<Index> moved;
-  for (Index j = 0; j < q; ++j) {
-    if (state.inputs.col(j) != inputs_.col(j)) moved.push_back(j);
-  }
-  const MatrixXcd fresh = solve(state.inputs(Eigen::all, moved));
-  MatrixXcd columns = right_;
-  for (Index k = 0; k < omega_.size(); ++k) {
-    for (std::size_t n = 0; n < moved.size(); ++n) {
-      columns.col(q * k + moved[n]) =
-          fresh.col(static_cast<Index>(moved.size()) * k + static_cast<Index>(n));
-    }
-  }
-  return columns;
+MatrixXcd Body::left(const State& state) const {
+  return channels(state.outputs.transpose(), outputs_.transpose(), left_);
 }
+
+MatrixXcd Body::right(const State& state) const { return channels(state.inputs, inputs_, right_); }
 
 Solved solved(const State& state, const Body& body) {
   const Index lines = body.omega().size();
@@ -254,14 +200,21 @@ Solved solved(const State& state, const Body& body) {
   result.structure.resize(lines, p * q);
   result.value.resize(lines, p * q);
   const Attachments attachments(state);
-  const Index d = attachments.shapes.cols();
+  const Index d = attachments.count();
   const MatrixXcd w = body.solve(attachments.shapes);
+  result.to_outputs.resize(p, d * lines);
+  result.to_inputs.resize(q, d * lines);
   for (Index k = 0; k < lines; ++k) {
     const Complex s(0.0, body.omega()(k));
     auto left = result.left_columns.middleCols(p * k, p);
     auto right = result.right_columns.middleCols(q * k, q);
-    if (d > 0) attachments.couple(state, s, w.middleCols(d * k, d), left, right);
     MatrixXcd structure = state.residual.cast<Complex>() + frame_responses(state, s);
+    if (d > 0) {
+      auto coupled = couple(attachments, state, s, w.middleCols(d * k, d), left, right);
+      structure += coupled.direct;
+      result.to_outputs.middleCols(d * k, d) = coupled.to_outputs;
+      result.to_inputs.middleCols(d * k, d) = coupled.to_inputs;
+    }
     structure.noalias() += left.transpose() * state.inputs.cast<Complex>();
     result.structure.row(k) = structure.reshaped().transpose();
     result.value.row(k) = recorded(state, structure, s).reshaped().transpose();

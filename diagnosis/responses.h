@@ -14,8 +14,10 @@ struct Solved {
   Eigen::VectorXd omega;           ///< K [rad/s], above 0
   Eigen::MatrixXcd left_columns;   ///< r×pK, line by line: (C Z⁻¹)ᵀ, attachments included
   Eigen::MatrixXcd right_columns;  ///< r×qK: Z⁻¹ B
-  Eigen::MatrixXcd structure;      ///< K×pq, before the channels' paths
-  Eigen::MatrixXcd value;          ///< K×pq, as recorded
+  /// Between the channels and the attachments' D displacements: p×DK, q×DK.
+  Eigen::MatrixXcd to_outputs, to_inputs;
+  Eigen::MatrixXcd structure;  ///< K×pq, before the channels' paths
+  Eigen::MatrixXcd value;      ///< K×pq, as recorded
 
   [[nodiscard]] Eigen::Index line_count() const { return omega.size(); }
   /// Of line k: p×r and r×q.
@@ -50,6 +52,8 @@ class Body {
   [[nodiscard]] Eigen::MatrixXcd right(const State& state) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXcd channels(const Eigen::MatrixXd& now, const Eigen::MatrixXd& before,
+                                          const Eigen::MatrixXcd& kept) const;
   [[nodiscard]] Eigen::MatrixXcd iterated(const Eigen::MatrixXd& v) const;
   void finish(Eigen::Index line, const Eigen::MatrixXd& v, Eigen::MatrixXcd& x) const;
 
@@ -89,9 +93,5 @@ class Body {
                                         std::complex<double> s);
 /// What the paths of one side make of the responses, one factor per channel.
 [[nodiscard]] Eigen::VectorXcd factors(const std::vector<Path>& paths, std::complex<double> s);
-
-/// k + c s + m s², or of a carried mass.
-[[nodiscard]] std::complex<double> dynamic_stiffness(const Attached& attached,
-                                                     std::complex<double> s);
 
 }  // namespace chladni::diagnosis

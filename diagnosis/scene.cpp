@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/attachments.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -99,23 +101,40 @@ Solved Scene::solved_at(const State& state) const {
   return solved(state, Body(state, observed_.omega, false));
 }
 
-Scene::Touched Scene::touched(const Eigen::VectorXd& shape) const {
-  Touched touch;
-  touch.shape = shape;
-  touch.to.resize(state_.output_count(), observed_.line_count());
-  touch.from.resize(state_.input_count(), observed_.line_count());
-  touch.own.resize(observed_.line_count());
-  State probe = state_;  // C = shapeᵀ: its left side is shapeᵀ Z⁻¹, attachments included
-  probe.outputs = shape.transpose();
-  probe.residual = MatrixXd::Zero(1, state_.input_count());
-  probe.output_paths.assign(1, Path{});
-  probe.output_of.assign(1, 0);
+// By one more output and input at the place.
+Scene::Touched Scene::touched(const Attached& attached) const {
+  const Index p = state_.output_count();
+  const Index q = state_.input_count();
+  const Index above = state_.output_upper.cols();
+  State probe = state_;
+  const auto with_row = [](MatrixXd& matrix, const Eigen::VectorXd& row) {
+    matrix.conservativeResize(matrix.rows() + 1, row.size());
+    matrix.bottomRows(1) = row.transpose();
+  };
+  const Eigen::VectorXd upper = attached.upper.rows() == above ? Eigen::VectorXd(attached.upper)
+                                                               : Eigen::VectorXd::Zero(above);
+  with_row(probe.outputs, attached.shapes);
+  with_row(probe.output_upper, upper);
+  with_row(probe.input_upper, upper);
+  probe.inputs.conservativeResize(Eigen::NoChange, q + 1);
+  probe.inputs.col(q) = attached.shapes;
+  probe.residual = probe.output_upper * probe.input_upper.transpose();
+  probe.output_paths.resize(static_cast<std::size_t>(p + 1));
+  probe.input_paths.resize(static_cast<std::size_t>(q + 1));
+  probe.output_of.push_back(p);
+  probe.input_of.push_back(q);
   probe.frames.clear();
-  const Solved from_shape = solved(probe, body_);
+  const Solved seen = solved(probe, body_);
+  Touched touch;
+  touch.shape = attached.shapes;
+  touch.to.resize(p, observed_.line_count());
+  touch.from.resize(q, observed_.line_count());
+  touch.own.resize(observed_.line_count());
   for (Index k = 0; k < observed_.line_count(); ++k) {
-    touch.to.col(k) = now_.left(k) * shape.cast<Complex>();
-    touch.from.col(k) = (shape.transpose().cast<Complex>() * now_.right(k)).transpose();
-    touch.own(k) = (from_shape.left(k) * shape.cast<Complex>()).value();
+    const MatrixXcd structure = seen.structure.row(k).reshaped(p + 1, q + 1);
+    touch.to.col(k) = structure.col(q).head(p);
+    touch.from.col(k) = structure.row(p).head(q).transpose();
+    touch.own(k) = structure(p, q);
   }
   return touch;
 }
@@ -131,7 +150,7 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const Attached* more =
       changed.attached.size() > state_.attached.size() ? &changed.attached.back() : nullptr;
   if (more != nullptr && (touch.shape.size() == 0 || touch.shape != more->shapes.col(0))) {
-    touch = touched(more->shapes.col(0));
+    touch = touched(*more);
   }
   const bool channels_move = changed.outputs != state_.outputs || changed.inputs != state_.inputs;
   const Index p = state_.output_count();

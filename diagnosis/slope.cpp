@@ -1,6 +1,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/attachments.h"
 #include "diagnosis/responses.h"
 
 namespace chladni::diagnosis {
@@ -100,20 +101,24 @@ class Slope {
   }
 
   void add_attached(Index k, Complex s, MatrixXcd& sum) const {
+    const Index all = solved_.to_outputs.cols() / solved_.line_count();
+    Index first = all * k;
     for (std::size_t n = 0; n < at_.attached.size(); ++n) {
       const auto& minus = minus_.attached[n];
       const auto& plus = plus_.attached[n];
       const auto& here = at_.attached[n];
+      const Index count = here.shapes.cols();
+      const auto to_outputs = solved_.to_outputs.middleCols(first, count);
+      const auto to_inputs = solved_.to_inputs.middleCols(first, count);
+      first += count;
       const Complex by = (dynamic_stiffness(plus, s) - dynamic_stiffness(minus, s)) / step_;
-      const MatrixXcd shapes = here.shapes.cast<Complex>();
-      const MatrixXcd left = solved_.left(k) * shapes;
-      const MatrixXcd right = shapes.transpose() * solved_.right(k);
-      if (by != 0.0) sum.noalias() -= by * (left * right);
+      if (by != 0.0) sum.noalias() -= by * (to_outputs * to_inputs.transpose());
       if (plus.shapes == minus.shapes) continue;
       const MatrixXcd moved = ((plus.shapes - minus.shapes) / step_).cast<Complex>();
       const Complex z = dynamic_stiffness(here, s);
-      sum.noalias() -= z * ((solved_.left(k) * moved) * right);
-      sum.noalias() -= z * (left * (moved.transpose() * solved_.right(k)));
+      // What the modes far above change by is left out: they are a correction.
+      sum.noalias() -= z * ((solved_.left(k) * moved) * to_inputs.transpose());
+      sum.noalias() -= z * (to_outputs * (moved.transpose() * solved_.right(k)));
     }
   }
 

@@ -25,6 +25,8 @@ void check_side(const ChannelSide& side, Eigen::Index modes, const std::string& 
   fits(side.aside_u, n, modes, "motion along u at the " + what);
   fits(side.aside_v, n, modes, "motion along v at the " + what);
   fits(side.places, n, 2, "places of the " + what);
+  require(side.upper.size() == 0 || side.upper.rows() == n,
+          "modes above the band at the " + what + ": one row each is expected");
 }
 
 void check_cells(const BodyCells& cells, Eigen::Index modes) {

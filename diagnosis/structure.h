@@ -15,6 +15,8 @@ namespace chladni::diagnosis {
 struct PointMotion {
   Eigen::VectorXd shape;             ///< r [kg^-1/2]
   Eigen::VectorXd slope_u, slope_v;  ///< r [kg^-1/2 m^-1]
+  /// u, or empty: φ/ω [kg^-1/2 s] and its slopes of modes far above the band, which yield at once.
+  Eigen::VectorXd upper, upper_slope_u, upper_slope_v;
 };
 
 /// Channels of one side, c of them.
@@ -24,6 +26,7 @@ struct ChannelSide {
   Eigen::MatrixXd slope_u, slope_v;  ///< c×r: how they change when it is moved [kg^-1/2 m^-1]
   Eigen::MatrixXd aside_u, aside_v;  ///< c×r: along the chart's axes instead [kg^-1/2]
   Eigen::MatrixX2d places;           ///< c×2, on the chart [m]
+  Eigen::MatrixXd upper;             ///< c×u, or c×0: as PointMotion's
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };
