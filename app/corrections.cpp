@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "app/modal_stiffness.h"
+#include "app/plane_stress.h"
 #include "app/waves.h"
 #include "fem/field_matrices.h"
 #include "mesh/surface.h"

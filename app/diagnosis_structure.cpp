@@ -1,11 +1,11 @@
 #include "app/diagnosis_structure.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "app/at_channels.h"
 #include "app/modal_stiffness.h"
+#include "app/plane_stress.h"
 #include "app/study_parts.h"
 #include "app/upper_face.h"
 #include "base/error.h"
@@ -172,19 +172,6 @@ diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, con
     cells.area(c) = rows[static_cast<std::size_t>(c)](2);
   }
   return cells;
-}
-
-// Constants of plane stress over two axes: uu, vv, uv strains to stresses, the rest being free.
-Eigen::Matrix3d plane_stress(const Eigen::Matrix<double, 6, 6>& stiffness, Eigen::Index u,
-                             Eigen::Index v) {
-  const Eigen::Index n = 3 - u - v;
-  const Eigen::Array3i in(static_cast<int>(u), static_cast<int>(v),
-                          static_cast<int>(shear_of(u, v)));
-  const Eigen::Array3i out(static_cast<int>(n), static_cast<int>(shear_of(u, n)),
-                           static_cast<int>(shear_of(v, n)));
-  const Eigen::Matrix3d between = stiffness(in, out);
-  const Eigen::Matrix3d free = stiffness(out, out);
-  return Eigen::Matrix3d(stiffness(in, in)) - between * free.lu().solve(between.transpose());
 }
 
 diagnosis::Directional directional_of(const Model& model, const modal::Modes& modes,

@@ -22,7 +22,4 @@ using ElasticChange = std::function<Eigen::Matrix<double, 6, 6>(const fem::Mater
 [[nodiscard]] Eigen::MatrixXd unstrained(Eigen::MatrixXd stiffness,
                                          const Eigen::VectorXd& frequency_hz);
 
-/// Voigt's place of the shear between two axes; of the strain along an axis it is the axis.
-[[nodiscard]] constexpr Eigen::Index shear_of(Eigen::Index u, Eigen::Index v) { return 6 - u - v; }
-
 }  // namespace chladni::app
