@@ -167,6 +167,8 @@ diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, con
   }
   cells.centres.resize(static_cast<Eigen::Index>(rows.size()), 2);
   cells.area.resize(cells.centres.rows());
+  cells.from = chart.from;
+  cells.size = chart.size;
   for (Eigen::Index c = 0; c < cells.count(); ++c) {
     cells.centres.row(c) = rows[static_cast<std::size_t>(c)].head<2>();
     cells.area(c) = rows[static_cast<std::size_t>(c)](2);

@@ -79,6 +79,7 @@ struct Diagnosis {
   std::vector<Explanation> rivals;  ///< descending, without the best
   std::optional<Superclass> superclass;
   CauseMap map;
+  std::string measure_next;    ///< what would decide between the best and its rivals; or empty
   double excess_before = 0.0;  ///< z of the simulation within its tolerances
   Residue before, after;
   std::vector<std::string> breaches;  ///< tolerances that are stretched beyond three deviations

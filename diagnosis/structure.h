@@ -47,8 +47,9 @@ struct Surface {
 /// The body in parts, seen along the normal of the chart: sums of all are diag(ω²) and 1 where
 /// nothing is attached.
 struct BodyCells {
-  Eigen::MatrixX2d centres;                      ///< b×2 [m]
-  Eigen::VectorXd area;                          ///< b [m²]
+  Eigen::MatrixX2d centres;                                                        ///< b×2 [m]
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), size = Eigen::Vector2d::Zero();  ///< [m]: box
+  Eigen::VectorXd area;                                                            ///< b [m²]
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< b, each r×r: Φᵀ K_c Φ [s^-2], Φᵀ M_c Φ [1]
 
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }

@@ -90,6 +90,8 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
   const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
   diagnosis::BodyCells all;
+  all.from = corner;
+  all.size = -2.0 * corner;
   all.centres.resize(Index{count} * count, 2);
   all.area = Eigen::VectorXd::Constant(Index{count} * count, size.prod());
   for (int j = 0, k = 0; j < count; ++j) {
