@@ -86,6 +86,7 @@ Outcome outcome_of(const CaseScore& score, const HiddenCase& hidden,
   if (told.verdict == Verdict::no_discrepancy) {
     return score.effects.empty() ? Outcome::right : Outcome::missed;
   }
+  if (hidden.outside && told.verdict != Verdict::named) return Outcome::right;
   if (told.verdict == Verdict::named && is_truth(hidden, told.best)) return Outcome::right;
   const bool rival =
       told.verdict == Verdict::ambiguous && std::ranges::any_of(told.rivals, [&](const auto& one) {
