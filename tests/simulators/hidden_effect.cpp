@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
 
@@ -188,6 +189,17 @@ void deviate(Recipe& recipe, Dice& dice, double times) {
   recipe.same_body = false;
 }
 
+// One seed does not draw alike for all kinds (FNV-1a).
+unsigned seed_of(const std::vector<std::string>& kinds, unsigned seed) {
+  std::uint32_t hash = 2166136261U ^ seed;
+  for (const auto& kind : kinds) {
+    for (const char letter : kind) {
+      hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
+    }
+  }
+  return hash;
+}
+
 // What is hidden, in the recipe and in the record of the truth.
 void hide(Recipe& recipe, HiddenCase& made, const std::vector<std::string>& kinds, Drawn& drawn,
           double severity) {
@@ -282,7 +294,7 @@ HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
   measured.frequency_hz =
       Eigen::VectorXd::LinSpaced(options.lines, options.low_hz, options.high_hz);
   const auto nominal = responses(recipe, measured.frequency_hz, true);
-  Drawn drawn{Dice(seed), 0.0, {}, {}};
+  Drawn drawn{Dice(seed_of(kinds, seed)), 0.0, {}, {}};
   Dice built(seed + 0x51ed270bU);
   deviate(recipe, built, options.deviation);
   hide(recipe, made, kinds, drawn, options.severity);

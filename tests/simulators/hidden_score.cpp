@@ -71,17 +71,28 @@ bool of_truth(const diagnosis::Cause& cause, const HiddenCase& hidden) {
   return std::ranges::any_of(hidden.truth, [&](const auto& one) { return is(cause, one); });
 }
 
-Outcome outcome_of(const CaseScore& score, const diagnosis::Diagnosis& told) {
+// Every effect of the truth and nothing else.
+bool is_truth(const HiddenCase& hidden, const diagnosis::Explanation& told) {
+  return told.causes.size() == hidden.truth.size() &&
+         std::ranges::all_of(told.causes,
+                             [&](const auto& cause) { return of_truth(cause, hidden); });
+}
+
+Outcome outcome_of(const CaseScore& score, const HiddenCase& hidden,
+                   const diagnosis::Diagnosis& told) {
   using diagnosis::Verdict;
   const auto found = static_cast<std::size_t>(
       std::ranges::count_if(score.effects, [](const EffectScore& one) { return one.named; }));
   if (told.verdict == Verdict::no_discrepancy) {
     return score.effects.empty() ? Outcome::right : Outcome::missed;
   }
-  if (found > 0 && found == score.effects.size()) {
-    const bool clean = told.verdict == Verdict::named && told.best.causes.size() == found;
-    return clean ? Outcome::right : Outcome::among;
-  }
+  if (hidden.outside && told.verdict != Verdict::named) return Outcome::right;
+  if (told.verdict == Verdict::named && is_truth(hidden, told.best)) return Outcome::right;
+  const bool rival =
+      told.verdict == Verdict::ambiguous && std::ranges::any_of(told.rivals, [&](const auto& one) {
+        return told.best.log_evidence - one.log_evidence < 5.0 && is_truth(hidden, one);
+      });
+  if (rival || (found > 0 && found == score.effects.size())) return Outcome::among;
   if (found > 0) return Outcome::half;
   return told.verdict == Verdict::unexplained ? Outcome::unexplained : Outcome::wrong;
 }
@@ -105,7 +116,7 @@ std::string effect_of_kind(const std::string& kind) {
 CaseScore scored(const HiddenCase& hidden, const diagnosis::Diagnosis& told) {
   CaseScore score;
   for (const auto& effect : hidden.truth) score.effects.push_back(scored(effect, told.best));
-  score.outcome = outcome_of(score, told);
+  score.outcome = outcome_of(score, hidden, told);
   score.told = kVerdicts[static_cast<std::size_t>(told.verdict)];
   score.told += ":";
   for (const auto& cause : told.best.causes) {
