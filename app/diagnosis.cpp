@@ -213,9 +213,11 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
 
 }  // namespace
 
-Diagnosed diagnosed(const Study& study, const Solution& solution, Run& run) {
+Diagnosed diagnosed(const Study& study, Run& run) {
   const auto plan = plan_of(study);
   Diagnosed one;
+  one.before = solved(with_modes_for_diagnosis(study), run);
+  const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
   one.measured = measured_within(study, plan, highest_hz, run);
   one.seen = seen_of(one.measured, study, plan);

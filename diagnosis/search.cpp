@@ -83,6 +83,7 @@ Candidate improved(const Scene& scene, Candidate candidate) {
       damped.diagonal().array() += 1e-300;
       Supposed next = candidate.cause;
       next.x += damped.llt().solve(toward);
+      keep_on_surface(scene.structure(), candidate.cause, next);
       if (std::isfinite(log_prior(next, scene.structure()))) {
         const double misfit = scene.misfits(effect, {{next.option, next.x}})(0);
         if (misfit < candidate.misfit) {
