@@ -200,7 +200,8 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
   if (one.result.best.causes.empty() || one.result.verdict == diagnosis::Verdict::unexplained) {
     return;
   }
-  const auto allowed = run.options().allowed;
+  auto allowed = run.options().allowed;
+  allowed.push_back(std::filesystem::absolute(study.file).parent_path());  // its data stay there
   one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface,
                                 one.result.best.causes, run / "", allowed);
   const auto part = run.part("extended: ");
