@@ -102,6 +102,7 @@ void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
     if (!cause.place) continue;
     picture.best.push_back({in_body(surface, *cause.place), cause.effect});
   }
+  picture.star = "the cause";
   picture.markers = markers_of(study, solution.model);
   io::draw_heat_map(run / "cause_map.png", picture);
 }
