@@ -195,6 +195,23 @@ diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Run& run) {
   return options;
 }
 
+// Records without units have a scale of their own: that of the simulation is given to them.
+void take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
+  const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
+  if (std::ranges::none_of(one.measured.outputs, unstated)) return;
+  const double level = one.comparison.responses.level;
+  if (!(level > 0.0) || !std::isfinite(level)) return;
+  run.talk().note(
+      fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
+                  "of measured over simulated; what scales them all is not told",
+                  level));
+  for (auto* set : {&one.measured, &one.seen}) {
+    for (auto& value : set->value) value /= level;
+    for (auto& variance : set->variance) variance /= level * level;
+  }
+  tolerances.scale = std::max(tolerances.scale, 0.3);
+}
+
 // The extended study, solved in full; not made where nothing was named.
 void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
   if (one.result.best.causes.empty() || one.result.verdict == diagnosis::Verdict::unexplained) {
@@ -202,14 +219,15 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
   }
   auto allowed = run.options().allowed;
   allowed.push_back(std::filesystem::absolute(study.file).parent_path());  // its data stay there
-  one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface,
-                                one.result.best.causes, run / "", allowed);
+  auto extension = extended_study(read_whole(study.file), study.file, one.structure.surface,
+                                  one.result.best.causes, run / "", allowed);
   const auto part = run.part("extended: ");
   const Study extended =
-      with_modes_for_diagnosis(parse_study(one.extended->text, run / "extended.toml", allowed));
+      with_modes_for_diagnosis(parse_study(extension.text, run / "extended.toml", allowed));
   one.after = solved(extended, run);
   one.response_after =
       predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured);
+  one.extended = std::move(extension);
 }
 
 }  // namespace
@@ -229,11 +247,16 @@ Diagnosed diagnosed(const Study& study, Run& run) {
     one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
     return 0;
   });
-  one.result = run.timed("diagnosis", [&] {
-    return diagnosis::diagnosed(one.structure, one.seen, options_of(plan, run));
-  });
+  auto options = options_of(plan, run);
+  take_scale(one, options.tolerances, run);
+  one.result = run.timed("diagnosis",
+                         [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
   one.response_before = predicted(study, one.structure, study, one.measured);
-  extend(study, band_hz, one, run);
+  try {
+    extend(study, band_hz, one, run);
+  } catch (const InvalidInput& e) {
+    run.talk().warn(std::string("the extended study cannot be: ") + e.what());
+  }
   one.gain = gain_of(one, study);
   if (one.gain.pays) return one;
   run.talk().warn("the extension does not pay on what was held out: it is not made");

@@ -49,6 +49,9 @@ constexpr std::array kAll{
     &hysteretic_damping,
 };
 
+// Widths of its prior within which a size is thought of at all.
+constexpr double kPlausible = 6.0;
+
 }  // namespace
 
 std::span<const Effect* const> effects() { return kAll; }
@@ -94,6 +97,7 @@ double log_prior(const Supposed& supposed, const Structure& structure) {
       continue;
     }
     const double off = (x - parameter.centre) / parameter.width;
+    if (!(std::abs(off) < kPlausible)) return -std::numeric_limits<double>::infinity();
     sum -= 0.5 * off * off + std::log(parameter.width * std::sqrt(2.0 * std::numbers::pi));
   }
   if (!placed) return sum;

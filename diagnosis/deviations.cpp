@@ -170,6 +170,11 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
   add_gains(structure, tolerances.gain, all);
   add_positions(structure.outputs, true, tolerances.position, all);
   add_positions(structure.inputs, false, tolerances.position, all);
+  if (tolerances.scale > 0.0) {
+    all.push_back({"scale of all responses", [t = tolerances.scale](State& state, double eta) {
+                     for (auto& path : state.output_paths) path.gain *= std::exp(t * eta);
+                   }});
+  }
   if (tolerances.delay > 0.0) {
     all.push_back({"delay", [t = tolerances.delay](State& state, double eta) {
                      for (auto& path : state.output_paths) path.delay += t * eta;

@@ -70,7 +70,8 @@ struct Supposed {
   Eigen::VectorXd x;
 };
 
-/// ln of the prior density of the coordinates and of the choice; −∞ beside the surface.
+/// ln of the prior density of the coordinates and of the choice; −∞ beside the surface and for
+/// sizes more than six widths off.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
 
 /// What lies beside the surface taken back toward where it came from, by halves, until it is on it.

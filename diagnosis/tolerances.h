@@ -15,6 +15,7 @@ struct Tolerances {
   double orthotropy = 5e-3;   ///< of one direction's stiffness, relative
   double frequency = 1e-3;    ///< of each mode: what solver, mesh and theory leave
   double damping = 0.2;       ///< of each mode, of the logarithm
+  double scale = 0.0;         ///< of all responses together, of the logarithm
 };
 
 /// All but nothing: data made by the very model that is diagnosed.
