@@ -30,8 +30,10 @@ struct MeasuredFrfs {
 struct IdentifiedModel {
   MeasuredFrfs measured;
   modal::FrfSet seen;  ///< by the fit
-  identification::FitData data;
+  identification::FitData data;  ///< that of one structure, where `drift` is not empty
   identification::Identified found;
+  Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, taken out;
+                          ///< empty: none that matters
   identification::GainMatch match;
   std::vector<identification::CollocatedPair> pairs;
   bool corrects_gains = false;  ///< `gain_errors` names a side
