@@ -101,6 +101,7 @@ extern const Command priors_command;
 extern const Command simulate_command;
 extern const Command identify_command;
 extern const Command interpolate_command;
+extern const Command diagnose_command;
 extern const Command study_command;
 
 /// The verbs that take no study. They return the exit code.

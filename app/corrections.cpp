@@ -6,25 +6,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/modal_stiffness.h"
+#include "app/plane_stress.h"
 #include "app/waves.h"
 #include "fem/field_matrices.h"
 #include "mesh/surface.h"
 
 namespace chladni::app {
 namespace {
-
-// Voigt's place of the strain along an axis is the axis; of the shear between two, this.
-Eigen::Index shear_of(Eigen::Index u, Eigen::Index v) { return 6 - u - v; }
-
-// Rigid-body modes strain nothing: exactly, not to rounding.
-Eigen::MatrixXd unstrained(Eigen::MatrixXd stiffness, const Eigen::VectorXd& frequency_hz) {
-  for (Eigen::Index j = 0; j < frequency_hz.size(); ++j) {
-    if (frequency_hz(j) != 0.0) continue;
-    stiffness.row(j).setZero();
-    stiffness.col(j).setZero();
-  }
-  return 0.5 * (stiffness + stiffness.transpose());
-}
 
 void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
                std::vector<priors::Correction>& all) {
@@ -44,33 +33,17 @@ void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
   }
 }
 
-// Φᵀ K Φ of the body with these materials.
-Eigen::MatrixXd modal_stiffness(const Solution& solution,
-                                const std::vector<fem::Material>& materials) {
-  const auto& body = solution.model.body;
-  return fem::field_matrices(body, materials, solution.modes.shapes,
-                             Eigen::MatrixXd::Ones(body.tet_count(), 1),
-                             Eigen::MatrixXd(body.tet_count(), 0))
-      .stiffness.front();
-}
-
 void add_anisotropy(const Solution& solution, double deviation,
                     std::vector<priors::Correction>& all) {
-  constexpr double kPart = 0.05;  // keeps the materials positive definite
-  const auto& own = solution.model.materials;
-  const Eigen::MatrixXd before = modal_stiffness(solution, own);
-  // What it changes by when every material's does, per unit of the change.
-  const auto add = [&](const std::string& name, const Eigen::Matrix<double, 6, 6>& relative) {
-    auto changed = own;
-    for (auto& material : changed) {
-      const Eigen::Matrix<double, 6, 6> more = kPart * relative.cwiseProduct(material.stiffness);
-      material.stiffness += more;
-    }
-    const Eigen::MatrixXd difference = (modal_stiffness(solution, changed) - before) / kPart;
-    all.push_back({name, unstrained(difference, solution.modes.frequency_hz), {}, deviation});
+  using Constants = Eigen::Matrix<double, 6, 6>;
+  const auto add = [&](const std::string& name, const Constants& relative) {
+    const auto change = [&](const fem::Material& material) -> Constants {
+      return relative.cwiseProduct(material.stiffness);
+    };
+    all.push_back({name, modal_stiffness(solution.model, solution.modes, change), {}, deviation});
   };
   const auto [u, v] = longest_sides(solution.model.body);
-  Eigen::Matrix<double, 6, 6> relative = Eigen::Matrix<double, 6, 6>::Zero();
+  Constants relative = Constants::Zero();
   relative(u, u) = 1.0;
   relative(v, v) = -1.0;
   add("stiffness of one side against the other", relative);

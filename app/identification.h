@@ -12,7 +12,8 @@
 
 namespace chladni::app {
 
-/// What was measured, on the study's channels alone; their names, directions and kinds are its.
+/// What was measured, on the study's channels alone; their names, directions and kinds are its, and
+/// what it says of their gains, delays and low-passes is taken away.
 struct MeasuredFrfs {
   std::string file;
   modal::FrfSet all;

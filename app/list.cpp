@@ -7,6 +7,7 @@
 
 #include "app/command.h"
 #include "base/error.h"
+#include "diagnosis/effect.h"
 #include "fem/element.h"
 #include "placement/criteria.h"
 #include "placement/layout.h"
@@ -77,6 +78,13 @@ void print_criteria(std::ostream& results) {
   }
 }
 
+void print_effects(std::ostream& results) {
+  for (const auto* one : diagnosis::effects()) {
+    results << fmt::format("{:<20} {} [{}]; confusable with: {}\n", one->name, one->summary,
+                           one->source, one->confusable);
+  }
+}
+
 void print_interpolations(std::ostream& results) {
   for (const auto* one : priors::interpolators()) {
     results << fmt::format("{:<32} {} [{}]\n", one->name, one->summary, one->source);
@@ -92,7 +100,7 @@ void print_kernels(std::ostream& results) {
 }  // namespace
 
 std::vector<std::string> listable() {
-  return {"attachments", "bodies",         "criteria", "elements",
+  return {"attachments", "bodies",         "criteria", "effects",  "elements",
           "formats",     "interpolations", "kernels",  "materials"};
 }
 
@@ -102,6 +110,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "formats") print(kFormats, results);
   if (what == "materials") print(kMaterials, results);
   if (what == "criteria") print_criteria(results);
+  if (what == "effects") print_effects(results);
   if (what == "interpolations") print_interpolations(results);
   if (what == "kernels") print_kernels(results);
   if (what != "elements") return 0;

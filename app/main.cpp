@@ -19,7 +19,8 @@ namespace app = chladni::app;
 constexpr const app::Command* kCommands[] = {
     &app::check_command,    &app::mesh_command,        &app::modes_command,
     &app::place_command,    &app::priors_command,      &app::simulate_command,
-    &app::identify_command, &app::interpolate_command, &app::study_command,
+    &app::identify_command, &app::interpolate_command, &app::diagnose_command,
+    &app::study_command,
 };
 
 enum ExitCode {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "app/channel_paths.h"
 #include "app/identification.h"
 #include "app/study_parts.h"
 #include "base/error.h"
@@ -153,6 +154,7 @@ MeasuredFrfs measured_frfs(const Study& study, Run& run) {
   for (std::size_t j = 0; j < inputs.channel.size(); ++j) {
     rename(result.all.inputs[j], *inputs.channel[j]);
   }
+  result.all = without_paths(study, std::move(result.all));
   result.outputs = seen(result.all.outputs, plan.hold_out);
   result.inputs = seen(result.all.inputs, plan.hold_out);
   require(!result.outputs.empty() && !result.inputs.empty(),

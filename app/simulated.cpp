@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/solution.h"
+#include "app/at_channels.h"
+#include "app/channel_paths.h"
 #include "app/study_parts.h"
 #include "base/error.h"
-#include "fem/assemble.h"
-#include "fem/reduced.h"
 #include "identification/closed_loop.h"
 #include "identification/delay.h"
 
@@ -41,46 +40,6 @@ std::vector<modal::MeasuredChannel> channels_of(const std::vector<Channel>& chan
                       .unit = sensors ? unit_of(kind) : "N",
                       .kind = kind});
   }
-  return result;
-}
-
-// What the study's model leaves at its channels. Resonators have motions of their own, which the
-// shapes on the nodes do not hold: then the modes alone.
-modal::ReducedModel model_at_channels(const Study& study, const Solution& solution, Bench& bench) {
-  const auto& model = solution.model;
-  const auto system = fem::assemble(model.body, model.materials, study.supports, model.attachments);
-  const auto rows = [&](const std::vector<Channel>& channels,
-                        const std::vector<mesh::Site>& sites) {
-    std::vector<Eigen::SparseVector<double>> result;
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      result.push_back(mesh::row_at(sites[i], channels[i].direction, system.dofs.node_count));
-    }
-    return result;
-  };
-  if (system.dofs.extra_count() == 0) {
-    modal::Modes modes = solution.modes;
-    modes.shapes.resize(system.dofs.free_count, solution.modes.mode_count());
-    for (Eigen::Index i = 0; i < system.dofs.free_dof.size(); ++i) {
-      const auto free = system.dofs.free_dof(i);
-      if (free >= 0) modes.shapes.row(free) = solution.modes.shapes.row(i);
-    }
-    return fem::reduced(system, modes,
-                        fem::columns_on_free(system.dofs, rows(study.sensors, model.sensors)),
-                        fem::columns_on_free(system.dofs, rows(study.actuators, model.actuators)));
-  }
-  bench.notes.emplace_back("resonators: the flexibility of modes above the last one is left out");
-  modal::ReducedModel result;
-  const auto& modes = solution.modes;
-  result.frequency_hz = modes.frequency_hz;
-  result.damping_ratio = modes.damping_ratio;
-  result.rigid_count = modes.rigid_count;
-  result.output_shapes = shapes_at(study.sensors, model.sensors, modes);
-  result.input_shapes = shapes_at(study.actuators, model.actuators, modes).transpose();
-  const auto p = result.output_shapes.rows();
-  const auto q = result.input_shapes.cols();
-  result.residual.setZero(p, q);
-  result.dampers = {Eigen::MatrixXd(0, modes.mode_count()), Eigen::MatrixXd(p, 0),
-                    Eigen::MatrixXd(0, q), Eigen::MatrixXd(0, 0)};
   return result;
 }
 
@@ -143,8 +102,8 @@ void set_structure(const Study& study, Run& run, Bench& bench) {
   const auto& plan = *study.experiment;
   if (plan.structure != "study") return set_chain(study, bench);
   const Solution solution = solved(study, run);
-  const auto model = identification::in_view(
-      run.timed("reduction", [&] { return model_at_channels(study, solution, bench); }));
+  const auto model =
+      identification::in_view(run.timed("reduction", [&] { return at_channels(study, solution); }));
   bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
@@ -223,6 +182,9 @@ Bench bench_of(const Study& study, Run& run) {
   require(!study.sensors.empty() && !study.actuators.empty(),
           "an experiment needs a sensor and an actuator or more");
   const auto& plan = *study.experiment;
+  require(!plan.leaves_time || !has_paths(study),
+          "experiment.leaves: recordings pass through no gain, delay or low_pass of a channel; "
+          "expected leaves = \"frf\", or channels without them");
   Bench bench;
   auto& rig = bench.rig;
   rig.sample_time_s = 1.0 / plan.sample_rate_hz;
@@ -271,9 +233,11 @@ Simulated simulated(const Study& study, const Bench& bench, Run& run) {
                                 plan.delay + 10.0 * bench.rig.sample_time_s);
   result.phase_delay_s = seen.delay_s;
   result.phase_delay_std_s = seen.std_s;
-  if (plan.compensate == "none") return result;
-  set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
-                      bench.rig.sample_time_s);
+  if (plan.compensate != "none") {
+    set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
+                        bench.rig.sample_time_s);
+  }
+  set = recorded(study, std::move(set));
   return result;
 }
 

@@ -139,6 +139,8 @@ Solution solved(const Study& study, Introduction introduction, Run& run) {
   });
   solution.summary = result.summary;
   solution.modes = std::move(result.modes);
+  solution.extra_shapes =
+      solution.modes.shapes(system.dofs.free_dof.tail(system.dofs.extra_count()), Eigen::all);
   solution.modes.shapes = fem::on_nodes(system.dofs, solution.modes.shapes);
   warn(coarse_mesh(solution), solution, run);
   warn(blind_spots(study, solution), solution, run);

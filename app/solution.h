@@ -21,6 +21,7 @@ struct Solution {
   Introduction introduction;
   Model model;
   modal::Modes modes;               ///< on all nodes: 3·nodes rows
+  Eigen::MatrixXd extra_shapes;     ///< of the degrees of freedom that attachments brought
   Eigen::VectorXd frequency_error;  ///< per mode, relative; 0 for rigid-body modes
   fem::ModesSummary summary;
   Eigen::Index degrees_of_freedom = 0;  ///< free ones

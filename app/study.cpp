@@ -68,6 +68,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_identification(root, study);
   read_interpolation(root, study);
   read_priors(root, study);
+  read_diagnosis(root, folder, study);
   read_expectations(root, study);
   root.refuse_unknown();
   problems.throw_if_any();

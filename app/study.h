@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/diagnosis_plan.h"
 #include "fem/attachment.h"
 #include "fem/material.h"
 #include "mesh/bodies.h"
@@ -75,6 +76,10 @@ struct Channel {
   Eigen::Vector3d direction;      ///< unit
   std::string quantity;           ///< "displacement", "velocity", "acceleration"; "force"
   std::optional<long long> node;  ///< its number in a UFF file
+  // What it makes of what it measures or is told to do: gain e^{−sτ} / (1 + s / ω_c).
+  double gain = 1.0;
+  double delay = 0.0;        ///< [s]
+  double low_pass_hz = 0.0;  ///< ω_c / 2π; 0: none
 };
 
 struct LayoutPlan {
@@ -238,6 +243,7 @@ struct Study {
   std::optional<IdentificationPlan> identification;
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
+  std::optional<DiagnosisPlan> diagnosis;
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< plausibility: "<file>:<line>:<column>: ..."
 };

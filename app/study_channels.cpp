@@ -23,6 +23,9 @@ Channel channel_of(TableReader& table, bool sensor) {
                                   .value_or("displacement")
                             : table.choice("quantity", {"force"}).value_or("force");
   channel.node = table.integer("node", 1, 2147483647);
+  channel.gain = table.quantity("gain", "1", Sign::positive).value_or(1.0);
+  channel.delay = table.quantity("delay", "s").value_or(0.0);
+  channel.low_pass_hz = table.quantity("low_pass", "Hz", Sign::positive).value_or(0.0);
   table.refuse_unknown();
   return channel;
 }

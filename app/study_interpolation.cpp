@@ -8,6 +8,14 @@
 namespace chladni::app {
 namespace {
 
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
+  return names;
+}
+
+}  // namespace
+
 std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
                                 std::string_view key) {
   const auto text = table.text(key);
@@ -19,14 +27,6 @@ std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
     return {};
   }
 }
-
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
-  return names;
-}
-
-}  // namespace
 
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
   auto table = root.table("measurement");

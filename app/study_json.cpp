@@ -71,6 +71,9 @@ io::Json channels_json(const std::vector<Channel>& channels) {
                              {"direction", vector(channel.direction)},
                              {"quantity", channel.quantity}};
     if (channel.node) object.emplace_back("node", *channel.node);
+    if (channel.gain != 1.0) object.emplace_back("gain", channel.gain);
+    if (channel.delay != 0.0) object.emplace_back("delay_s", channel.delay);
+    if (channel.low_pass_hz != 0.0) object.emplace_back("low_pass_hz", channel.low_pass_hz);
     array.emplace_back(object);
   }
   return array;
@@ -265,6 +268,27 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
       {"polynomial_degree", plan.polynomial_degree}};
 }
 
+io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
+  const auto& t = plan.tolerances;
+  return io::JsonObject{
+      {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
+      {"tolerances", io::JsonObject{{"gain", t.gain},
+                                    {"position_m", t.position},
+                                    {"delay_s", t.delay},
+                                    {"modulus", t.modulus},
+                                    {"density", t.density},
+                                    {"thickness", t.thickness},
+                                    {"orthotropy", t.orthotropy},
+                                    {"frequency", t.frequency},
+                                    {"damping", t.damping}}},
+      {"effects", io::Json::texts(plan.effects)},
+      {"most_causes", plan.most_causes},
+      {"least_evidence", plan.least_evidence},
+      {"rival_within", plan.rival_within},
+      {"lines", plan.lines},
+      {"hold_out_band_hz", io::JsonArray{plan.hold_out_low_hz, plan.hold_out_high_hz}}};
+}
+
 io::Json expectations_json(const std::vector<Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -323,6 +347,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }
   if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
+  if (study.diagnosis) object.emplace_back("diagnosis", diagnosis_plan_json(*study.diagnosis));
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));

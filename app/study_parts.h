@@ -33,7 +33,12 @@ void read_experiment(TableReader& root, Study& study);  ///< after the channels
 void read_identification(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
 void read_priors(TableReader& root, Study& study);
+void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
 void read_expectations(TableReader& root, Study& study);
+
+/// The path of `key`; empty where it is not there. One that leads elsewhere is a problem.
+[[nodiscard]] std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
+                                              std::string_view key);
 
 /// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);

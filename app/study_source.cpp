@@ -69,6 +69,8 @@ TomlNode tree_of(const toml::node& node, const std::string& file, int depth) {
   out.kind = kind_of(node);
   out.line = static_cast<int>(node.source().begin.line);
   out.column = static_cast<int>(node.source().begin.column);
+  out.end_line = static_cast<int>(node.source().end.line);
+  out.end_column = static_cast<int>(node.source().end.column);
   require(depth <= kDeepest, file + ":" + std::to_string(out.line) + ":" +
                                  std::to_string(out.column) + ": nested more than 16 deep");
   take_value(node, out);

@@ -24,6 +24,7 @@ std::string example_of(std::string_view si_unit) {
       {"N s/m", "a damping such as \"0.2 N s/m\""},
       {"N m s/rad", "a torsional damping such as \"1e-3 N m s/rad\""},
       {"Hz", "a frequency such as \"500 Hz\""},
+      {"s", "a time such as \"12 us\""},
       {"rad", "an angle such as \"45 deg\""},
       {"m^3", "a volume such as \"7200 cm^3\""},
       {"1", "a number such as 0.005"}};

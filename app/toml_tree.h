@@ -15,6 +15,7 @@ struct TomlNode {
   enum class Kind { table, array, text, integer, real, truth, date };
   Kind kind = Kind::table;
   int line = 0, column = 0;
+  int end_line = 0, end_column = 0;  ///< just behind it
   std::string text;     ///< of a text, as it stands between the quotes; of a number, its digits
   double number = 0.0;  ///< of an integer or a real
   bool truth = false;   ///< of a truth

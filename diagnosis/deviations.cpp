@@ -128,8 +128,13 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
 
 MatrixXd smooth_fields(const BodyCells& cells) {
   if (cells.count() == 0) return {};
-  const Eigen::RowVector2d low = cells.centres.colwise().minCoeff();
-  const Eigen::RowVector2d size = cells.centres.colwise().maxCoeff() - low;
+  const Eigen::RowVector2d low = cells.from;
+  const Eigen::RowVector2d spread =
+      cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
+  Eigen::RowVector2d size = cells.size;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;  // one cell spans it: nothing varies
+  }
   const auto along = [&](int axis) -> Eigen::ArrayXd {
     if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(cells.count());
     return 2.0 * (cells.centres.col(axis).array() - low(axis)) / size(axis) - 1.0;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "diagnosis/measure_next.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/superclass.h"
 #include "diagnosis/verdict.h"
@@ -66,6 +67,14 @@ CauseMap map_of(const Problem& problem, const Fit& best) {
   return map;
 }
 
+// The fit that an explanation was made of.
+const Fit& told_by(const Found& found, const Explanation& explanation) {
+  return *std::ranges::min_element(found.fits, {}, [&](const Fit& fit) {
+    return std::abs(fit.log_evidence - found.nothing.log_evidence - explanation.log_evidence) +
+           (fit.causes.size() == explanation.causes.size() ? 0.0 : 1e300);
+  });
+}
+
 std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
   std::vector<std::string> all;
   for (Index i = 0; i < fit.eta.size(); ++i) {
@@ -102,12 +111,12 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   diagnosis.best = told.front();
   diagnosis.rivals.assign(told.begin() + 1, told.end());
   diagnosis.before = residue(problem, found.nothing);
-  const auto& best = *std::ranges::find_if(found.fits, [&](const Fit& fit) {
-    return std::abs(fit.log_evidence - found.nothing.log_evidence - told.front().log_evidence) <
-           1e-9;
-  });
+  const auto& best = told_by(found, told.front());
   diagnosis.after = residue(problem, best);
   diagnosis.map = map_of(problem, best);
+  if (diagnosis.verdict == Verdict::ambiguous) {
+    diagnosis.measure_next = measure_next(problem, best, told_by(found, told[1]));
+  }
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
     tell(options.progress, "where the unknown acts");

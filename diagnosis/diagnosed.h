@@ -65,7 +65,7 @@ struct Residue {
 
 struct DiagnosisOptions {
   Tolerances tolerances;
-  int lines = 320;  ///< of the search, at most; the last fit takes three times as many
+  int lines = 240;  ///< of the search, at most; the last fit takes three times as many
   int most_causes = 3;
   double least_evidence = 8.0;    ///< of a cause: ln of the Bayes factor
   double rival_within = 5.0;      ///< ln Z: rivals nearer than this make it ambiguous
@@ -79,6 +79,7 @@ struct Diagnosis {
   std::vector<Explanation> rivals;  ///< descending, without the best
   std::optional<Superclass> superclass;
   CauseMap map;
+  std::string measure_next;    ///< what would decide between the best and its rivals; or empty
   double excess_before = 0.0;  ///< z of the simulation within its tolerances
   Residue before, after;
   std::vector<std::string> breaches;  ///< tolerances that are stretched beyond three deviations

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -70,31 +71,16 @@ void add_prior(const Fit& fit, const std::vector<Column>& columns, VectorXd& gra
   curvature.diagonal().tail(fit.eta.size()).array() += 1.0;
 }
 
-// JᵀJ and Jᵀr, rows shared among the cores.
+// JᵀJ and Jᵀr.
 struct Normal {
   MatrixXd gram;
   VectorXd toward;
 };
 Normal normal_of(const MatrixXd& jacobian, const VectorXd& residual) {
-  constexpr Index kBlocks = 8;  // the same sums with any number of threads
-  std::vector<Normal> parts(kBlocks);
-  parallel_ranges(kBlocks, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const Index first = jacobian.rows() * static_cast<Index>(b) / kBlocks;
-      const Index count = jacobian.rows() * static_cast<Index>(b + 1) / kBlocks - first;
-      const auto rows = jacobian.middleRows(first, count);
-      parts[b].gram = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
-      parts[b].gram.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-      parts[b].toward = rows.transpose() * residual.segment(first, count);
-    }
-  });
-  Normal sum = std::move(parts.front());
-  for (std::size_t b = 1; b < parts.size(); ++b) {
-    sum.gram += parts[b].gram;
-    sum.toward += parts[b].toward;
-  }
-  sum.gram = MatrixXd(sum.gram.selfadjointView<Eigen::Lower>());
-  return sum;
+  Normal normal{MatrixXd::Zero(jacobian.cols(), jacobian.cols()), jacobian.transpose() * residual};
+  priors::dense::add_gram(jacobian, normal.gram);
+  normal.gram = MatrixXd(normal.gram.selfadjointView<Eigen::Lower>());
+  return normal;
 }
 
 Solved solved_at(const Problem& problem, const Fit& fit) {
@@ -143,6 +129,7 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
   const auto count = static_cast<Index>(columns.size());
   const State here = state_of(problem, causes, eta);
   MatrixXd jacobian(2 * problem.observed.value.size(), count + eta.size());
+  const priors::dense::OneThread one;
   parallel_ranges(at(jacobian.cols()), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const auto i = static_cast<Index>(n);

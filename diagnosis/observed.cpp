@@ -54,6 +54,7 @@ ChannelSide measured_part(const ChannelSide& side, std::vector<Index>& places,
   part.aside_u = side.aside_u(kept, Eigen::all);
   part.aside_v = side.aside_v(kept, Eigen::all);
   part.places = side.places(kept, Eigen::all);
+  if (side.upper.size() > 0) part.upper = side.upper(kept, Eigen::all);
   return part;
 }
 

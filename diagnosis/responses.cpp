@@ -1,10 +1,12 @@
 #include "diagnosis/responses.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "diagnosis/attachments.h"
+#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -16,10 +18,7 @@ using Complex = std::complex<double>;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-MatrixXcd dynamic(const State& state, Complex s) {
-  return state.stiffness.cast<Complex>() + Complex(0.0, 1.0) * state.loss.cast<Complex>() +
-         s * state.damping.cast<Complex>() + s * s * state.mass.cast<Complex>();
-}
+bool diagonal(const MatrixXd& matrix) { return matrix.isDiagonal(0.0); }
 
 Complex factor(const Path& path, Complex s) {
   Complex value = path.gain;
@@ -29,45 +28,23 @@ Complex factor(const Path& path, Complex s) {
   return value;
 }
 
-bool diagonal(const MatrixXd& matrix) { return matrix.isDiagonal(0.0); }
-
-// All attachments side by side, and the dynamic stiffness of each of their displacements.
-struct Attachments {
-  MatrixXd shapes;  // r×D
-  explicit Attachments(const State& state) {
-    Index count = 0;
-    for (const auto& one : state.attached) count += one.shapes.cols();
-    shapes.resize(state.mode_count(), count);
-    count = 0;
-    for (const auto& one : state.attached) {
-      shapes.middleCols(count, one.shapes.cols()) = one.shapes;
-      count += one.shapes.cols();
-    }
-  }
-  [[nodiscard]] Eigen::VectorXcd stiffness(const State& state, Complex s) const {
-    Eigen::VectorXcd all(shapes.cols());
-    Index count = 0;
-    for (const auto& one : state.attached) {
-      all.segment(count, one.shapes.cols()).setConstant(dynamic_stiffness(one, s));
-      count += one.shapes.cols();
-    }
-    return all;
-  }
-  // What they take from C Z⁻¹ and Z⁻¹ B.
-  void couple(const State& state, const Body& body, Index k, MatrixXcd& left,
-              MatrixXcd& right) const {
-    if (shapes.cols() == 0) return;
-    const MatrixXcd w = body.solve(k, shapes);
-    const Eigen::VectorXcd delta = stiffness(state, Complex(0.0, body.omega()(k)));
-    MatrixXcd middle = delta.asDiagonal() * (shapes.transpose().cast<Complex>() * w);
-    middle.diagonal().array() += 1.0;
-    const MatrixXcd m = middle.partialPivLu().solve(MatrixXcd(delta.asDiagonal()));
-    left.noalias() -= (state.outputs.cast<Complex>() * w) * (m * w.transpose());
-    right.noalias() -= w * (m * (w.transpose() * state.inputs.cast<Complex>()));
-  }
-};
+MatrixXd without_diagonal(MatrixXd matrix) {
+  matrix.diagonal().setZero();
+  return matrix;
+}
 
 }  // namespace
+
+MatrixXcd product(const MatrixXd& a, const MatrixXcd& x) {
+  MatrixXd real = MatrixXd::Zero(a.rows(), x.cols());
+  MatrixXd imag = MatrixXd::Zero(a.rows(), x.cols());
+  priors::dense::add_product(a, x.real(), 1.0, real);
+  priors::dense::add_product(a, x.imag(), 1.0, imag);
+  MatrixXcd result(a.rows(), x.cols());
+  result.real() = real;
+  result.imag() = imag;
+  return result;
+}
 
 Eigen::VectorXcd factors(const std::vector<Path>& paths, Complex s) {
   Eigen::VectorXcd all(static_cast<Index>(paths.size()));
@@ -96,51 +73,39 @@ MatrixXcd recorded(const State& state, const MatrixXcd& structure, Complex s) {
   return value;
 }
 
-Complex dynamic_stiffness(const Attached& attached, Complex s) {
-  const Complex spring = attached.stiffness + s * attached.damping;
-  const Complex inertia = attached.mass * s * s;
-  if (!attached.carried) return spring + inertia;
-  return inertia * spring / (inertia + spring);
-}
-
-Body::Body(const State& state, const Eigen::VectorXd& omega)
+Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
     : omega_(omega),
       stiffness_(state.stiffness),
       loss_(state.loss),
       damping_(state.damping),
       mass_(state.mass),
-      diagonal_(diagonal(stiffness_) && diagonal(loss_) && diagonal(damping_) && diagonal(mass_)) {
-  const Index lines = omega.size();
-  const Index r = state.mode_count();
-  if (diagonal_) {
-    diagonal_inverse_.resize(r, lines);
-    for (Index k = 0; k < lines; ++k) {
-      const Complex s(0.0, omega(k));
-      diagonal_inverse_.col(k) =
-          (stiffness_.diagonal().cast<Complex>() +
-           Complex(0.0, 1.0) * loss_.diagonal().cast<Complex>() +
-           s * damping_.diagonal().cast<Complex>() + s * s * mass_.diagonal().cast<Complex>())
-              .cwiseInverse();
+      outputs_(state.outputs),
+      inputs_(state.inputs) {
+  if (diagonal(stiffness_) && diagonal(mass_)) {
+    lambda_ = stiffness_.diagonal().cwiseQuotient(mass_.diagonal());
+    if ((mass_.diagonal().array() != 1.0).any()) {
+      turn_ = mass_.diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
     }
-    if (!diagonal_inverse_.allFinite()) throw NumericalFailure("a line on an undamped resonance");
   } else {
-    inverse_.resize(at(lines));
-    parallel_ranges(at(lines), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        const Complex s(0.0, omega(static_cast<Index>(k)));
-        inverse_[k] = dynamic(state, s).partialPivLu().inverse();
-        if (!inverse_[k].allFinite()) throw NumericalFailure("a line on an undamped resonance");
-      }
-    });
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness_, mass_);
+    if (modes.info() != Eigen::Success) throw NumericalFailure("a mass that is not positive");
+    lambda_ = modes.eigenvalues();
+    turn_ = modes.eigenvectors();
   }
-  outputs_ = state.outputs;
-  inputs_ = state.inputs;
-  left_.resize(at(lines));
-  right_.resize(at(lines));
-  for (Index k = 0; k < lines; ++k) {
-    left_[at(k)] = solve(k, outputs_.transpose()).transpose();
-    right_[at(k)] = solve(k, inputs_);
+  const bool turned = turn_.size() > 0;
+  turned_damping_ = turned ? MatrixXd(turn_.transpose() * damping_ * turn_) : damping_;
+  turned_loss_ = turned ? MatrixXd(turn_.transpose() * loss_ * turn_) : loss_;
+  coupled_ = coupled && (!diagonal(turned_damping_) || !diagonal(turned_loss_));
+  diagonal_inverse_.resize(state.mode_count(), omega.size());
+  for (Index k = 0; k < omega.size(); ++k) {
+    const double w = omega(k);
+    diagonal_inverse_.col(k).real() = lambda_.array() - w * w;
+    diagonal_inverse_.col(k).imag() = w * turned_damping_.diagonal() + turned_loss_.diagonal();
   }
+  diagonal_inverse_ = diagonal_inverse_.cwiseInverse().eval();
+  if (!diagonal_inverse_.allFinite()) throw NumericalFailure("a line on an undamped resonance");
+  left_ = solve(outputs_.transpose());
+  right_ = solve(inputs_);
 }
 
 bool Body::same(const State& state) const {
@@ -148,66 +113,117 @@ bool Body::same(const State& state) const {
          state.mass == mass_;
 }
 
-MatrixXcd Body::solve(Index k, const MatrixXd& v) const {
-  if (diagonal_) return diagonal_inverse_.col(k).asDiagonal() * v.cast<Complex>();
-  MatrixXcd result(v.rows(), v.cols());
-  result.real().noalias() = inverse_[at(k)].real() * v;
-  result.imag().noalias() = inverse_[at(k)].imag() * v;
-  return result;
+MatrixXcd Body::solve(const MatrixXd& v) const {
+  if (v.cols() == 0) return {v.rows(), 0};
+  if (turn_.size() == 0) return iterated(v);
+  return product(turn_, iterated(turn_.transpose() * v));
 }
 
-MatrixXcd Body::left(Index k, const State& state) const {
-  MatrixXcd rows(state.output_count(), state.mode_count());
-  for (Index i = 0; i < rows.rows(); ++i) {
-    if (i < outputs_.rows() && state.outputs.row(i) == outputs_.row(i)) {
-      rows.row(i) = left_[at(k)].row(i);
-    } else {
-      rows.row(i) = solve(k, state.outputs.row(i).transpose()).transpose();
-    }
+// X = d (V − j (ω D' + H') X), D' and H' without their diagonals: it contracts, since dissipation
+// has no negative eigenvalue, and fast where modes are further apart than they are wide.
+MatrixXcd Body::iterated(const MatrixXd& v) const {
+  const Index c = v.cols();
+  const Index lines = omega_.size();
+  MatrixXcd x(v.rows(), c * lines);
+  for (Index k = 0; k < lines; ++k) {
+    x.middleCols(c * k, c) = diagonal_inverse_.col(k).asDiagonal() * v.cast<Complex>();
   }
-  return rows;
+  if (!coupled_) return x;
+  const MatrixXd damping = without_diagonal(turned_damping_);
+  const MatrixXd loss = without_diagonal(turned_loss_);
+  const bool lossy = !loss.isZero(0.0);
+  constexpr int kMost = 6;
+  constexpr double kEnough = 1e-7;
+  std::vector<Index> slow;
+  for (int iteration = 0; iteration < kMost; ++iteration) {
+    MatrixXcd coupled = product(damping, x);
+    MatrixXcd lost;
+    if (lossy) lost = product(loss, x);
+    slow.clear();
+    for (Index k = 0; k < lines; ++k) {
+      MatrixXcd sum = Complex(0.0, -omega_(k)) * coupled.middleCols(c * k, c);
+      if (lossy) sum -= Complex(0.0, 1.0) * lost.middleCols(c * k, c);
+      sum += v.cast<Complex>();
+      const MatrixXcd next = diagonal_inverse_.col(k).asDiagonal() * sum;
+      const double change = (next - x.middleCols(c * k, c)).squaredNorm();
+      if (change > kEnough * kEnough * next.squaredNorm()) slow.push_back(k);
+      x.middleCols(c * k, c) = next;
+    }
+    if (slow.empty()) return x;
+  }
+  for (const auto k : slow) finish(k, v, x);
+  return x;
 }
 
-MatrixXcd Body::right(Index k, const State& state) const {
-  MatrixXcd columns(state.mode_count(), state.input_count());
-  for (Index j = 0; j < columns.cols(); ++j) {
-    if (j < inputs_.cols() && state.inputs.col(j) == inputs_.col(j)) {
-      columns.col(j) = right_[at(k)].col(j);
-    } else {
-      columns.col(j) = solve(k, state.inputs.col(j));
+void Body::finish(Index line, const MatrixXd& v, MatrixXcd& x) const {
+  const double w = omega_(line);
+  MatrixXcd z(lambda_.size(), lambda_.size());
+  z.real() = (lambda_.array() - w * w).matrix().asDiagonal();
+  z.imag() = w * turned_damping_ + turned_loss_;
+  x.middleCols(v.cols() * line, v.cols()) = z.partialPivLu().solve(v.cast<Complex>());
+}
+
+// Columns of each line where `now` is `before`, the others solved for.
+MatrixXcd Body::channels(const MatrixXd& now, const MatrixXd& before, const MatrixXcd& kept) const {
+  if (now.cols() == before.cols() && now == before) return kept;
+  std::vector<Index> moved;
+  for (Index j = 0; j < now.cols(); ++j) {
+    if (j >= before.cols() || now.col(j) != before.col(j)) moved.push_back(j);
+  }
+  const MatrixXcd fresh = solve(now(Eigen::all, moved));
+  const auto count = static_cast<Index>(moved.size());
+  const Index same = std::min(now.cols(), before.cols());
+  MatrixXcd columns(now.rows(), now.cols() * omega_.size());
+  for (Index k = 0; k < omega_.size(); ++k) {
+    columns.middleCols(now.cols() * k, same) = kept.middleCols(before.cols() * k, same);
+    for (Index n = 0; n < count; ++n) {
+      columns.col(now.cols() * k + moved[at(n)]) = fresh.col(count * k + n);
     }
   }
   return columns;
 }
 
+MatrixXcd Body::left(const State& state) const {
+  return channels(state.outputs.transpose(), outputs_.transpose(), left_);
+}
+
+MatrixXcd Body::right(const State& state) const { return channels(state.inputs, inputs_, right_); }
+
 Solved solved(const State& state, const Body& body) {
-  const auto lines = at(body.omega().size());
-  const Index pq = state.output_count() * state.input_count();
+  const Index lines = body.omega().size();
+  const Index p = state.output_count();
+  const Index q = state.input_count();
   Solved result;
   result.omega = body.omega();
-  result.left.resize(lines);
-  result.right.resize(lines);
-  result.structure.resize(body.omega().size(), pq);
-  result.value.resize(body.omega().size(), pq);
+  result.left_columns = body.left(state);
+  result.right_columns = body.right(state);
+  result.structure.resize(lines, p * q);
+  result.value.resize(lines, p * q);
   const Attachments attachments(state);
-  parallel_ranges(lines, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const auto k = static_cast<Index>(n);
-      const Complex s(0.0, body.omega()(k));
-      result.left[n] = body.left(k, state);
-      result.right[n] = body.right(k, state);
-      attachments.couple(state, body, k, result.left[n], result.right[n]);
-      MatrixXcd structure = result.left[n] * state.inputs.cast<Complex>();
-      structure += state.residual.cast<Complex>() + frame_responses(state, s);
-      result.structure.row(k) = structure.reshaped().transpose();
-      result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
+  const Index d = attachments.count();
+  const MatrixXcd w = body.solve(attachments.shapes);
+  result.to_outputs.resize(p, d * lines);
+  result.to_inputs.resize(q, d * lines);
+  for (Index k = 0; k < lines; ++k) {
+    const Complex s(0.0, body.omega()(k));
+    auto left = result.left_columns.middleCols(p * k, p);
+    auto right = result.right_columns.middleCols(q * k, q);
+    MatrixXcd structure = state.residual.cast<Complex>() + frame_responses(state, s);
+    if (d > 0) {
+      auto coupled = couple(attachments, state, s, w.middleCols(d * k, d), left, right);
+      structure += coupled.direct;
+      result.to_outputs.middleCols(d * k, d) = coupled.to_outputs;
+      result.to_inputs.middleCols(d * k, d) = coupled.to_inputs;
     }
-  });
+    structure.noalias() += left.transpose() * state.inputs.cast<Complex>();
+    result.structure.row(k) = structure.reshaped().transpose();
+    result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
+  }
   return result;
 }
 
-MatrixXcd responses(const State& state, const Eigen::VectorXd& omega) {
-  return solved(state, Body(state, omega)).value;
+MatrixXcd responses(const State& state, const Eigen::VectorXd& omega, bool coupled) {
+  return solved(state, Body(state, omega, coupled)).value;
 }
 
 }  // namespace chladni::diagnosis

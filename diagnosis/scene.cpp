@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/attachments.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -53,12 +55,11 @@ PlaceScan place_scan(const Structure& structure, const Observed& observed, const
   const Index q = state.input_count();
   const MatrixXcd shapes = structure.surface.shapes.transpose().cast<Complex>();  // r×n
   for (Index k = 0; k < observed.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
     const Complex s(0.0, observed.omega(k));
     const MatrixXcd to = factors(state.output_paths, s).asDiagonal() *
-                         (now.left[line] * shapes)(state.output_of, Eigen::all);
+                         (now.left(k) * shapes)(state.output_of, Eigen::all);
     const MatrixXcd from = (factors(state.input_paths, s).asDiagonal() *
-                            (now.right[line].transpose() * shapes)(state.input_of, Eigen::all));
+                            (now.right(k).transpose() * shapes)(state.input_of, Eigen::all));
     const MatrixXcd error = (observed.value.row(k) - now.value.row(k)).reshaped(p, q);
     const MatrixXd w2 = observed.weight.row(k).array().square().matrix().reshaped(p, q);
     const MatrixXcd weighted = error.cwiseProduct(w2.cast<Complex>());
@@ -81,7 +82,7 @@ Scene::Scene(const Structure& structure, const Observed& observed, State state,
     : structure_(structure),
       observed_(widened(observed, widening)),
       state_(std::move(state)),
-      body_(state_, observed_.omega),
+      body_(state_, observed_.omega, false),
       now_(solved(state_, body_)),
       misfit_(chi_square(observed_, now_.value)),
       places_(place_scan(structure_, observed_, now_, state_)) {
@@ -97,27 +98,43 @@ double Scene::high_hz() const {
 
 Solved Scene::solved_at(const State& state) const {
   if (body_.same(state)) return solved(state, body_);
-  return solved(state, Body(state, observed_.omega));
+  return solved(state, Body(state, observed_.omega, false));
 }
 
-Scene::Touched Scene::touched(const Eigen::VectorXd& shape) const {
-  Touched touch;
-  touch.shape = shape;
-  touch.to.resize(state_.output_count(), observed_.line_count());
-  touch.from.resize(state_.input_count(), observed_.line_count());
-  touch.own.resize(observed_.line_count());
-  State probe = state_;  // C = shapeᵀ: its left side is shapeᵀ Z⁻¹, attachments included
-  probe.outputs = shape.transpose();
-  probe.residual = MatrixXd::Zero(1, state_.input_count());
-  probe.output_paths.assign(1, Path{});
-  probe.output_of.assign(1, 0);
+// By one more output and input at the place.
+Scene::Touched Scene::touched(const Attached& attached) const {
+  const Index p = state_.output_count();
+  const Index q = state_.input_count();
+  const Index above = state_.output_upper.cols();
+  State probe = state_;
+  const auto with_row = [](MatrixXd& matrix, const Eigen::VectorXd& row) {
+    matrix.conservativeResize(matrix.rows() + 1, row.size());
+    matrix.bottomRows(1) = row.transpose();
+  };
+  const Eigen::VectorXd upper = attached.upper.rows() == above ? Eigen::VectorXd(attached.upper)
+                                                               : Eigen::VectorXd::Zero(above);
+  with_row(probe.outputs, attached.shapes);
+  with_row(probe.output_upper, upper);
+  with_row(probe.input_upper, upper);
+  probe.inputs.conservativeResize(Eigen::NoChange, q + 1);
+  probe.inputs.col(q) = attached.shapes;
+  probe.residual = probe.output_upper * probe.input_upper.transpose();
+  probe.output_paths.resize(static_cast<std::size_t>(p + 1));
+  probe.input_paths.resize(static_cast<std::size_t>(q + 1));
+  probe.output_of.push_back(p);
+  probe.input_of.push_back(q);
   probe.frames.clear();
-  const Solved from_shape = solved(probe, body_);
+  const Solved seen = solved(probe, body_);
+  Touched touch;
+  touch.shape = attached.shapes;
+  touch.to.resize(p, observed_.line_count());
+  touch.from.resize(q, observed_.line_count());
+  touch.own.resize(observed_.line_count());
   for (Index k = 0; k < observed_.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    touch.to.col(k) = now_.left[line] * shape.cast<Complex>();
-    touch.from.col(k) = (shape.transpose().cast<Complex>() * now_.right[line]).transpose();
-    touch.own(k) = (from_shape.left[line] * shape.cast<Complex>()).value();
+    const MatrixXcd structure = seen.structure.row(k).reshaped(p + 1, q + 1);
+    touch.to.col(k) = structure.col(q).head(p);
+    touch.from.col(k) = structure.row(p).head(q).transpose();
+    touch.own(k) = structure(p, q);
   }
   return touch;
 }
@@ -133,20 +150,19 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const Attached* more =
       changed.attached.size() > state_.attached.size() ? &changed.attached.back() : nullptr;
   if (more != nullptr && (touch.shape.size() == 0 || touch.shape != more->shapes.col(0))) {
-    touch = touched(more->shapes.col(0));
+    touch = touched(*more);
   }
   const bool channels_move = changed.outputs != state_.outputs || changed.inputs != state_.inputs;
   const Index p = state_.output_count();
   double sum = 0.0;
   for (Index k = 0; k < observed_.line_count(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
     const Complex s(0.0, observed_.omega(k));
     MatrixXcd structure = now_.structure.row(k).reshaped(p, state_.input_count());
     if (channels_move) {
       const MatrixXd outputs = changed.outputs - state_.outputs;
       const MatrixXd inputs = changed.inputs - state_.inputs;
-      structure += outputs.cast<Complex>() * now_.right[line];
-      structure += now_.left[line] * inputs.cast<Complex>();
+      structure += outputs.cast<Complex>() * now_.right(k);
+      structure += now_.left(k) * inputs.cast<Complex>();
       // Both sides at once: no effect moves an output and an input.
     }
     if (changed.frames.size() != state_.frames.size()) {
@@ -171,9 +187,9 @@ Eigen::VectorXd Scene::misfits(const Effect& effect, const std::vector<EffectSta
   for (std::size_t n = 0; n < starts.size(); ++n) {
     State changed = state_;
     effect.apply(changed, structure_, starts[n].option, starts[n].x);
-    all(static_cast<Index>(n)) = near(changed)
-                                     ? quick_misfit(changed, touch)
-                                     : chi_square(observed_, responses(changed, observed_.omega));
+    all(static_cast<Index>(n)) =
+        near(changed) ? quick_misfit(changed, touch)
+                      : chi_square(observed_, responses(changed, observed_.omega, false));
   }
   return all;
 }

@@ -59,7 +59,7 @@ class Scene {
     Eigen::MatrixXcd to, from;  ///< p×K, q×K
     Eigen::VectorXcd own;       ///< K
   };
-  [[nodiscard]] Touched touched(const Eigen::VectorXd& shape) const;
+  [[nodiscard]] Touched touched(const Attached& attached) const;
   [[nodiscard]] bool near(const State& changed) const;
   [[nodiscard]] double quick_misfit(const State& changed, Touched& touch) const;
 

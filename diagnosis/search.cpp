@@ -153,10 +153,11 @@ struct Level {
 std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nominal) {
   Fit seen = base;
   if (nominal) seen.eta.setZero();
-  const State state = state_of(level.problem, seen.causes, seen.eta);
-  const Solved now = solved(state, Body(state, level.problem.observed.omega));
-  const Scene scene(level.problem.structure, level.problem.observed, state,
-                    widening(level.problem, seen, now));
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const State state = state_of(coarse, seen.causes, seen.eta);
+  const Solved now = solved(state, Body(state, few.omega));
+  const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
   std::vector<Candidate> all;
   for (std::size_t e = 0; e < level.catalogue.size(); ++e) {
     throw_if_interrupted();
@@ -178,7 +179,10 @@ std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidat
   if (candidate.from_nominal) start.eta.setZero();
   start.causes.push_back(candidate.cause);
   try {
-    return fitted(problem, start);
+    FitLimits quick;
+    quick.iterations = 8;
+    quick.tolerance = 0.3;
+    return fitted(problem, start, quick);
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
@@ -250,8 +254,10 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
     auto grown = level_up({problem, catalogue, limits, progress, number}, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
-    if (static_cast<int>(grown.size()) > limits.beam)
-      grown.resize(static_cast<std::size_t>(limits.beam));
+    while (static_cast<int>(grown.size()) > limits.beam ||
+           grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
+      grown.pop_back();
+    }
     beam = std::move(grown);
     if (beam.front().excess(numbers(problem)) < 1.0) break;
   }

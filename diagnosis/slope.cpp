@@ -1,3 +1,7 @@
+#include <utility>
+#include <vector>
+
+#include "diagnosis/attachments.h"
 #include "diagnosis/responses.h"
 
 namespace chladni::diagnosis {
@@ -10,17 +14,20 @@ using Complex = std::complex<double>;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// A difference of matrices as what of it is not zero.
+// A difference of matrices as what of it is not zero: some entries of the diagonal, or all of it
+// times what it acts on, Z⁻¹ B on all lines.
 struct Change {
-  MatrixXd full;             // or empty
-  Eigen::VectorXd diagonal;  // or empty
-  Change(const MatrixXd& minus, const MatrixXd& plus, double step) {
+  std::vector<std::pair<Index, double>> diagonal;
+  MatrixXcd on_right;  // r×qK, or empty
+  Change(const MatrixXd& minus, const MatrixXd& plus, double step, const Solved& solved) {
     if (minus == plus) return;
-    MatrixXd difference = (plus - minus) / step;
-    if (difference.isDiagonal(0.0)) {
-      diagonal = difference.diagonal();
-    } else {
-      full = std::move(difference);
+    const MatrixXd difference = (plus - minus) / step;
+    if (!difference.isDiagonal(0.0)) {
+      on_right = product(difference, solved.right_columns);
+      return;
+    }
+    for (Index i = 0; i < difference.rows(); ++i) {
+      if (difference(i, i) != 0.0) diagonal.emplace_back(i, difference(i, i));
     }
   }
 };
@@ -46,10 +53,10 @@ class Slope {
         minus_(minus),
         plus_(plus),
         step_(step),
-        stiffness_(minus.stiffness, plus.stiffness, step),
-        loss_(minus.loss, plus.loss, step),
-        damping_(minus.damping, plus.damping, step),
-        mass_(minus.mass, plus.mass, step),
+        stiffness_(minus.stiffness, plus.stiffness, step, solved),
+        loss_(minus.loss, plus.loss, step, solved),
+        damping_(minus.damping, plus.damping, step, solved),
+        mass_(minus.mass, plus.mass, step, solved),
         outputs_(minus.outputs, plus.outputs, step),
         inputs_(minus.inputs.transpose(), plus.inputs.transpose(), step),
         residual_moves_(minus.residual != plus.residual) {}
@@ -76,43 +83,42 @@ class Slope {
   }
 
   void add(const Change& change, Complex factor, Index k, MatrixXcd& sum) const {
-    if (change.diagonal.size() > 0) {
-      sum.noalias() -=
-          solved_.left[at(k)] *
-          ((factor * change.diagonal.cast<Complex>()).asDiagonal() * solved_.right[at(k)]);
+    for (const auto& [i, by] : change.diagonal) {
+      sum.noalias() -= (factor * by) * (solved_.left(k).col(i) * solved_.right(k).row(i));
     }
-    if (change.full.size() == 0) return;
-    MatrixXcd product(sum.rows(), change.full.cols());
-    product.real().noalias() = solved_.left[at(k)].real() * change.full;
-    product.imag().noalias() = solved_.left[at(k)].imag() * change.full;
-    sum.noalias() -= factor * (product * solved_.right[at(k)]);
+    if (change.on_right.size() == 0) return;
+    const Index q = at_.input_count();
+    sum.noalias() -= factor * (solved_.left(k) * change.on_right.middleCols(q * k, q));
   }
 
   void add_channels(Index k, MatrixXcd& sum) const {
     for (std::size_t n = 0; n < outputs_.which.size(); ++n) {
-      sum.row(outputs_.which[n]) +=
-          outputs_.by[n].transpose().cast<Complex>() * solved_.right[at(k)];
+      sum.row(outputs_.which[n]) += outputs_.by[n].transpose().cast<Complex>() * solved_.right(k);
     }
     for (std::size_t n = 0; n < inputs_.which.size(); ++n) {
-      sum.col(inputs_.which[n]) += solved_.left[at(k)] * inputs_.by[n].cast<Complex>();
+      sum.col(inputs_.which[n]) += solved_.left(k) * inputs_.by[n].cast<Complex>();
     }
   }
 
   void add_attached(Index k, Complex s, MatrixXcd& sum) const {
+    const Index all = solved_.to_outputs.cols() / solved_.line_count();
+    Index first = all * k;
     for (std::size_t n = 0; n < at_.attached.size(); ++n) {
       const auto& minus = minus_.attached[n];
       const auto& plus = plus_.attached[n];
       const auto& here = at_.attached[n];
+      const Index count = here.shapes.cols();
+      const auto to_outputs = solved_.to_outputs.middleCols(first, count);
+      const auto to_inputs = solved_.to_inputs.middleCols(first, count);
+      first += count;
       const Complex by = (dynamic_stiffness(plus, s) - dynamic_stiffness(minus, s)) / step_;
-      const MatrixXcd shapes = here.shapes.cast<Complex>();
-      const MatrixXcd left = solved_.left[at(k)] * shapes;
-      const MatrixXcd right = shapes.transpose() * solved_.right[at(k)];
-      if (by != 0.0) sum.noalias() -= by * (left * right);
+      if (by != 0.0) sum.noalias() -= by * (to_outputs * to_inputs.transpose());
       if (plus.shapes == minus.shapes) continue;
       const MatrixXcd moved = ((plus.shapes - minus.shapes) / step_).cast<Complex>();
       const Complex z = dynamic_stiffness(here, s);
-      sum.noalias() -= z * ((solved_.left[at(k)] * moved) * right);
-      sum.noalias() -= z * (left * (moved.transpose() * solved_.right[at(k)]));
+      // What the modes far above change by is left out: they are a correction.
+      sum.noalias() -= z * ((solved_.left(k) * moved) * to_inputs.transpose());
+      sum.noalias() -= z * (to_outputs * (moved.transpose() * solved_.right(k)));
     }
   }
 

@@ -12,10 +12,15 @@ State state_of(const Structure& structure) {
   state.stiffness = omega.cwiseAbs2().asDiagonal();
   state.loss = Eigen::MatrixXd::Zero(r, r);
   state.damping = (2.0 * structure.damping_ratio.cwiseProduct(omega)).asDiagonal();
+  if (structure.dashpots.size() > 0) state.damping += structure.dashpots;
   state.mass = Eigen::MatrixXd::Identity(r, r);
   state.outputs = structure.outputs.shapes;
   state.inputs = structure.inputs.shapes.transpose();
   state.residual = structure.residual;
+  const bool above = structure.outputs.upper.size() > 0 && structure.inputs.upper.size() > 0;
+  state.output_upper =
+      above ? structure.outputs.upper : Eigen::MatrixXd(structure.output_count(), 0);
+  state.input_upper = above ? structure.inputs.upper : Eigen::MatrixXd(structure.input_count(), 0);
   state.output_paths.resize(static_cast<std::size_t>(structure.output_count()));
   state.input_paths.resize(static_cast<std::size_t>(structure.input_count()));
   state.output_of.resize(state.output_paths.size());

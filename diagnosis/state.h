@@ -12,6 +12,7 @@ namespace chladni::diagnosis {
 /// and dashpot, m s² (k + c s) / (m s² + c s + k).
 struct Attached {
   Eigen::MatrixXd shapes;  ///< r×d: of the d displacements it acts on, all alike
+  Eigen::MatrixXd upper;   ///< u×d: of the modes that yield at once; or empty
   double mass = 0.0, damping = 0.0, stiffness = 0.0;  ///< [kg], [N s/m], [N/m]
   bool carried = false;
 };
@@ -37,6 +38,7 @@ struct State {
   Eigen::MatrixXd stiffness, loss, damping, mass;  ///< r×r [s^-2], [s^-2], [1/s], [1]
   Eigen::MatrixXd outputs, inputs;                 ///< p×r, r×q [kg^-1/2]
   Eigen::MatrixXd residual;                        ///< p×q [m/N]
+  Eigen::MatrixXd output_upper, input_upper;       ///< p×u, q×u: ChannelSide::upper
   std::vector<Attached> attached;
   std::vector<Frame> frames;
   std::vector<Path> output_paths, input_paths;  ///< p, q

@@ -25,6 +25,8 @@ void check_side(const ChannelSide& side, Eigen::Index modes, const std::string& 
   fits(side.aside_u, n, modes, "motion along u at the " + what);
   fits(side.aside_v, n, modes, "motion along v at the " + what);
   fits(side.places, n, 2, "places of the " + what);
+  require(side.upper.size() == 0 || side.upper.rows() == n,
+          "modes above the band at the " + what + ": one row each is expected");
 }
 
 void check_cells(const BodyCells& cells, Eigen::Index modes) {
@@ -48,6 +50,7 @@ void check(const Structure& structure) {
   require((structure.frequency_hz.head(structure.rigid_count).array() == 0.0).all() &&
               (structure.frequency_hz.tail(r - structure.rigid_count).array() > 0.0).all(),
           "rigid-body modes come first, at exactly 0 Hz");
+  if (structure.dashpots.size() > 0) fits(structure.dashpots, r, r, "dashpots");
   check_side(structure.outputs, r, "sensors");
   check_side(structure.inputs, r, "actuators");
   fits(structure.residual, structure.output_count(), structure.input_count(), "residual");

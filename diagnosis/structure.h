@@ -15,6 +15,8 @@ namespace chladni::diagnosis {
 struct PointMotion {
   Eigen::VectorXd shape;             ///< r [kg^-1/2]
   Eigen::VectorXd slope_u, slope_v;  ///< r [kg^-1/2 m^-1]
+  /// u, or empty: φ/ω [kg^-1/2 s] and its slopes of modes far above the band, which yield at once.
+  Eigen::VectorXd upper, upper_slope_u, upper_slope_v;
 };
 
 /// Channels of one side, c of them.
@@ -24,6 +26,7 @@ struct ChannelSide {
   Eigen::MatrixXd slope_u, slope_v;  ///< c×r: how they change when it is moved [kg^-1/2 m^-1]
   Eigen::MatrixXd aside_u, aside_v;  ///< c×r: along the chart's axes instead [kg^-1/2]
   Eigen::MatrixX2d places;           ///< c×2, on the chart [m]
+  Eigen::MatrixXd upper;             ///< c×u, or c×0: as PointMotion's
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };
@@ -44,8 +47,9 @@ struct Surface {
 /// The body in parts, seen along the normal of the chart: sums of all are diag(ω²) and 1 where
 /// nothing is attached.
 struct BodyCells {
-  Eigen::MatrixX2d centres;                      ///< b×2 [m]
-  Eigen::VectorXd area;                          ///< b [m²]
+  Eigen::MatrixX2d centres;                                                        ///< b×2 [m]
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), size = Eigen::Vector2d::Zero();  ///< [m]: box
+  Eigen::VectorXd area;                                                            ///< b [m²]
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< b, each r×r: Φᵀ K_c Φ [s^-2], Φᵀ M_c Φ [1]
 
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
@@ -62,6 +66,7 @@ struct Directional {
 struct Structure {
   Eigen::VectorXd frequency_hz;   ///< r, ascending; rigid-body modes exactly 0
   Eigen::VectorXd damping_ratio;  ///< r
+  Eigen::MatrixXd dashpots;  ///< r×r Φᵀ C Φ [1/s] of known dampers, beside the ratios; or 0×0
   Eigen::Index rigid_count = 0;
   ChannelSide outputs, inputs;  ///< p displacements, q forces
   Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out

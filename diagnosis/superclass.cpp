@@ -90,9 +90,7 @@ void try_places(const View& view, std::optional<Superclass>& best) {
   const VectorXcd shape = view.problem.structure.surface.shapes.row(n).transpose().cast<Complex>();
   MatrixXcd direction(view.lines(), view.now.value.cols());
   for (Index k = 0; k < view.lines(); ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    const MatrixXcd outer =
-        (view.now.left[line] * shape) * (shape.transpose() * view.now.right[line]);
+    const MatrixXcd outer = (view.now.left(k) * shape) * (shape.transpose() * view.now.right(k));
     direction.row(k) = -recorded(view.state, outer, Complex(0.0, view.problem.observed.omega(k)))
                             .reshaped()
                             .transpose();

@@ -12,7 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-
 // Simple effects that are special cases of others: within `rival_within` the simpler is meant.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNested{{
     {"point_mass", "mass_with_inertia"},

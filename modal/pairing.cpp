@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "modal/mac.h"
 
 namespace chladni::modal {
@@ -153,11 +155,22 @@ std::vector<Eigen::Index> without(Eigen::Index count, const std::vector<Eigen::I
 
 }  // namespace
 
+Eigen::MatrixXd alike(const Modes& a, const Modes& b, double repeated_gap) {
+  return mac(a.shapes, b.shapes)
+      .cwiseMax(share_in_groups(a, b.shapes, repeated_gap))
+      .cwiseMax(share_in_groups(b, a.shapes, repeated_gap).transpose());
+}
+
 Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
-  const Eigen::MatrixXd alike =
-      mac(a.shapes, b.shapes)
-          .cwiseMax(share_in_groups(a, b.shapes, options.repeated_gap))
-          .cwiseMax(share_in_groups(b, a.shapes, options.repeated_gap).transpose());
+  return pairing_by(alike(a, b, options.repeated_gap), a, b, options);
+}
+
+Pairing pairing_by(const Eigen::MatrixXd& alike, const Modes& a, const Modes& b,
+                   const PairingOptions& options) {
+  require(alike.rows() == a.mode_count() && alike.cols() == b.mode_count(),
+          "pairing: likeness of " + std::to_string(alike.rows()) + " x " +
+              std::to_string(alike.cols()) + " modes, expected " + std::to_string(a.mode_count()) +
+              " x " + std::to_string(b.mode_count()));
   const auto cost = costs(a, b, alike, options.frequency_weight);
   const bool wide = cost.rows() <= cost.cols();
   const auto partner = assigned_columns(wide ? cost : Eigen::MatrixXd(cost.transpose()));

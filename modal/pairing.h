@@ -25,10 +25,19 @@ struct Pairing {
   std::vector<Eigen::Index> alone_a, alone_b;  ///< those without a partner, ascending
 };
 
+/// How much of mode j of b lies in the span of mode i of a or of a's modes repeated with it, or the
+/// other way round: m_a×m_b in [0, 1]; the MAC where no mode is repeated.
+/// @throws InvalidInput  the places differ in number, or a shape is zero or not finite
+[[nodiscard]] Eigen::MatrixXd alike(const Modes& a, const Modes& b, double repeated_gap);
+
 /// The pairing of least total cost (Hungarian method, Kuhn 1955; Munkres 1957): each mode has one
 /// partner at most, rigid-body modes only rigid-body ones. Both sets hold the same places in the
 /// same order. Cost: cubic in the modes, milliseconds for a hundred.
 /// @throws InvalidInput  the places differ in number, or a shape is zero or not finite
 [[nodiscard]] Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options = {});
+/// The same of modes that are as much alike as `alike` says, m_a×m_b in [0, 1]; shapes are not
+/// read.
+[[nodiscard]] Pairing pairing_by(const Eigen::MatrixXd& alike, const Modes& a, const Modes& b,
+                                 const PairingOptions& options = {});
 
 }  // namespace chladni::modal

@@ -64,6 +64,16 @@ void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c) {
   dsyrk_("L", "N", &n, &k, &s, a.data(), &n, &kOne, c.data(), &n);
 }
 
+void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c) {
+  if (a.size() == 0) return;
+  const FlushToZero flush;
+  constexpr double kOne = 1.0;
+  const int n = narrow(a.cols());
+  const int k = narrow(a.rows());
+  const int stride = narrow(a.outerStride());
+  dsyrk_("L", "T", &n, &k, &kOne, a.data(), &stride, &kOne, c.data(), &n);
+}
+
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c) {
   if (a.size() == 0 || b.size() == 0) return;
   const FlushToZero flush;

@@ -18,6 +18,9 @@ void invert(Eigen::MatrixXd& factor);
 /// C := C + s A Aᵀ, lower triangle only.
 void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c);
 
+/// C := C + Aᵀ A, lower triangle only; A is r×n, C n×n.
+void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
+
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
 

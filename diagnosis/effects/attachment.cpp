@@ -12,9 +12,12 @@ Eigen::Index has_surface(const Structure& structure) {
   return structure.surface.count() > 0 ? 1 : 0;
 }
 
-Eigen::VectorXd shape_at(const Structure& structure, double u, double v) {
+Attached attached_at(const Structure& structure, double u, double v) {
   const auto motion = structure.surface.at({u, v});
-  return motion ? motion->shape : Eigen::VectorXd::Zero(structure.mode_count());
+  Attached one;
+  one.shapes = motion ? motion->shape : Eigen::VectorXd::Zero(structure.mode_count());
+  if (motion) one.upper = motion->upper;
+  return one;
 }
 
 double first_omega(const Structure& structure) {

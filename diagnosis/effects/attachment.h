@@ -13,8 +13,8 @@ namespace chladni::diagnosis {
 [[nodiscard]] Parameter place_v();
 /// 0 without a surface to hang on.
 [[nodiscard]] Eigen::Index has_surface(const Structure& structure);
-/// Shapes at (u, v), r; zero beside the surface.
-[[nodiscard]] Eigen::VectorXd shape_at(const Structure& structure, double u, double v);
+/// At (u, v), of one displacement along the normal; of zero shape beside the surface.
+[[nodiscard]] Attached attached_at(const Structure& structure, double u, double v);
 /// ω₁ [rad/s], of the first flexible mode.
 [[nodiscard]] double first_omega(const Structure& structure);
 /// Each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.

@@ -21,8 +21,7 @@ std::vector<Parameter> stiffness_and_place(const Structure& structure) {
 }
 
 void hold(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
-  Attached one;
-  one.shapes = shape_at(structure, x(1), x(2));
+  Attached one = attached_at(structure, x(1), x(2));
   one.stiffness = std::exp(x(0));
   state.attached.push_back(std::move(one));
 }

@@ -19,26 +19,29 @@ std::vector<Parameter> mass_radius_place(const Structure& structure) {
 void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const auto motion = structure.surface.at({x(2), x(3)});
   const Eigen::Index r = structure.mode_count();
-  Attached mass;
+  Attached mass = attached_at(structure, x(2), x(3));
   mass.mass = std::exp(x(0));
-  mass.shapes = motion ? motion->shape : VectorXd::Zero(r);
   Attached inertia;
   inertia.mass = mass.mass * std::exp(2.0 * x(1));
   inertia.shapes = Eigen::MatrixXd::Zero(r, 2);
-  if (motion) inertia.shapes << motion->slope_u, motion->slope_v;
+  if (motion) {
+    inertia.shapes << motion->slope_u, motion->slope_v;
+    inertia.upper.resize(motion->upper_slope_u.size(), 2);
+    inertia.upper << motion->upper_slope_u, motion->upper_slope_v;
+  }
   state.attached.push_back(std::move(mass));
   state.attached.push_back(std::move(inertia));
 }
 
 std::vector<EffectStart> weights(const Scene& scene) {
   std::vector<VectorXd> sizes;
-  for (double part = 1e-4; part < 0.3; part *= 1.8) {
-    for (const double radius : {0.02, 0.06, 0.15}) {
+  for (double part = 1e-4; part < 0.3; part *= 2.2) {
+    for (const double radius : {0.03, 0.1}) {
       sizes.push_back(
           Eigen::Vector2d(std::log(part * scene.structure().mass_kg), std::log(radius)));
     }
   }
-  return at_peaks(scene, sizes, 4);
+  return at_peaks(scene, sizes, 3);
 }
 
 }  // namespace

@@ -16,8 +16,7 @@ std::vector<Parameter> mass_and_place(const Structure& structure) {
 }
 
 void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
-  Attached one;
-  one.shapes = shape_at(structure, x(1), x(2));
+  Attached one = attached_at(structure, x(1), x(2));
   one.mass = x(0);
   state.attached.push_back(std::move(one));
 }

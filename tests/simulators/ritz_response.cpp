@@ -160,10 +160,16 @@ Solved solved(const Assembled& all, double highest_hz) {
              all.loss.diagonal(),      all.dampers, all.outputs, all.inputs};
     return modes;
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(all.stiffness, all.mass);
-  if (solver.info() != Eigen::Success) throw NumericalFailure("modes of a Ritz stage");
-  modes.lambda = solver.eigenvalues();
-  const auto& psi = solver.eigenvectors();
+  Eigen::MatrixXd psi;
+  if (all.attached) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(all.stiffness, all.mass);
+    if (solver.info() != Eigen::Success) throw NumericalFailure("modes of a Ritz stage");
+    modes.lambda = solver.eigenvalues();
+    psi = solver.eigenvectors();
+  } else {
+    modes.lambda = all.stiffness.diagonal();
+    psi = Eigen::MatrixXd::Identity(modes.lambda.size(), modes.lambda.size());
+  }
   modes.low = count_below(modes.lambda, highest_hz);
   const Index rest = psi.cols() - modes.low;
   const auto project = [&](const Eigen::MatrixXd& matrix, Eigen::MatrixXd& block,

@@ -12,6 +12,16 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
+// Modes that yield at once where something hangs: the others are of the basis.
+constexpr Index kUpper = 240;
+
+// Of the modes from the r-th on, each divided by its angular frequency.
+Eigen::MatrixXd upper_part(const RitzModes& plate, const Eigen::MatrixXd& rows, Index r) {
+  const Index rest = std::min<Index>(kUpper, plate.mode_count() - r);
+  const Eigen::VectorXd omega = 2.0 * pi * plate.frequency_hz.segment(r, rest);
+  return rows.middleCols(r, rest) * omega.cwiseInverse().asDiagonal();
+}
+
 diagnosis::ChannelSide side(const RitzModes& plate, const std::vector<std::string>& names,
                             const Eigen::MatrixX2d& places, Index r) {
   const auto rows = modal_rows(plate, places);
@@ -22,7 +32,8 @@ diagnosis::ChannelSide side(const RitzModes& plate, const std::vector<std::strin
           rows.slope_y.leftCols(r),
           top * rows.turn_x.leftCols(r),
           top * rows.turn_y.leftCols(r),
-          places};
+          places,
+          upper_part(plate, rows.deflection, r)};
 }
 
 Eigen::MatrixXd residual(const RitzModes& plate, const TableChannels& channels, Index r) {
@@ -54,19 +65,23 @@ diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
   diagnosis::Surface top;
   scan(top, plate.body, count);
   top.shapes = modal_rows(plate, top.places).deflection.leftCols(r);
-  top.origin = Eigen::Vector3d(0.0, 0.0, 0.5 * plate.body.thickness(0, 0));
-  // Only what its closure needs: the first r modes.
+  const Index kept = std::min<Index>(r + kUpper, plate.mode_count());
   auto seen = std::make_shared<RitzModes>();
   seen->body = plate.body;
-  seen->frequency_hz = plate.frequency_hz.head(r);
-  seen->coefficients = plate.coefficients.leftCols(r);
-  top.at = [seen](const Eigen::Vector2d& place) -> std::optional<diagnosis::PointMotion> {
+  seen->frequency_hz = plate.frequency_hz.head(kept);
+  seen->coefficients = plate.coefficients.leftCols(kept);
+  top.at = [seen, r](const Eigen::Vector2d& place) -> std::optional<diagnosis::PointMotion> {
     if (std::abs(place.x()) > 0.5 * seen->body.length ||
         std::abs(place.y()) > 0.5 * seen->body.width) {
       return std::nullopt;
     }
     const auto rows = modal_rows(*seen, place.transpose());
-    return diagnosis::PointMotion{rows.deflection.row(0), rows.slope_x.row(0), rows.slope_y.row(0)};
+    return diagnosis::PointMotion{rows.deflection.row(0).head(r),
+                                  rows.slope_x.row(0).head(r),
+                                  rows.slope_y.row(0).head(r),
+                                  upper_part(*seen, rows.deflection, r).row(0),
+                                  upper_part(*seen, rows.slope_x, r).row(0),
+                                  upper_part(*seen, rows.slope_y, r).row(0)};
   };
   return top;
 }
@@ -75,6 +90,8 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
   const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
   diagnosis::BodyCells all;
+  all.from = corner;
+  all.size = -2.0 * corner;
   all.centres.resize(Index{count} * count, 2);
   all.area = Eigen::VectorXd::Constant(Index{count} * count, size.prod());
   for (int j = 0, k = 0; j < count; ++j) {

@@ -15,7 +15,7 @@ struct RitzStructureOptions {
   int scan = 41;   ///< places along each side, from rim to rim
 };
 
-/// Chart: x and y, the surface at z = thickness / 2. Cost: 0.5 s.
+/// Chart: x and y of the top, which is z = 0 in the body's frame. Cost: 0.5 s.
 /// @throws InvalidInput  a channel off the plate, more modes than the basis has
 [[nodiscard]] diagnosis::Structure ritz_structure(const RitzModes& plate,
                                                   const TableChannels& channels,

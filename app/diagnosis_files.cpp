@@ -1,0 +1,178 @@
+// What `diagnose` leaves: the answer, the extended study, where on the body, the responses.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/diagnosis.h"
+#include "app/upper_face.h"
+#include "base/atomic_file.h"
+#include "io/heat_map_picture.h"
+#include "io/plot.h"
+#include "io/vtu.h"
+
+namespace chladni::app {
+namespace {
+
+using Eigen::Index;
+
+constexpr Index kMostPanels = 12;
+constexpr int kInk = 0, kVermilion = 2, kGrey = 6;
+
+// The body's upper boundary, its nodes counted anew.
+struct Top {
+  Points points;
+  Cells triangles;
+};
+
+Top top_of(const mesh::TetMesh& body, const Chart& chart) {
+  std::vector<Index> kept;
+  for (Index f = 0; f < body.faces.rows(); ++f) {
+    const Eigen::Vector3d a = body.points.row(body.faces(f, 0));
+    const Eigen::Vector3d b = body.points.row(body.faces(f, 1));
+    const Eigen::Vector3d c = body.points.row(body.faces(f, 2));
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    if (normal.dot(chart.axes.col(2)) > 0.5 * normal.norm()) kept.push_back(f);
+  }
+  Top top;
+  std::vector<std::int32_t> number(static_cast<std::size_t>(body.points.rows()), -1);
+  std::vector<Index> nodes;
+  top.triangles.resize(static_cast<Index>(kept.size()), 3);
+  for (std::size_t n = 0; n < kept.size(); ++n) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const auto node = body.faces(kept[n], corner);
+      auto& own = number[static_cast<std::size_t>(node)];
+      if (own < 0) {
+        own = static_cast<std::int32_t>(nodes.size());
+        nodes.push_back(node);
+      }
+      top.triangles(static_cast<Index>(n), corner) = own;
+    }
+  }
+  top.points = body.points(nodes, Eigen::all);
+  return top;
+}
+
+// Values of the scan at points: the nearest places, each by the square of its distance.
+Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::VectorXd& values,
+                          const Top& top, const Chart& chart) {
+  Eigen::VectorXd result(top.points.rows());
+  const double soft = 0.25 * surface.area.mean();
+  for (Index n = 0; n < result.size(); ++n) {
+    const Eigen::Vector2d place = chart.place(top.points.row(n).transpose());
+    const Eigen::ArrayXd distance2 =
+        (surface.places.rowwise() - place.transpose()).rowwise().squaredNorm();
+    const Eigen::ArrayXd weight = (distance2 + soft).pow(-3);
+    result(n) = (weight * values.array()).sum() / weight.sum();
+  }
+  return result;
+}
+
+Eigen::Vector3d in_body(const diagnosis::Surface& chart, const Eigen::Vector2d& place) {
+  return chart.origin + place(0) * chart.axis_u + place(1) * chart.axis_v;
+}
+
+void leave_map(const Study& study, const Solution& solution, const Diagnosed& one, const Run& run) {
+  const auto& surface = one.structure.surface;
+  const auto& map = one.result.map;
+  if (map.explained.size() == 0) return;
+  const auto chart = chart_of(solution.model.body);
+  const Top top = top_of(solution.model.body, chart);
+  const Eigen::VectorXd explained = at_points(surface, map.explained, top, chart);
+  const Eigen::VectorXd posterior =
+      at_points(surface, map.posterior.cwiseQuotient(surface.area.cwiseMax(1e-300)), top, chart);
+  io::write_surface_vtu(run / "cause_map.vtu", top.points, top.triangles,
+                        {{"explained", explained}, {"posterior_per_m2", posterior}},
+                        {study.title, {"length: m", "explained: part of the misfit over noise"}});
+  if (!run.options().pictures) return;
+  const double most = std::clamp(explained.maxCoeff(), 1e-3, 1.0);
+  io::HeatMapPicture picture;
+  picture.title = "Where one thing in one place would explain the difference";
+  picture.scale = "part of the misfit over noise and tolerances";
+  picture.lowest = "0 %";
+  picture.highest = fmt::format("{:.3g} %", 100.0 * most);
+  picture.points = top.points;
+  picture.triangles = top.triangles;
+  picture.value = (explained.array() / most).max(0.0).min(1.0);
+  picture.forbidden.assign(static_cast<std::size_t>(explained.size()), 0);
+  for (const auto& cause : one.result.best.causes) {
+    if (!cause.place) continue;
+    picture.best.push_back({in_body(surface, *cause.place), cause.effect});
+  }
+  picture.markers = markers_of(study, solution.model);
+  io::draw_heat_map(run / "cause_map.png", picture);
+}
+
+io::PlotPanel panel_of(const Diagnosed& one, Index i, Index j) {
+  const auto curve = [&](const std::vector<Eigen::MatrixXcd>& values) {
+    Eigen::VectorXd size(static_cast<Index>(values.size()));
+    for (Index k = 0; k < size.size(); ++k)
+      size(k) = std::abs(values[static_cast<std::size_t>(k)](i, j));
+    return size;
+  };
+  const auto& f = one.measured.frequency_hz;
+  io::PlotPanel panel;
+  panel.title = one.measured.outputs[static_cast<std::size_t>(i)].name + " by " +
+                one.measured.inputs[static_cast<std::size_t>(j)].name;
+  panel.x = {.label = "frequency [Hz]", .logarithmic = f.tail(1)(0) > 5.0 * f(0)};
+  panel.y = {.label = "receptance [m/N]", .logarithmic = true};
+  using Style = io::PlotSeries::Style;
+  panel.series.push_back({.name = "measured",
+                          .x = f,
+                          .y = curve(one.measured.value),
+                          .upper = {},
+                          .style = Style::dots,
+                          .colour = kGrey,
+                          .width = 0.0});
+  panel.series.push_back({.name = "simulated",
+                          .x = f,
+                          .y = curve(one.response_before),
+                          .upper = {},
+                          .style = Style::dashed,
+                          .colour = kVermilion,
+                          .width = 1.2});
+  if (!one.response_after.empty()) {
+    panel.series.push_back({.name = "with the cause",
+                            .x = f,
+                            .y = curve(one.response_after),
+                            .upper = {},
+                            .style = Style::line,
+                            .colour = kInk,
+                            .width = 1.2});
+  }
+  return panel;
+}
+
+// Held-out channels first: what no fit saw is what counts.
+void draw_prediction(const Study& study, const Diagnosed& one, const std::filesystem::path& png) {
+  std::vector<std::pair<Index, Index>> shown;
+  const auto& hidden = study.measurement->hold_out;
+  for (const bool held : {true, false}) {
+    for (Index i = 0; i < one.measured.output_count(); ++i) {
+      const bool is_held =
+          std::ranges::find(hidden, one.measured.outputs[static_cast<std::size_t>(i)].name) !=
+          hidden.end();
+      if (is_held != held) continue;
+      for (Index j = 0; j < one.measured.input_count(); ++j) {
+        if (static_cast<Index>(shown.size()) < kMostPanels) shown.emplace_back(i, j);
+      }
+    }
+  }
+  io::Plot plot;
+  plot.title = hidden.empty() ? "Responses before and after"
+                              : "Responses before and after; held-out sensors first";
+  for (const auto& [i, j] : shown) plot.panels.push_back(panel_of(one, i, j));
+  io::draw_plot(png, plot);
+}
+
+}  // namespace
+
+void leave_diagnosis(const Study& study, const Solution& solution, const Diagnosed& one, Run& run,
+                     bool main_result) {
+  run.leave("diagnosis.json", diagnosis_json(one), main_result);
+  if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
+  leave_map(study, solution, one, run);
+  if (run.options().pictures) draw_prediction(study, one, run / "prediction.png");
+}
+
+}  // namespace chladni::app

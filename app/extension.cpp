@@ -1,0 +1,96 @@
+#include "app/extension.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "base/error.h"
+#include "base/quantity.h"
+
+namespace chladni::app {
+namespace {
+
+// What the text of a quantity begins with, and the rest: " mm".
+struct Written {
+  double number = 0.0;
+  std::string unit;
+};
+
+Written parts(const TomlNode& value) {
+  if (value.is_number()) return {value.number, ""};
+  std::string_view text = value.text;
+  const bool plus = text.starts_with('+');
+  if (plus) text.remove_prefix(1);
+  Written result;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), result.number);
+  require(fault == std::errc(),
+          fmt::format("line {}: \"{}\" does not begin with a number", value.line, value.text));
+  result.unit = std::string(text.substr(static_cast<std::size_t>(end - text.data())));
+  return result;
+}
+
+std::string with_unit(const TomlNode& value, const Written& parts) {
+  const std::string number = digits(parts.number);
+  return value.is_number() ? number : toml_text(number + parts.unit);
+}
+
+const diagnosis::CauseParameter* find(const diagnosis::Cause& cause, std::string_view name) {
+  const auto found = std::find_if(cause.parameters.begin(), cause.parameters.end(),
+                                  [&](const auto& one) { return one.name == name; });
+  return found == cause.parameters.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+double Extension::number(std::string_view name) const {
+  const auto* found = find(cause, name);
+  require(found != nullptr, fmt::format("the cause {} has no number \"{}\"", cause.effect, name));
+  return found->value;
+}
+
+bool Extension::has(std::string_view name) const { return find(cause, name) != nullptr; }
+
+std::string Extension::comment(std::string_view before) const {
+  std::string numbers;
+  for (const auto& one : cause.parameters) {
+    numbers += fmt::format("{}{} = {:.4g} \u00b1 {:.2g}{}", numbers.empty() ? "" : ", ", one.name,
+                           one.value, one.std, one.unit == "1" ? "" : " " + one.unit);
+  }
+  std::string channels;
+  for (const auto& one : cause.channels) channels += (channels.empty() ? " of " : ", ") + one;
+  const std::string said =
+      fmt::format("diagnosis: {}{}{}{}; probability {:.3g}", cause.effect, channels,
+                  numbers.empty() ? "" : ": ", numbers, cause.probability);
+  return before.empty() ? said : fmt::format("{}; before: {}", said, before);
+}
+
+std::string digits(double number) { return fmt::format("{:.9g}", number); }
+
+void scale(const Extension& by, const TomlNode& value, double factor) {
+  if (value.kind == TomlNode::Kind::array) {
+    for (const auto& one : value.elements) scale(by, one, factor);
+    return;
+  }
+  auto scaled = parts(value);
+  scaled.number *= factor;
+  by.edit.replace(value, with_unit(value, scaled), by.comment(by.edit.written(value)));
+}
+
+void lengthen(const Extension& by, const TomlNode& value, double metres) {
+  auto moved = parts(value);
+  const auto unit = moved.unit.find_first_not_of(' ');
+  require(unit != std::string::npos,
+          fmt::format("line {}: \"{}\" has no unit of length", value.line, value.text));
+  moved.number += metres / unit_factor(moved.unit.substr(unit), "m");
+  by.edit.replace(value, with_unit(value, moved), by.comment(by.edit.written(value)));
+}
+
+Extend extend(std::string_view effect) {
+  for (const auto part : {extend_body, extend_channels, extend_attachments}) {
+    if (const auto found = part(effect)) return found;
+  }
+  return nullptr;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,48 @@
+// One cause as changes of a study's text.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "app/study.h"
+#include "app/toml_edit.h"
+#include "diagnosis/diagnosed.h"
+
+namespace chladni::app {
+
+/// A study's document that is to say a cause.
+struct Extension {
+  TomlEdit& edit;
+  const Study& study;               ///< what the document says now
+  const diagnosis::Surface& chart;  ///< of the cause's u and v
+  const diagnosis::Cause& cause;
+
+  /// @throws InvalidInput  the cause has no number of that name
+  [[nodiscard]] double number(std::string_view name) const;
+  [[nodiscard]] bool has(std::string_view name) const;
+  /// "diagnosis: point_mass: mass = 0.2 ± 0.001 kg, ...; probability 0.99", and what stood there.
+  [[nodiscard]] std::string comment(std::string_view before = {}) const;
+};
+
+/// Makes the changes. @returns  empty, or why no key of a study can say it; then what is half made
+/// is to be thrown away
+using Extend = std::string (*)(const Extension& by);
+
+/// None where no entry of the table is for that effect.
+[[nodiscard]] Extend extend(std::string_view effect);
+
+// Parts of the table.
+[[nodiscard]] Extend extend_body(std::string_view effect);
+[[nodiscard]] Extend extend_channels(std::string_view effect);
+[[nodiscard]] Extend extend_attachments(std::string_view effect);
+
+/// A quantity as a study writes it, times a factor: "70 GPa" by 1.02 is "71.4 GPa". Of an array,
+/// each of its values. @throws InvalidInput  it does not begin with a number
+void scale(const Extension& by, const TomlNode& value, double factor);
+/// The same with so many metres more.
+void lengthen(const Extension& by, const TomlNode& value, double metres);
+
+/// Nine digits, enough for any number that was measured.
+[[nodiscard]] std::string digits(double number);
+
+}  // namespace chladni::app

@@ -1,0 +1,124 @@
+// Causes that hang on the body or hold it.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "app/extension.h"
+
+namespace chladni::app {
+namespace {
+
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+std::string quantity(double value, std::string_view unit) {
+  return toml_text(digits(value) + " " + std::string(unit));
+}
+
+std::string vector(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", digits(v(0)), digits(v(1)), digits(v(2)));
+}
+
+bool looks_down(const diagnosis::Surface& chart) {
+  return chart.axis_u == Eigen::Vector3d::UnitX() && chart.axis_v == Eigen::Vector3d::UnitY();
+}
+
+// Seen from above where the chart is; else the nearest point of the body.
+std::string place(const Extension& by) {
+  const Eigen::Vector3d at =
+      by.chart.origin + by.number("u") * by.chart.axis_u + by.number("v") * by.chart.axis_v;
+  const auto mm = [](double metres) {
+    return quantity(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres, "mm");
+  };
+  if (looks_down(by.chart)) return fmt::format("[{}, {}]", mm(at(0)), mm(at(1)));
+  return fmt::format("[{}, {}, {}]", mm(at(0)), mm(at(1)), mm(at(2)));
+}
+
+std::string normal(const Extension& by) {
+  if (looks_down(by.chart)) return toml_text("z");
+  return vector(by.chart.axis_u.cross(by.chart.axis_v));
+}
+
+std::string unused_name(const Study& study, const std::string& wanted) {
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(study.attachments.begin(), study.attachments.end(),
+                       [&](const auto& one) { return one.name == name; });
+  };
+  std::string name = wanted;
+  for (int n = 2; taken(name); ++n) name = fmt::format("{}_{}", wanted, n);
+  return name;
+}
+
+void append(const Extension& by, const std::string& kind, const Members& more) {
+  Members members{{"kind", toml_text(kind)},
+                  {"name", toml_text(unused_name(by.study, "diagnosed_" + kind))},
+                  {"at", place(by)}};
+  members.insert(members.end(), more.begin(), more.end());
+  by.edit.append("attachment", members, by.comment());
+}
+
+std::string no_negative_mass() {
+  return "an attachment has no negative mass; less material is a matter of geometry";
+}
+
+std::string point_mass(const Extension& by) {
+  if (!(by.number("mass") > 0.0)) return no_negative_mass();
+  append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}});
+  return {};
+}
+
+std::string mass_with_inertia(const Extension& by) {
+  if (!(by.number("mass") > 0.0)) return no_negative_mass();
+  const double radius = by.number("radius_of_gyration");
+  const double inertia = by.number("mass") * radius * radius;
+  const Eigen::Vector3d about = inertia * (by.chart.axis_u.cwiseAbs() + by.chart.axis_v.cwiseAbs());
+  std::string three;
+  for (int k = 0; k < 3; ++k) three += (k > 0 ? ", " : "") + quantity(about(k), "kg m^2");
+  append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}, {"inertia", "[" + three + "]"}});
+  return {};
+}
+
+std::string ground_spring(const Extension& by) {
+  append(by, "spring",
+         {{"direction", normal(by)}, {"stiffness", quantity(by.number("stiffness"), "N/m")}});
+  return {};
+}
+
+std::string ground_damper(const Extension& by) {
+  append(by, "damper",
+         {{"direction", normal(by)}, {"damping", quantity(by.number("damping"), "N s/m")}});
+  return {};
+}
+
+// Its mode is damped by the study's ratio as all modes are: the dashpot gives what that leaves.
+std::string resonator(const Extension& by) {
+  const double ratio = by.number("damping_ratio") - by.study.modes.damping_ratio;
+  append(by, "resonator",
+         {{"direction", normal(by)},
+          {"mass", quantity(by.number("mass"), "kg")},
+          {"frequency", quantity(by.number("frequency"), "Hz")},
+          {"damping_ratio", digits(std::max(ratio, 0.0))}});
+  return {};
+}
+
+constexpr std::array<std::pair<std::string_view, Extend>, 5> kTable{
+    {{"point_mass", point_mass},
+     {"mass_with_inertia", mass_with_inertia},
+     {"ground_spring", ground_spring},
+     {"ground_damper", ground_damper},
+     {"resonator", resonator}}};
+
+}  // namespace
+
+Extend extend_attachments(std::string_view effect) {
+  for (const auto& [name, how] : kTable) {
+    if (name == effect) return how;
+  }
+  return nullptr;
+}
+
+}  // namespace chladni::app

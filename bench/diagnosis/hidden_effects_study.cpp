@@ -1,0 +1,262 @@
+// hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
+//   [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M] [--list]: hides
+//   effects in
+// measurements of a Ritz plate, diagnoses them from a nominal one, and prints what was found, as
+// bench/README.md has it. --tolerance: tables that deviate within the default tolerances, diagnosed
+// with these, from a structure of two degrees less; else the exact model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "diagnosis/diagnosed.h"
+#include "simulators/hidden_effect.h"
+#include "simulators/hidden_score.h"
+#include "simulators/ritz_structure.h"
+
+namespace chladni {
+namespace {
+
+using simulators::CaseScore;
+using simulators::HiddenCase;
+using simulators::Outcome;
+
+struct Arguments {
+  std::string kinds = "all";
+  unsigned seeds = 2, first = 1;
+  simulators::HiddenOptions hidden;
+  simulators::RitzStructureOptions structure;
+  bool tolerance = false, list = false;
+};
+
+struct Trial {
+  std::string group;  // a row of the table
+  std::vector<std::string> kinds;
+  unsigned seed = 0;
+};
+
+struct Done {
+  Trial trial;
+  CaseScore score;
+  double seconds = 0.0, evidence_there = 0.0;
+};
+
+Arguments arguments(int count, char** values) {
+  Arguments all;
+  const auto next = [&](int& i) -> std::string {
+    require(i + 1 < count, fmt::format("{} needs a value", values[i]));
+    return values[++i];
+  };
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    if (word == "--kinds") {
+      all.kinds = next(i);
+    } else if (word == "--seeds") {
+      all.seeds = static_cast<unsigned>(std::stoul(next(i)));
+    } else if (word == "--first") {
+      all.first = static_cast<unsigned>(std::stoul(next(i)));
+    } else if (word == "--lines") {
+      all.hidden.lines = std::stoi(next(i));
+    } else if (word == "--severity") {
+      all.hidden.severity = std::stod(next(i));
+    } else if (word == "--degree") {
+      all.hidden.degree = std::stoi(next(i));
+    } else if (word == "--modes") {
+      all.structure.modes = std::stoi(next(i));
+    } else if (word == "--tolerance") {
+      all.tolerance = true;
+    } else if (word == "--changed-damping") {
+      all.hidden.damping_stays = false;
+    } else if (word == "--list") {
+      all.list = true;
+    } else {
+      throw InvalidInput(fmt::format("'{}' is not known here", word));
+    }
+  }
+  if (all.tolerance) all.hidden.deviation = 1.0;
+  return all;
+}
+
+std::vector<Trial> trials(const Arguments& wanted) {
+  std::vector<Trial> all;
+  std::stringstream words(wanted.kinds);
+  for (std::string word; std::getline(words, word, ',');) {
+    for (unsigned n = 0; n < wanted.seeds; ++n) {
+      const unsigned seed = wanted.first + n;
+      const auto add_each = [&](const std::vector<std::string>& names) {
+        for (const auto& name : names) all.push_back({name, {name}, seed});
+      };
+      if (word == "all") {
+        add_each(simulators::hidden_kinds());
+      } else if (word == "outside") {
+        add_each(simulators::outside_kinds());
+      } else if (word == "pairs") {
+        all.push_back({"pairs", simulators::hidden_pair(seed), seed});
+      } else if (word == "none") {
+        all.push_back({"none", {}, seed});
+      } else {
+        all.push_back({word, {word}, seed});
+      }
+    }
+  }
+  return all;
+}
+
+std::string sizes_of(const HiddenCase& hidden) {
+  std::string text;
+  for (const auto& effect : hidden.truth) {
+    text += text.empty() ? "" : " + ";
+    text += effect.kind;
+    for (const auto& channel : effect.channels) text += "," + channel;
+    for (const auto& [name, value] : effect.size) text += fmt::format(" {}={:.3g}", name, value);
+    if (effect.place) {
+      text +=
+          fmt::format(" at ({:.0f}, {:.0f}) mm", 1e3 * effect.place->x(), 1e3 * effect.place->y());
+    }
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+void print_case(const Done& done, const HiddenCase& hidden) {
+  fmt::print("  {:4} {:11} {:5.1f} s  {}  ->  {}", done.trial.seed, name(done.score.outcome),
+             done.seconds, sizes_of(hidden), done.score.told);
+  for (const auto& effect : done.score.effects) {
+    if (effect.placed) fmt::print(" [{:.2f} mm]", 1e3 * effect.place_error);
+    for (const auto& size : effect.sizes) {
+      fmt::print(" {}={:.4g}(z {:.1f})", size.name, size.value, size.z());
+    }
+  }
+  fmt::print("  ln there {:.3g}\n", done.evidence_there);
+  std::fflush(stdout);
+}
+
+Done diagnosed(const Trial& trial, const Arguments& wanted, const diagnosis::Structure& structure) {
+  const auto hidden = simulators::hidden_case(trial.kinds, trial.seed, wanted.hidden);
+  diagnosis::DiagnosisOptions options;
+  if (!wanted.tolerance) options.tolerances = diagnosis::exact_model();
+  const auto start = std::chrono::steady_clock::now();
+  Done done{trial, {}, 0.0, hidden.evidence_there};
+  try {
+    done.score = scored(hidden, diagnosis::diagnosed(structure, hidden.measured, options));
+  } catch (const std::exception& error) {
+    done.score.outcome = Outcome::wrong;
+    done.score.told = fmt::format("failed: {}", error.what());
+  }
+  done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (wanted.list) print_case(done, hidden);
+  return done;
+}
+
+double quantile(std::vector<double> values, double at) {
+  if (values.empty()) return NAN;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(at * static_cast<double>(values.size() - 1))];
+}
+
+// Right, among, ...: a row per kind; what wrong ones were called; median errors of place and size.
+void print_table(const std::vector<Done>& all) {
+  fmt::print(
+      "\n| hidden | cases | right | among | half | wrong | missed | unexplained | place, mm "
+      "(median, worst) | size error (median) | called, where not right |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::vector<std::string> groups;
+  for (const auto& done : all) {
+    if (std::find(groups.begin(), groups.end(), done.trial.group) == groups.end()) {
+      groups.push_back(done.trial.group);
+    }
+  }
+  for (const auto& group : groups) {
+    std::map<Outcome, int> count;
+    std::map<std::string, int> called;
+    std::vector<double> places;
+    std::vector<double> sizes;
+    int cases = 0;
+    for (const auto& done : all) {
+      if (done.trial.group != group) continue;
+      ++cases;
+      ++count[done.score.outcome];
+      if (done.score.outcome != Outcome::right) ++called[done.score.told];
+      for (const auto& effect : done.score.effects) {
+        if (effect.placed) places.push_back(1e3 * effect.place_error);
+        for (const auto& size : effect.sizes) {
+          if (size.name != "u" && size.name != "v" && size.truth != 0.0) {
+            sizes.push_back(std::abs(size.relative_error()));
+          }
+        }
+      }
+    }
+    std::string others;
+    for (const auto& [told, times] : called) {
+      others += fmt::format("{}{}{}", others.empty() ? "" : "; ", told,
+                            times > 1 ? fmt::format(" ({})", times) : "");
+    }
+    const auto of = [&](Outcome one) { return count[one]; };
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.2f}, {:.2f} | {:.2g} | {} |\n", group,
+               cases, of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
+               of(Outcome::missed), of(Outcome::unexplained), quantile(places, 0.5),
+               quantile(places, 1.0), quantile(sizes, 0.5), others);
+  }
+}
+
+// z of the sizes where the name is right: 0.68, 0.95, 0.997 are expected.
+void print_calibration(const std::vector<Done>& all) {
+  std::vector<double> z;
+  std::vector<double> seconds;
+  int confident = 0;
+  int cases_seen = 0;
+  for (const auto& done : all) {
+    seconds.push_back(done.seconds);
+    ++cases_seen;
+    confident += done.score.confidently_wrong ? 1 : 0;
+    if (done.score.outcome != Outcome::right) continue;
+    for (const auto& effect : done.score.effects) {
+      for (const auto& size : effect.sizes) {
+        if (std::isfinite(size.z())) z.push_back(std::abs(size.z()));
+      }
+    }
+  }
+  const auto within = [&z](double limit) {
+    const auto n = std::count_if(z.begin(), z.end(), [&](double one) { return one < limit; });
+    return static_cast<double>(n) / std::max(1.0, static_cast<double>(z.size()));
+  };
+  fmt::print(
+      "\n{} sizes and places of right cases: |z| < 1: {:.3f}, < 2: {:.3f}, < 3: {:.3f}, "
+      "median {:.2f}, 95 % {:.2f}\n",
+      z.size(), within(1.0), within(2.0), within(3.0), quantile(z, 0.5), quantile(z, 0.95));
+  fmt::print("a name given with more than 0.9 that is not of the truth: {} of {}\n", confident,
+             cases_seen);
+  fmt::print("seconds: median {:.1f}, 95 % {:.1f}, most {:.1f}\n", quantile(seconds, 0.5),
+             quantile(seconds, 0.95), quantile(seconds, 1.0));
+}
+
+int studied(int count, char** values) {
+  const auto wanted = arguments(count, values);
+  const int degree = wanted.hidden.degree - (wanted.tolerance ? 2 : 0);
+  const auto structure = simulators::ritz_structure(simulators::believed_table(degree),
+                                                    simulators::table_channels(), wanted.structure);
+  std::vector<Done> all;
+  for (const auto& trial : trials(wanted)) all.push_back(diagnosed(trial, wanted, structure));
+  print_table(all);
+  print_calibration(all);
+  return 0;
+}
+
+}  // namespace
+}  // namespace chladni
+
+int main(int count, char** values) {
+  try {
+    return chladni::studied(count, values);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}

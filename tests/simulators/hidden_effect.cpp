@@ -1,0 +1,312 @@
+#include "simulators/hidden_effect.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+
+#include "base/error.h"
+#include "simulators/hidden_recipe.h"
+
+namespace chladni::simulators {
+namespace {
+
+using Eigen::Index;
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+constexpr double kDamping = 5e-3;
+
+Recipe believed(int degree) {
+  Recipe recipe;
+  recipe.body = believed_table(degree).body;
+  recipe.channels = table_channels();
+  const auto p = recipe.channels.outputs.rows();
+  const auto q = recipe.channels.inputs.rows();
+  recipe.output_of.resize(static_cast<std::size_t>(p));
+  recipe.input_of.resize(static_cast<std::size_t>(q));
+  std::iota(recipe.output_of.begin(), recipe.output_of.end(), 0);
+  std::iota(recipe.input_of.begin(), recipe.input_of.end(), 0);
+  recipe.outputs.resize(static_cast<std::size_t>(p));
+  recipe.inputs.resize(static_cast<std::size_t>(q));
+  recipe.output_mix = Eigen::MatrixXd::Identity(p, p);
+  recipe.input_mix = Eigen::MatrixXd::Identity(q, q);
+  return recipe;
+}
+
+RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays) {
+  const auto& first = believed_table(recipe.body.degree);
+  const bool other = plate.body.length != first.body.length || plate.body.width != first.body.width;
+  const auto& owner = stays && !other ? first : plate;
+  const double ratio = kDamping * recipe.damping_factor;
+  auto damping = recipe.hysteretic
+                     ? hysteretic_damping(owner, ratio)
+                     : modal_damping(owner, ratio, recipe.damping_exponent, first.frequency_hz(6));
+  const auto count = std::min(recipe.damping_spread.size(), plate.mode_count());
+  for (auto* losses : {&damping.viscous, &damping.loss}) {
+    if (losses->size() > 0) losses->diagonal().head(count).array() *= recipe.damping_spread.array();
+  }
+  return &owner == &plate ? damping : carried_over(damping, owner, plate);
+}
+
+Complex passed(const ChannelFilter& filter, double omega) {
+  const Complex s(0.0, omega);
+  Complex value = filter.gain * std::exp(-s * filter.delay_s) * std::pow(s, filter.power);
+  if (filter.corner_hz > 0.0) value /= 1.0 + s / (2.0 * pi * filter.corner_hz);
+  if (filter.notch_hz > 0.0) {
+    const double own = 2.0 * pi * filter.notch_hz;
+    const Complex through = s * s + own * own;
+    value *= through / (through + 2.0 * filter.notch_damping * own * s);
+  }
+  return value;
+}
+
+// From what the plate does to what is recorded, on one line.
+Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, double omega) {
+  Eigen::MatrixXcd seen = plate;
+  if (recipe.foreign_hz > 0.0) {
+    const double own = 2.0 * pi * recipe.foreign_hz;
+    const Complex dynamic(own * own - omega * omega, 2.0 * recipe.foreign_damping * own * omega);
+    seen += (recipe.foreign_outputs * recipe.foreign_inputs.transpose()).cast<Complex>() / dynamic;
+  }
+  Eigen::MatrixXcd value(seen.rows(), seen.cols());
+  for (Index i = 0; i < value.rows(); ++i) {
+    for (Index j = 0; j < value.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i);
+      const auto col = static_cast<std::size_t>(j);
+      value(i, j) = passed(recipe.outputs[row], omega) * passed(recipe.inputs[col], omega) *
+                    seen(recipe.output_of[row], recipe.input_of[col]);
+    }
+  }
+  return recipe.output_mix * value * recipe.input_mix;
+}
+
+std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::VectorXd& hz,
+                                        bool damping_stays) {
+  RitzStage stage{recipe.same_body ? believed_table(recipe.body.degree) : ritz_modes(recipe.body),
+                  {},
+                  {},
+                  {},
+                  {},
+                  {}};
+  stage.damping = damping_of(recipe, stage.plate, damping_stays);
+  stage.points = recipe.points;
+  stage.resonators = recipe.resonators;
+  stage.pads = recipe.pads;
+  stage.frame = recipe.frame;
+  auto value = ritz_receptance(stage, {recipe.channels.outputs, recipe.channels.inputs, hz});
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    value[k] = recorded(recipe, value[k], 2.0 * pi * hz(static_cast<Index>(k)));
+  }
+  return value;
+}
+
+// As the paper of the test says: the channels as they are meant to be.
+std::vector<modal::MeasuredChannel> channels(const std::vector<std::string>& names,
+                                             const Eigen::MatrixX2d& places,
+                                             const std::string& unit) {
+  std::vector<modal::MeasuredChannel> list(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto place = places.row(static_cast<Index>(i));
+    list[i].name = names[i];
+    list[i].direction = Eigen::Vector3d::UnitZ();
+    list[i].position = Eigen::Vector3d(place(0), place(1), 0.0);
+    list[i].unit = unit;
+  }
+  return list;
+}
+
+double median_magnitude(const std::vector<Eigen::MatrixXcd>& value) {
+  std::vector<double> all;
+  for (const auto& g : value) {
+    for (const auto& entry : g.reshaped()) all.push_back(std::abs(entry));
+  }
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
+void measure(HiddenCase& made, const HiddenOptions& options, Dice& dice) {
+  const double floor = options.floor_noise * median_magnitude(made.exact);
+  const double relative = options.relative_noise * options.relative_noise;
+  for (const auto& g : made.exact) {
+    const Eigen::MatrixXd variance = (relative * g.cwiseAbs2().array() + floor * floor).matrix();
+    const Eigen::MatrixXd deviation = (0.5 * variance).cwiseSqrt();
+    Eigen::MatrixXcd noise(g.rows(), g.cols());
+    noise.real() = deviation.cwiseProduct(dice.normal(g.rows(), g.cols()));
+    noise.imag() = deviation.cwiseProduct(dice.normal(g.rows(), g.cols()));
+    made.measured.value.emplace_back(g + noise);
+    made.measured.variance.push_back(variance);
+  }
+}
+
+const HiddenKind& kind_of(const std::string& name) {
+  for (const auto& kind : all_hidden_kinds()) {
+    if (kind.name == name) return kind;
+  }
+  throw InvalidInput(fmt::format("no kind of hidden effect '{}'", name));
+}
+
+std::vector<std::string> names_of(bool outside) {
+  std::vector<std::string> names;
+  for (const auto& kind : all_hidden_kinds()) {
+    if (kind.outside == outside) names.push_back(kind.name);
+  }
+  return names;
+}
+
+// Within what everybody tolerates.
+void deviate(Recipe& recipe, Dice& dice, double times) {
+  if (times == 0.0) return;
+  const auto draw = [&](double deviation) { return times * deviation * dice.normal(); };
+  for (auto* filters : {&recipe.outputs, &recipe.inputs}) {
+    for (auto& filter : *filters) filter.gain *= 1.0 + draw(5e-3);
+  }
+  const double late = draw(1e-6);
+  for (auto& filter : recipe.outputs) filter.delay_s += late;
+  recipe.channels.outputs += times * 5e-4 * dice.normal(4, 2);
+  recipe.channels.inputs += times * 5e-4 * dice.normal(13, 2);
+  auto& body = recipe.body;
+  const double stiffer = 1.0 + draw(5e-3);
+  for (double* q : {&body.stiffness.q11, &body.stiffness.q12, &body.stiffness.q22,
+                    &body.stiffness.q66, &body.stiffness.shear}) {
+    *q *= stiffer;
+  }
+  body.stiffness.q11 *= 1.0 + draw(5e-3);
+  body.density *= 1.0 + draw(3e-3);
+  const double mean = body.thickness(0, 0);
+  body.thickness = Eigen::MatrixXd::Zero(3, 3);
+  body.thickness(0, 0) = mean;
+  for (Index i = 0; i < 3; ++i) {
+    for (Index j = 0; i + j < 3; ++j) body.thickness(i, j) += mean * draw(1.5e-3);
+  }
+  recipe.damping_spread = (times * 0.2 * dice.normal(120, 1)).array().exp();
+  recipe.same_body = false;
+}
+
+// One seed does not draw alike for all kinds (FNV-1a).
+unsigned seed_of(const std::vector<std::string>& kinds, unsigned seed) {
+  std::uint32_t hash = 2166136261U ^ seed;
+  for (const auto& kind : kinds) {
+    for (const char letter : kind) {
+      hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
+    }
+  }
+  return hash;
+}
+
+// What is hidden, in the recipe and in the record of the truth.
+void hide(Recipe& recipe, HiddenCase& made, const std::vector<std::string>& kinds, Drawn& drawn,
+          double severity) {
+  for (const auto& name : kinds) {
+    const auto& kind = kind_of(name);
+    const double own = drawn.dice.uniform();
+    drawn.severity = severity < 0.0 ? own : severity;
+    auto effect = kind.hide(recipe, drawn);
+    effect.kind = kind.name;
+    if (effect.place) drawn.taken_places.push_back(*effect.place);
+    drawn.taken_channels.insert(drawn.taken_channels.end(), effect.channels.begin(),
+                                effect.channels.end());
+    made.outside = made.outside || kind.outside;
+    made.truth.push_back(std::move(effect));
+  }
+}
+
+}  // namespace
+
+double Drawn::size(double low, double high) { return low * std::pow(high / low, severity); }
+
+Eigen::Vector2d Drawn::place(double margin) {
+  for (int attempt = 0;; ++attempt) {
+    const double x = dice.between(margin - 0.3, 0.3 - margin);
+    const double y = dice.between(margin - 0.3, 0.3 - margin);
+    const Eigen::Vector2d found(x, y);
+    const bool free = std::none_of(taken_places.begin(), taken_places.end(),
+                                   [&](const auto& one) { return (one - found).norm() < 0.12; });
+    if (free || attempt > 200) return found;
+  }
+}
+
+Index Drawn::channel(const std::vector<std::string>& names) {
+  for (;;) {
+    const Index found = dice.below(static_cast<Index>(names.size()));
+    const auto& name = names[static_cast<std::size_t>(found)];
+    if (std::find(taken_channels.begin(), taken_channels.end(), name) == taken_channels.end()) {
+      return found;
+    }
+  }
+}
+
+const std::vector<std::string>& hidden_kinds() {
+  static const auto names = names_of(false);
+  return names;
+}
+
+const std::vector<std::string>& outside_kinds() {
+  static const auto names = names_of(true);
+  return names;
+}
+
+std::vector<std::string> hidden_pair(unsigned seed) {
+  Dice dice(seed ^ 0x9e3779b9U);
+  const auto& names = hidden_kinds();
+  const auto drawn = [&] {
+    return names[static_cast<std::size_t>(dice.below(static_cast<Index>(names.size())))];
+  };
+  // A label that is exchanged and something else of the same labels have two descriptions.
+  const auto side = [](const std::string& name) {
+    if (name.find("sensor") != std::string::npos) return 1;
+    return name.find("actuator") != std::string::npos ? 2 : 0;
+  };
+  const auto clash = [&](const std::string& a, const std::string& b) {
+    const bool labels = a.starts_with("swapped") || b.starts_with("swapped");
+    return a == b || (labels && side(a) == side(b));
+  };
+  auto first = drawn();
+  auto second = drawn();
+  while (clash(first, second)) second = drawn();
+  return {first, second};
+}
+
+const RitzModes& believed_table(int degree) {
+  static std::map<int, RitzModes> kept;
+  auto found = kept.find(degree);
+  if (found == kept.end()) {
+    found = kept.emplace(degree, ritz_modes(aluminium_table(degree))).first;
+  }
+  return found->second;
+}
+
+HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
+                       const HiddenOptions& options) {
+  require(options.lines > 1 && options.low_hz > 0.0 && options.high_hz > options.low_hz,
+          "two lines or more above 0 Hz are expected");
+  auto recipe = believed(options.degree);
+  HiddenCase made;
+  auto& measured = made.measured;
+  measured.outputs = channels(recipe.channels.output_names, recipe.channels.outputs, "m");
+  measured.inputs = channels(recipe.channels.input_names, recipe.channels.inputs, "N");
+  measured.frequency_hz =
+      Eigen::VectorXd::LinSpaced(options.lines, options.low_hz, options.high_hz);
+  const auto nominal = responses(recipe, measured.frequency_hz, true);
+  Drawn drawn{Dice(seed_of(kinds, seed)), 0.0, {}, {}};
+  Dice built(seed + 0x51ed270bU);
+  deviate(recipe, built, options.deviation);
+  hide(recipe, made, kinds, drawn, options.severity);
+  const bool as_believed = kinds.empty() && options.deviation == 0.0;
+  made.exact =
+      as_believed ? nominal : responses(recipe, measured.frequency_hz, options.damping_stays);
+  measure(made, options, drawn.dice);
+  for (std::size_t k = 0; k < nominal.size(); ++k) {
+    made.evidence_there +=
+        ((made.exact[k] - nominal[k]).cwiseAbs2().array() / measured.variance[k].array()).sum();
+  }
+  return made;
+}
+
+}  // namespace chladni::simulators

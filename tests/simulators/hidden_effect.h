@@ -1,0 +1,69 @@
+// Measurements of a wafer table in which something is hidden. A seed determines what, where and how
+// much; a diagnosis is given `measured` and nothing else.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "modal/frf_set.h"
+#include "simulators/ritz_plate.h"
+
+namespace chladni::simulators {
+
+/// What is true. The names of `size` are those of the kind's table (hidden_kinds.cpp), in SI.
+struct HiddenEffect {
+  std::string kind;
+  std::map<std::string, double> size;
+  std::optional<Eigen::Vector2d> place;  ///< [m]
+  std::vector<std::string> channels;
+};
+
+struct HiddenOptions {
+  int lines = 500;
+  double low_hz = 20.0, high_hz = 900.0;
+  double relative_noise = 0.01;  ///< circular, E|n|² = σ², of |G| of the same line and response
+  double floor_noise = 1e-3;     ///< of the median |G| over all; squares add
+  int degree = 14;               ///< of the plates' polynomials
+  /// 0 (hardly seen) to 1 (large), between the ends of each kind's range as a logarithm; below 0:
+  /// drawn.
+  double severity = -1.0;
+  /// The damping is a matrix that does not change when the plate does; false: the changed plate's
+  /// modes are damped as the nominal one's.
+  bool damping_stays = true;
+  /// What no two tables have alike, in multiples of: gain of each channel 0.5 %, its place 0.5 mm
+  /// along each axis, delay 1 µs, modulus 0.5 %, density 0.3 %, thickness 0.15 % in each of six
+  /// smooth waves, stiffness along x 0.5 %, damping of each mode 20 %.
+  double deviation = 0.0;
+};
+
+struct HiddenCase {
+  modal::FrfSet measured;  ///< receptances by name, with places, directions and true variances
+  std::vector<HiddenEffect> truth;
+  bool outside = false;  ///< the truth has a kind that no catalogue of physical causes has
+  std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: without noise
+  /// Σ |exact − nominal|² / σ²: the logarithm of the likelihood ratio that an effect known
+  /// beforehand would have.
+  double evidence_there = 0.0;
+};
+
+/// Kinds that a diagnosis should name; kinds that it cannot. "none" is in neither.
+[[nodiscard]] const std::vector<std::string>& hidden_kinds();
+[[nodiscard]] const std::vector<std::string>& outside_kinds();
+
+/// Two kinds of hidden_kinds() that can be told apart when they act together.
+[[nodiscard]] std::vector<std::string> hidden_pair(unsigned seed);
+
+/// The table as everybody believes it to be: aluminium_table, channels of models/oat/minimal,
+/// modes 0.5 % damped. Kept between calls.
+[[nodiscard]] const RitzModes& believed_table(int degree = 14);
+
+/// Cost: 0.3 to 1.5 s for 500 lines and degree 14.
+/// @param kinds  none, one or several; several act on different channels and places
+/// @throws InvalidInput  an unknown kind
+[[nodiscard]] HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
+                                     const HiddenOptions& options = {});
+
+}  // namespace chladni::simulators

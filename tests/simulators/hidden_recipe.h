@@ -1,0 +1,65 @@
+// How a table differs from what is believed: filled in by kinds of effects, one after the other.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "simulators/hidden_effect.h"
+#include "simulators/portable_random.h"
+#include "simulators/ritz_response.h"
+#include "simulators/table_channels.h"
+
+namespace chladni::simulators {
+
+/// Between a channel and its record; 0: without.
+struct ChannelFilter {
+  double gain = 1.0, delay_s = 0.0;
+  double corner_hz = 0.0;                      ///< first-order low-pass
+  double notch_hz = 0.0, notch_damping = 0.0;  ///< (s² + ω²) / (s² + 2 ζ ω s + ω²)
+  int power = 0;                               ///< times (jω)^power
+};
+
+struct Recipe {
+  RitzBody body;
+  bool same_body = true;
+  std::vector<RitzPoint> points;
+  std::vector<RitzResonator> resonators;
+  std::vector<RitzPad> pads;
+  std::optional<RitzFrame> frame;
+  double damping_factor = 1.0, damping_exponent = 0.0;
+  bool hysteretic = false;
+  Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is
+  TableChannels channels;
+  std::vector<Eigen::Index> output_of, input_of;  ///< which one a record shows
+  std::vector<ChannelFilter> outputs, inputs;     ///< of the records
+  Eigen::MatrixXd output_mix, input_mix;          ///< (1 + Y) G (1 + X)
+  /// A mode that is not of the plate's bending.
+  double foreign_hz = 0.0, foreign_damping = 0.0;
+  Eigen::VectorXd foreign_outputs, foreign_inputs;  ///< [kg^-1/2]
+};
+
+/// What a kind draws: sizes within its range, and where.
+struct Drawn {
+  Dice dice;
+  double severity;  ///< in [0, 1]
+  std::vector<Eigen::Vector2d> taken_places;
+  std::vector<std::string> taken_channels;
+
+  /// low (high / low)^severity.
+  double size(double low, double high);
+  double sign() { return dice.uniform() < 0.5 ? -1.0 : 1.0; }
+  /// Off the rim by `margin` and 120 mm off others.
+  Eigen::Vector2d place(double margin = 0.01);
+  /// One that nothing else was done to.
+  Eigen::Index channel(const std::vector<std::string>& names);
+};
+
+struct HiddenKind {
+  std::string name;
+  bool outside = false;
+  HiddenEffect (*hide)(Recipe&, Drawn&);
+};
+[[nodiscard]] const std::vector<HiddenKind>& all_hidden_kinds();
+
+}  // namespace chladni::simulators
