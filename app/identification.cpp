@@ -58,13 +58,6 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   return options;
 }
 
-Eigen::Index index_of(const std::vector<modal::MeasuredChannel>& channels,
-                      const std::string& name) {
-  const auto found = std::find_if(channels.begin(), channels.end(),
-                                  [&](const auto& one) { return one.name == name; });
-  return found == channels.end() ? -1 : found - channels.begin();
-}
-
 // Seen along its own direction: a sensor and an actuator on both faces of a plate are one place.
 std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
   for (auto& one : channels) {
@@ -102,9 +95,7 @@ Eigen::MatrixXd simulated_rows(const std::vector<modal::MeasuredChannel>& measur
   const auto all = shapes_at(channels, sites, modes);
   std::vector<Eigen::Index> rows;
   for (const auto& one : measured) {
-    const auto found = std::find_if(channels.begin(), channels.end(),
-                                    [&](const auto& channel) { return channel.name == one.name; });
-    rows.push_back(found - channels.begin());
+    rows.push_back(index_of(channels, one.name));
   }
   return all(rows, Eigen::all);
 }
@@ -216,8 +207,7 @@ identification::GainPrior gain_prior(const Study& study, const Solution& solutio
   const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
     std::vector<ChannelSite> chosen;
     for (const auto& channel : channels) {
-      chosen.push_back(*std::find_if(sites.begin(), sites.end(),
-                                     [&](const auto& one) { return one.name == channel.name; }));
+      chosen.push_back(sites[static_cast<std::size_t>(index_of(sites, channel.name))]);
     }
     return places_at(chosen, solution.modes);
   };
