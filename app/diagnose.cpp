@@ -1,15 +1,13 @@
 // chladni diagnose STUDY: what the simulation gets wrong, its cause, the extended study, the gain.
 #include "app/diagnosis.h"
-#include "app/diagnosis_structure.h"
 
 namespace chladni::app {
 namespace {
 
 void run(const Study& study, Run& run) {
-  const Solution solution = solved(with_modes_for_diagnosis(study), run);
-  const Diagnosed result = diagnosed(study, solution, run);
+  const Diagnosed result = diagnosed(study, run);
   run.show(diagnosis_table(result));
-  leave_diagnosis(study, solution, result, run, true);
+  leave_diagnosis(study, result, run, true);
 }
 
 }  // namespace

@@ -200,7 +200,8 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
   if (one.result.best.causes.empty() || one.result.verdict == diagnosis::Verdict::unexplained) {
     return;
   }
-  const auto allowed = run.options().allowed;
+  auto allowed = run.options().allowed;
+  allowed.push_back(std::filesystem::absolute(study.file).parent_path());  // its data stay there
   one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface,
                                 one.result.best.causes, run / "", allowed);
   const auto part = run.part("extended: ");
@@ -213,9 +214,11 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
 
 }  // namespace
 
-Diagnosed diagnosed(const Study& study, const Solution& solution, Run& run) {
+Diagnosed diagnosed(const Study& study, Run& run) {
   const auto plan = plan_of(study);
   Diagnosed one;
+  one.before = solved(with_modes_for_diagnosis(study), run);
+  const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
   one.measured = measured_within(study, plan, highest_hz, run);
   one.seen = seen_of(one.measured, study, plan);

@@ -10,6 +10,7 @@
 #include "app/solution.h"
 #include "diagnosis/compare.h"
 #include "diagnosis/diagnosed.h"
+#include "io/report.h"
 
 namespace chladni::app {
 
@@ -26,6 +27,7 @@ struct Gain {
 struct Diagnosed {
   modal::FrfSet measured;  ///< receptances within the band, all channels of the study
   modal::FrfSet seen;      ///< without what was held out
+  Solution before;         ///< of the study, with as many modes as a diagnosis needs
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
@@ -38,7 +40,7 @@ struct Diagnosed {
 /// The measured responses, the study's structure, the comparison, the diagnosis, the extended study
 /// solved again, the gain.
 /// @throws as its steps
-[[nodiscard]] Diagnosed diagnosed(const Study& study, const Solution& solution, Run& run);
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Run& run);
 
 [[nodiscard]] std::string diagnosis_table(const Diagnosed& diagnosed);
 [[nodiscard]] io::JsonObject diagnosis_json(const Diagnosed& diagnosed);
@@ -47,8 +49,10 @@ struct Diagnosed {
 /// "point_mass: 0.2518 +- 0.0001 kg at (127.8, -289.9) mm"
 [[nodiscard]] std::string cause_text(const diagnosis::Cause& cause);
 
+/// Verdict, causes, where, what it gains, the modes: a section of the report.
+[[nodiscard]] io::Section diagnosis_section(const Diagnosed& diagnosed, const Run& run);
+
 /// diagnosis.json, extended.toml, cause_map.vtu and .png, prediction.png
-void leave_diagnosis(const Study& study, const Solution& solution, const Diagnosed& diagnosed,
-                     Run& run, bool main_result);
+void leave_diagnosis(const Study& study, const Diagnosed& diagnosed, Run& run, bool main_result);
 
 }  // namespace chladni::app

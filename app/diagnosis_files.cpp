@@ -1,6 +1,8 @@
 // What `diagnose` leaves: the answer, the extended study, where on the body, the responses.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -72,7 +74,8 @@ Eigen::Vector3d in_body(const diagnosis::Surface& chart, const Eigen::Vector2d& 
   return chart.origin + place(0) * chart.axis_u + place(1) * chart.axis_v;
 }
 
-void leave_map(const Study& study, const Solution& solution, const Diagnosed& one, const Run& run) {
+void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
+  const Solution& solution = one.before;
   const auto& surface = one.structure.surface;
   const auto& map = one.result.map;
   if (map.explained.size() == 0) return;
@@ -99,6 +102,7 @@ void leave_map(const Study& study, const Solution& solution, const Diagnosed& on
     if (!cause.place) continue;
     picture.best.push_back({in_body(surface, *cause.place), cause.effect});
   }
+  picture.star = "the cause";
   picture.markers = markers_of(study, solution.model);
   io::draw_heat_map(run / "cause_map.png", picture);
 }
@@ -167,11 +171,10 @@ void draw_prediction(const Study& study, const Diagnosed& one, const std::filesy
 
 }  // namespace
 
-void leave_diagnosis(const Study& study, const Solution& solution, const Diagnosed& one, Run& run,
-                     bool main_result) {
+void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool main_result) {
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
-  leave_map(study, solution, one, run);
+  leave_map(study, one, run);
   if (run.options().pictures) draw_prediction(study, one, run / "prediction.png");
 }
 

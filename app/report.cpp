@@ -187,6 +187,9 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));
   }
+  if (found.diagnosis != nullptr) {
+    report.sections.push_back(diagnosis_section(*found.diagnosis, run));
+  }
   if (found.placement != nullptr) {
     report.sections.push_back(placement_section(solution, *found.placement, run));
   }

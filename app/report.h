@@ -1,6 +1,7 @@
 // The page that shows what a study found.
 #pragma once
 
+#include "app/diagnosis.h"
 #include "app/interpolation.h"
 #include "app/placement.h"
 
@@ -10,6 +11,7 @@ namespace chladni::app {
 struct Found {
   const Placed* placement = nullptr;
   const Interpolated* shapes = nullptr;
+  const Diagnosed* diagnosis = nullptr;
 };
 
 /// report.html: the modes with a viewer, where devices belong, the interpolated shapes, the body,

@@ -27,12 +27,21 @@ void run(const Study& study, Run& run) {
     leave_placement(study, solution, *placement, run, false);
   }
   std::optional<Interpolated> shapes;
-  if (study.measurement && is_there(*study.measurement)) {
+  const bool measured = study.measurement && is_there(*study.measurement);
+  if (measured && (study.interpolation || !study.diagnosis)) {
     shapes = interpolated(study, solution, run);
     run.show("\n" + interpolation_table(*shapes));
     leave_interpolation(study, solution, *shapes, run, false);
   }
-  leave_report(study, solution, {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr},
+  std::optional<Diagnosed> diagnosis;
+  if (measured && study.diagnosis) {
+    diagnosis = diagnosed(study, run);
+    run.show("\n" + diagnosis_table(*diagnosis));
+    leave_diagnosis(study, *diagnosis, run, false);
+  }
+  leave_report(study, solution,
+               {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr,
+                diagnosis ? &*diagnosis : nullptr},
                run);
   if (!study.expectations.empty()) judge(study, solution, run);
 }

@@ -101,6 +101,22 @@ double log_prior(const Supposed& supposed, const Structure& structure) {
   return sum - std::log(structure.surface.area.sum());
 }
 
+void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to) {
+  Eigen::Index u = -1;
+  Eigen::Index v = -1;
+  Eigen::Index i = 0;
+  for (const auto& parameter : to.effect->parameters(structure)) {
+    if (parameter.scale == Parameter::Scale::place_u) u = i;
+    if (parameter.scale == Parameter::Scale::place_v) v = i;
+    ++i;
+  }
+  if (u < 0 || v < 0) return;
+  for (int half = 0; half < 12 && !structure.surface.at({to.x(u), to.x(v)}); ++half) {
+    to.x(u) = 0.5 * (to.x(u) + from.x(u));
+    to.x(v) = 0.5 * (to.x(v) + from.x(v));
+  }
+}
+
 Eigen::Index one_option(const Structure& /*structure*/) { return 1; }
 std::vector<std::string> no_channels(const Structure& /*structure*/, Eigen::Index /*option*/) {
   return {};

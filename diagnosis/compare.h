@@ -26,6 +26,7 @@ struct ModeComparison {
   std::vector<Eigen::Index> simulated_alone;                  ///< within the measured modes' band
   std::vector<Eigen::Index> measured_alone;                   ///< columns without a partner
   std::vector<Eigen::Index> simulated_modes, measured_modes;  ///< rows and columns of `mac`
+  std::vector<double> simulated_hz, measured_hz;              ///< of these
   Eigen::MatrixXd mac;  ///< MAC at the sensors times MAC at the actuators
   /// Per sensor and actuator over all pairs, each shape with unit norm on its side, in [0, 1].
   Eigen::VectorXd output_comac, input_comac;

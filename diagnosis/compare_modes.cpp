@@ -153,6 +153,8 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   const Seen a = seen(simulated, outputs, inputs, 2.0 * last);
   result.simulated_modes = a.column;
   result.measured_modes = b.column;
+  result.simulated_hz = {a.frequency_hz.begin(), a.frequency_hz.end()};
+  result.measured_hz = {b.frequency_hz.begin(), b.frequency_hz.end()};
   result.measured_alone = b.column;
   if (a.column.empty()) return result;
   const auto pairing = paired(a, b, options);

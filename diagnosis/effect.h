@@ -73,6 +73,9 @@ struct Supposed {
 /// ln of the prior density of the coordinates and of the choice; −∞ beside the surface.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
 
+/// What lies beside the surface taken back toward where it came from, by halves, until it is on it.
+void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to);
+
 /// For entries of the table: effects without a choice.
 [[nodiscard]] Eigen::Index one_option(const Structure& structure);
 [[nodiscard]] std::vector<std::string> no_channels(const Structure& structure, Eigen::Index option);

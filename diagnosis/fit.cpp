@@ -48,11 +48,16 @@ double objective(const Problem& problem, const Fit& fit) {
          prior_of(problem.structure, fit.causes);
 }
 
-void step(Fit& fit, const std::vector<Column>& columns, const VectorXd& by) {
+void step(const Structure& structure, Fit& fit, const std::vector<Column>& columns,
+          const VectorXd& by) {
+  const auto before = fit.causes;
   for (std::size_t n = 0; n < columns.size(); ++n) {
     fit.causes[columns[n].cause].x(columns[n].coordinate) += by(static_cast<Index>(n));
   }
   fit.eta += by.tail(fit.eta.size());
+  for (std::size_t c = 0; c < before.size(); ++c) {
+    keep_on_surface(structure, before[c], fit.causes[c]);
+  }
 }
 
 // Slope and curvature of −ln prior at the fit.
@@ -169,7 +174,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
       const VectorXd by = -damped.llt().solve(gradient);
       const double promised = -gradient.dot(by) - 0.5 * by.dot(curvature * by);
       Fit next = fit;
-      step(next, columns, by);
+      step(problem.structure, next, columns, by);
       if (std::isfinite(prior_of(problem.structure, next.causes))) {
         Solved there = solved_at(problem, next);
         VectorXd left = residual(problem.observed, there.value);

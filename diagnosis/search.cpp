@@ -83,6 +83,7 @@ Candidate improved(const Scene& scene, Candidate candidate) {
       damped.diagonal().array() += 1e-300;
       Supposed next = candidate.cause;
       next.x += damped.llt().solve(toward);
+      keep_on_surface(scene.structure(), candidate.cause, next);
       if (std::isfinite(log_prior(next, scene.structure()))) {
         const double misfit = scene.misfits(effect, {{next.option, next.x}})(0);
         if (misfit < candidate.misfit) {
@@ -194,15 +195,26 @@ void keep(std::vector<Fit>& fits, Fit fit) {
   fits.insert(place, std::move(fit));
 }
 
+// What is large stretches the tolerances out of shape: it is looked for with them at rest; what is
+// small hides in them: with them as they were fitted; between the two both ways.
+std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
+  const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
+  const bool first = level.number == 1;
+  const bool large = first && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
+  std::vector<Candidate> all;
+  if (!large) all = looked_at(level, base, false);
+  if (large || (first && stretch > 0.1)) {
+    for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
+  }
+  std::ranges::stable_sort(all, {}, &Candidate::misfit);
+  return all;
+}
+
 // One more cause on top of each of the beam; what came of it.
 std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
   std::vector<Fit> grown;
   for (const auto& base : beam) {
-    auto all = looked_at(level, base, false);
-    if (level.number == 1 && base.eta.norm() > 1.0) {
-      for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
-      std::ranges::stable_sort(all, {}, &Candidate::misfit);
-    }
+    auto all = candidates_of(level, base);
     std::vector<std::pair<const Effect*, Index>> done;
     for (const auto& candidate : all) {
       if (static_cast<int>(done.size()) >= level.limits.fits_per_level) break;

@@ -85,10 +85,10 @@ void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& pictu
   }
   request.doubles["marker_places"] = places_of(picture.markers, frame);
   for (const auto& marker : picture.markers) markers.emplace_back(marker_json(marker));
-  request.head = JsonObject{{"kind", "heat_map"},         {"title", picture.title},
-                            {"scale", picture.scale},     {"lowest", picture.lowest},
-                            {"highest", picture.highest}, {"lines", std::move(lines)},
-                            {"best", std::move(best)},    {"markers", std::move(markers)}};
+  request.head = JsonObject{
+      {"kind", "heat_map"},       {"title", picture.title},     {"scale", picture.scale},
+      {"lowest", picture.lowest}, {"highest", picture.highest}, {"lines", std::move(lines)},
+      {"best", std::move(best)},  {"star", picture.star},       {"markers", std::move(markers)}};
   write_atomically(png, painted(request));
 }
 

@@ -25,6 +25,7 @@ struct HeatMapPicture {
     std::string label;
   };
   std::vector<Best> best;       ///< the best first
+  std::string star = "best places of a pair, limiting mode";  ///< what a star of `best` means
   std::vector<Marker> markers;  ///< channels
 };
 

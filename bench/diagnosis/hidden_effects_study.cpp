@@ -1,6 +1,6 @@
 // hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
-//   [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M] [--list]: hides
-//   effects in
+//   [--write FILE] [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M]
+//   [--list]: hides effects in
 // measurements of a Ritz plate, diagnoses them from a nominal one, and prints what was found, as
 // bench/README.md has it. --tolerance: tables that deviate within the default tolerances, diagnosed
 // with these, from a structure of two degrees less; else the exact model.
@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "diagnosis/diagnosed.h"
+#include "io/frf_file.h"
 #include "simulators/hidden_effect.h"
 #include "simulators/hidden_score.h"
 #include "simulators/ritz_structure.h"
@@ -35,6 +36,7 @@ struct Arguments {
   simulators::HiddenOptions hidden;
   simulators::RitzStructureOptions structure;
   bool tolerance = false, list = false;
+  std::string write;  ///< a file for the first case instead of a diagnosis
 };
 
 struct Trial {
@@ -63,6 +65,8 @@ Arguments arguments(int count, char** values) {
       all.seeds = static_cast<unsigned>(std::stoul(next(i)));
     } else if (word == "--first") {
       all.first = static_cast<unsigned>(std::stoul(next(i)));
+    } else if (word == "--write") {
+      all.write = next(i);
     } else if (word == "--lines") {
       all.hidden.lines = std::stoi(next(i));
     } else if (word == "--severity") {
@@ -237,8 +241,25 @@ void print_calibration(const std::vector<Done>& all) {
              quantile(seconds, 0.95), quantile(seconds, 1.0));
 }
 
+// The first case as a file of measured responses; what is true of it on standard output.
+void write_first(const Arguments& wanted) {
+  const auto trial = trials(wanted).front();
+  const auto hidden = simulators::hidden_case(trial.kinds, trial.seed, wanted.hidden);
+  for (const auto& truth : hidden.truth) {
+    fmt::print("{}", truth.kind);
+    if (truth.place) fmt::print(" at ({:.6g}, {:.6g}) m", truth.place->x(), truth.place->y());
+    for (const auto& [name, value] : truth.size) fmt::print(" {} {:.6g}", name, value);
+    fmt::print("\n");
+  }
+  for (const auto& lost : io::write_frf(wanted.write, hidden.measured)) fmt::print("{}\n", lost);
+}
+
 int studied(int count, char** values) {
   const auto wanted = arguments(count, values);
+  if (!wanted.write.empty()) {
+    write_first(wanted);
+    return 0;
+  }
   const int degree = wanted.hidden.degree - (wanted.tolerance ? 2 : 0);
   const auto structure = simulators::ritz_structure(simulators::believed_table(degree),
                                                     simulators::table_channels(), wanted.structure);

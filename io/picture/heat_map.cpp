@@ -109,8 +109,8 @@ double paint_entry(Canvas& canvas, double x, double top, const std::string& word
 }
 
 void paint_legend(Canvas& canvas, const io::Message& request, double top) {
-  double x = paint_entry(canvas, kMargin, top, "nodal lines of");
   const auto& lines = request.head.at("lines").array();
+  double x = lines.empty() ? kMargin : paint_entry(canvas, kMargin, top, "nodal lines of");
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const double wide = 42.0 + canvas.text_width(lines[k].string(), kSmall);
     if (x + wide > kWidth - kMargin - 110.0 && k + 1 < lines.size()) {
@@ -122,14 +122,14 @@ void paint_legend(Canvas& canvas, const io::Message& request, double top) {
     x = paint_entry(canvas, x + 42.0, top, lines[k].string());
   }
   x = kMargin;
-  const double second = top + kRow;
+  const double second = lines.empty() ? top : top + kRow;
   if (request.cells("forbidden").rows() > 0) {
     paint_rectangle(canvas, x, second, 34.0, 18.0, kForbidden, 0.6);
     x = paint_entry(canvas, x + 42.0, second, "forbidden");
   }
   if (request.numbers("best").rows() > 0) {
     paint_star(canvas, {x + 10.0, second + 9.0}, 11.0);
-    x = paint_entry(canvas, x + 28.0, second, "best places of a pair, limiting mode");
+    x = paint_entry(canvas, x + 28.0, second, request.head.at("star").string());
   }
   std::map<std::string, int> kinds;
   for (const auto& marker : request.head.at("markers").array()) ++kinds[marker.at("kind").string()];

@@ -1,0 +1,25 @@
+// A matrix as coloured squares with its numbers: MAC, errors over channels.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace chladni::io {
+
+struct MatrixPicture {
+  std::string title;
+  std::string row_label, column_label;     ///< what rows and columns are
+  std::vector<std::string> rows, columns;  ///< names, one each
+  Eigen::MatrixXd value;                   ///< not a number: an empty square
+  double light = 0.0, dark = 1.0;          ///< values of the lightest and the darkest colour
+  int decimals = 2;                        ///< of the numbers in the squares, where there is room
+};
+
+/// PNG, 1000 px wide or 1400 for more than 24 columns; the same input gives the same bytes.
+/// @throws InvalidInput  names and values differ in number, no value, more than 200 rows or columns
+/// @throws WorkerDied    as draw_modes
+void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture);
+
+}  // namespace chladni::io

@@ -1,0 +1,87 @@
+// A comparison as people and programs see it.
+#include "app/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/error.h"
+#include "quiet_run.h"
+#include "simulators/frf_cases.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const simulators::FrfCase& table() {
+  static const auto made = simulators::oat4x13();
+  return made;
+}
+
+std::vector<Eigen::MatrixXcd> simulation() {
+  auto other = table().truth;
+  other.frequency_hz *= 1.01;
+  return modal::frf(other, table().measured.frequency_hz).value;
+}
+
+// Its first two sensors exchanged, against a simulation that is 1 % too high.
+diagnosis::Comparison comparison() {
+  auto measured = table().measured;
+  for (auto& value : measured.value) value.row(0).swap(value.row(1));
+  auto model = table().truth;
+  model.frequency_hz *= 1.01;
+  identification::ModalFit fit;
+  fit.model = table().truth;
+  fit.frequency_std_hz = Eigen::VectorXd::Constant(20, 0.01);
+  fit.damping_std = Eigen::VectorXd::Constant(20, 1e-5);
+  fit.output_std = Eigen::MatrixXd::Zero(4, 20);
+  fit.input_std = Eigen::MatrixXd::Zero(20, 13);
+  diagnosis::Comparison result;
+  result.modes = diagnosis::compared(model, fit);
+  result.responses = diagnosis::compared(measured, simulation());
+  result.swaps = diagnosis::swaps(measured, simulation());
+  result.reciprocity = diagnosis::reciprocity(measured, model);
+  return result;
+}
+
+TEST(ComparisonTable, TellsWhatStandsOut) {
+  const auto text = comparison_table(comparison());
+  for (const auto* part : {"140.390", "139.0000 +- 0.01", "-0.990", "y1 and y2 look exchanged",
+                           "responses off by", "to     2398 Hz", "CoMAC"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
+  }
+}
+
+TEST(ComparisonJson, HasANumberForEach) {
+  const io::Json json = comparison_json(comparison());
+  EXPECT_EQ(json.at("modes").array().size(), 17U);
+  const auto& first = json.at("modes").array().front();
+  EXPECT_NEAR(first.at("change").number(), 1.0 / 1.01 - 1.0, 1e-12);
+  EXPECT_NEAR(first.at("mac").number(), 1.0, 1e-9);
+  EXPECT_EQ(json.at("per_channel").array().size(), 52U);
+  EXPECT_EQ(json.at("per_channel").array()[1].at("sensor").string(), "y2");
+  EXPECT_EQ(json.at("sensors").array().size(), 4U);
+  EXPECT_EQ(json.at("actuators").array().size(), 13U);
+  EXPECT_GT(json.at("relative_error").number(), 0.1);
+  EXPECT_EQ(json.at("exchanged").array().front().at("side").string(), "sensors");
+  EXPECT_FALSE(io::text(json).empty());
+}
+
+TEST(ComparisonPictures, AreThere) {
+  const TestFolder folder("comparison");
+  const auto png = [&](const char* name) { return folder.path() / name; };
+  draw_responses(png("responses.png"), table().measured, simulation(), table().exact);
+  draw_mac(png("mac.png"), comparison());
+  draw_errors(png("errors.png"), comparison());
+  for (const auto* name : {"responses.png", "mac.png", "errors.png"}) {
+    EXPECT_GT(fs::file_size(png(name)), 2000U) << name;
+  }
+  draw_mac(png("none.png"), {});
+  EXPECT_FALSE(fs::exists(png("none.png")));
+  EXPECT_THROW(draw_responses(png("none.png"), table().measured, {}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::app

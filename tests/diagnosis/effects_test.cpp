@@ -1,0 +1,176 @@
+// Laws of every effect of the catalogue, a newcomer's too.
+#include "diagnosis/effect.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "diagnosis/deviations.h"
+#include "diagnosis/responses.h"
+#include "diagnosis/small_plate.h"
+#include "simulators/hidden_effect.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXd;
+
+// Coordinates of a size that is plain to see: half a prior width beside its centre, a place beside
+// the middle.
+VectorXd plain_size(const Effect& effect) {
+  const auto parameters = effect.parameters(small_plate());
+  VectorXd x(static_cast<Index>(parameters.size()));
+  for (Index i = 0; i < x.size(); ++i) {
+    const auto& one = parameters[static_cast<std::size_t>(i)];
+    x(i) = one.centre + 0.4 * one.width;
+    if (one.scale == Parameter::Scale::place_u) x(i) = 0.083;
+    if (one.scale == Parameter::Scale::place_v) x(i) = -0.127;
+  }
+  return x;
+}
+
+State with(const Effect& effect, Index option, const VectorXd& x) {
+  State state = state_of(small_plate());
+  effect.apply(state, small_plate(), option, x);
+  return state;
+}
+
+class Effects : public testing::TestWithParam<const Effect*> {
+ protected:
+  void SetUp() override {
+    if (effect().options(small_plate()) == 0) GTEST_SKIP() << "cannot be on this plate";
+  }
+  const Effect& effect() const { return *GetParam(); }
+};
+
+TEST_P(Effects, SayWhatTheyAre) {
+  EXPECT_FALSE(effect().summary.empty());
+  EXPECT_FALSE(effect().source.empty());
+  EXPECT_FALSE(effect().confusable.empty());
+  for (const auto& parameter : effect().parameters(small_plate())) {
+    EXPECT_FALSE(parameter.name.empty());
+    EXPECT_FALSE(parameter.unit.empty());
+    EXPECT_GT(parameter.step, 0.0);
+    EXPECT_NEAR(parameter.coordinate(parameter.value(0.3)), 0.3, 1e-12);
+  }
+  for (Index option = 0; option < std::min<Index>(4, effect().options(small_plate())); ++option) {
+    for (const auto& name : effect().channels(small_plate(), option)) EXPECT_FALSE(name.empty());
+  }
+}
+
+// Sizes at nothing: linear ones at 0, logarithmic ones far below their typical size; a low-pass
+// far above; shares and factors where they leave all as it is.
+TEST_P(Effects, ChangeNothingWhenTheyHaveNoSize) {
+  const auto parameters = effect().parameters(small_plate());
+  if (parameters.empty()) return;  // it is there or not
+  VectorXd x = plain_size(effect());
+  const bool low_pass = effect().name.ends_with("low_pass");
+  for (Index i = 0; i < x.size(); ++i) {
+    const auto& one = parameters[static_cast<std::size_t>(i)];
+    if (one.is_place() || one.name == "radius" || one.name == "radius_of_gyration") continue;
+    if (one.scale != Parameter::Scale::logarithmic) x(i) = 0.0;
+    if (one.name == "factor" && one.scale == Parameter::Scale::logarithmic) x(i) = 0.0;
+    const bool strength = one.name == "mass" || one.name == "stiffness" || one.name == "damping";
+    if (strength && one.scale == Parameter::Scale::logarithmic) x(i) -= 60.0;
+    if (effect().name == "frame" && one.name == "mass") x(i) += 120.0;
+    if (low_pass) x(i) = std::log(1e18);
+  }
+  const auto omega = some_lines();
+  const MatrixXcd before = responses(state_of(small_plate()), omega);
+  const MatrixXcd after = responses(with(effect(), 0, x), omega);
+  EXPECT_LT((after - before).norm(), 1e-9 * before.norm());
+}
+
+TEST_P(Effects, ChangeTheResponsesWhenTheyHaveOne) {
+  const auto omega = some_lines();
+  const MatrixXcd before = responses(state_of(small_plate()), omega);
+  const MatrixXcd after = responses(with(effect(), 0, plain_size(effect())), omega);
+  EXPECT_TRUE(after.allFinite());
+  EXPECT_GT((after - before).norm(), 1e-6 * before.norm());
+}
+
+TEST_P(Effects, HaveSlopesThatAreDifferences) {
+  const auto omega = some_lines();
+  const VectorXd x = plain_size(effect());
+  const auto parameters = effect().parameters(small_plate());
+  const State here = with(effect(), 0, x);
+  const Solved now = solved(here, Body(here, omega));
+  for (Index i = 0; i < x.size(); ++i) {
+    const double h = parameters[static_cast<std::size_t>(i)].step;
+    const State minus = with(effect(), 0, x - h * VectorXd::Unit(x.size(), i));
+    const State plus = with(effect(), 0, x + h * VectorXd::Unit(x.size(), i));
+    const MatrixXcd difference = (responses(plus, omega) - responses(minus, omega)) / (2.0 * h);
+    const MatrixXcd found = slope(here, now, minus, plus, 2.0 * h);
+    const bool placed = parameters[static_cast<std::size_t>(i)].is_place();
+    // Of a place the modes far above are left out of the slope.
+    EXPECT_LT((found - difference).norm(), (placed ? 0.05 : 2e-3) * difference.norm() + 1e-20)
+        << parameters[static_cast<std::size_t>(i)].name;
+  }
+}
+
+TEST_P(Effects, HaveAPriorThatIsADensity) {
+  Supposed supposed{GetParam(), 0, plain_size(effect())};
+  EXPECT_TRUE(std::isfinite(log_prior(supposed, small_plate())));
+  Index i = 0;
+  for (const auto& parameter : effect().parameters(small_plate())) {
+    if (parameter.is_place()) {
+      supposed.x(i) = 10.0;
+      EXPECT_EQ(log_prior(supposed, small_plate()), -HUGE_VAL);
+      return;
+    }
+    ++i;
+  }
+}
+
+std::string name_of(const testing::TestParamInfo<const Effect*>& info) {
+  return std::string(info.param->name);
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, Effects, testing::ValuesIn(effects().begin(), effects().end()),
+                         name_of);
+
+TEST(Catalogue, HasEachNameOnceAndSaysWhatThereIs) {
+  std::set<std::string_view> names;
+  for (const auto* one : effects()) EXPECT_TRUE(names.insert(one->name).second) << one->name;
+  try {
+    (void)effect("point_mas");
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("point_mass"), std::string::npos);
+  }
+}
+
+TEST(Deviations, MoveTheResponsesALittleAndCanBeUndone) {
+  const auto& plate = small_plate();
+  const auto omega = some_lines();
+  const MatrixXcd before = responses(state_of(plate), omega);
+  const auto all = deviations(plate, Tolerances{}, 900.0);
+  std::size_t seen = 0;
+  for (const auto& deviation : all) {
+    State off = state_of(plate);
+    deviation.apply(off, 1.0);
+    const double moved = (responses(off, omega) - before).norm() / before.norm();
+    seen += moved > 0.0 ? 1 : 0;
+    EXPECT_LT(moved, 0.3) << deviation.name;
+    deviation.apply(off, -1.0);
+    EXPECT_LT((responses(off, omega) - before).norm(), 1e-4 * before.norm()) << deviation.name;
+  }
+  EXPECT_GE(seen + 2, all.size());  // no channel sees the mode at 921 Hz
+}
+
+// Six by six cells sum to the whole body.
+TEST(Cells, SumToTheBody) {
+  const auto& plate = small_plate();
+  const VectorXd ones = VectorXd::Ones(plate.cells.count());
+  const State state = state_of(plate);
+  EXPECT_LT((sum_of(plate.cells.stiffness, ones) - state.stiffness).norm(),
+            1e-9 * state.stiffness.norm());
+  EXPECT_LT((sum_of(plate.cells.mass, ones) - state.mass).norm(), 1e-9 * state.mass.norm());
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis

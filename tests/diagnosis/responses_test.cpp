@@ -1,0 +1,120 @@
+// Responses of a state against the inverse of its whole dynamic stiffness.
+#include "diagnosis/responses.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "diagnosis/attachments.h"
+#include "diagnosis/small_plate.h"
+#include "simulators/hidden_effect.h"
+#include "simulators/portable_random.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Complex = std::complex<double>;
+
+MatrixXd definite(simulators::Dice& dice, Eigen::Index n) {
+  const MatrixXd a = dice.normal(n, n);
+  return a * a.transpose() / static_cast<double>(n);
+}
+
+// A state in which everything couples: fields, losses, attachments without upper modes.
+State busy_state() {
+  simulators::Dice dice(5);
+  State state = state_of(small_plate());
+  const Eigen::Index r = state.mode_count();
+  const double scale = state.stiffness.diagonal().mean();
+  state.stiffness += 0.02 * scale * definite(dice, r);
+  state.mass += 0.05 * definite(dice, r);
+  state.damping += 3.0 * definite(dice, r);
+  state.loss += 1e-4 * scale * definite(dice, r);
+  state.output_upper = MatrixXd::Zero(state.output_count(), 0);
+  state.input_upper = MatrixXd::Zero(state.input_count(), 0);
+  for (const bool carried : {false, true}) {
+    Attached one;
+    one.shapes = dice.normal(r, carried ? 1 : 2) * 0.2;
+    one.mass = 0.3;
+    one.damping = 4.0;
+    one.stiffness = 2e5;
+    one.carried = carried;
+    state.attached.push_back(one);
+  }
+  return state;
+}
+
+MatrixXcd direct(const State& state, double omega) {
+  const Complex s(0.0, omega);
+  MatrixXcd z = state.stiffness.cast<Complex>() + Complex(0.0, 1.0) * state.loss.cast<Complex>() +
+                s * state.damping.cast<Complex>() + s * s * state.mass.cast<Complex>();
+  for (const auto& one : state.attached) {
+    z += dynamic_stiffness(one, s) * (one.shapes * one.shapes.transpose()).cast<Complex>();
+  }
+  const MatrixXcd structure =
+      state.outputs.cast<Complex>() * z.partialPivLu().solve(state.inputs.cast<Complex>()) +
+      state.residual.cast<Complex>();
+  return recorded(state, structure, s);
+}
+
+TEST(Responses, AreThoseOfTheWholeDynamicStiffness) {
+  State state = busy_state();
+  state.output_paths[1] = {.gain = -1.2, .delay = 3e-5, .lag = 1e-5, .derivative = 1.0};
+  std::swap(state.input_of[0], state.input_of[4]);
+  const auto omega = some_lines();
+  const auto value = responses(state, omega);
+  for (Eigen::Index k = 0; k < omega.size(); ++k) {
+    const MatrixXcd expected = direct(state, omega(k));
+    const MatrixXcd found = value.row(k).reshaped(expected.rows(), expected.cols());
+    EXPECT_LT((found - expected).norm(), 1e-7 * expected.norm()) << k;
+  }
+}
+
+// Damping that couples two modes of one frequency does not let the iteration converge quickly.
+TEST(Responses, AreRightWhereDampingCouplesRepeatedModes) {
+  State state = state_of(small_plate());
+  state.damping.setConstant(20.0);
+  state.damping.diagonal().array() += 1.0;
+  const auto omega = some_lines();
+  const auto value = responses(state, omega);
+  for (Eigen::Index k = 0; k < omega.size(); ++k) {
+    const MatrixXcd expected = direct(state, omega(k));
+    EXPECT_LT((value.row(k).reshaped(expected.rows(), expected.cols()) - expected).norm(),
+              1e-6 * expected.norm());
+  }
+}
+
+// A huge spring holds its place: what yields at once is in its way exactly.
+TEST(Responses, OfABodyHeldBySpringsLetItsPlaceStandStill) {
+  State state = state_of(small_plate());
+  const auto motion = *small_plate().surface.at({0.07, -0.11});
+  Attached spring;
+  spring.shapes = motion.shape;
+  spring.upper = motion.upper;
+  spring.stiffness = 1e15;
+  state.attached.push_back(spring);
+  state.outputs.row(0) = motion.shape.transpose();
+  state.output_upper.row(0) = motion.upper.transpose();
+  state.residual.row(0) = (state.input_upper * motion.upper).transpose();
+  const auto solution = solved(state, Body(state, some_lines()));
+  const double others = solution.structure.cwiseAbs().maxCoeff();
+  for (Eigen::Index j = 0; j < state.input_count(); ++j) {
+    EXPECT_LT(solution.structure.col(state.output_count() * j).cwiseAbs().maxCoeff(),
+              1e-6 * others);
+  }
+}
+
+TEST(Responses, StayThoseOfTheBodyForStatesThatShareIt) {
+  const State plain = state_of(small_plate());
+  const Body body(plain, some_lines());
+  State moved = plain;
+  moved.outputs.row(2) *= 1.5;
+  moved.inputs.col(3) *= 0.5;
+  EXPECT_TRUE(body.same(moved));
+  EXPECT_LT((solved(moved, body).value - responses(moved, some_lines())).norm(), 1e-18);
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
