@@ -1,5 +1,7 @@
 #include "app/identification.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -56,13 +58,6 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   return options;
 }
 
-Eigen::Index index_of(const std::vector<modal::MeasuredChannel>& channels,
-                      const std::string& name) {
-  const auto found = std::find_if(channels.begin(), channels.end(),
-                                  [&](const auto& one) { return one.name == name; });
-  return found == channels.end() ? -1 : found - channels.begin();
-}
-
 // Seen along its own direction: a sensor and an actuator on both faces of a plate are one place.
 std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
   for (auto& one : channels) {
@@ -100,9 +95,7 @@ Eigen::MatrixXd simulated_rows(const std::vector<modal::MeasuredChannel>& measur
   const auto all = shapes_at(channels, sites, modes);
   std::vector<Eigen::Index> rows;
   for (const auto& one : measured) {
-    const auto found = std::find_if(channels.begin(), channels.end(),
-                                    [&](const auto& channel) { return channel.name == one.name; });
-    rows.push_back(found - channels.begin());
+    rows.push_back(index_of(channels, one.name));
   }
   return all(rows, Eigen::all);
 }
@@ -214,8 +207,7 @@ identification::GainPrior gain_prior(const Study& study, const Solution& solutio
   const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
     std::vector<ChannelSite> chosen;
     for (const auto& channel : channels) {
-      chosen.push_back(*std::find_if(sites.begin(), sites.end(),
-                                     [&](const auto& one) { return one.name == channel.name; }));
+      chosen.push_back(sites[static_cast<std::size_t>(index_of(sites, channel.name))]);
     }
     return places_at(chosen, solution.modes);
   };
@@ -277,6 +269,30 @@ identification::Identified found(const IdentificationPlan& plan, const Study& st
   return result;
 }
 
+// The data as the fit has seen them.
+void take_out_drift(IdentifiedModel& model) {
+  if (!model.found.drift) return;
+  const auto& shift = model.found.drift->shift;
+  model.data = identification::without_drift(model.data, model.found.fit, shift);
+  if (model.drift.size() == 0) model.drift.setZero(shift.size());
+  model.drift += shift;
+}
+
+std::string drift_warning(const IdentifiedModel& model) {
+  const auto name = [&](Eigen::Index e) {
+    return model.seen.outputs[static_cast<std::size_t>(e % model.data.outputs)].name + "/" +
+           model.seen.inputs[static_cast<std::size_t>(e / model.data.outputs)].name;
+  };
+  Eigen::Index low = 0;
+  Eigen::Index high = 0;
+  const double least = model.drift.minCoeff(&low);
+  const double most = model.drift.maxCoeff(&high);
+  return fmt::format(
+      "the resonances of {} lie {:.0f} millionths of their frequency above those of {}: the "
+      "structure changed between the measurements; the responses are fitted as if it had not",
+      name(high), 1e6 * (most - least), name(low));
+}
+
 }  // namespace
 
 IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
@@ -286,6 +302,7 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
   model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
+  take_out_drift(model);
   const bool stopped = run.options().keep_best && interrupted();
   if (stopped) {
     forget_interrupt();
@@ -297,8 +314,10 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
         data_options(plan, model.seen));
     model.found = run.timed("fit again", [&] { return found(plan, study, model.data, run); });
+    take_out_drift(model);
   }
   run.talk().clear_progress();
+  if (model.drift.size() > 0) run.talk().warn(drift_warning(model));
   for (const auto& note : model.found.fit.notes) run.talk().warn(note);
   model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
   for (const auto& warning : model.match.warnings) run.talk().warn(warning);

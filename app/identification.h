@@ -1,6 +1,7 @@
 // A modal model from what was measured, on the study's channels.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,9 +31,11 @@ struct MeasuredFrfs {
 
 struct IdentifiedModel {
   MeasuredFrfs measured;
-  modal::FrfSet seen;  ///< by the fit
-  identification::FitData data;
+  modal::FrfSet seen;            ///< by the fit
+  identification::FitData data;  ///< that of one structure, where `drift` is not empty
   identification::Identified found;
+  Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, taken out;
+                          ///< empty: none that matters
   identification::GainMatch match;
   std::vector<identification::CollocatedPair> pairs;
   bool corrects_gains = false;  ///< `gain_errors` names a side
@@ -40,6 +43,14 @@ struct IdentifiedModel {
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
   Eigen::MatrixXd noise;  ///< per response: its deviation over |G|, likewise
 };
+
+/// Of the first with this name; −1: there is none.
+template <typename Named>
+[[nodiscard]] Eigen::Index index_of(const std::vector<Named>& all, const std::string& name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Named& one) { return one.name == name; });
+  return found == all.end() ? -1 : found - all.begin();
+}
 
 /// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
 [[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);

@@ -126,11 +126,13 @@ io::Json fit_json(const IdentifiedModel& model) {
   io::JsonArray channels;
   for (Eigen::Index j = 0; j < model.error.cols(); ++j) {
     for (Eigen::Index i = 0; i < model.error.rows(); ++i) {
-      channels.push_back(
-          io::JsonObject{{"sensor", model.seen.outputs[static_cast<std::size_t>(i)].name},
+      io::JsonObject one{{"sensor", model.seen.outputs[static_cast<std::size_t>(i)].name},
                          {"actuator", model.seen.inputs[static_cast<std::size_t>(j)].name},
                          {"relative_error", model.error(i, j)},
-                         {"noise_floor", model.noise(i, j)}});
+                         {"noise_floor", model.noise(i, j)}};
+      if (model.drift.size() > 0)
+        one.emplace_back("drift", model.drift(i + model.error.rows() * j));
+      channels.emplace_back(std::move(one));
     }
   }
   const auto& fit = model.found.fit;

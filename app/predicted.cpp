@@ -27,7 +27,7 @@ const IdentifiedModel& identified_of(const Interpolated& result) {
 
 // The sites of all channels of the study, by name.
 const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::string& name) {
-  return *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  return all[static_cast<std::size_t>(index_of(all, name))];
 }
 
 // By what both sides of the pairs still differ, per mode: what the deviations of the fit do not
@@ -269,13 +269,11 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolat
       identification::predicted(model.found.fit, model.match, interest, frequency);
   for (Eigen::Index c = 0; c < errors.size(); ++c) {
     const auto& name = measured.hidden_channels[static_cast<std::size_t>(c)];
-    const auto& outputs = model.measured.all.outputs;
-    const auto row = std::find_if(outputs.begin(), outputs.end(),
-                                  [&](const auto& channel) { return channel.name == name; });
-    const auto real = modal::converted(
-        modal::band(modal::part(model.measured.all, {row - outputs.begin()}, model.measured.inputs),
-                    frequency(0), frequency(frequency.size() - 1)),
-        modal::FrfKind::receptance);
+    const auto row = index_of(model.measured.all.outputs, name);
+    const auto real =
+        modal::converted(modal::band(modal::part(model.measured.all, {row}, model.measured.inputs),
+                                     frequency(0), frequency(frequency.size() - 1)),
+                         modal::FrfKind::receptance);
     double wrong = 0.0;
     double size = 0.0;
     for (std::size_t k = 0; k < real.value.size(); ++k) {

@@ -30,8 +30,9 @@ struct ComplexShapes {
   std::vector<Eigen::MatrixXd> covariance;
 };
 
-/// Modal phase collinearity (|Σ v²| / Σ |v|²)² (Pappa, Elliott and Schenk 1993): 1 where all entries
-/// have one phase or its opposite, 0 where they go around the circle. 1 of a vector of zeros.
+/// Modal phase collinearity (|Σ v²| / Σ |v|²)² (Pappa, Elliott and Schenk 1993): 1 where all
+/// entries have one phase or its opposite, 0 where they go around the circle. 1 of a vector of
+/// zeros.
 [[nodiscard]] double phase_collinearity(const Eigen::VectorXcd& shape);
 
 /// The phase factor e^{jφ} with which L e^{jφ} and R e^{−jφ} are as ComplexShapes says, sign apart.

@@ -147,9 +147,7 @@ Identified from_start(const FitData& data, const Start& start,
   return result;
 }
 
-Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
-  double delay = 0.0;
-  const auto data = without_delay(measured, options, delay);
+Start chosen_start(const FitData& data, const IdentificationOptions& options, Eigen::Index& order) {
   const auto found = start_poles(data, options);
   Start start;
   start.rigid_count = options.rigid_count >= 0
@@ -158,6 +156,37 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   start.pole = worthwhile(data, found.problem, found.pole, options.modes);
   require(start.pole.size() + start.rigid_count > 0,
           "identification: no resonance stands out of the noise in the band");
+  order = found.order;
+  return start;
+}
+
+// Takes it out of the data.
+std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
+                                        const IdentificationOptions& options) {
+  if (data.noise_stated || !options.drift || data.response_count() < 2 || found.pole.size() == 0) {
+    return std::nullopt;
+  }
+  Start start;
+  start.rigid_count = found.rigid_count;
+  start.pole = strongest(data, found.pole, found.rigid_count > 0);
+  auto [moved, fit] = drift_fit(data, start, options.fit);
+  if (!moved.matters()) return std::nullopt;
+  if (start.pole.size() < found.pole.size()) {  // perhaps they are modes
+    FitOptions few = options.fit;
+    few.iterations = std::min(few.iterations, kFirstSteps);
+    if (modal_fit(data, found, few).cost < fit.cost) return std::nullopt;
+  }
+  data = without_drift(data, fit, moved.shift);
+  return moved;
+}
+
+Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
+  double delay = 0.0;
+  auto data = without_delay(measured, options, delay);
+  Eigen::Index order = 0;
+  auto start = chosen_start(data, options, order);
+  const auto moved = drift_that_matters(data, start, options);
+  if (moved) start = chosen_start(data, options, order);
   Identified result;
   if (options.fit.delay && options.fit.damping == Damping::general) {
     const double held = delay_of_real_modes(data, start, options.fit);
@@ -170,7 +199,8 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   } else {
     result = from_start(data, start, options);
   }
-  result.start_order = found.order;
+  result.start_order = order;
+  result.drift = moved;
   result.fit.delay_s += delay;
   return result;
 }
@@ -179,7 +209,9 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
 Identified from_compressed(const Compressed& small, const FitData& measured,
                            const IdentificationOptions& options) {
   const auto sketch = sketched(small.data, kSketch);
-  auto result = from_all_responses(sketch, options);
+  auto of_sketch = options;
+  of_sketch.drift = false;  // each of its responses has part of all
+  auto result = from_all_responses(sketch, of_sketch);
   if (sketch.response_count() < small.data.response_count()) {
     const double delay = result.fit.delay_s;
     const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;

@@ -1,9 +1,11 @@
 // Measured responses in, modal model out: the number of modes is found.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "identification/drift.h"
 #include "identification/fit_data.h"
 #include "identification/modal_fit.h"
 
@@ -14,6 +16,7 @@ struct IdentificationOptions {
   Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the rank of the term in 1/s²; −1: found
   Eigen::Index most_rigid = 6;   ///< that may be found
   Eigen::Index most_modes = 80;
+  bool drift = true;  ///< looked for where no variance is stated
   FitOptions fit = {};
 };
 
@@ -29,14 +32,17 @@ struct Identified {
   ModalFit fit;
   std::vector<OrderStep> steps;
   Eigen::Index start_order = 0;  ///< of the vector fit
+  std::optional<Drift> drift;    ///< where it matters: the fit is of the data without it
 };
 
 /// Poles by vector fitting of an order above the number of resonances seen, those that are not
 /// worth their parameters left out; maximum likelihood; then, while more is left than noise, the
 /// mode that explains most of it, kept where the Bayesian information criterion says so.
 /// Where the noise is not known its level is what the fit leaves, and a further mode must lower the
-/// cost by 2 %. With general damping the delay is that of real modes unless the data ask for another:
-/// phases of complex modes can hardly be told from a delay, which is what its deviation says.
+/// cost by 2 %. With general damping the delay is that of real modes unless the data ask for
+/// another: phases of complex modes can hardly be told from a delay, which is what its deviation
+/// says. Where no variance is stated, resonances that lie elsewhere in other responses are brought
+/// together first (drift.h): else each would be several modes.
 /// @throws InvalidInput  as modal_fit; nothing in the data stands out of the noise
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 

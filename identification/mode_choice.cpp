@@ -29,6 +29,12 @@ double usual_damping(const Eigen::VectorXcd& poles, const Eigen::VectorXd& worth
   return std::exp(worth.dot(log_ratio) / worth.sum());
 }
 
+// Mean distance of the lines [rad/s].
+double line_spacing(const FitData& data) {
+  return 2.0 * pi * (data.frequency_hz(data.line_count() - 1) - data.frequency_hz(0)) /
+         static_cast<double>(data.line_count() - 1);
+}
+
 // What real data have beside a resonance (leakage, drift between hits, nonlinearity) draws poles of
 // its own: near it, or broad ones below it. Where the noise is not known, a pole of a hundredth of
 // another's worth is taken for such within three bandwidths of either or ten lines, and anywhere
@@ -40,9 +46,7 @@ std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueP
   const auto worth = problem.residues(all).significance;
   const Eigen::VectorXcd p = poles(all);
   const double usual = usual_damping(p, worth);
-  const double lines = 20.0 * pi *
-                       (data.frequency_hz(data.line_count() - 1) - data.frequency_hz(0)) /
-                       static_cast<double>(data.line_count() - 1);
+  const double lines = 10.0 * line_spacing(data);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index a = 0; a < p.size(); ++a) {
     const bool broad = -p(a).real() > kBroad * usual * std::abs(p(a));
@@ -83,6 +87,21 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
     const auto count = static_cast<Eigen::Index>(kept.size());
     if (modes > 0 ? count <= modes : worth >= least) break;
     kept.erase(kept.begin() + weakest);
+  }
+  return poles(kept);
+}
+
+Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles, bool rigid) {
+  const auto worth = ResidueProblem(data, poles, rigid).residues().significance;
+  const double lines = 3.0 * line_spacing(data);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index a = 0; a < poles.size(); ++a) {
+    bool alone = true;
+    for (Eigen::Index b = 0; b < poles.size(); ++b) {
+      const double near = std::max(lines, -6.0 * std::max(poles(a).real(), poles(b).real()));
+      alone = alone && !(worth(a) < worth(b) && std::abs(poles(a).imag() - poles(b).imag()) < near);
+    }
+    if (alone) kept.push_back(a);
   }
   return poles(kept);
 }

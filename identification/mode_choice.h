@@ -23,6 +23,11 @@ namespace chladni::identification {
 [[nodiscard]] Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
                                           const Eigen::VectorXcd& poles, Eigen::Index modes);
 
+/// One pole of each resonance: those that have a stronger one within three bandwidths of the
+/// sharper or three lines are left out.
+[[nodiscard]] Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles,
+                                         bool rigid);
+
 /// Whether a further mode looks like what data have beside a resonance: within a bandwidth of a
 /// mode that is there, or damped ten times more than they are at most.
 [[nodiscard]] bool is_satellite(const FitData& data, const ModalFit& fit,

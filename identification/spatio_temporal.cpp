@@ -16,9 +16,10 @@ using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 void refuse_complex_shapes(const ModalFit& fit) {
-  require(!fit.complex,
-          "predicted responses: the fit has complex shapes, of general damping; expected real ones, "
-          "of modal damping");
+  require(
+      !fit.complex,
+      "predicted responses: the fit has complex shapes, of general damping; expected real ones, "
+      "of modal damping");
 }
 
 void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& places) {

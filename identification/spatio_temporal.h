@@ -42,7 +42,8 @@ struct FittedRow {
   Eigen::RowVectorXd residual;          ///< q
 };
 /// @param data  of that sensor alone, the actuators in the order of the fit
-/// @throws InvalidInput  the actuators differ in number, or it has several outputs; shapes of general
+/// @throws InvalidInput  the actuators differ in number, or it has several outputs; shapes of
+/// general
 ///                       damping
 [[nodiscard]] FittedRow fitted_row(const ModalFit& fit, const GainMatch& match,
                                    const FitData& data);

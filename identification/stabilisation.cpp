@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/interrupt.h"
 #include "identification/identified.h"
@@ -23,7 +24,7 @@ std::vector<Pole> poles_of(const FitData& data, const Eigen::VectorXcd& poles, b
   std::vector<Pole> all;
   for (Eigen::Index i = 0; i < poles.size(); ++i) {
     Pole one;
-    one.point.frequency_hz = std::abs(poles(i)) / (2.0 * M_PI);
+    one.point.frequency_hz = std::abs(poles(i)) / (2.0 * std::numbers::pi);
     one.point.damping_ratio = -poles(i).real() / std::abs(poles(i));
     one.shape = found.of_pole[static_cast<std::size_t>(i)].reshaped().normalized();
     if (one.point.damping_ratio < kMostDamping) all.push_back(std::move(one));

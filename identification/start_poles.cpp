@@ -16,8 +16,24 @@ constexpr double kStartDamping = 0.005;  // of the poles at peaks
 constexpr double kSettled = 0.05;        // relative change of what a vector fit leaves at its end
 constexpr double kHardlyLess = 0.7;      // cost of a higher order over that of a lower one
 constexpr double kNoiseLeft = 1.3;       // cost over what noise leaves at which to stop
+constexpr double kProminence = 2.0;      // of a maximum over the valleys beside it
 constexpr Eigen::Index kSpareOrder = 5;
 constexpr int kPeakReach = 3;  // lines on each side that a peak tops
+
+// Whether a maximum is twice the deepest point on the way to any higher one: the noise on the flank
+// of a resonance is not.
+bool is_prominent(const Eigen::ArrayXd& all, Eigen::Index top) {
+  const auto falls = [&](Eigen::Index step) {
+    double least = all(top);
+    for (auto k = top + step; k >= 0 && k < all.size(); k += step) {
+      if (all(k) > all(top)) return false;
+      least = std::min(least, all(k));
+      if (kProminence * least < all(top)) return true;
+    }
+    return false;
+  };
+  return falls(-1) && falls(1);
+}
 
 // Resonances that stand out [Hz], as a first guess of the poles: maxima of Σ |ω² G|², each response
 // over its mean, by a factor above the median around them.
@@ -39,7 +55,8 @@ std::vector<double> peaks(const FitData& data) {
     window.assign(all.data() + first, all.data() + last);
     std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size() / 2),
                      window.end());
-    if (all(k) > 3.0 * window[window.size() / 2]) list.push_back(data.frequency_hz(k));
+    if (all(k) <= 3.0 * window[window.size() / 2]) continue;
+    if (data.noise_stated || is_prominent(all, k)) list.push_back(data.frequency_hz(k));
   }
   return list;
 }

@@ -98,4 +98,11 @@ inline std::string dataset_164(double length, double force, const std::string& e
          fmt::format("{:25.17E}", 273.15) + eol + "    -1" + eol;
 }
 
+/// How many of the notes hold the word.
+inline int times(const std::vector<std::string>& said, const std::string& word) {
+  return static_cast<int>(std::count_if(said.begin(), said.end(), [&](const auto& one) {
+    return one.find(word) != std::string::npos;
+  }));
+}
+
 }  // namespace chladni::io

@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "base/atomic_file.h"
@@ -187,7 +188,8 @@ TEST_F(Vtu, AnAnimationSwingsOnceThroughItsFrames) {
     for (vtkIdType i = 0; i < moved->GetNumberOfTuples(); ++i) {
       largest = std::max(largest, Eigen::Vector3d(moved->GetTuple3(i)).norm());
     }
-    EXPECT_NEAR(largest, amplitude * std::abs(std::cos(frame * M_PI / 4.0)), 2e-3 * amplitude);
+    EXPECT_NEAR(largest, amplitude * std::abs(std::cos(frame * std::numbers::pi / 4.0)),
+                2e-3 * amplitude);
   }
 }
 

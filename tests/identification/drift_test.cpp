@@ -1,0 +1,145 @@
+// Responses measured one after the other while the structure changed.
+#include "identification/drift.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/draw.h"
+#include "fit_errors.h"
+#include "identification/identified.h"
+#include "modal/frf.h"
+#include "simulators/frf_cases.h"
+
+namespace chladni::identification {
+namespace {
+
+// The beam, damped little, each response with its resonances moved; noise that is not stated.
+struct Moved {
+  modal::ReducedModel truth;
+  Eigen::VectorXd shift;  // about 0
+  FitData data;
+};
+
+Moved moved_beam(double by, unsigned seed) {
+  simulators::FrfFaults faults;
+  faults.noisy = false;
+  Moved result{simulators::beam5x3(faults).truth, Eigen::VectorXd(15), {}};
+  auto set = simulators::beam5x3(faults).measured;
+  result.truth.damping_ratio *= 0.25;
+  Draw draw(seed);
+  for (double& shift : result.shift) shift = by * draw.normal();
+  result.shift.array() -= result.shift.mean();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      const auto frf = modal::frf(result.truth, set.frequency_hz / (1.0 + result.shift(i + 5 * j)));
+      for (std::size_t k = 0; k < set.value.size(); ++k) {
+        const double size = 0.005 * std::abs(frf.value[k](i, j)) + 1e-7;
+        const double real = draw.normal();
+        set.value[k](i, j) =
+            frf.value[k](i, j) + size * std::sqrt(0.5) * std::complex<double>(real, draw.normal());
+      }
+    }
+  }
+  set.variance.clear();
+  result.data = fit_data(set, {.model_error = 0.01});
+  return result;
+}
+
+TEST(Drift, IsTakenOutOfTheData) {
+  const auto made = moved_beam(0.0, 1);
+  ModalFit fit;
+  fit.model = made.truth;
+  FitData exact = made.data;
+  exact.value = responses(fit, exact.frequency_hz);
+  FitData later = exact;
+  const Eigen::VectorXd shift = Eigen::VectorXd::LinSpaced(15, -3e-3, 3e-3);
+  for (Eigen::Index e = 0; e < 15; ++e) {
+    later.value.col(e) = responses(fit, exact.frequency_hz / (1.0 + shift(e))).col(e);
+  }
+  EXPECT_GT((later.value - exact.value).norm(), 0.1 * exact.value.norm());
+  EXPECT_LT((without_drift(later, fit, shift).value - exact.value).norm(),
+            1e-12 * exact.value.norm());
+}
+
+TEST(Drift, IsFoundToItsDeviations) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto made = moved_beam(6e-4, seed);
+    const auto [drift, fit] = drift_fit(made.data, start_at(made.truth), {});
+    EXPECT_TRUE(drift.matters()) << drift.change << ' ' << drift.excess;
+    const Eigen::ArrayXd information = drift.deviation.array().square().inverse();
+    const double mean = (information * made.shift.array()).sum() / information.sum();
+    const Eigen::ArrayXd off = drift.shift.array() - (made.shift.array() - mean);
+    EXPECT_LT((off / drift.deviation.array()).abs().maxCoeff(), 5.0) << seed;
+    EXPECT_LT(off.abs().maxCoeff(), 1e-4) << seed;
+    for (Eigen::Index m = 0; m < 5; ++m) {
+      EXPECT_NEAR(fit.model.frequency_hz(m), made.truth.frequency_hz(m) * (1.0 + mean),
+                  5.0 * fit.frequency_std_hz(m))
+          << m << " seed " << seed;
+      EXPECT_NEAR(fit.model.damping_ratio(m), made.truth.damping_ratio(m),
+                  5.0 * fit.damping_std(m) + 0.02 * made.truth.damping_ratio(m))
+          << m << " seed " << seed;
+    }
+  }
+}
+
+TEST(Drift, DoesNotDependOnTheUnits) {
+  const auto made = moved_beam(6e-4, 1);
+  const auto one = drift_fit(made.data, start_at(made.truth), {}).drift;
+  auto other = made.data;
+  other.frequency_hz *= 1e3;
+  other.value *= 1e-3;
+  other.weight *= 1e3;
+  auto start = start_at(made.truth);
+  start.pole *= 1e3;
+  const auto scaled = drift_fit(other, start, {}).drift;
+  EXPECT_LT((scaled.shift - one.shift).norm(), 1e-6 * one.shift.norm());
+  EXPECT_NEAR(scaled.change, one.change, 1e-6 * one.change);
+}
+
+// Each resonance is one mode, where each would be several without.
+TEST(Drift, IsNotTakenForModes) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto made = moved_beam(4e-4, seed);
+    IdentificationOptions options;
+    const auto found = identified(made.data, options);
+    ASSERT_TRUE(found.drift) << seed;
+    EXPECT_EQ(found.fit.model.mode_count(), 5) << seed;
+    options.drift = false;
+    EXPECT_GT(identified(made.data, options).fit.model.mode_count(), 5) << seed;
+  }
+}
+
+TEST(Drift, IsNotSeenWhereThereIsNone) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto made = moved_beam(0.0, seed);
+    const auto found = identified(made.data);
+    EXPECT_FALSE(found.drift) << seed;
+    EXPECT_EQ(found.fit.model.mode_count(), 5) << seed;
+  }
+}
+
+// Two modes within a bandwidth move the resonance from response to response too, but all others
+// stay.
+TEST(Drift, IsNotAPairOfModes) {
+  for (const double split : {0.06, 0.04, 0.03}) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      simulators::FrfFaults faults;
+      faults.seed = seed;
+      auto made = simulators::part(simulators::pairs(split, 0.01, 0.01, faults), {0}, {0, 1, 2});
+      made.measured.variance.clear();
+      const auto found = identified(fit_data(made.measured, {.model_error = 0.01}));
+      EXPECT_FALSE(found.drift) << split << " seed " << seed;
+      EXPECT_EQ(found.fit.model.mode_count(), 4) << split << " seed " << seed;
+    }
+  }
+}
+
+TEST(Drift, IsNotLookedForWhereVariancesAreStated) {
+  auto made = moved_beam(1e-3, 1);
+  made.data.noise_stated = true;
+  EXPECT_FALSE(identified(made.data).drift);
+}
+
+}  // namespace
+}  // namespace chladni::identification
