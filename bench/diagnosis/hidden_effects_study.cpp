@@ -1,9 +1,9 @@
 // hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
 //   [--write FILE] [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M]
-//   [--list]: hides effects in
-// measurements of a Ritz plate, diagnoses them from a nominal one, and prints what was found, as
-// bench/README.md has it. --tolerance: tables that deviate within the default tolerances, diagnosed
-// with these, from a structure of two degrees less; else the exact model.
+//   [--coarser C] [--deviation X] [--list]
+// hides effects in measurements of a Ritz plate, diagnoses them from a nominal one, and prints what
+// was found, as bench/README.md has it. --tolerance: tables that deviate by X (1) default
+// tolerances, diagnosed with these, from a structure of C (2) degrees less; else the exact model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,9 @@ struct Arguments {
   simulators::HiddenOptions hidden;
   simulators::RitzStructureOptions structure;
   bool tolerance = false, list = false;
-  std::string write;  ///< a file for the first case instead of a diagnosis
+  double deviation = 1.0;  ///< of the tables, within tolerances
+  int coarser = 2;         ///< degrees that the structure has less, within tolerances
+  std::string write;       ///< a file for the first case instead of a diagnosis
 };
 
 struct Trial {
@@ -49,6 +51,7 @@ struct Done {
   Trial trial;
   CaseScore score;
   double seconds = 0.0, evidence_there = 0.0;
+  double excess_before = 0.0, excess_after = 0.0;  // z
 };
 
 Arguments arguments(int count, char** values) {
@@ -75,6 +78,10 @@ Arguments arguments(int count, char** values) {
       all.hidden.degree = std::stoi(next(i));
     } else if (word == "--modes") {
       all.structure.modes = std::stoi(next(i));
+    } else if (word == "--deviation") {
+      all.deviation = std::stod(next(i));
+    } else if (word == "--coarser") {
+      all.coarser = std::stoi(next(i));
     } else if (word == "--tolerance") {
       all.tolerance = true;
     } else if (word == "--changed-damping") {
@@ -85,7 +92,7 @@ Arguments arguments(int count, char** values) {
       throw InvalidInput(fmt::format("'{}' is not known here", word));
     }
   }
-  if (all.tolerance) all.hidden.deviation = 1.0;
+  if (all.tolerance) all.hidden.deviation = all.deviation;
   return all;
 }
 
@@ -138,7 +145,8 @@ void print_case(const Done& done, const HiddenCase& hidden) {
       fmt::print(" {}={:.4g}(z {:.1f})", size.name, size.value, size.z());
     }
   }
-  fmt::print("  ln there {:.3g}\n", done.evidence_there);
+  fmt::print("  ln there {:.3g}, z {:.1f} to {:.1f}\n", done.evidence_there, done.excess_before,
+             done.excess_after);
   std::fflush(stdout);
 }
 
@@ -149,7 +157,10 @@ Done diagnosed(const Trial& trial, const Arguments& wanted, const diagnosis::Str
   const auto start = std::chrono::steady_clock::now();
   Done done{trial, {}, 0.0, hidden.evidence_there};
   try {
-    done.score = scored(hidden, diagnosis::diagnosed(structure, hidden.measured, options));
+    const auto told = diagnosis::diagnosed(structure, hidden.measured, options);
+    done.score = scored(hidden, told);
+    done.excess_before = told.excess_before;
+    done.excess_after = told.best.excess;
   } catch (const std::exception& error) {
     done.score.outcome = Outcome::wrong;
     done.score.told = fmt::format("failed: {}", error.what());
@@ -260,7 +271,7 @@ int studied(int count, char** values) {
     write_first(wanted);
     return 0;
   }
-  const int degree = wanted.hidden.degree - (wanted.tolerance ? 2 : 0);
+  const int degree = wanted.hidden.degree - (wanted.tolerance ? wanted.coarser : 0);
   const auto structure = simulators::ritz_structure(simulators::believed_table(degree),
                                                     simulators::table_channels(), wanted.structure);
   std::vector<Done> all;
