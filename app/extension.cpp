@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/quantity.h"
@@ -84,6 +85,20 @@ void lengthen(const Extension& by, const TomlNode& value, double metres) {
           fmt::format("line {}: \"{}\" has no unit of length", value.line, value.text));
   moved.number += metres / unit_factor(moved.unit.substr(unit), "m");
   by.edit.replace(value, with_unit(value, moved), by.comment(by.edit.written(value)));
+}
+
+bool looks_down(const Extension& by) {
+  return by.chart.axis_u == Eigen::Vector3d::UnitX() && by.chart.axis_v == Eigen::Vector3d::UnitY();
+}
+
+std::string place(const Extension& by) {
+  const Eigen::Vector3d at =
+      by.chart.origin + by.number("u") * by.chart.axis_u + by.number("v") * by.chart.axis_v;
+  const auto mm = [](double metres) {
+    return toml_text(digits(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres) + " mm");
+  };
+  if (looks_down(by)) return fmt::format("[{}, {}]", mm(at(0)), mm(at(1)));
+  return fmt::format("[{}, {}, {}]", mm(at(0)), mm(at(1)), mm(at(2)));
 }
 
 Extend extend(std::string_view effect) {

@@ -42,6 +42,11 @@ void scale(const Extension& by, const TomlNode& value, double factor);
 /// The same with so many metres more.
 void lengthen(const Extension& by, const TomlNode& value, double metres);
 
+/// Whether the chart is x and y of the body's frame.
+[[nodiscard]] bool looks_down(const Extension& by);
+/// `at` of the cause's u and v: seen from above where the chart looks down, else the nearest point.
+[[nodiscard]] std::string place(const Extension& by);
+
 /// Nine digits, enough for any number that was measured.
 [[nodiscard]] std::string digits(double number);
 

@@ -23,23 +23,8 @@ std::string vector(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", digits(v(0)), digits(v(1)), digits(v(2)));
 }
 
-bool looks_down(const diagnosis::Surface& chart) {
-  return chart.axis_u == Eigen::Vector3d::UnitX() && chart.axis_v == Eigen::Vector3d::UnitY();
-}
-
-// Seen from above where the chart is; else the nearest point of the body.
-std::string place(const Extension& by) {
-  const Eigen::Vector3d at =
-      by.chart.origin + by.number("u") * by.chart.axis_u + by.number("v") * by.chart.axis_v;
-  const auto mm = [](double metres) {
-    return quantity(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres, "mm");
-  };
-  if (looks_down(by.chart)) return fmt::format("[{}, {}]", mm(at(0)), mm(at(1)));
-  return fmt::format("[{}, {}, {}]", mm(at(0)), mm(at(1)), mm(at(2)));
-}
-
 std::string normal(const Extension& by) {
-  if (looks_down(by.chart)) return toml_text("z");
+  if (looks_down(by)) return toml_text("z");
   return vector(by.chart.axis_u.cross(by.chart.axis_v));
 }
 

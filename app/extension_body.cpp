@@ -119,10 +119,36 @@ std::string orthotropy(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 5> kTable{
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+std::string append_waves(const Extension& by, const char* of) {
+  Members members{{"of", toml_text(of)}};
+  for (const auto wave : kVariationWaves) {
+    if (by.has(wave)) members.emplace_back(std::string(wave), digits(by.number(wave)));
+  }
+  by.edit.append("variation", members, by.comment());
+  return {};
+}
+std::string modulus_field(const Extension& by) { return append_waves(by, "stiffness"); }
+std::string thickness_field(const Extension& by) { return append_waves(by, "thickness"); }
+
+std::string local_stiffness(const Extension& by) {
+  by.edit.append("variation",
+                 {{"of", toml_text("stiffness")},
+                  {"at", place(by)},
+                  {"radius", toml_text(digits(1e3 * by.number("radius")) + " mm")},
+                  {"relative", digits(by.number("factor"))}},
+                 by.comment());
+  return {};
+}
+
+constexpr std::array<std::pair<std::string_view, Extend>, 8> kTable{
     {{"youngs_modulus", youngs_modulus},
      {"density", density},
      {"thickness", thickness},
+     {"modulus_field", modulus_field},
+     {"thickness_field", thickness_field},
+     {"local_stiffness", local_stiffness},
      {"modal_damping", modal_damping},
      {"orthotropy", orthotropy}}};
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/problems.h"
+#include "app/variation.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -147,6 +148,7 @@ Model model_of(const Study& study, mesh::TetMesh body) {
   Model model;
   model.body = std::move(body);
   model.materials = materials_of(study, model.body.region_names);
+  vary(study, model.body, model.materials);
   auto places = places_of(study, model.body);
   model.sensors = std::move(places.sensors);
   model.actuators = std::move(places.actuators);

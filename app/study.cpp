@@ -60,6 +60,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_modes_part(root, study);
   read_supports(root, study);
   read_attachments(root, study);
+  read_variations(root, study);
   read_channels(root, study);
   read_layouts(root, study);
   read_placement(root, study);

@@ -11,18 +11,13 @@
 #include <vector>
 
 #include "app/diagnosis_plan.h"
+#include "app/place.h"
+#include "app/variation_plan.h"
 #include "fem/attachment.h"
 #include "fem/material.h"
 #include "mesh/bodies.h"
 
 namespace chladni::app {
-
-/// A place as the study names it; where on the body that is, `sites_of` finds out.
-struct Place {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m]
-  bool from_above = false;  ///< two coordinates: the highest point below (x, y); z is 0 then
-  int line = 0;             ///< of the study, for messages
-};
 
 struct FileGeometry {
   std::filesystem::path file;
@@ -235,6 +230,7 @@ struct Study {
   ModesPlan modes;
   std::vector<fem::Support> supports;
   std::vector<AttachmentPlan> attachments;
+  std::vector<VariationPlan> variations;
   std::vector<Channel> sensors, actuators;
   std::vector<LayoutPlan> layouts;
   std::optional<PlacementPlan> placement;

@@ -118,6 +118,23 @@ io::Json attachments_json(const std::vector<AttachmentPlan>& plans) {
   return array;
 }
 
+io::Json variations_json(const std::vector<VariationPlan>& plans) {
+  io::JsonArray array;
+  for (const auto& plan : plans) {
+    io::JsonObject object = {{"of", plan.of}};
+    if (plan.at) {
+      object.emplace_back("at_m", place_json(*plan.at));
+      object.emplace_back("radius_m", plan.radius);
+      object.emplace_back("relative", plan.relative);
+    }
+    for (std::size_t k = 0; k < kVariationWaves.size(); ++k) {
+      object.emplace_back(std::string(kVariationWaves[k]), plan.waves[k]);
+    }
+    array.emplace_back(object);
+  }
+  return array;
+}
+
 io::Json supports_json(const std::vector<fem::Support>& supports) {
   io::JsonArray array;
   for (const auto& support : supports) {
@@ -332,6 +349,7 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
                                {"damping_ratio", study.modes.damping_ratio}}},
       {"supports", supports_json(study.supports)},
       {"attachments", attachments_json(study.attachments)},
+      {"variations", variations_json(study.variations)},
       {"sensors", channels_json(study.sensors)},
       {"actuators", channels_json(study.actuators)},
       {"layouts", layouts_json(study.layouts)}};

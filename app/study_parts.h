@@ -25,6 +25,7 @@ void read_materials(TableReader& root, Study& study);
 void read_modes_part(TableReader& root, Study& study);
 void read_supports(TableReader& root, Study& study);
 void read_attachments(TableReader& root, Study& study);
+void read_variations(TableReader& root, Study& study);
 void read_channels(TableReader& root, Study& study);  ///< sensors and actuators
 void read_layouts(TableReader& root, Study& study);   ///< after the channels
 void read_placement(TableReader& root, Study& study);
