@@ -6,20 +6,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/comparison.h"
 #include "app/diagnosis.h"
 #include "app/upper_face.h"
 #include "base/atomic_file.h"
 #include "io/heat_map_picture.h"
-#include "io/plot.h"
 #include "io/vtu.h"
 
 namespace chladni::app {
 namespace {
 
 using Eigen::Index;
-
-constexpr Index kMostPanels = 12;
-constexpr int kInk = 0, kVermilion = 2, kGrey = 6;
 
 // The body's upper boundary, its nodes counted anew.
 struct Top {
@@ -107,75 +104,15 @@ void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
   io::draw_heat_map(run / "cause_map.png", picture);
 }
 
-io::PlotPanel panel_of(const Diagnosed& one, Index i, Index j) {
-  const auto curve = [&](const std::vector<Eigen::MatrixXcd>& values) {
-    Eigen::VectorXd size(static_cast<Index>(values.size()));
-    for (Index k = 0; k < size.size(); ++k)
-      size(k) = std::abs(values[static_cast<std::size_t>(k)](i, j));
-    return size;
-  };
-  const auto& f = one.measured.frequency_hz;
-  io::PlotPanel panel;
-  panel.title = one.measured.outputs[static_cast<std::size_t>(i)].name + " by " +
-                one.measured.inputs[static_cast<std::size_t>(j)].name;
-  panel.x = {.label = "frequency [Hz]", .logarithmic = f.tail(1)(0) > 5.0 * f(0)};
-  panel.y = {.label = "receptance [m/N]", .logarithmic = true};
-  using Style = io::PlotSeries::Style;
-  panel.series.push_back({.name = "measured",
-                          .x = f,
-                          .y = curve(one.measured.value),
-                          .upper = {},
-                          .style = Style::dots,
-                          .colour = kGrey,
-                          .width = 0.0});
-  panel.series.push_back({.name = "simulated",
-                          .x = f,
-                          .y = curve(one.response_before),
-                          .upper = {},
-                          .style = Style::dashed,
-                          .colour = kVermilion,
-                          .width = 1.2});
-  if (!one.response_after.empty()) {
-    panel.series.push_back({.name = "with the cause",
-                            .x = f,
-                            .y = curve(one.response_after),
-                            .upper = {},
-                            .style = Style::line,
-                            .colour = kInk,
-                            .width = 1.2});
-  }
-  return panel;
-}
-
-// Held-out channels first: what no fit saw is what counts.
-void draw_prediction(const Study& study, const Diagnosed& one, const std::filesystem::path& png) {
-  std::vector<std::pair<Index, Index>> shown;
-  const auto& hidden = study.measurement->hold_out;
-  for (const bool held : {true, false}) {
-    for (Index i = 0; i < one.measured.output_count(); ++i) {
-      const bool is_held =
-          std::ranges::find(hidden, one.measured.outputs[static_cast<std::size_t>(i)].name) !=
-          hidden.end();
-      if (is_held != held) continue;
-      for (Index j = 0; j < one.measured.input_count(); ++j) {
-        if (static_cast<Index>(shown.size()) < kMostPanels) shown.emplace_back(i, j);
-      }
-    }
-  }
-  io::Plot plot;
-  plot.title = hidden.empty() ? "Responses before and after"
-                              : "Responses before and after; held-out sensors first";
-  for (const auto& [i, j] : shown) plot.panels.push_back(panel_of(one, i, j));
-  io::draw_plot(png, plot);
-}
-
 }  // namespace
 
 void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool main_result) {
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
-  if (run.options().pictures) draw_prediction(study, one, run / "prediction.png");
+  if (!run.options().pictures) return;
+  draw_responses(run / "prediction.png", one.measured, one.response_before, one.response_after);
+  draw_mac(run / "mac.png", one.comparison);
 }
 
 }  // namespace chladni::app

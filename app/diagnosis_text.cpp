@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "app/comparison.h"
 #include "app/diagnosis.h"
 
 namespace chladni::app {
@@ -88,39 +89,13 @@ io::JsonArray alternatives_json(const diagnosis::Diagnosis& result) {
 }
 
 io::JsonObject discrepancy_json(const Diagnosed& one) {
-  io::JsonArray modes;
-  for (const auto& pair : one.comparison.modes.pairs) {
-    modes.emplace_back(io::JsonObject{{"simulated_hz", pair.simulated_hz},
-                                      {"measured_hz", pair.measured_hz},
-                                      {"measured_std_hz", pair.measured_std_hz},
-                                      {"simulated_damping", pair.simulated_damping},
-                                      {"measured_damping", pair.measured_damping},
-                                      {"mac", pair.mac}});
-  }
-  const auto& responses = one.comparison.responses;
-  io::JsonArray swaps;
-  for (const auto& swap : one.comparison.swaps) {
-    const auto& names = swap.outputs ? responses.outputs : responses.inputs;
-    swaps.emplace_back(io::Json::texts({names[static_cast<std::size_t>(swap.first)],
-                                        names[static_cast<std::size_t>(swap.second)]}));
-  }
-  return {{"modes", modes},
-          {"sensors", io::Json::texts(responses.outputs)},
-          {"actuators", io::Json::texts(responses.inputs)},
-          {"channel_error", io::Json::rows(responses.error)},
-          {"channel_noise", io::Json::rows(responses.noise)},
-          {"overall_error", responses.overall_error},
-          {"band_edges_hz", io::Json(responses.band_edges_hz)},
-          {"band_error", io::Json(responses.band_error)},
-          {"sensor_gain", io::Json(responses.output_gain)},
-          {"actuator_gain", io::Json(responses.input_gain)},
-          {"sensor_comac", io::Json(one.comparison.modes.output_comac)},
-          {"actuator_comac", io::Json(one.comparison.modes.input_comac)},
-          {"seem_exchanged", swaps},
-          {"excess", one.result.excess_before},
-          {"chi_square_per_sensor", io::Json(one.result.before.per_output)},
-          {"chi_square_per_actuator", io::Json(one.result.before.per_input)},
-          {"chi_square_per_band", io::Json(one.result.before.per_band)}};
+  auto json = comparison_json(one.comparison);
+  json.emplace_back("excess", one.result.excess_before);
+  json.emplace_back("chi_square_per_sensor", io::Json(one.result.before.per_output));
+  json.emplace_back("chi_square_per_actuator", io::Json(one.result.before.per_input));
+  json.emplace_back("chi_square_band_edges_hz", io::Json(one.result.before.band_edges_hz));
+  json.emplace_back("chi_square_per_band", io::Json(one.result.before.per_band));
+  return json;
 }
 
 io::JsonObject superclass_json(const diagnosis::Superclass& one) {
@@ -173,8 +148,9 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
 }
 
 std::string diagnosis_table(const Diagnosed& one) {
-  std::string text = fmt::format("verdict: {}\n{}\n", diagnosis::name(one.result.verdict),
-                                 verdict_text(one.result));
+  std::string text = comparison_table(one.comparison);
+  text += fmt::format("\nverdict: {}\n{}\n", diagnosis::name(one.result.verdict),
+                      verdict_text(one.result));
   const auto& result = one.result;
   text += fmt::format("\nmisfit over noise and tolerances: z = {:.1f} before, {:.1f} after\n",
                       result.excess_before, result.best.excess);
