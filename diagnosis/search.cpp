@@ -175,18 +175,27 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   return all;
 }
 
-std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate) {
+std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal) {
   Fit start = *candidate.base;
-  if (candidate.from_nominal) start.eta.setZero();
+  if (nominal) start.eta.setZero();
   start.causes.push_back(candidate.cause);
   try {
     FitLimits quick;
-    quick.iterations = 8;
+    quick.iterations = 16;
     quick.tolerance = 0.3;
     return fitted(problem, start, quick);
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
+}
+
+// From where it was seen; where that comes to less than there was before, from the other side.
+std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate) {
+  auto fit = fitted_from(problem, candidate, candidate.from_nominal);
+  if (fit && fit->log_evidence >= candidate.base->log_evidence) return fit;
+  auto other = fitted_from(problem, candidate, !candidate.from_nominal);
+  if (!fit || (other && other->log_evidence > fit->log_evidence)) return other;
+  return fit;
 }
 
 void keep(std::vector<Fit>& fits, Fit fit) {
