@@ -214,10 +214,13 @@ void print_table(const std::vector<Done>& all) {
                             times > 1 ? fmt::format(" ({})", times) : "");
     }
     const auto of = [&](Outcome one) { return count[one]; };
-    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.2f}, {:.2f} | {:.2g} | {} |\n", group,
-               cases, of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
-               of(Outcome::missed), of(Outcome::unexplained), quantile(places, 0.5),
-               quantile(places, 1.0), quantile(sizes, 0.5), others);
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", group, cases,
+               of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
+               of(Outcome::missed), of(Outcome::unexplained),
+               places.empty()
+                   ? ""
+                   : fmt::format("{:.2f}, {:.2f}", quantile(places, 0.5), quantile(places, 1.0)),
+               sizes.empty() ? "" : fmt::format("{:.2g}", quantile(sizes, 0.5)), others);
   }
 }
 
