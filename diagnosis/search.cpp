@@ -246,14 +246,32 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     Fit less = best;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = fitted(problem, less);
-    const bool worth = best.log_evidence - less.log_evidence >= limits.least_evidence &&
-                       less.chi_square - best.chi_square >= limits.least_share * excess;
+    // What is small beside a large cause still counts where the data want it.
+    const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
+    const bool material = less.chi_square - best.chi_square >= limits.least_share * excess;
+    const bool worth =
+        best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted);
     if (worth) {
       ++c;
     } else {
       best = std::move(less);
       c = 0;
     }
+  }
+  return best;
+}
+
+// Each cause in turn exchanged for what fits best in its stead, while that brings evidence: the
+// first one taken was chosen before the others were known.
+Fit exchanged(const Level& level, Fit best) {
+  for (std::size_t c = 0; c < best.causes.size();) {
+    Fit less = best;
+    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    less = fitted(level.problem, less);
+    auto grown = level_up(level, {less});
+    const bool better = !grown.empty() && grown.front().log_evidence > best.log_evidence + 1.0;
+    if (better) best = std::move(grown.front());
+    c = better ? 0 : c + 1;
   }
   return best;
 }
@@ -284,6 +302,13 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   }
   if (found.fits.front().causes.size() > 1) {
     Fit simpler = pruned(problem, found.fits.front(), found.nothing, limits);
+    const Level again{problem, catalogue, limits, progress,
+                      static_cast<int>(simpler.causes.size())};
+    Fit other = exchanged(again, simpler);
+    if (other.log_evidence > simpler.log_evidence) {
+      keep(found.fits, other);
+      simpler = pruned(problem, other, found.nothing, limits);
+    }
     if (simpler.causes.size() < found.fits.front().causes.size()) {
       // What was more is not worth its evidence: it is no rival either.
       std::erase_if(found.fits,

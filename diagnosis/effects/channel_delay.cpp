@@ -19,12 +19,17 @@ void delay_one(State& state, const Structure& /*structure*/, Index option, const
   paths_of<side>(state)[static_cast<std::size_t>(option)].delay += x(0);
 }
 
-// Up to a turn at the top of the band, a tenth of it apart.
+// Up to a turn at the top of the band, a tenth of it apart; small ones more finely.
 std::vector<EffectStart> scan(const Scene& scene, Index options) {
   std::vector<EffectStart> starts;
   for (Index option = 0; option < options; ++option) {
     for (int n = -10; n <= 10; ++n) {
       starts.push_back({option, VectorXd::Constant(1, 0.1 * n / scene.high_hz())});
+    }
+    for (double turn = 1e-4; turn < 0.06; turn *= 2.0) {
+      for (const double sign : {-1.0, 1.0}) {
+        starts.push_back({option, VectorXd::Constant(1, sign * turn / scene.high_hz())});
+      }
     }
   }
   return starts;

@@ -52,7 +52,7 @@ std::vector<EffectStart> moves(const Scene& scene) {
   for (Index i = 0; i < channels_of<side>(scene.structure()).count(); ++i) {
     starts.push_back({i, VectorXd::Zero(n)});
     for (Index axis = 0; axis < n; ++axis) {
-      for (const double by : {-0.012, -0.004, 0.004, 0.012}) {
+      for (const double by : {-0.012, -0.004, -0.001, 0.001, 0.004, 0.012}) {
         starts.push_back({i, by * VectorXd::Unit(n, axis)});
       }
     }

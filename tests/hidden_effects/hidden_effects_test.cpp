@@ -66,9 +66,7 @@ void expect_sizes(const simulators::EffectScore& effect) {
 std::string open_fault(const std::string& kinds) {
   static const std::map<std::string, std::string> open{
       {"local_stiffening", "a sharp disc is fitted by a soft spot: partial"},
-      {"actuator_position", "called a direction: no start near the place"},
-      {"actuator_delay", "called a low-pass: starts of delays are a tenth of a turn apart"},
-      {"point_mass+sensor_gain", "the small one beside the large one is dropped: partial"}};
+      {"actuator_delay", "ambiguous with its low-pass"}};
   const auto found = open.find(kinds);
   return found == open.end() ? "" : found->second;
 }
@@ -110,8 +108,16 @@ TEST_P(OutsideEffects, AreNotGivenAName) {
   EXPECT_GT(diagnosis.best.excess, 5.0);
 }
 
+// A sample: each takes the whole search. The study in bench/ has them all.
+std::vector<std::string> some_outside_kinds() {
+  std::vector<std::string> some;
+  const auto& all = simulators::outside_kinds();
+  for (std::size_t n = 0; n < all.size(); n += 4) some.push_back(all[n]);
+  return some;
+}
+
 INSTANTIATE_TEST_SUITE_P(BesideTheCatalogue, OutsideEffects,
-                         testing::ValuesIn(simulators::outside_kinds()), kind_name);
+                         testing::ValuesIn(some_outside_kinds()), kind_name);
 
 TEST(HiddenEffects, NothingIsCalledNothing) {
   for (const unsigned seed : {1U, 2U}) {
