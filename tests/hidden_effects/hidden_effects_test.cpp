@@ -68,6 +68,7 @@ std::string open_fault(const std::string& kinds) {
       {"local_stiffening", "a sharp disc is fitted by a soft spot: partial"},
       {"actuator_position", "called a direction: no start near the place"},
       {"actuator_delay", "called a low-pass: starts of delays are a tenth of a turn apart"},
+      {"youngs_modulus+sensor_position", "the modulus is called a patch and a field"},
       {"point_mass+sensor_gain", "the small one beside the large one is dropped: partial"}};
   const auto found = open.find(kinds);
   return found == open.end() ? "" : found->second;
