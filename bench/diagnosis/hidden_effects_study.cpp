@@ -10,10 +10,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "base/error.h"
@@ -54,42 +55,41 @@ struct Done {
   double excess_before = 0.0, excess_after = 0.0;  // z
 };
 
+// What each word that takes a value does with it.
+std::map<std::string, std::function<void(const std::string&)>> words(Arguments& all) {
+  const auto number = [](auto& into) {
+    return [&into](const std::string& text) {
+      into = static_cast<std::decay_t<decltype(into)>>(std::stod(text));
+    };
+  };
+  return {{"--kinds", [&all](const std::string& text) { all.kinds = text; }},
+          {"--write", [&all](const std::string& text) { all.write = text; }},
+          {"--seeds", number(all.seeds)},
+          {"--first", number(all.first)},
+          {"--lines", number(all.hidden.lines)},
+          {"--severity", number(all.hidden.severity)},
+          {"--degree", number(all.hidden.degree)},
+          {"--modes", number(all.structure.modes)},
+          {"--deviation", number(all.deviation)},
+          {"--coarser", number(all.coarser)}};
+}
+
 Arguments arguments(int count, char** values) {
   Arguments all;
-  const auto next = [&](int& i) -> std::string {
-    require(i + 1 < count, fmt::format("{} needs a value", values[i]));
-    return values[++i];
-  };
+  const auto known = words(all);
   for (int i = 1; i < count; ++i) {
     const std::string word = values[i];
-    if (word == "--kinds") {
-      all.kinds = next(i);
-    } else if (word == "--seeds") {
-      all.seeds = static_cast<unsigned>(std::stoul(next(i)));
-    } else if (word == "--first") {
-      all.first = static_cast<unsigned>(std::stoul(next(i)));
-    } else if (word == "--write") {
-      all.write = next(i);
-    } else if (word == "--lines") {
-      all.hidden.lines = std::stoi(next(i));
-    } else if (word == "--severity") {
-      all.hidden.severity = std::stod(next(i));
-    } else if (word == "--degree") {
-      all.hidden.degree = std::stoi(next(i));
-    } else if (word == "--modes") {
-      all.structure.modes = std::stoi(next(i));
-    } else if (word == "--deviation") {
-      all.deviation = std::stod(next(i));
-    } else if (word == "--coarser") {
-      all.coarser = std::stoi(next(i));
-    } else if (word == "--tolerance") {
+    if (word == "--tolerance") {
       all.tolerance = true;
     } else if (word == "--changed-damping") {
       all.hidden.damping_stays = false;
     } else if (word == "--list") {
       all.list = true;
     } else {
-      throw InvalidInput(fmt::format("'{}' is not known here", word));
+      const auto found = known.find(word);
+      require(found != known.end(), fmt::format("'{}' is not known here", word));
+      require(i + 1 < count, fmt::format("{} needs a value", word));
+      found->second(values[++i]);
     }
   }
   if (all.tolerance) all.hidden.deviation = all.deviation;
@@ -176,52 +176,57 @@ double quantile(std::vector<double> values, double at) {
   return values[static_cast<std::size_t>(at * static_cast<double>(values.size() - 1))];
 }
 
-// Right, among, ...: a row per kind; what wrong ones were called; median errors of place and size.
+// All cases of one kind.
+struct Row {
+  int cases = 0;
+  std::map<Outcome, int> count;
+  std::map<std::string, int> called;  // where not right
+  std::vector<double> places, sizes;  // errors: mm, relative
+};
+
+void add(Row& row, const CaseScore& score) {
+  ++row.cases;
+  ++row.count[score.outcome];
+  if (score.outcome != Outcome::right) ++row.called[score.told];
+  for (const auto& effect : score.effects) {
+    if (effect.placed) row.places.push_back(1e3 * effect.place_error);
+    for (const auto& size : effect.sizes) {
+      const bool place = size.name == "u" || size.name == "v";
+      if (!place && size.truth != 0.0) row.sizes.push_back(std::abs(size.relative_error()));
+    }
+  }
+}
+
+std::string text_of(const std::string& group, Row& row) {
+  std::string others;
+  for (const auto& [told, times] : row.called) {
+    others += fmt::format("{}{}{}", others.empty() ? "" : "; ", told,
+                          times > 1 ? fmt::format(" ({})", times) : "");
+  }
+  const auto of = [&](Outcome one) { return row.count[one]; };
+  const std::string places =
+      row.places.empty()
+          ? ""
+          : fmt::format("{:.2f}, {:.2f}", quantile(row.places, 0.5), quantile(row.places, 1.0));
+  const std::string sizes =
+      row.sizes.empty() ? "" : fmt::format("{:.2g}", quantile(row.sizes, 0.5));
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", group, row.cases,
+                     of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
+                     of(Outcome::missed), of(Outcome::unexplained), places, sizes, others);
+}
+
 void print_table(const std::vector<Done>& all) {
   fmt::print(
       "\n| hidden | cases | right | among | half | wrong | missed | unexplained | place, mm "
       "(median, worst) | size error (median) | called, where not right |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<std::string> groups;
+  std::map<std::string, Row> rows;
   for (const auto& done : all) {
-    if (std::find(groups.begin(), groups.end(), done.trial.group) == groups.end()) {
-      groups.push_back(done.trial.group);
-    }
+    if (!rows.contains(done.trial.group)) groups.push_back(done.trial.group);
+    add(rows[done.trial.group], done.score);
   }
-  for (const auto& group : groups) {
-    std::map<Outcome, int> count;
-    std::map<std::string, int> called;
-    std::vector<double> places;
-    std::vector<double> sizes;
-    int cases = 0;
-    for (const auto& done : all) {
-      if (done.trial.group != group) continue;
-      ++cases;
-      ++count[done.score.outcome];
-      if (done.score.outcome != Outcome::right) ++called[done.score.told];
-      for (const auto& effect : done.score.effects) {
-        if (effect.placed) places.push_back(1e3 * effect.place_error);
-        for (const auto& size : effect.sizes) {
-          if (size.name != "u" && size.name != "v" && size.truth != 0.0) {
-            sizes.push_back(std::abs(size.relative_error()));
-          }
-        }
-      }
-    }
-    std::string others;
-    for (const auto& [told, times] : called) {
-      others += fmt::format("{}{}{}", others.empty() ? "" : "; ", told,
-                            times > 1 ? fmt::format(" ({})", times) : "");
-    }
-    const auto of = [&](Outcome one) { return count[one]; };
-    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", group, cases,
-               of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
-               of(Outcome::missed), of(Outcome::unexplained),
-               places.empty()
-                   ? ""
-                   : fmt::format("{:.2f}, {:.2f}", quantile(places, 0.5), quantile(places, 1.0)),
-               sizes.empty() ? "" : fmt::format("{:.2g}", quantile(sizes, 0.5)), others);
-  }
+  for (const auto& group : groups) fmt::print("{}", text_of(group, rows[group]));
 }
 
 // z of the sizes where the name is right: 0.68, 0.95, 0.997 are expected.
