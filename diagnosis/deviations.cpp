@@ -67,24 +67,33 @@ std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double
   return all;
 }
 
+// What the modes i and j of a cluster share of stiffness or damping; of repeated modes the whole
+// block is theirs, or a deviation would depend on how the solver turned them.
+void add_entry(Eigen::MatrixXd State::*matrix, Index i, Index j, double by, std::string name,
+               std::vector<Deviation>& all) {
+  if (by <= 0.0) return;
+  all.push_back({std::move(name), [=](State& state, double eta) {
+                   auto& entries = state.*matrix;
+                   if (i == j) {
+                     entries(i, i) *= std::exp(by * eta);
+                     return;
+                   }
+                   const double more = by * eta * std::sqrt(entries(i, i) * entries(j, j));
+                   entries(i, j) += more;
+                   entries(j, i) += more;
+                 }});
+}
+
 void add_modes(const Structure& structure, const Tolerances& tolerances, double high_hz,
                std::vector<Deviation>& all) {
   for (const auto& [first, size] : clusters(structure, 1.5 * high_hz)) {
-    const double f = structure.frequency_hz(first);
-    if (tolerances.frequency > 0.0) {
-      all.push_back(
-          {fmt::format("frequency of the mode at {:.4g} Hz", f),
-           [first = first, size = size, t = tolerances.frequency](State& state, double eta) {
-             const double by = std::exp(2.0 * t * eta);
-             state.stiffness.diagonal().segment(first, size) *= by;
-           }});
-    }
-    if (tolerances.damping > 0.0) {
-      all.push_back(
-          {fmt::format("damping of the mode at {:.4g} Hz", f),
-           [first = first, size = size, t = tolerances.damping](State& state, double eta) {
-             state.damping.diagonal().segment(first, size) *= std::exp(t * eta);
-           }});
+    for (Index i = first; i < first + size; ++i) {
+      for (Index j = i; j < first + size; ++j) {
+        const auto of = fmt::format("{} {:.4g} Hz", i == j ? "of the mode at" : "between modes at",
+                                    structure.frequency_hz(i));
+        add_entry(&State::stiffness, i, j, 2.0 * tolerances.frequency, "frequency " + of, all);
+        add_entry(&State::damping, i, j, tolerances.damping, "damping " + of, all);
+      }
     }
   }
 }

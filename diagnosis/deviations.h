@@ -17,7 +17,8 @@ struct Deviation {
 };
 
 /// In the order in which they act; before any effect. Modes up to 1.5 times `high_hz` have their
-/// own frequency and damping; neighbours nearer than two half-power bandwidths share them.
+/// own frequency and damping; neighbours nearer than two half-power bandwidths have a
+/// symmetric block of both.
 /// The structure must outlive them. Deviations of zero are left out.
 [[nodiscard]] std::vector<Deviation> deviations(const Structure& structure,
                                                 const Tolerances& tolerances, double high_hz);

@@ -16,7 +16,7 @@ struct SearchLimits {
   double beam_within = 20.0;    ///< and their log evidence of the best
   double least_evidence = 8.0;  ///< ln of the Bayes factor of one more cause
   double least_share = 0.01;    ///< of the initial excess misfit, or the cause is dropped,
-  double least_excess = 2.0;    ///< unless this much (z) is left without it
+  double least_excess = 5.0;    ///< unless this much (z) is left without it
 };
 
 struct Found {
