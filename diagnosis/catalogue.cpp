@@ -52,6 +52,20 @@ constexpr std::array kAll{
 // Widths of its prior within which a size is thought of at all.
 constexpr double kPlausible = 6.0;
 
+// Which coordinates are u and v.
+std::optional<std::array<Eigen::Index, 2>> place_coordinates(const Supposed& supposed,
+                                                             const Structure& structure) {
+  std::array<Eigen::Index, 2> at{-1, -1};
+  Eigen::Index i = 0;
+  for (const auto& parameter : supposed.effect->parameters(structure)) {
+    if (parameter.scale == Parameter::Scale::place_u) at[0] = i;
+    if (parameter.scale == Parameter::Scale::place_v) at[1] = i;
+    ++i;
+  }
+  if (at[0] < 0 || at[1] < 0) return std::nullopt;
+  return at;
+}
+
 }  // namespace
 
 std::span<const Effect* const> effects() { return kAll; }
@@ -82,42 +96,35 @@ double Parameter::value_per_coordinate(double x) const {
   return 1.0;
 }
 
+std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structure& structure) {
+  const auto at = place_coordinates(supposed, structure);
+  if (!at) return std::nullopt;
+  return Eigen::Vector2d(supposed.x(*at));
+}
+
 double log_prior(const Supposed& supposed, const Structure& structure) {
   const auto parameters = supposed.effect->parameters(structure);
   double sum = -std::log(
       static_cast<double>(std::max<Eigen::Index>(1, supposed.effect->options(structure))));
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  bool placed = false;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto& parameter = parameters[i];
+    if (parameter.is_place()) continue;
     const double x = supposed.x(static_cast<Eigen::Index>(i));
-    if (parameter.is_place()) {
-      place(parameter.scale == Parameter::Scale::place_u ? 0 : 1) = x;
-      placed = true;
-      continue;
-    }
     const double off = (x - parameter.centre) / parameter.width;
     if (!(std::abs(off) < kPlausible)) return -std::numeric_limits<double>::infinity();
     sum -= 0.5 * off * off + std::log(parameter.width * std::sqrt(2.0 * std::numbers::pi));
   }
-  if (!placed) return sum;
-  if (!structure.surface.at(place)) return -std::numeric_limits<double>::infinity();
+  const auto place = place_of(supposed, structure);
+  if (!place) return sum;
+  if (!structure.surface.at(*place)) return -std::numeric_limits<double>::infinity();
   return sum - std::log(structure.surface.area.sum());
 }
 
 void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to) {
-  Eigen::Index u = -1;
-  Eigen::Index v = -1;
-  Eigen::Index i = 0;
-  for (const auto& parameter : to.effect->parameters(structure)) {
-    if (parameter.scale == Parameter::Scale::place_u) u = i;
-    if (parameter.scale == Parameter::Scale::place_v) v = i;
-    ++i;
-  }
-  if (u < 0 || v < 0) return;
-  for (int half = 0; half < 12 && !structure.surface.at({to.x(u), to.x(v)}); ++half) {
-    to.x(u) = 0.5 * (to.x(u) + from.x(u));
-    to.x(v) = 0.5 * (to.x(v) + from.x(v));
+  const auto at = place_coordinates(to, structure);
+  if (!at) return;
+  for (int half = 0; half < 12 && !structure.surface.at(to.x(*at)); ++half) {
+    to.x(*at) = 0.5 * (to.x(*at) + from.x(*at)).eval();
   }
 }
 

@@ -50,7 +50,7 @@ void add_positions(const ChannelSide& side, bool outputs, double tolerance,
   }
 }
 
-// Flexible modes that cannot be told apart share what they deviate by.
+// Flexible modes in runs that cannot be told apart.
 std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double high_hz) {
   std::vector<std::pair<Index, Index>> all;  // first, size
   for (Index k = structure.rigid_count; k < structure.mode_count(); ++k) {

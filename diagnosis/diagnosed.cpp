@@ -49,7 +49,7 @@ Found refined(const Problem& problem, const Found& found) {
 CauseMap map_of(const Problem& problem, const Fit& best) {
   Fit without = best;
   const auto placed = std::ranges::find_if(without.causes, [&](const Supposed& cause) {
-    return std::ranges::any_of(cause.effect->parameters(problem.structure), &Parameter::is_place);
+    return place_of(cause, problem.structure).has_value();
   });
   const bool named = placed != without.causes.end();
   if (named) without.causes.erase(placed);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,6 +70,10 @@ struct Supposed {
   Eigen::Index option = 0;
   Eigen::VectorXd x;
 };
+
+/// Where on the surface; none for effects that have no place.
+[[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
+                                                      const Structure& structure);
 
 /// ln of the prior density of the coordinates and of the choice; −∞ beside the surface and for
 /// sizes more than six widths off.

@@ -22,6 +22,9 @@ struct Problem {
 [[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
                              const Eigen::VectorXd& eta);
 
+/// Below this excess z only noise is left: the data are explained.
+inline constexpr double kExplained = 5.0;
+
 /// Causes at their most probable sizes.
 struct Fit {
   std::vector<Supposed> causes;

@@ -52,12 +52,14 @@ Eigen::VectorXcd factors(const std::vector<Path>& paths, Complex s) {
   return all;
 }
 
+MatrixXcd frame_response(const Frame& frame, Complex s) {
+  return (frame.to_outputs * frame.from_inputs.transpose()).cast<Complex>() /
+         (frame.stiffness + s * frame.damping + s * s * frame.mass);
+}
+
 MatrixXcd frame_responses(const State& state, Complex s) {
   MatrixXcd sum = MatrixXcd::Zero(state.output_count(), state.input_count());
-  for (const auto& frame : state.frames) {
-    const Complex z = frame.stiffness + s * frame.damping + s * s * frame.mass;
-    sum += (frame.to_outputs * frame.from_inputs.transpose()).cast<Complex>() / z;
-  }
+  for (const auto& frame : state.frames) sum += frame_response(frame, s);
   return sum;
 }
 

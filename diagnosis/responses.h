@@ -86,7 +86,8 @@ class Body {
 
 /// A X of real A and complex X, at the speed of BLAS.
 [[nodiscard]] Eigen::MatrixXcd product(const Eigen::MatrixXd& a, const Eigen::MatrixXcd& x);
-/// What the supports that move add, p×q.
+/// What one support that moves adds, p×q, and all of them.
+[[nodiscard]] Eigen::MatrixXcd frame_response(const Frame& frame, std::complex<double> s);
 [[nodiscard]] Eigen::MatrixXcd frame_responses(const State& state, std::complex<double> s);
 /// The structure's responses, p×q, as the record's channels show them.
 [[nodiscard]] Eigen::MatrixXcd recorded(const State& state, const Eigen::MatrixXcd& structure,

@@ -153,17 +153,17 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
     touch = touched(*more);
   }
   const bool channels_move = changed.outputs != state_.outputs || changed.inputs != state_.inputs;
+  const MatrixXcd outputs = (changed.outputs - state_.outputs).cast<Complex>();
+  const MatrixXcd inputs = (changed.inputs - state_.inputs).cast<Complex>();
   const Index p = state_.output_count();
   double sum = 0.0;
   for (Index k = 0; k < observed_.line_count(); ++k) {
     const Complex s(0.0, observed_.omega(k));
     MatrixXcd structure = now_.structure.row(k).reshaped(p, state_.input_count());
     if (channels_move) {
-      const MatrixXd outputs = changed.outputs - state_.outputs;
-      const MatrixXd inputs = changed.inputs - state_.inputs;
-      structure += outputs.cast<Complex>() * now_.right(k);
-      structure += now_.left(k) * inputs.cast<Complex>();
-      // Both sides at once: no effect moves an output and an input.
+      // To first order in both sides at once: no effect moves an output and an input.
+      structure += outputs * now_.right(k);
+      structure += now_.left(k) * inputs;
     }
     if (changed.frames.size() != state_.frames.size()) {
       structure += frame_responses(changed, s) - frame_responses(state_, s);
@@ -194,11 +194,11 @@ Eigen::VectorXd Scene::misfits(const Effect& effect, const std::vector<EffectSta
   return all;
 }
 
-double Scene::row_factor(Index output) const {
+double Scene::factor(Index first, Index stride, Index count) const {
   double along = 0.0;
   double power = 0.0;
-  for (Index j = 0; j < state_.input_count(); ++j) {
-    const Index c = output + state_.output_count() * j;
+  for (Index n = 0; n < count; ++n) {
+    const Index c = first + stride * n;
     const auto w2 = observed_.weight.col(c).array().square();
     along += (w2 * (now_.value.col(c).conjugate().array() * observed_.value.col(c).array()).real())
                  .sum();
@@ -207,17 +207,12 @@ double Scene::row_factor(Index output) const {
   return power > 0.0 ? along / power : 1.0;
 }
 
+double Scene::row_factor(Index output) const {
+  return factor(output, state_.output_count(), state_.input_count());
+}
+
 double Scene::column_factor(Index input) const {
-  double along = 0.0;
-  double power = 0.0;
-  for (Index i = 0; i < state_.output_count(); ++i) {
-    const Index c = i + state_.output_count() * input;
-    const auto w2 = observed_.weight.col(c).array().square();
-    along += (w2 * (now_.value.col(c).conjugate().array() * observed_.value.col(c).array()).real())
-                 .sum();
-    power += (w2 * now_.value.col(c).array().abs2()).sum();
-  }
-  return power > 0.0 ? along / power : 1.0;
+  return factor(state_.output_count() * input, 1, state_.output_count());
 }
 
 Scene::Gain Scene::gain(const MatrixXcd& change) const {

@@ -60,6 +60,8 @@ class Scene {
     Eigen::VectorXcd own;       ///< K
   };
   [[nodiscard]] Touched touched(const Attached& attached) const;
+  /// By which the observed columns first, first + stride, ... differ from the model's.
+  [[nodiscard]] double factor(Eigen::Index first, Eigen::Index stride, Eigen::Index count) const;
   [[nodiscard]] bool near(const State& changed) const;
   [[nodiscard]] double quick_misfit(const State& changed, Touched& touch) const;
 

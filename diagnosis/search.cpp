@@ -134,8 +134,7 @@ std::vector<Candidate> candidates(const Scene& scene, const Effect& effect, cons
 
 // A channel has one gain, the body one modulus; what hangs in a place may hang in several.
 bool is_there_already(const Structure& structure, const Fit& base, const Supposed& cause) {
-  const auto parameters = cause.effect->parameters(structure);
-  if (std::ranges::any_of(parameters, &Parameter::is_place)) return false;
+  if (place_of(cause, structure)) return false;
   return std::ranges::any_of(base.causes, [&](const Supposed& other) {
     return other.effect == cause.effect && other.option == cause.option;
   });

@@ -10,13 +10,13 @@ namespace chladni::diagnosis {
 
 struct SearchLimits {
   int most_causes = 3;
-  int fits_per_level = 5;       ///< full fits of what looks best from a scene
-  int lines_of_scene = 120;     ///< at most: for a first look
-  int beam = 2;                 ///< explanations that are carried to the next level, at most,
-  double beam_within = 20.0;    ///< and their log evidence of the best
-  double least_evidence = 8.0;  ///< ln of the Bayes factor of one more cause
-  double least_share = 0.01;    ///< of the initial excess misfit, or the cause is dropped,
-  double least_excess = 5.0;    ///< unless this much (z) is left without it
+  int fits_per_level = 5;            ///< full fits of what looks best from a scene
+  int lines_of_scene = 120;          ///< at most: for a first look
+  int beam = 2;                      ///< explanations that are carried to the next level, at most,
+  double beam_within = 20.0;         ///< and their log evidence of the best
+  double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
+  double least_share = 0.01;         ///< of the initial excess misfit, or the cause is dropped,
+  double least_excess = kExplained;  ///< unless this much (z) is left without it
 };
 
 struct Found {

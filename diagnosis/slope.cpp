@@ -124,11 +124,7 @@ class Slope {
 
   void add_frames(Complex s, MatrixXcd& sum) const {
     for (std::size_t n = 0; n < at_.frames.size(); ++n) {
-      const auto response = [&](const Frame& frame) -> MatrixXcd {
-        return (frame.to_outputs * frame.from_inputs.transpose()).cast<Complex>() /
-               (frame.stiffness + s * frame.damping + s * s * frame.mass);
-      };
-      sum += (response(plus_.frames[n]) - response(minus_.frames[n])) / step_;
+      sum += (frame_response(plus_.frames[n], s) - frame_response(minus_.frames[n], s)) / step_;
     }
   }
 

@@ -42,6 +42,10 @@ struct Surface {
   Eigen::Vector3d axis_u = Eigen::Vector3d::UnitX(), axis_v = Eigen::Vector3d::UnitY();
 
   [[nodiscard]] Eigen::Index count() const { return places.rows(); }
+  /// [m], in the body's frame.
+  [[nodiscard]] Eigen::Vector3d in_body(const Eigen::Vector2d& place) const {
+    return origin + place(0) * axis_u + place(1) * axis_v;
+  }
 };
 
 /// The body in parts, seen along the normal of the chart: sums of all are diag(ω²) and 1 where

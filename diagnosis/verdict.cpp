@@ -10,7 +10,6 @@ namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-using Eigen::VectorXd;
 
 // Simple effects that are special cases of others: within `rival_within` the simpler is meant.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNested{{
@@ -25,23 +24,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNested{{
     {"actuator_position", "actuator_direction"},
 }};
 
-std::optional<Eigen::Vector2d> place_of(const Structure& structure, const Supposed& cause) {
-  const auto parameters = cause.effect->parameters(structure);
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  bool placed = false;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (!parameters[i].is_place()) continue;
-    placed = true;
-    place(parameters[i].scale == Parameter::Scale::place_u ? 0 : 1) =
-        cause.x(static_cast<Index>(i));
-  }
-  return placed ? std::optional(place) : std::nullopt;
-}
-
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
   if (a.effect != b.effect || a.option != b.option) return false;
-  const auto here = place_of(structure, a);
-  const auto there = place_of(structure, b);
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
   if (!here || !there) return true;
   const auto& places = structure.surface.places;
   const double size = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
@@ -53,7 +39,7 @@ Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index 
   Cause cause;
   cause.effect = supposed.effect->name;
   cause.channels = supposed.effect->channels(problem.structure, supposed.option);
-  cause.place = place_of(problem.structure, supposed);
+  cause.place = place_of(supposed, problem.structure);
   Index i = 0;
   for (const auto& parameter : supposed.effect->parameters(problem.structure)) {
     const double variance = fit.covariance(first + i, first + i);
@@ -122,7 +108,8 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   for (auto& one : all) {
     one.probability /= sum;
     const double initial = std::max(found.nothing.excess(n), 1e-9);
-    const double left = one.excess >= 5.0 ? std::clamp(1.0 - one.excess / initial, 0.0, 0.9) : 1.0;
+    const double left =
+        one.excess >= kExplained ? std::clamp(1.0 - one.excess / initial, 0.0, 0.9) : 1.0;
     for (auto& cause : one.causes) cause.probability = left * one.probability;
   }
 }
@@ -175,7 +162,7 @@ Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
   const double n = problem.observed.number_count();
-  const bool explained = best.excess < 5.0;
+  const bool explained = best.excess < kExplained;
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   const double initial = std::max(found.nothing.chi_square - n, 1e-9);
   const double left = std::max(best.excess, 0.0) * std::sqrt(2.0 * n);

@@ -1,6 +1,7 @@
 #include "diagnosis/effects/attachment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace chladni::diagnosis {
@@ -13,11 +14,20 @@ Eigen::Index has_surface(const Structure& structure) {
 }
 
 Attached attached_at(const Structure& structure, double u, double v) {
-  const auto motion = structure.surface.at({u, v});
+  return attached_to(structure, structure.surface.at({u, v}));
+}
+
+Attached attached_to(const Structure& structure, const std::optional<PointMotion>& motion) {
   Attached one;
   one.shapes = motion ? motion->shape : Eigen::VectorXd::Zero(structure.mode_count());
   if (motion) one.upper = motion->upper;
   return one;
+}
+
+Oscillator oscillator(const Eigen::VectorXd& x) {
+  const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
+  const double mass = std::exp(x(0));
+  return {mass, 2.0 * std::exp(x(2)) * omega * mass, mass * omega * omega};
 }
 
 double first_omega(const Structure& structure) {

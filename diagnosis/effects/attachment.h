@@ -15,6 +15,14 @@ namespace chladni::diagnosis {
 [[nodiscard]] Eigen::Index has_surface(const Structure& structure);
 /// At (u, v), of one displacement along the normal; of zero shape beside the surface.
 [[nodiscard]] Attached attached_at(const Structure& structure, double u, double v);
+/// The same where the motion of the place is known; none: beside the surface.
+[[nodiscard]] Attached attached_to(const Structure& structure,
+                                   const std::optional<PointMotion>& motion);
+/// A mass on a spring and a dashpot, of the coordinates ln mass, ln frequency, ln damping ratio.
+struct Oscillator {
+  double mass = 0.0, damping = 0.0, stiffness = 0.0;
+};
+[[nodiscard]] Oscillator oscillator(const Eigen::VectorXd& x);
 /// ω₁ [rad/s], of the first flexible mode.
 [[nodiscard]] double first_omega(const Structure& structure);
 /// Each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.

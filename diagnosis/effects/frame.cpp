@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numbers>
 
 #include "diagnosis/effects/attachment.h"
 #include "diagnosis/effects/entries.h"
@@ -9,7 +8,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::vector<Parameter> oscillator(const Structure& structure) {
+std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
   const double typical_hz = structure.frequency_hz(structure.rigid_count);
   return {
       {"mass", "kg", Parameter::Scale::logarithmic, std::log(10.0 * structure.mass_kg), 2.0, 1e-4},
@@ -19,11 +18,11 @@ std::vector<Parameter> oscillator(const Structure& structure) {
 
 void stand(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
            const VectorXd& x) {
-  const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
+  const auto [mass, damping, stiffness] = oscillator(x);
   Frame one;
-  one.mass = std::exp(x(0));
-  one.stiffness = one.mass * omega * omega;
-  one.damping = 2.0 * std::exp(x(2)) * omega * one.mass;
+  one.mass = mass;
+  one.damping = damping;
+  one.stiffness = stiffness;
   one.to_outputs = VectorXd::Ones(state.output_count());
   one.from_inputs = VectorXd::Ones(state.input_count());
   state.frames.push_back(std::move(one));
@@ -48,7 +47,7 @@ const Effect frame{"frame",
                    "the support moves: actuators push it back, sensors are measured against it",
                    "1 / (m s^2 + c s + k) added to all responses alike",
                    "a resonator on the body, a spring to ground",
-                   oscillator,
+                   mass_frequency_damping,
                    one_option,
                    no_channels,
                    stand,

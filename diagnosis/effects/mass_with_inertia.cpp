@@ -19,7 +19,7 @@ std::vector<Parameter> mass_radius_place(const Structure& structure) {
 void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const auto motion = structure.surface.at({x(2), x(3)});
   const Eigen::Index r = structure.mode_count();
-  Attached mass = attached_at(structure, x(2), x(3));
+  Attached mass = attached_to(structure, motion);
   mass.mass = std::exp(x(0));
   Attached inertia;
   inertia.mass = mass.mass * std::exp(2.0 * x(1));

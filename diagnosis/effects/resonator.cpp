@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numbers>
 
 #include "diagnosis/effects/attachment.h"
 #include "diagnosis/effects/entries.h"
@@ -20,12 +19,12 @@ std::vector<Parameter> oscillator_and_place(const Structure& structure) {
 }
 
 void carry(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
-  const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
+  const auto [mass, damping, stiffness] = oscillator(x);
   Attached one = attached_at(structure, x(3), x(4));
   one.carried = true;
-  one.mass = std::exp(x(0));
-  one.stiffness = one.mass * omega * omega;
-  one.damping = 2.0 * std::exp(x(2)) * omega * one.mass;
+  one.mass = mass;
+  one.damping = damping;
+  one.stiffness = stiffness;
   state.attached.push_back(std::move(one));
 }
 
