@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "app/comparison.h"
+#include "app/percent.h"
 
 namespace chladni::app {
 namespace {
@@ -12,10 +13,6 @@ namespace {
 using diagnosis::Comparison;
 using diagnosis::ModeComparison;
 using diagnosis::ResponseComparison;
-
-std::string percent(double part) {
-  return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : std::string("-");
-}
 
 std::string modes_text(const ModeComparison& modes) {
   if (modes.pairs.empty()) return {};

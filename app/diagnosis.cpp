@@ -43,9 +43,11 @@ void state_variance(modal::FrfSet& set, Run& run) {
   }
 }
 
-modal::FrfSet measured_within(const Study& study, const DiagnosisPlan& plan, double highest_hz,
-                              Run& run) {
-  auto set = modal::converted(measured_frfs(study, run).all, modal::FrfKind::receptance);
+MeasuredFrfs measured_within(const Study& study, const DiagnosisPlan& plan, double highest_hz,
+                             Run& run) {
+  auto measured = measured_frfs(study, run);
+  auto& set = measured.all;
+  set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
   set = modal::band(set, std::max(plan.low_hz, 1e-9), std::min(high, highest_hz));
   require(set.line_count() >= 16,
@@ -53,19 +55,7 @@ modal::FrfSet measured_within(const Study& study, const DiagnosisPlan& plan, dou
                       "Hz, where the simulation's modes end; at least 16 are expected",
                       study.file.string(), set.line_count(), highest_hz));
   state_variance(set, run);
-  return set;
-}
-
-std::vector<Index> not_held_out(const std::vector<modal::MeasuredChannel>& channels,
-                                const Study& study) {
-  const auto& hidden = study.measurement->hold_out;
-  std::vector<Index> kept;
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (std::ranges::find(hidden, channels[i].name) == hidden.end()) {
-      kept.push_back(static_cast<Index>(i));
-    }
-  }
-  return kept;
+  return measured;
 }
 
 bool line_held_out(const DiagnosisPlan& plan, double frequency_hz) {
@@ -74,10 +64,8 @@ bool line_held_out(const DiagnosisPlan& plan, double frequency_hz) {
 }
 
 // Without held-out channels and lines.
-modal::FrfSet seen_of(const modal::FrfSet& measured, const Study& study,
-                      const DiagnosisPlan& plan) {
-  const auto part = modal::part(measured, not_held_out(measured.outputs, study),
-                                not_held_out(measured.inputs, study));
+modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
+  const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
   if (plan.hold_out_high_hz <= 0.0) return part;
   auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
   const auto above = modal::band(part, std::nextafter(plan.hold_out_high_hz, HUGE_VAL),
@@ -125,21 +113,19 @@ struct Sums {
 
 Sums sums_of(const Diagnosed& one, const std::vector<Eigen::MatrixXcd>& response,
              const Study& study, bool held_out) {
-  const auto rows = not_held_out(one.measured.outputs, study);
-  const auto cols = not_held_out(one.measured.inputs, study);
+  const auto& measured = one.measured.all;
   Sums sums;
   for (std::size_t k = 0; k < response.size(); ++k) {
-    const bool line =
-        line_held_out(plan_of(study), one.measured.frequency_hz(static_cast<Index>(k)));
+    const bool line = line_held_out(plan_of(study), measured.frequency_hz(static_cast<Index>(k)));
     for (Index j = 0; j < response[k].cols(); ++j) {
       for (Index i = 0; i < response[k].rows(); ++i) {
-        const bool seen =
-            !line && std::ranges::binary_search(rows, i) && std::ranges::binary_search(cols, j);
-        const auto value = one.measured.value[k](i, j);
+        const bool seen = !line && std::ranges::binary_search(one.measured.outputs, i) &&
+                          std::ranges::binary_search(one.measured.inputs, j);
+        const auto value = measured.value[k](i, j);
         if (seen == held_out || !std::isfinite(std::abs(value))) continue;
         sums.error += std::norm(value - response[k](i, j));
         sums.size += std::norm(value);
-        sums.noise += one.measured.variance[k](i, j);
+        sums.noise += measured.variance[k](i, j);
       }
     }
   }
@@ -198,14 +184,14 @@ diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Run& run) {
 // Records without units have a scale of their own: that of the simulation is given to them.
 void take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
   const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
-  if (std::ranges::none_of(one.measured.outputs, unstated)) return;
+  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return;
   const double level = one.comparison.responses.level;
   if (!(level > 0.0) || !std::isfinite(level)) return;
   run.talk().note(
       fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
                   "of measured over simulated; what scales them all is not told",
                   level));
-  for (auto* set : {&one.measured, &one.seen}) {
+  for (auto* set : {&one.measured.all, &one.seen}) {
     for (auto& value : set->value) value /= level;
     for (auto& variance : set->variance) variance /= level * level;
   }
@@ -226,7 +212,7 @@ void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
       with_modes_for_diagnosis(parse_study(extension.text, run / "extended.toml", allowed));
   one.after = solved(extended, run);
   one.response_after =
-      predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured);
+      predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
   one.extended = std::move(extension);
 }
 
@@ -239,8 +225,8 @@ Diagnosed diagnosed(const Study& study, Run& run) {
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
   one.measured = measured_within(study, plan, highest_hz, run);
-  one.seen = seen_of(one.measured, study, plan);
-  const double band_hz = one.measured.frequency_hz.tail(1)(0);
+  one.seen = seen_of(one.measured, plan);
+  const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
   one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });
   run.timed("comparison", [&] {
     const auto fit = modes_of(one.seen, run);
@@ -251,7 +237,7 @@ Diagnosed diagnosed(const Study& study, Run& run) {
   take_scale(one, options.tolerances, run);
   one.result = run.timed("diagnosis",
                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
-  one.response_before = predicted(study, one.structure, study, one.measured);
+  one.response_before = predicted(study, one.structure, study, one.measured.all);
   try {
     extend(study, band_hz, one, run);
   } catch (const InvalidInput& e) {

@@ -25,9 +25,9 @@ struct Gain {
 };
 
 struct Diagnosed {
-  modal::FrfSet measured;  ///< receptances within the band, all channels of the study
-  modal::FrfSet seen;      ///< without what was held out
-  Solution before;         ///< of the study, with as many modes as a diagnosis needs
+  MeasuredFrfs measured;  ///< receptances within the band, all channels of the study
+  modal::FrfSet seen;     ///< without what was held out
+  Solution before;        ///< of the study, with as many modes as a diagnosis needs
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;

@@ -67,10 +67,6 @@ Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::Vector
   return result;
 }
 
-Eigen::Vector3d in_body(const diagnosis::Surface& chart, const Eigen::Vector2d& place) {
-  return chart.origin + place(0) * chart.axis_u + place(1) * chart.axis_v;
-}
-
 void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
   const Solution& solution = one.before;
   const auto& surface = one.structure.surface;
@@ -97,7 +93,7 @@ void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
   picture.forbidden.assign(static_cast<std::size_t>(explained.size()), 0);
   for (const auto& cause : one.result.best.causes) {
     if (!cause.place) continue;
-    picture.best.push_back({in_body(surface, *cause.place), cause.effect});
+    picture.best.push_back({surface.in_body(*cause.place), cause.effect});
   }
   picture.star = "the cause";
   picture.markers = markers_of(study, solution.model);
@@ -111,7 +107,7 @@ void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool ma
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
   if (!run.options().pictures) return;
-  draw_responses(run / "prediction.png", one.measured, one.response_before, one.response_after);
+  draw_responses(run / "prediction.png", one.measured.all, one.response_before, one.response_after);
   draw_mac(run / "mac.png", one.comparison);
 }
 

@@ -4,21 +4,19 @@
 #include <cmath>
 
 #include "app/diagnosis.h"
+#include "app/percent.h"
 #include "io/report_sections.h"
 
 namespace chladni::app {
 namespace {
 
-std::string percent(double part) {
-  return std::isfinite(part) ? fmt::format("{:.3g}", 100.0 * part) : "\u2013";
-}
-
 io::Table causes_table(const Diagnosed& one) {
   io::Table table{
       "Causes", {{"cause", false}, {"probability"}, {"ln evidence"}, {"of the misfit [%]"}}, {}};
   for (const auto& cause : one.result.best.causes) {
-    table.rows.push_back({{cause_text(cause), fmt::format("{:.3f}", cause.probability),
-                           fmt::format("{:.1f}", cause.log_evidence_gain), percent(cause.share)}});
+    table.rows.push_back(
+        {{cause_text(cause), fmt::format("{:.3f}", cause.probability),
+          fmt::format("{:.1f}", cause.log_evidence_gain), percent_cell(cause.share)}});
   }
   return table;
 }
@@ -27,13 +25,12 @@ io::Table gain_table(const Gain& gain) {
   io::Table table{"Relative error of the predicted responses [%]",
                   {{"", false}, {"before"}, {"after"}, {"noise"}},
                   {}};
-  table.rows.push_back({{"seen by the fit", percent(gain.fit_before), percent(gain.fit_after),
-                         percent(gain.noise_floor)}});
-  std::string held;
-  for (const auto& name : gain.held_out) held += (held.empty() ? "held out: " : ", ") + name;
-  if (!held.empty()) {
-    table.rows.push_back({{held, percent(gain.held_out_before), percent(gain.held_out_after),
-                           percent(gain.held_out_noise)}});
+  table.rows.push_back({{"seen by the fit", percent_cell(gain.fit_before),
+                         percent_cell(gain.fit_after), percent_cell(gain.noise_floor)}});
+  if (!gain.held_out.empty()) {
+    table.rows.push_back({{fmt::format("held out: {}", fmt::join(gain.held_out, ", ")),
+                           percent_cell(gain.held_out_before), percent_cell(gain.held_out_after),
+                           percent_cell(gain.held_out_noise)}});
   }
   return table;
 }

@@ -5,11 +5,10 @@
 
 #include "app/comparison.h"
 #include "app/diagnosis.h"
+#include "app/percent.h"
 
 namespace chladni::app {
 namespace {
-
-using Eigen::Index;
 
 // A value with its deviation in a unit that people read.
 std::string quantity(const diagnosis::CauseParameter& one) {
@@ -31,16 +30,6 @@ std::string quantity(const diagnosis::CauseParameter& one) {
   }
   return fmt::format("{} {:.4g} +- {:.2g}{}{}", one.name, scale * one.value, scale * one.std,
                      unit.empty() ? "" : " ", unit);
-}
-
-std::string channels_text(const diagnosis::Cause& cause) {
-  std::string text;
-  for (const auto& name : cause.channels) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-std::string percent(double part) {
-  return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : "-";
 }
 
 std::string explanation_text(const diagnosis::Explanation& one) {
@@ -121,7 +110,7 @@ io::JsonObject gain_json(const Gain& gain) {
 
 std::string cause_text(const diagnosis::Cause& cause) {
   std::string text = cause.effect;
-  if (!cause.channels.empty()) text += " of " + channels_text(cause);
+  if (!cause.channels.empty()) text += fmt::format(" of {}", fmt::join(cause.channels, ", "));
   std::string numbers;
   for (const auto& one : cause.parameters) {
     numbers += (numbers.empty() ? "" : ", ") + quantity(one);

@@ -92,8 +92,7 @@ bool looks_down(const Extension& by) {
 }
 
 std::string place(const Extension& by) {
-  const Eigen::Vector3d at =
-      by.chart.origin + by.number("u") * by.chart.axis_u + by.number("v") * by.chart.axis_v;
+  const Eigen::Vector3d at = by.chart.in_body({by.number("u"), by.number("v")});
   const auto mm = [](double metres) {
     return toml_text(digits(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres) + " mm");
   };

@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "app/interpolation.h"
+#include "app/percent.h"
 
 namespace chladni::app {
 namespace {
-
-std::string percent(double part) {
-  return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : std::string("-");
-}
 
 double mean_of(const Eigen::VectorXd& values) { return values.size() > 0 ? values.mean() : NAN; }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "app/percent.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
 #include "io/report.h"
@@ -80,11 +81,6 @@ io::Section placement_section(const Solution& solution, const Placed& placement,
   return section;
 }
 
-// A number as a part of a hundred, or a dash.
-std::string percent(double part) {
-  return std::isfinite(part) ? fmt::format("{:.3g}", 100.0 * part) : "\u2013";
-}
-
 io::Table methods_table(const Interpolated& shapes) {
   const bool has_truth = shapes.measured.truth.size() > 0;
   const bool has_hidden = !shapes.measured.hidden_channels.empty();
@@ -100,12 +96,12 @@ io::Table methods_table(const Interpolated& shapes) {
   for (const auto& one : shapes.methods) {
     io::Table::Row row{{one.method->name}};
     if (has_truth) {
-      row.cells.push_back(percent(one.error.mean()));
-      row.cells.push_back(percent(one.covered.mean()));
+      row.cells.push_back(percent_cell(one.error.mean()));
+      row.cells.push_back(percent_cell(one.covered.mean()));
     }
     if (has_hidden) {
-      row.cells.push_back(percent(one.hidden_error.mean()));
-      row.cells.push_back(percent(one.hidden_frf_error.mean()));
+      row.cells.push_back(percent_cell(one.hidden_error.mean()));
+      row.cells.push_back(percent_cell(one.hidden_frf_error.mean()));
     }
     table.rows.push_back(row);
   }
@@ -128,15 +124,16 @@ io::Section identification_section(const IdentifiedModel& model, const Run& run)
     const bool known = match.by != identification::MatchedBy::nothing;
     table.rows.push_back(
         {{std::to_string(m + 1), fmt::format("{:.4f}", fit.model.frequency_hz(m)),
-          fmt::format("{:.2g}", fit.frequency_std_hz(m)), percent(fit.model.damping_ratio(m)),
-          percent(fit.damping_std(m)), known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
+          fmt::format("{:.2g}", fit.frequency_std_hz(m)), percent_cell(fit.model.damping_ratio(m)),
+          percent_cell(fit.damping_std(m)),
+          known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
   }
   section.blocks.emplace_back(std::move(table));
   section.blocks.emplace_back(
       io::Note{io::Note::Tone::plain,
                fmt::format("The responses are fitted to {} % of their size; the noise "
                            "is {} %.",
-                           percent(overall_error(model)), percent(noise(model)))});
+                           percent_cell(overall_error(model)), percent_cell(noise(model)))});
   for (const auto& warning : model.match.warnings) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::warning, warning + "."});
   }

@@ -9,6 +9,7 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "identification/rigid_chain.h"
+#include "identified_json.h"
 #include "io/frf_file.h"
 #include "io/json.h"
 #include "io/mat.h"
@@ -17,19 +18,6 @@
 
 namespace chladni::app {
 namespace {
-
-const Eigen::VectorXd kPlaces{{0.05, 0.15, 0.25, 0.35, 0.45}};  // of sensors and coils [m]
-
-Eigen::MatrixXd matrix(const io::Json& rows) {
-  Eigen::MatrixXd result(std::ssize(rows.array()), std::ssize(rows.array().front().array()));
-  for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    for (Eigen::Index j = 0; j < result.cols(); ++j) {
-      result(i, j) =
-          rows.array()[static_cast<std::size_t>(i)].array()[static_cast<std::size_t>(j)].number();
-    }
-  }
-  return result;
-}
 
 // The chain's first modes with a dashpot of c [N s/m] at the first sensor.
 modal::ReducedModel damped_chain(double c) {

@@ -11,6 +11,7 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "identification/rigid_chain.h"
+#include "identified_json.h"
 #include "io/frf_file.h"
 #include "io/json.h"
 #include "quiet_run.h"
@@ -21,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kModels = fs::path(CHLADNI_SOURCE_DIR) / "models";
-const Eigen::VectorXd kPlaces{{0.05, 0.15, 0.25, 0.35, 0.45}};  // of sensors and coils [m]
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
   const auto at = text.find(what);
@@ -30,17 +30,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 std::string model(const std::string& name) { return read_whole(kModels / name); }
-
-Eigen::MatrixXd matrix(const io::Json& rows) {
-  Eigen::MatrixXd result(std::ssize(rows.array()), std::ssize(rows.array().front().array()));
-  for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    for (Eigen::Index j = 0; j < result.cols(); ++j) {
-      result(i, j) =
-          rows.array()[static_cast<std::size_t>(i)].array()[static_cast<std::size_t>(j)].number();
-    }
-  }
-  return result;
-}
 
 modal::FrfSet named(const modal::Frf& frf, const std::vector<int>& coils) {
   modal::FrfSet set;
