@@ -8,6 +8,36 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
   target_compile_options(chladni_warnings INTERFACE -Wno-restrict)
 endif()
 
+# add_precompiled(kind header libraries...): what use_precompiled(target kind) gives to a target.
+function(add_precompiled kind header)
+  if(NOT CHLADNI_PRECOMPILE)
+    return()
+  endif()
+  set(source ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// holds ${header}\n")
+  add_library(chladni_precompiled_${kind} OBJECT ${source})
+  target_link_libraries(chladni_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt chladni_warnings
+                                                            ${ARGN})
+  target_include_directories(chladni_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_precompile_headers(chladni_precompiled_${kind} PRIVATE ${header})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # ccache asks for it
+    target_compile_options(chladni_precompiled_${kind} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()
+
+function(use_precompiled target kind)
+  if(NOT TARGET chladni_precompiled_${kind})
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM chladni_precompiled_${kind})
+  # Its macros must be those of the headers', fmt's among them.
+  target_compile_definitions(${target} PRIVATE
+                             $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()
+
 # add_room(name SOURCES ... PUBLIC rooms... PRIVATE libraries...)
 function(add_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
@@ -23,6 +53,7 @@ function(add_room name)
   target_link_libraries(chladni_${name} PUBLIC Eigen3::Eigen ${ROOM_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:chladni_warnings> ${ROOM_PRIVATE})
   set_target_properties(chladni_${name} PROPERTIES EXPORT_NAME ${name})
+  use_precompiled(chladni_${name} room)
 endfunction()
 
 # add_room_tests(room [LABEL label] [LINK libraries...] FILES a_test.cpp ...): one program per file.
@@ -41,6 +72,7 @@ function(add_room_tests room)
                                                   GTest::gtest_main)
     target_compile_definitions(${room}_${stem} PRIVATE
       CHLADNI_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CHLADNI_BINARY_DIR="${PROJECT_BINARY_DIR}")
+    use_precompiled(${room}_${stem} tests)
     set_target_properties(${room}_${stem} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/${room})
     gtest_discover_tests(${room}_${stem} TEST_PREFIX ${room}. NO_PRETTY_VALUES
