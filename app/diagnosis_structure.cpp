@@ -9,6 +9,7 @@
 #include "app/study_parts.h"
 #include "app/upper_face.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "fem/field_matrices.h"
 
 namespace chladni::app {
@@ -134,45 +135,89 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
   return cells;
 }
 
-void add_matrices(const CellPart& part, const Model& model, const modal::Modes& modes,
-                  mesh::TetMesh& piece, diagnosis::BodyCells& cells) {
-  piece.tets = model.body.tets(part.tets, Eigen::all);
-  piece.region = model.body.region(part.tets);
-  const Eigen::MatrixXd field = Eigen::Map<const Eigen::VectorXd>(
-      part.part.data(), static_cast<Eigen::Index>(part.part.size()));
-  auto matrices = fem::field_matrices(piece, model.materials, modes.shapes, field, field);
-  cells.stiffness.push_back(unstrained(std::move(matrices.stiffness.front()), modes.frequency_hz));
-  const Eigen::MatrixXd& mass = matrices.mass.front();
-  cells.mass.emplace_back(0.5 * (mass + mass.transpose()));
+// Materials that resist transverse shear only: that with `normal` in it.
+std::vector<fem::Material> shearing(std::vector<fem::Material> materials, Eigen::Index normal) {
+  for (auto& material : materials) {
+    const Eigen::Matrix<double, 6, 6> whole = material.stiffness;
+    material.stiffness.setZero();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const Eigen::Index s = shear_of(i, normal);
+      if (i != normal) material.stiffness(s, s) = whole(s, s);
+    }
+  }
+  return materials;
 }
 
+Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
+  return 0.5 * (matrix + matrix.transpose());
+}
+
+// What the cells are made of.
+class CellMatrices {
+ public:
+  CellMatrices(const Model& model, const modal::Modes& modes, const Chart& chart, bool bends)
+      : model_(model), modes_(modes), bends_(bends) {
+    if (!bends) return;
+    Eigen::Index normal = 0;
+    chart.axes.col(2).cwiseAbs().maxCoeff(&normal);
+    shearing_ = shearing(model.materials, normal);
+    turning_ = modes.shapes;
+    for (Eigen::Index row = normal; row < turning_.rows(); row += 3) turning_.row(row).setZero();
+  }
+
+  void add(const CellPart& part, diagnosis::BodyCells& cells, std::size_t at) const {
+    mesh::TetMesh piece;
+    piece.points = model_.body.points;
+    piece.tets = model_.body.tets(part.tets, Eigen::all);
+    piece.region = model_.body.region(part.tets);
+    const Eigen::MatrixXd field = Eigen::Map<const Eigen::VectorXd>(
+        part.part.data(), static_cast<Eigen::Index>(part.part.size()));
+    const Eigen::MatrixXd none(field.rows(), 0);
+    auto whole = fem::field_matrices(piece, model_.materials, modes_.shapes, field, field);
+    cells.stiffness[at] = unstrained(std::move(whole.stiffness.front()), modes_.frequency_hz);
+    cells.mass[at] = symmetric(whole.mass.front());
+    if (!bends_) return;
+    auto sheared = fem::field_matrices(piece, shearing_, modes_.shapes, field, none);
+    cells.shear[at] = unstrained(std::move(sheared.stiffness.front()), modes_.frequency_hz);
+    cells.rotary[at] =
+        symmetric(fem::field_matrices(piece, model_.materials, turning_, none, field).mass.front());
+  }
+
+ private:
+  const Model& model_;
+  const modal::Modes& modes_;
+  bool bends_;
+  std::vector<fem::Material> shearing_;
+  Eigen::MatrixXd turning_;  // the shapes, in the plane only
+};
+
 diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, const Chart& chart,
-                              const UpperFace& face) {
+                              const UpperFace& face, bool bends) {
   const auto counts = grid_counts(chart, kCells, kCellsAlong);
   const Eigen::MatrixXd covered = coverage(chart, face, counts);
+  const double area = chart.size.prod() / static_cast<double>(counts.prod());
   const auto parts = parts_of(model.body, chart, counts);
-  diagnosis::BodyCells cells;
-  std::vector<Eigen::Vector3d> rows;  // centre and area
-  mesh::TetMesh piece;
-  piece.points = model.body.points;
+  std::vector<std::size_t> filled;
   for (std::size_t c = 0; c < parts.size(); ++c) {
-    const auto& part = parts[c];
-    if (part.tets.empty()) continue;
-    add_matrices(part, model, modes, piece, cells);
-    const auto number = static_cast<Eigen::Index>(c);
-    const double area = covered(number / counts(1), number % counts(1)) * chart.size.prod() /
-                        static_cast<double>(counts.prod());
-    const Eigen::Vector2d centre = part.moment / part.samples;
-    rows.emplace_back(centre(0), centre(1), area);
+    if (!parts[c].tets.empty()) filled.push_back(c);
   }
-  cells.centres.resize(static_cast<Eigen::Index>(rows.size()), 2);
-  cells.area.resize(cells.centres.rows());
+  diagnosis::BodyCells cells;
+  const auto count = static_cast<Eigen::Index>(filled.size());
+  cells.centres.resize(count, 2);
+  cells.area.resize(count);
   cells.from = chart.from;
   cells.size = chart.size;
-  for (Eigen::Index c = 0; c < cells.count(); ++c) {
-    cells.centres.row(c) = rows[static_cast<std::size_t>(c)].head<2>();
-    cells.area(c) = rows[static_cast<std::size_t>(c)](2);
-  }
+  for (auto* matrices : {&cells.stiffness, &cells.mass}) matrices->resize(filled.size());
+  for (auto* matrices : {&cells.shear, &cells.rotary}) matrices->resize(bends ? filled.size() : 0);
+  const CellMatrices matrices(model, modes, chart, bends);
+  parallel_tasks(filled.size(), [&](std::size_t i) {
+    const auto number = static_cast<Eigen::Index>(filled[i]);
+    const auto& part = parts[filled[i]];
+    matrices.add(part, cells, i);
+    cells.centres.row(static_cast<Eigen::Index>(i)) = (part.moment / part.samples).transpose();
+    cells.area(static_cast<Eigen::Index>(i)) =
+        covered(number / counts(1), number % counts(1)) * area;
+  });
   return cells;
 }
 
@@ -223,10 +268,10 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   structure.inputs = side_of(study.actuators, model.actuators, finder, chart, modes);
   structure.residual = reduced.residual;
   structure.surface = surface_of(chart, face);
-  structure.cells = cells_of(model, modes, chart, *face);
+  const bool thin = chart.height < kThin * chart.size.minCoeff();
+  structure.cells = cells_of(model, modes, chart, *face, thin);
   structure.thickness = chart.height;
   structure.mass_kg = model.mass.mass_kg;
-  const bool thin = chart.height < kThin * chart.size.minCoeff();
   structure.bending_power = thin ? 3.0 : 0.0;
   if (thin) structure.directional = directional_of(model, modes, chart);
   check(structure);

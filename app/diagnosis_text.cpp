@@ -149,9 +149,10 @@ std::string diagnosis_table(const Diagnosed& one) {
         cause_text(cause), cause.probability, cause.log_evidence_gain, 100.0 * cause.share);
   }
   if (result.superclass) text += "  unknown, in: " + superclass_text(*result.superclass) + "\n";
-  std::size_t shown = 0;
+  int shown = 0;
   for (const auto& rival : result.rivals) {
-    if (rival.causes.empty() || shown++ == 3) continue;
+    if (rival.causes.empty()) continue;
+    if (++shown > 3) break;
     text += fmt::format("  instead: {} (probability {:.2g})\n", explanation_text(rival),
                         rival.probability);
   }

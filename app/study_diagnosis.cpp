@@ -40,6 +40,7 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
   read("orthotropy", "1", result.orthotropy);
   read("frequency", "1", result.frequency);
   read("damping", "1", result.damping);
+  read("response", "1", result.response);
   read("scale", "1", result.scale);
   table.refuse_unknown();
   return result;

@@ -47,17 +47,26 @@ std::atomic<int>& chosen_count() {
   return count;
 }
 
+std::exception_ptr thrown_by(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+void rethrow_first(const std::vector<std::exception_ptr>& thrown) {
+  for (const auto& one : thrown) {
+    if (one) std::rethrow_exception(one);
+  }
+}
+
 // Runs every call, the first here and the others in threads of their own (here as well where the
 // system grants no thread), then rethrows the exception of the lowest one that threw.
 void run_all(const std::vector<std::function<void()>>& calls) {
   std::vector<std::exception_ptr> thrown(calls.size());
-  const auto run = [&](std::size_t i) {
-    try {
-      calls[i]();
-    } catch (...) {
-      thrown[i] = std::current_exception();
-    }
-  };
+  const auto run = [&](std::size_t i) { thrown[i] = thrown_by(calls[i]); };
   std::vector<std::thread> threads;
   threads.reserve(calls.size());
   std::size_t started = 1;
@@ -68,9 +77,14 @@ void run_all(const std::vector<std::function<void()>>& calls) {
   }
   run(0);
   for (auto& thread : threads) thread.join();
-  for (const auto& one : thrown) {
-    if (one) std::rethrow_exception(one);
-  }
+  rethrow_first(thrown);
+}
+
+// Of a thread that runs one of several tasks: the other threads have tasks of their own.
+thread_local bool in_task = false;
+
+std::size_t threads_for(std::size_t size) {
+  return in_task ? 1 : std::min(size, static_cast<std::size_t>(thread_count()));
 }
 
 }  // namespace
@@ -85,7 +99,7 @@ void set_thread_count(int count) {
 void parallel_ranges(std::size_t size,
                      const std::function<void(std::size_t begin, std::size_t end)>& body) {
   if (size == 0) return;
-  const std::size_t count = std::min(size, static_cast<std::size_t>(thread_count()));
+  const std::size_t count = threads_for(size);
   if (count == 1) return body(0, size);
   std::vector<std::function<void()>> calls;
   for (std::size_t i = 0; i < count; ++i) {
@@ -96,8 +110,20 @@ void parallel_ranges(std::size_t size,
   run_all(calls);
 }
 
+void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& body) {
+  std::atomic<std::size_t> next{0};
+  std::vector<std::exception_ptr> thrown(size);
+  const auto work = [&] {
+    const bool before = std::exchange(in_task, true);
+    for (auto i = next++; i < size; i = next++) thrown[i] = thrown_by([&] { body(i); });
+    in_task = before;
+  };
+  run_all(std::vector<std::function<void()>>(std::max<std::size_t>(1, threads_for(size)), work));
+  rethrow_first(thrown);
+}
+
 void in_parallel(const std::function<void()>& first, const std::function<void()>& second) {
-  if (thread_count() > 1) return run_all({first, second});
+  if (threads_for(2) > 1) return run_all({first, second});
   first();
   second();
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "diagnosis/body_fields.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -102,7 +104,7 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
               std::vector<Deviation>& all) {
   if (tolerances.modulus > 0.0) {
     all.push_back({"Young's modulus", [t = tolerances.modulus](State& state, double eta) {
-                     state.stiffness *= std::exp(t * eta);
+                     scale_stiffness(state, std::exp(t * eta));
                    }});
   }
   if (tolerances.density > 0.0) {
@@ -120,56 +122,18 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
     add("stiffness in shear", structure.directional.shear);
   }
   if (tolerances.thickness <= 0.0 || structure.cells.count() == 0) return;
-  const double power = structure.bending_power;
   const MatrixXd fields = smooth_fields(structure.cells);
   for (Index f = 0; f < fields.cols(); ++f) {
-    const MatrixXd k = power * sum_of(structure.cells.stiffness, fields.col(f));
-    const MatrixXd m = sum_of(structure.cells.mass, fields.col(f));
     all.push_back({fmt::format("smooth wave {} of thickness", f + 1),
-                   [k, m, t = tolerances.thickness](State& state, double eta) {
-                     state.stiffness += t * eta * k;
-                     state.mass += t * eta * m;
+                   [by = thickness_slope(structure, fields.col(f)), t = tolerances.thickness](
+                       State& state, double eta) {
+                     state.stiffness += t * eta * by.stiffness;
+                     state.mass += t * eta * by.mass;
                    }});
   }
 }
 
 }  // namespace
-
-MatrixXd smooth_fields(const BodyCells& cells) {
-  if (cells.count() == 0) return {};
-  const Eigen::RowVector2d low = cells.from;
-  const Eigen::RowVector2d spread =
-      cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
-  Eigen::RowVector2d size = cells.size;
-  for (int axis = 0; axis < 2; ++axis) {
-    if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;  // one cell spans it: nothing varies
-  }
-  const auto along = [&](int axis) -> Eigen::ArrayXd {
-    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(cells.count());
-    return 2.0 * (cells.centres.col(axis).array() - low(axis)) / size(axis) - 1.0;
-  };
-  const Eigen::ArrayXd u = along(0);
-  const Eigen::ArrayXd v = along(1);
-  MatrixXd fields(cells.count(), 0);
-  const auto add = [&](const Eigen::ArrayXd& field) {
-    fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
-    fields.rightCols(1) = field.matrix();
-  };
-  if (size(0) > 0.0) add(u);
-  if (size(1) > 0.0) add(v);
-  if (size(0) > 0.0) add(1.5 * u.square() - 0.5);
-  if (size(0) > 0.0 && size(1) > 0.0) add(u * v);
-  if (size(1) > 0.0) add(1.5 * v.square() - 0.5);
-  return fields;
-}
-
-MatrixXd sum_of(const std::vector<MatrixXd>& cells, const VectorXd& weight) {
-  MatrixXd sum = MatrixXd::Zero(cells.front().rows(), cells.front().cols());
-  for (Index c = 0; c < weight.size(); ++c) {
-    if (weight(c) != 0.0) sum += weight(c) * cells[at(c)];
-  }
-  return sum;
-}
 
 std::vector<Deviation> deviations(const Structure& structure, const Tolerances& tolerances,
                                   double high_hz) {
@@ -188,6 +152,28 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
     all.push_back({"delay", [t = tolerances.delay](State& state, double eta) {
                      for (auto& path : state.output_paths) path.delay += t * eta;
                    }});
+  }
+  return all;
+}
+
+std::vector<Deviation> shape_deviations(const Structure& structure, double response,
+                                        double high_hz) {
+  std::vector<Deviation> all;
+  if (response <= 0.0) return all;
+  for (Index k = structure.rigid_count; k < structure.mode_count(); ++k) {
+    if (structure.frequency_hz(k) > high_hz) break;
+    for (const auto* side : {&structure.outputs, &structure.inputs}) {
+      const bool outputs = side == &structure.outputs;
+      const auto channels = static_cast<double>(side->count());
+      const double by = response * side->shapes.col(k).norm() / std::sqrt(channels);
+      for (Index i = 0; i < side->count(); ++i) {
+        all.push_back(
+            {fmt::format("shape at {:.4g} Hz of {}", structure.frequency_hz(k), side->names[at(i)]),
+             [=](State& state, double eta) {
+               (outputs ? state.outputs(i, k) : state.inputs(k, i)) += by * eta;
+             }});
+      }
+    }
   }
   return all;
 }

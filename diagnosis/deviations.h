@@ -23,13 +23,10 @@ struct Deviation {
 [[nodiscard]] std::vector<Deviation> deviations(const Structure& structure,
                                                 const Tolerances& tolerances, double high_hz);
 
-/// Smooth fields over the body, Legendre's polynomials of u and v over the cells (columns, each of
-/// largest value 1): (1,0), (0,1), (2,0), (1,1), (0,2); without those along a side that the cells
-/// do not resolve. b×5 or fewer.
-[[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells);
-
-/// Σ_c weight_c A_c.
-[[nodiscard]] Eigen::MatrixXd sum_of(const std::vector<Eigen::MatrixXd>& cells,
-                                     const Eigen::VectorXd& weight);
+/// Errors of the mode shapes up to `high_hz` at each channel, of `response` times the mode's root
+/// mean square over the channels of that side: what correlates the errors of a response along its
+/// lines. Some (p + q) times the number of modes: for the last word, not for a search.
+[[nodiscard]] std::vector<Deviation> shape_deviations(const Structure& structure, double response,
+                                                      double high_hz);
 
 }  // namespace chladni::diagnosis

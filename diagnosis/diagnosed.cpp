@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 #include "base/error.h"
 #include "diagnosis/measure_next.h"
@@ -28,20 +30,39 @@ std::vector<const Effect*> catalogue(const DiagnosisOptions& options) {
   return all;
 }
 
-// The best fit again on more lines: what the search saw was thinned.
-Found refined(const Problem& problem, const Found& found) {
+// With more deviations, at rest.
+Fit with_deviations(Fit fit, std::size_t count) {
+  const Index before = fit.eta.size();
+  fit.eta.conservativeResize(static_cast<Index>(count));
+  fit.eta.tail(fit.eta.size() - before).setZero();
+  return fit;
+}
+
+// The last word: the best few fits again on more lines and with the errors of the mode shapes,
+// which the search saw as noise; then without what that leaves too little evidence for.
+Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {
+  const auto again = [&](const Fit& fit) {
+    return fitted(problem, with_deviations(fit, problem.deviations.size()));
+  };
   Found fine;
-  fine.nothing = fitted(problem, found.nothing);
+  fine.nothing = again(found.nothing);
   const double best = found.fits.front().log_evidence;
   for (const auto& fit : found.fits) {
     const bool close = best - fit.log_evidence < 60.0 && fine.fits.size() < 3;
-    if (fit.causes.empty()) {
-      fine.fits.push_back(fine.nothing);
-    } else if (close || &fit == &found.fits.front()) {
-      fine.fits.push_back(fitted(problem, fit));
+    if (!fit.causes.empty() && (close || &fit == &found.fits.front())) {
+      fine.fits.push_back(again(fit));
     }
   }
+  fine.fits.push_back(fine.nothing);
   std::ranges::stable_sort(fine.fits, std::greater{}, &Fit::log_evidence);
+  const auto count = fine.fits.front().causes.size();
+  if (count == 0) return fine;
+  Fit simpler = pruned(problem, fine.fits.front(), fine.nothing, limits);
+  if (simpler.causes.size() == count) return fine;
+  // What was more is not worth its evidence: it is no rival either.
+  std::erase_if(fine.fits,
+                [&](const Fit& fit) { return fit.causes.size() >= simpler.causes.size(); });
+  fine.fits.insert(fine.fits.begin(), std::move(simpler));
   return fine;
 }
 
@@ -92,17 +113,21 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
   const auto [own, all, notes] = seen(structure, measured, high_hz);
   const double band_hz = all.omega(all.line_count() - 1) / (2.0 * std::numbers::pi);
-  const auto tolerable = deviations(own, options.tolerances, band_hz);
-  const Observed coarse = thinned(all, options.lines);
-  const Observed fine = thinned(all, 3 * options.lines);
+  const double response = options.tolerances.response;
   SearchLimits limits;
   limits.most_causes = options.most_causes;
   limits.least_evidence = options.least_evidence;
-  const Problem rough{own, coarse, tolerable};
+  auto tolerable = deviations(own, options.tolerances, band_hz);
+  const Observed coarse = thinned(widened(all, model_variance(all, response)), options.lines);
+  const Found first =
+      searched({own, coarse, tolerable}, catalogue(options), limits, options.progress);
+  tell(options.progress, "the last word");
+  auto shapes = shape_deviations(own, response, band_hz);
+  std::ranges::move(shapes, std::back_inserter(tolerable));
+  const Observed fine = thinned(all, 2 * options.lines);
   const Problem problem{own, fine, tolerable};
-  const Found first = searched(rough, catalogue(options), limits, options.progress);
-  const Found found = fine.line_count() > coarse.line_count() ? refined(problem, first) : first;
-  auto told = explanations(problem, found);
+  const Found found = refined(problem, first, limits);
+  auto told = explanations(problem, found, options.rival_within);
 
   Diagnosis diagnosis;
   diagnosis.notes = notes;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "diagnosis/quadratic.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {
@@ -60,48 +61,71 @@ void step(const Structure& structure, Fit& fit, const std::vector<Column>& colum
   }
 }
 
-// Slope and curvature of −ln prior at the fit.
-void add_prior(const Fit& fit, const std::vector<Column>& columns, VectorXd& gradient,
-               MatrixXd& curvature) {
-  for (std::size_t n = 0; n < columns.size(); ++n) {
-    const auto& parameter = columns[n].parameter;
-    if (parameter.is_place()) continue;
-    const auto i = static_cast<Index>(n);
-    const double precision = 1.0 / (parameter.width * parameter.width);
-    const double x = fit.causes[columns[n].cause].x(columns[n].coordinate);
-    gradient(i) += precision * (x - parameter.centre);
-    curvature(i, i) += precision;
-  }
-  gradient.tail(fit.eta.size()) += fit.eta;
-  curvature.diagonal().tail(fit.eta.size()).array() += 1.0;
-}
-
-// JᵀJ and Jᵀr.
-struct Normal {
-  MatrixXd gram;
-  VectorXd toward;
+// A fit where it stands, with what it predicts and leaves.
+struct Point {
+  Fit fit;
+  Solved now;
+  VectorXd error;
 };
-Normal normal_of(const MatrixXd& jacobian, const VectorXd& residual) {
-  Normal normal{MatrixXd::Zero(jacobian.cols(), jacobian.cols()), jacobian.transpose() * residual};
-  priors::dense::add_gram(jacobian, normal.gram);
-  normal.gram = MatrixXd(normal.gram.selfadjointView<Eigen::Lower>());
-  return normal;
+
+Point point_of(const Problem& problem, Fit fit) {
+  const State state = state_of(problem, fit.causes, fit.eta);
+  Point point{std::move(fit), solved(state, Body(state, problem.observed.omega)), {}};
+  point.error = residual(problem.observed, point.now.value);
+  point.fit.chi_square = point.error.squaredNorm();
+  point.fit.objective = objective(problem, point.fit);
+  return point;
 }
 
-Solved solved_at(const Problem& problem, const Fit& fit) {
-  const State state = state_of(problem, fit.causes, fit.eta);
-  return solved(state, Body(state, problem.observed.omega));
+void add_prior(const Fit& fit, const std::vector<Column>& columns, Quadratic& quadratic) {
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    const auto& [cause, coordinate, parameter] = columns[n];
+    if (parameter.is_place()) continue;
+    quadratic.add_prior(static_cast<Index>(n), fit.causes[cause].x(coordinate), parameter.centre,
+                        parameter.width);
+  }
+  quadratic.gradient.tail(fit.eta.size()) += fit.eta;
+  quadratic.curvature.diagonal().tail(fit.eta.size()).array() += 1.0;
+}
+
+Quadratic quadratic_at(const Problem& problem, const Point& here,
+                       const std::vector<Column>& columns) {
+  const MatrixXd jacobian = sensitivities(problem, here.fit.causes, here.fit.eta, here.now);
+  MatrixXd gram = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  priors::dense::add_gram(jacobian, gram);
+  Quadratic result{-jacobian.transpose() * here.error, gram.selfadjointView<Eigen::Lower>()};
+  add_prior(here.fit, columns, result);
+  return result;
+}
+
+// A step down, as long as it may be; false: none was found.
+bool descended(const Problem& problem, const std::vector<Column>& columns, double tolerance,
+               const Quadratic& quadratic, Point& here, double& lambda) {
+  bool taken = false;
+  for (int attempt = 0; attempt < 8 && !taken && !here.fit.converged; ++attempt) {
+    const VectorXd by = quadratic.step(lambda);
+    Fit next = here.fit;
+    step(problem.structure, next, columns, by);
+    if (std::isfinite(prior_of(problem.structure, next.causes))) {
+      Point there = point_of(problem, std::move(next));
+      taken = there.fit.objective < here.fit.objective;
+      if (taken) here = std::move(there);
+    }
+    here.fit.converged = quadratic.promised(by) < tolerance;
+    lambda = taken ? std::max(1e-9, 0.1 * lambda) : std::max(1e-4, 10.0 * lambda);
+  }
+  return taken;
 }
 
 // Laplace's approximation at the mode.
-void conclude(const Problem& problem, const MatrixXd& curvature, Fit& fit) {
+void conclude(const MatrixXd& curvature, Fit& fit) {
   const Eigen::LLT<MatrixXd> factor(curvature);
   if (factor.info() != Eigen::Success) throw NumericalFailure("a fit that nothing determines");
   const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   const auto coordinates = static_cast<double>(fit.coordinate_count());
   fit.covariance = factor.solve(MatrixXd::Identity(curvature.rows(), curvature.cols()));
-  fit.log_evidence = -objective(problem, fit) +
-                     0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
+  fit.log_evidence =
+      -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
 }
 
 }  // namespace
@@ -153,50 +177,23 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
 }
 
 Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
-  Fit fit = start;
-  const auto columns = columns_of(problem.structure, fit.causes);
-  Solved now = solved_at(problem, fit);
-  VectorXd error = residual(problem.observed, now.value);
-  fit.chi_square = error.squaredNorm();
+  const auto columns = columns_of(problem.structure, start.causes);
+  Point here = point_of(problem, start);
+  here.fit.converged = false;
   double lambda = 1e-3;
-  MatrixXd curvature;
-  fit.converged = false;
-  for (fit.iterations = 0; fit.iterations < limits.iterations && !fit.converged; ++fit.iterations) {
-    const auto normal = normal_of(sensitivities(problem, fit.causes, fit.eta, now), error);
-    VectorXd gradient = -normal.toward;
-    curvature = normal.gram;
-    add_prior(fit, columns, gradient, curvature);
-    const double before = objective(problem, fit);
-    bool taken = false;
-    for (int attempt = 0; attempt < 8 && !taken; ++attempt) {
-      MatrixXd damped = curvature;
-      damped.diagonal() *= 1.0 + lambda;
-      const VectorXd by = -damped.llt().solve(gradient);
-      const double promised = -gradient.dot(by) - 0.5 * by.dot(curvature * by);
-      Fit next = fit;
-      step(problem.structure, next, columns, by);
-      if (std::isfinite(prior_of(problem.structure, next.causes))) {
-        Solved there = solved_at(problem, next);
-        VectorXd left = residual(problem.observed, there.value);
-        next.chi_square = left.squaredNorm();
-        if (objective(problem, next) < before) {
-          taken = true;
-          fit = std::move(next);
-          now = std::move(there);
-          error = std::move(left);
-        }
-      }
-      if (promised < limits.tolerance) {
-        fit.converged = true;
-        break;
-      }
-      lambda = taken ? std::max(1e-9, 0.1 * lambda) : std::max(1e-4, 10.0 * lambda);
-    }
-    if (!taken) break;
+  Quadratic quadratic;
+  int iteration = 0;
+  for (; iteration < limits.iterations && !here.fit.converged; ++iteration) {
+    const double before = here.fit.objective;
+    quadratic = quadratic_at(problem, here, columns);
+    if (!descended(problem, columns, limits.tolerance, quadratic, here, lambda)) break;
+    const double fall = before - here.fit.objective;
+    const bool hopeless = here.fit.objective - (limits.iterations - iteration) * fall > limits.bar;
+    if (iteration >= 2 && hopeless) break;
   }
-  if (curvature.size() == 0) return fit;
-  conclude(problem, curvature, fit);
-  return fit;
+  here.fit.iterations = iteration;
+  if (quadratic.curvature.size() > 0) conclude(quadratic.curvature, here.fit);
+  return here.fit;
 }
 
 }  // namespace chladni::diagnosis

@@ -2,6 +2,7 @@
 // explains the data.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "diagnosis/deviations.h"
@@ -30,6 +31,7 @@ struct Fit {
   std::vector<Supposed> causes;
   Eigen::VectorXd eta;  ///< of the deviations
   double chi_square = 0.0;
+  double objective = 0.0;      ///< ½χ² + ½ηᵀη − ln π(x)
   double log_evidence = 0.0;   ///< ln ∫ likelihood × prior, Laplace; less (2π)^(-N/2) Π w
   Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of eta
   int iterations = 0;
@@ -42,10 +44,12 @@ struct Fit {
 
 struct FitLimits {
   int iterations = 12;
-  double tolerance = 0.05;  ///< of the objective, ½χ² + ...: it is a logarithm of a probability
+  double tolerance = 0.05;  ///< of the objective: it is a logarithm of a probability
+  /// Given up where the iterations left, each worth the last, would not bring the objective here.
+  double bar = HUGE_VAL;
 };
 
-/// ½χ² + ½ηᵀη − ln π(x) by Levenberg and Marquardt in all coordinates; slopes by
+/// The objective's minimum by Levenberg and Marquardt in all coordinates; slopes by
 /// diagnosis::slope. `start.causes` and `start.eta` are where it begins.
 /// Cost: per iteration one solve of all lines, a slope per coordinate, N (coordinates)².
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});

@@ -126,6 +126,26 @@ Seen seen(const Structure& structure, const modal::FrfSet& measured, double high
   return result;
 }
 
+Observed widened(const Observed& observed, const Eigen::MatrixXd& variance) {
+  Observed wide = observed;
+  wide.weight =
+      (observed.weight.array() > 0.0)
+          .select((2.0 / (2.0 / observed.weight.array().square() + variance.array())).sqrt(), 0.0);
+  return wide;
+}
+
+Eigen::MatrixXd model_variance(const Observed& observed, double response) {
+  Eigen::MatrixXd variance(observed.value.rows(), observed.value.cols());
+  for (Index k = 0; k < observed.line_count(); ++k) {
+    const Eigen::MatrixXd power =
+        observed.value.row(k).cwiseAbs2().reshaped(observed.outputs, observed.inputs);
+    const double factor = response * response / std::max(power.mean(), 1e-300);
+    variance.row(k) =
+        (factor * power.rowwise().mean() * power.colwise().mean()).reshaped().transpose();
+  }
+  return variance;
+}
+
 Observed thinned(const Observed& observed, Index count) {
   const Index lines = observed.line_count();
   if (lines <= count) return observed;

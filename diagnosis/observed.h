@@ -34,6 +34,13 @@ struct Seen {
 };
 [[nodiscard]] Seen seen(const Structure& structure, const modal::FrfSet& measured, double high_hz);
 
+/// With more variance E|error|² in its responses, K×pq [m²/N²].
+[[nodiscard]] Observed widened(const Observed& observed, const Eigen::MatrixXd& variance);
+
+/// Of a model that is wrong by `response` times the level of each line: of a response the mean
+/// squares of its row and of its column, over that of all. K×pq [m²/N²].
+[[nodiscard]] Eigen::MatrixXd model_variance(const Observed& observed, double response);
+
 /// About `count` lines, dense where the responses turn (evenly along the length of the curves
 /// ln|G| over ln f, averaged over the responses); all where there are fewer.
 [[nodiscard]] Observed thinned(const Observed& observed, Eigen::Index count);

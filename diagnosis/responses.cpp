@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -36,13 +37,19 @@ MatrixXd without_diagonal(MatrixXd matrix) {
 }  // namespace
 
 MatrixXcd product(const MatrixXd& a, const MatrixXcd& x) {
-  MatrixXd real = MatrixXd::Zero(a.rows(), x.cols());
-  MatrixXd imag = MatrixXd::Zero(a.rows(), x.cols());
-  priors::dense::add_product(a, x.real(), 1.0, real);
-  priors::dense::add_product(a, x.imag(), 1.0, imag);
+  constexpr Index kBlock = 256;  // columns, so that the parts stay in the cache
   MatrixXcd result(a.rows(), x.cols());
-  result.real() = real;
-  result.imag() = imag;
+  MatrixXd parts, products;
+  for (Index first = 0; first < x.cols(); first += kBlock) {
+    const Index count = std::min(kBlock, x.cols() - first);
+    parts.resize(x.rows(), 2 * count);
+    parts.leftCols(count) = x.middleCols(first, count).real();
+    parts.rightCols(count) = x.middleCols(first, count).imag();
+    products.setZero(a.rows(), 2 * count);
+    priors::dense::add_product(a, parts, 1.0, products);
+    result.middleCols(first, count).real() = products.leftCols(count);
+    result.middleCols(first, count).imag() = products.rightCols(count);
+  }
   return result;
 }
 

@@ -14,14 +14,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
 
-Observed widened(const Observed& observed, const MatrixXd& widening) {
-  Observed wide = observed;
-  wide.weight =
-      (observed.weight.array() > 0.0)
-          .select((2.0 / (2.0 / observed.weight.array().square() + widening.array())).sqrt(), 0.0);
-  return wide;
-}
-
 double chi_square(const Observed& observed, const MatrixXcd& model) {
   return ((observed.value - model).cwiseAbs().array() * observed.weight.array()).square().sum();
 }

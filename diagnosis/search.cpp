@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/parallel.h"
+#include "diagnosis/quadratic.h"
 #include "diagnosis/scene.h"
+#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -42,60 +46,61 @@ MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
   return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
 }
 
-// Gauss-Newton on the coordinates of one cause alone, in the scene.
-Candidate improved(const Scene& scene, Candidate candidate) {
-  const auto& effect = *candidate.cause.effect;
-  const auto parameters = effect.parameters(scene.structure());
+// Of ½ misfit − ln prior in the coordinates of one cause alone.
+Quadratic quadratic_at(const Scene& scene, const Supposed& cause,
+                       const std::vector<Parameter>& parameters) {
+  const auto moved = [&](const VectorXd& x) {
+    State state = scene.state();
+    cause.effect->apply(state, scene.structure(), cause.option, x);
+    return state;
+  };
+  const State here = moved(cause.x);
+  const Solved now = scene.solved_at(here);
+  const VectorXd error = residual(scene.observed(), now.value);
   const auto count = static_cast<Index>(parameters.size());
-  if (count == 0) return candidate;
+  MatrixXd jacobian(error.size(), count);
+  for (Index i = 0; i < count; ++i) {
+    const VectorXd by = parameters[static_cast<std::size_t>(i)].step * VectorXd::Unit(count, i);
+    jacobian.col(i) = weighted(
+        scene.observed(), slope(here, now, moved(cause.x - by), moved(cause.x + by), 2.0 * by(i)));
+  }
+  Quadratic result{-jacobian.transpose() * error, jacobian.transpose() * jacobian};
+  for (Index i = 0; i < count; ++i) {
+    const auto& parameter = parameters[static_cast<std::size_t>(i)];
+    if (!parameter.is_place()) result.add_prior(i, cause.x(i), parameter.centre, parameter.width);
+  }
+  return result;
+}
+
+// A step down; 0: none was found.
+double improve_once(const Scene& scene, const Quadratic& quadratic, Candidate& candidate,
+                    double& lambda) {
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    Supposed next = candidate.cause;
+    next.x += quadratic.step(lambda);
+    keep_on_surface(scene.structure(), candidate.cause, next);
+    const bool possible = std::isfinite(log_prior(next, scene.structure()));
+    const double misfit =
+        possible ? scene.misfits(*next.effect, {{next.option, next.x}})(0) : candidate.misfit;
+    if (misfit < candidate.misfit) {
+      lambda *= 0.2;
+      candidate.cause = std::move(next);
+      return candidate.misfit - std::exchange(candidate.misfit, misfit);
+    }
+    lambda *= 10.0;
+  }
+  return 0.0;
+}
+
+// Gauss-Newton in the scene.
+Candidate improved(const Scene& scene, Candidate candidate) {
+  const auto parameters = candidate.cause.effect->parameters(scene.structure());
+  if (parameters.empty()) return candidate;
   double lambda = 1e-2;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    State here = scene.state();
-    effect.apply(here, scene.structure(), candidate.cause.option, candidate.cause.x);
-    const Solved now = scene.solved_at(here);
-    const VectorXd error = residual(scene.observed(), now.value);
-    MatrixXd jacobian(error.size(), count);
-    for (Index i = 0; i < count; ++i) {
-      const double h = parameters[static_cast<std::size_t>(i)].step;
-      const auto moved = [&](double by) {
-        State state = scene.state();
-        VectorXd x = candidate.cause.x;
-        x(i) += by;
-        effect.apply(state, scene.structure(), candidate.cause.option, x);
-        return state;
-      };
-      jacobian.col(i) = weighted(scene.observed(), slope(here, now, moved(-h), moved(h), 2.0 * h));
-    }
-    MatrixXd curvature = jacobian.transpose() * jacobian;
-    VectorXd toward = jacobian.transpose() * error;
-    for (Index i = 0; i < count; ++i) {
-      const auto& parameter = parameters[static_cast<std::size_t>(i)];
-      if (parameter.is_place()) continue;
-      const double precision = 1.0 / (parameter.width * parameter.width);
-      curvature(i, i) += precision;
-      toward(i) -= precision * (candidate.cause.x(i) - parameter.centre);
-    }
-    bool taken = false;
-    double fall = 0.0;
-    for (int attempt = 0; attempt < 4 && !taken; ++attempt) {
-      MatrixXd damped = curvature;
-      damped.diagonal() *= 1.0 + lambda;
-      damped.diagonal().array() += 1e-300;
-      Supposed next = candidate.cause;
-      next.x += damped.llt().solve(toward);
-      keep_on_surface(scene.structure(), candidate.cause, next);
-      if (std::isfinite(log_prior(next, scene.structure()))) {
-        const double misfit = scene.misfits(effect, {{next.option, next.x}})(0);
-        if (misfit < candidate.misfit) {
-          fall = candidate.misfit - misfit;
-          candidate.misfit = misfit;
-          candidate.cause = std::move(next);
-          taken = true;
-        }
-      }
-      lambda *= taken ? 0.2 : 10.0;
-    }
-    if (!taken || fall < 0.5 + 1e-4 * candidate.misfit) break;
+    const auto quadratic = quadratic_at(scene, candidate.cause, parameters);
+    const double fall = improve_once(scene, quadratic, candidate, lambda);
+    if (fall < 0.5 + 1e-4 * candidate.misfit) break;
   }
   return candidate;
 }
@@ -140,6 +145,15 @@ bool is_there_already(const Structure& structure, const Fit& base, const Suppose
   });
 }
 
+// Progress is told from the thread that called.
+class OwnThread {
+ public:
+  [[nodiscard]] bool here() const { return std::this_thread::get_id() == id_; }
+
+ private:
+  std::thread::id id_ = std::this_thread::get_id();
+};
+
 struct Level {
   const Problem& problem;
   const std::vector<const Effect*>& catalogue;
@@ -158,12 +172,19 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   const State state = state_of(coarse, seen.causes, seen.eta);
   const Solved now = solved(state, Body(state, few.omega));
   const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
-  std::vector<Candidate> all;
-  for (std::size_t e = 0; e < level.catalogue.size(); ++e) {
+  std::vector<std::vector<Candidate>> each(level.catalogue.size());
+  const OwnThread own;
+  parallel_tasks(each.size(), [&](std::size_t e) {
     throw_if_interrupted();
-    tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
-         static_cast<double>(e) / static_cast<double>(level.catalogue.size()));
-    for (auto& one : candidates(scene, *level.catalogue[e], base)) {
+    if (own.here()) {
+      tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
+           static_cast<double>(e) / static_cast<double>(each.size()));
+    }
+    each[e] = candidates(scene, *level.catalogue[e], base);
+  });
+  std::vector<Candidate> all;
+  for (auto& of_effect : each) {
+    for (auto& one : of_effect) {
       if (is_there_already(level.problem.structure, base, one.cause)) continue;
       one.misfit -= scene.misfit();  // the fall, so that scenes compare
       one.from_nominal = nominal;
@@ -174,7 +195,8 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   return all;
 }
 
-std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal) {
+std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal,
+                               double bar) {
   Fit start = *candidate.base;
   if (nominal) start.eta.setZero();
   start.causes.push_back(candidate.cause);
@@ -182,6 +204,7 @@ std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidat
     FitLimits quick;
     quick.iterations = 16;
     quick.tolerance = 0.3;
+    quick.bar = bar;
     return fitted(problem, start, quick);
   } catch (const NumericalFailure&) {
     return std::nullopt;
@@ -189,10 +212,10 @@ std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidat
 }
 
 // From where it was seen; where that comes to less than there was before, from the other side.
-std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate) {
-  auto fit = fitted_from(problem, candidate, candidate.from_nominal);
+std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate, double bar) {
+  auto fit = fitted_from(problem, candidate, candidate.from_nominal, bar);
   if (fit && fit->log_evidence >= candidate.base->log_evidence) return fit;
-  auto other = fitted_from(problem, candidate, !candidate.from_nominal);
+  auto other = fitted_from(problem, candidate, !candidate.from_nominal, bar);
   if (!fit || (other && other->log_evidence > fit->log_evidence)) return other;
   return fit;
 }
@@ -218,46 +241,45 @@ std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   return all;
 }
 
-// One more cause on top of each of the beam; what came of it.
+// The most promising, each effect and choice once.
+std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
+  std::vector<Candidate> chosen;
+  for (auto& candidate : candidates_of(level, base)) {
+    if (static_cast<int>(chosen.size()) >= level.limits.fits_per_level) break;
+    const bool again = std::ranges::any_of(chosen, [&](const Candidate& other) {
+      return other.cause.effect == candidate.cause.effect &&
+             other.cause.option == candidate.cause.option;
+    });
+    if (!again) chosen.push_back(std::move(candidate));
+  }
+  return chosen;
+}
+
+// One more cause on top of each of the beam; what came of it. Two at once whatever the number of
+// threads: what the next ones have to beat is then always the same.
 std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
+  constexpr std::size_t kAtOnce = 2;
+  constexpr double kMargin = 60.0;  // of ln posterior density: evidence differs by some of it
   std::vector<Fit> grown;
+  double bar = HUGE_VAL;
   for (const auto& base : beam) {
-    auto all = candidates_of(level, base);
-    std::vector<std::pair<const Effect*, Index>> done;
-    for (const auto& candidate : all) {
-      if (static_cast<int>(done.size()) >= level.limits.fits_per_level) break;
-      const std::pair<const Effect*, Index> what{candidate.cause.effect, candidate.cause.option};
-      if (std::ranges::count(done, what) >= 1) continue;
-      done.push_back(what);
-      tell(level.progress, fmt::format("cause {}: fitting {}", level.number, what.first->name));
-      if (auto fit = fitted_with(level.problem, candidate)) keep(grown, std::move(*fit));
+    const auto chosen = worth_fitting(level, base);
+    for (std::size_t first = 0; first < chosen.size(); first += kAtOnce) {
+      std::vector<std::optional<Fit>> fits(std::min(kAtOnce, chosen.size() - first));
+      tell(level.progress,
+           fmt::format("cause {}: fitting {}", level.number, chosen[first].cause.effect->name));
+      const priors::dense::OneThread one;
+      parallel_tasks(fits.size(), [&](std::size_t i) {
+        fits[i] = fitted_with(level.problem, chosen[first + i], bar);
+      });
+      for (auto& fit : fits) {
+        if (!fit) continue;
+        bar = std::min(bar, fit->objective + kMargin);
+        keep(grown, std::move(*fit));
+      }
     }
   }
   return grown;
-}
-
-// Without each cause in turn; the simpler stays where that costs too little.
-Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
-           const SearchLimits& limits) {
-  Fit best = whole;
-  const double excess = std::max(nothing.chi_square - numbers(problem), 1e-9);
-  for (std::size_t c = 0; c < best.causes.size() && best.causes.size() > 1;) {
-    Fit less = best;
-    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    less = fitted(problem, less);
-    // What is small beside a large cause still counts where the data want it.
-    const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
-    const bool material = less.chi_square - best.chi_square >= limits.least_share * excess;
-    const bool worth =
-        best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted);
-    if (worth) {
-      ++c;
-    } else {
-      best = std::move(less);
-      c = 0;
-    }
-  }
-  return best;
 }
 
 // Each cause in turn exchanged for what fits best in its stead, while that brings evidence: the
@@ -276,6 +298,29 @@ Fit exchanged(const Level& level, Fit best) {
 }
 
 }  // namespace
+
+Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
+           const SearchLimits& limits) {
+  Fit best = whole;
+  const double excess = std::max(nothing.chi_square - numbers(problem), 1e-9);
+  for (std::size_t c = 0; c < best.causes.size();) {
+    Fit less = best;
+    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    less = less.causes.empty() ? nothing : fitted(problem, less);
+    // What is small beside a large cause still counts where the data want it.
+    const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
+    const bool material = less.chi_square - best.chi_square >= limits.least_share * excess;
+    const bool worth =
+        best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted);
+    if (worth) {
+      ++c;
+    } else {
+      best = std::move(less);
+      c = 0;
+    }
+  }
+  return best;
+}
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                const SearchLimits& limits, const Progress& progress) {

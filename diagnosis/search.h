@@ -32,4 +32,10 @@ struct Found {
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                              const SearchLimits& limits, const Progress& progress = {});
 
+/// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
+/// than `least_evidence`, or where neither its share nor what is left without it matters. It may be
+/// `nothing` in the end.
+[[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
+                         const SearchLimits& limits);
+
 }  // namespace chladni::diagnosis

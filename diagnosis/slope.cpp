@@ -14,16 +14,19 @@ using Complex = std::complex<double>;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// A difference of matrices as what of it is not zero: some entries of the diagonal, or all of it
-// times what it acts on, Z⁻¹ B on all lines.
+// A symmetric difference of matrices as what of it is not zero: some entries of the diagonal, or
+// all of it times what it acts on, on all lines: the side of fewer channels.
 struct Change {
   std::vector<std::pair<Index, double>> diagonal;
+  MatrixXcd on_left;   // r×pK, or empty
   MatrixXcd on_right;  // r×qK, or empty
   Change(const MatrixXd& minus, const MatrixXd& plus, double step, const Solved& solved) {
     if (minus == plus) return;
     const MatrixXd difference = (plus - minus) / step;
     if (!difference.isDiagonal(0.0)) {
-      on_right = product(difference, solved.right_columns);
+      const bool left = solved.left_columns.cols() < solved.right_columns.cols();
+      if (left) on_left = product(difference, solved.left_columns);
+      if (!left) on_right = product(difference, solved.right_columns);
       return;
     }
     for (Index i = 0; i < difference.rows(); ++i) {
@@ -86,9 +89,15 @@ class Slope {
     for (const auto& [i, by] : change.diagonal) {
       sum.noalias() -= (factor * by) * (solved_.left(k).col(i) * solved_.right(k).row(i));
     }
-    if (change.on_right.size() == 0) return;
+    const Index p = at_.output_count();
     const Index q = at_.input_count();
-    sum.noalias() -= factor * (solved_.left(k) * change.on_right.middleCols(q * k, q));
+    if (change.on_left.size() > 0) {
+      sum.noalias() -=
+          factor * (change.on_left.middleCols(p * k, p).transpose() * solved_.right(k));
+    }
+    if (change.on_right.size() > 0) {
+      sum.noalias() -= factor * (solved_.left(k) * change.on_right.middleCols(q * k, q));
+    }
   }
 
   void add_channels(Index k, MatrixXcd& sum) const {

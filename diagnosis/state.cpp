@@ -1,5 +1,6 @@
 #include "diagnosis/state.h"
 
+#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -28,6 +29,13 @@ State state_of(const Structure& structure) {
   std::iota(state.output_of.begin(), state.output_of.end(), 0);
   std::iota(state.input_of.begin(), state.input_of.end(), 0);
   return state;
+}
+
+void scale_stiffness(State& state, double factor) {
+  state.stiffness *= factor;
+  state.residual /= factor;
+  state.output_upper /= std::sqrt(factor);
+  state.input_upper /= std::sqrt(factor);
 }
 
 }  // namespace chladni::diagnosis

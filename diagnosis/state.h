@@ -53,4 +53,7 @@ struct State {
 /// The simulation as it is.
 [[nodiscard]] State state_of(const Structure& structure);
 
+/// The whole body by a factor, what its modes above the band yield included.
+void scale_stiffness(State& state, double factor);
+
 }  // namespace chladni::diagnosis

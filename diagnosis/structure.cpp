@@ -34,6 +34,10 @@ void check_cells(const BodyCells& cells, Eigen::Index modes) {
   require(
       cells.stiffness.size() == n && cells.mass.size() == n && cells.area.size() == cells.count(),
       "cells of the body: centres, areas and matrices differ in number");
+  for (const auto* parts : {&cells.shear, &cells.rotary}) {
+    require(parts->empty() || parts->size() == n, "cells of the body: a part of some only");
+    for (const auto& part : *parts) fits(part, modes, modes, "a part of a cell");
+  }
   for (std::size_t c = 0; c < n; ++c) {
     fits(cells.stiffness[c], modes, modes, "stiffness of a cell");
     fits(cells.mass[c], modes, modes, "mass of a cell");

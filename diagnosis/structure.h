@@ -55,6 +55,10 @@ struct BodyCells {
   Eigen::Vector2d from = Eigen::Vector2d::Zero(), size = Eigen::Vector2d::Zero();  ///< [m]: box
   Eigen::VectorXd area;                                                            ///< b [m²]
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< b, each r×r: Φᵀ K_c Φ [s^-2], Φᵀ M_c Φ [1]
+  /// Of a body that bends, the parts that go otherwise with its thickness t, b each or none: of the
+  /// stiffness (as t³) what resists transverse shear (as t), of the mass (as t) what resists
+  /// turning (as t³).
+  std::vector<Eigen::MatrixXd> shear, rotary;
 
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
 };

@@ -107,10 +107,11 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   }
   for (auto& one : all) {
     one.probability /= sum;
+    // Where much is left, the same unknown may be behind what was named: 0 at half, 0.9 at none.
     const double initial = std::max(found.nothing.excess(n), 1e-9);
-    const double left =
-        one.excess >= kExplained ? std::clamp(1.0 - one.excess / initial, 0.0, 0.9) : 1.0;
-    for (auto& cause : one.causes) cause.probability = left * one.probability;
+    const double explained =
+        one.excess >= kExplained ? 1.8 * std::clamp(0.5 - one.excess / initial, 0.0, 0.5) : 1.0;
+    for (auto& cause : one.causes) cause.probability = explained * one.probability;
   }
 }
 
@@ -130,7 +131,7 @@ bool alike(const Structure& structure, const Fit& a, const Fit& b) {
   });
 }
 
-std::vector<Explanation> explanations(const Problem& problem, const Found& found) {
+std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {
   std::vector<const Fit*> once;
   for (const auto& fit : found.fits) {
     const bool again = std::ranges::any_of(
@@ -142,7 +143,7 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
   // The simpler of two that explain as well.
   const Explanation& front = all.front();
   for (std::size_t n = 1; n < all.size(); ++n) {
-    if (front.log_evidence - all[n].log_evidence > 5.0) break;
+    if (front.log_evidence - all[n].log_evidence > equal) break;
     if (!nested(all[n], front)) continue;
     std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n),
                 all.begin() + static_cast<std::ptrdiff_t>(n) + 1);

@@ -12,8 +12,9 @@ namespace chladni::diagnosis {
 
 /// Found fits as explanations, each once, with probabilities among them: evidence divided by
 /// χ²/N of the best where it leaves more than noise, so that what nobody explains makes nobody
-/// sure.
-[[nodiscard]] std::vector<Explanation> explanations(const Problem& problem, const Found& found);
+/// sure. Of two within `equal` of evidence the simpler comes first.
+[[nodiscard]] std::vector<Explanation> explanations(const Problem& problem, const Found& found,
+                                                    double equal);
 
 /// The verdict on them; `explanations.front()` is the best.
 [[nodiscard]] Verdict judged(const Problem& problem, const Found& found,

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "diagnosis/deviations.h"
+#include "diagnosis/body_fields.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/scene.h"
 

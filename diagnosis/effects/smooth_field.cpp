@@ -1,4 +1,4 @@
-#include "diagnosis/deviations.h"
+#include "diagnosis/body_fields.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/scene.h"
 
@@ -33,10 +33,9 @@ void stiffen(State& state, const Structure& structure, Index /*option*/, const V
 }
 
 void thicken(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  const VectorXd field = smooth_fields(structure.cells) * x;
-  const VectorXd stiffer = (1.0 + field.array()).max(0.05).pow(structure.bending_power) - 1.0;
-  state.stiffness += sum_of(structure.cells.stiffness, stiffer);
-  state.mass += sum_of(structure.cells.mass, field);
+  const auto gained = thickened(structure, smooth_fields(structure.cells) * x);
+  state.stiffness += gained.stiffness;
+  state.mass += gained.mass;
 }
 
 std::vector<EffectStart> flat(const Scene& scene) {
@@ -62,7 +61,7 @@ const Effect modulus_field{"modulus_field",
                            flat};
 const Effect thickness_field{"thickness_field",
                              "the thickness varies smoothly: a taper, a bow",
-                             "K_c (1 + t)^3, M_c (1 + t), Legendre polynomials over the body",
+                             "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
                              "a modulus that varies (leaves the mass)",
                              coefficients,
                              bends,

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "diagnosis/body_fields.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/scene.h"
 
@@ -14,15 +15,21 @@ std::vector<Parameter> relative(const Structure& /*structure*/) {
 
 void stiffen(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
              const VectorXd& x) {
-  state.stiffness *= std::exp(x(0));
+  scale_stiffness(state, std::exp(x(0)));
 }
 void weigh(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
            const VectorXd& x) {
   state.mass *= std::exp(x(0));
 }
 void thicken(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
-  state.stiffness *= std::exp(structure.bending_power * x(0));
-  state.mass *= std::exp(x(0));
+  const double t = std::exp(x(0));
+  const double powered = std::pow(t, structure.bending_power);
+  scale_stiffness(state, powered);
+  state.mass *= t;
+  const auto& cells = structure.cells;
+  const VectorXd apart = VectorXd::Constant(cells.count(), powered - t);
+  if (!cells.shear.empty()) state.stiffness -= sum_of(cells.shear, apart);
+  if (!cells.rotary.empty()) state.mass += sum_of(cells.rotary, apart);
 }
 
 // Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
@@ -60,7 +67,7 @@ const Effect density{"density",   "the whole body is heavier or lighter",
                      by_half};
 const Effect thickness{"thickness",
                        "the whole body is thicker or thinner",
-                       "K (1 + t)^3, M (1 + t) of a body that bends",
+                       "K (1 + t)^3 but for shear, M (1 + t) of a body that bends",
                        "modulus and density together: measure it",
                        relative,
                        bends,

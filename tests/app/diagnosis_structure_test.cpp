@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
 #include "app/at_channels.h"
 #include "app/upper_face.h"
 #include "base/parallel.h"
+#include "diagnosis/body_fields.h"
 #include "modal/frf.h"
 #include "quiet_run.h"
 
@@ -223,6 +225,30 @@ TEST(DiagnosisStructure, OneConstantOfTheMaterialGoesItsOwnWay) {
       return std::pow(2.0 * std::numbers::pi * of.solution.modes.frequency_hz(j), 2);
     };
     EXPECT_NEAR(predicted, square(after) - square(before), 4e-4 * square(before)) << j;
+  }
+}
+
+// A plate of 18 mm that becomes 18.9 mm, its transverse shear and rotary inertia included: the
+// modes predicted from those of the thinner one.
+TEST(DiagnosisStructure, AThickerBodyIsPredictedFromItsParts) {
+  const auto of = [](const char* thickness) {
+    std::string text = kPlate + kChannels;
+    text.replace(text.find("10 mm"), 5, thickness);
+    return solved_with(text);
+  };
+  const auto thin = of("18 mm");
+  const auto thick = of("18.9 mm");
+  const auto made = structure_of(thin.study, thin.solution);
+  const auto gain = diagnosis::thickened(made, Eigen::VectorXd::Constant(made.cells.count(), 0.05));
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd(squares(made).asDiagonal()) + gain.stiffness;
+  const Eigen::MatrixXd mass =
+      Eigen::MatrixXd::Identity(made.mode_count(), made.mode_count()) + gain.mass;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> predicted(stiffness, mass);
+  for (Eigen::Index j = 6; j < 16; ++j) {
+    const double hz = std::sqrt(predicted.eigenvalues()(j)) / (2.0 * std::numbers::pi);
+    const double before = thin.solution.modes.frequency_hz(j);
+    const double after = thick.solution.modes.frequency_hz(j);
+    EXPECT_NEAR(hz - before, after - before, 0.01 * (after - before)) << j;
   }
 }
 

@@ -51,6 +51,35 @@ TEST(ParallelRanges, GiveTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(roots(1), roots(5));
 }
 
+TEST(ParallelTasks, RunEachOnceAndLoopsWithinInOneThread) {
+  for (const int threads : {1, 2, 5}) {
+    set_thread_count(threads);
+    std::vector<int> ranges(100, 0);
+    parallel_tasks(ranges.size(), [&](std::size_t i) {
+      parallel_ranges(10, [&](std::size_t, std::size_t) { ++ranges[i]; });
+    });
+    EXPECT_EQ(ranges, std::vector<int>(100, 1));
+    int after = 0;
+    parallel_ranges(10, [&](std::size_t begin, std::size_t) { after += begin == 0 ? 1 : 0; });
+    EXPECT_EQ(after, 1);
+  }
+  parallel_tasks(0, [](std::size_t) { FAIL(); });
+}
+
+TEST(ParallelTasks, ThrowTheExceptionOfTheLowestTask) {
+  set_thread_count(3);
+  for (int repeat = 0; repeat < 50; ++repeat) {
+    try {
+      parallel_tasks(20, [](std::size_t i) {
+        if (i % 7 == 3) throw InvalidInput(std::to_string(i));
+      });
+      FAIL();
+    } catch (const InvalidInput& e) {
+      EXPECT_STREQ(e.what(), "3");
+    }
+  }
+}
+
 TEST(ParallelRanges, ThrowTheExceptionOfTheLowestRange) {
   set_thread_count(4);
   for (int repeat = 0; repeat < 50; ++repeat) {

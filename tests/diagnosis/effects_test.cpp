@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "diagnosis/body_fields.h"
 #include "diagnosis/deviations.h"
 #include "diagnosis/responses.h"
 #include "diagnosis/small_plate.h"

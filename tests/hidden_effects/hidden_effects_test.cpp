@@ -128,6 +128,39 @@ TEST(HiddenEffects, NothingIsCalledNothing) {
   }
 }
 
+// As a real table is to its simulation: every tolerance is used up once, and the structure is of
+// coarser polynomials than the plate.
+diagnosis::Diagnosis told_within_tolerances(const std::vector<std::string>& kinds, unsigned seed,
+                                            simulators::HiddenCase& made) {
+  static const auto coarse = simulators::ritz_structure(simulators::believed_table(kDegree - 2),
+                                                        simulators::table_channels(), {});
+  simulators::HiddenOptions options;
+  options.lines = 160;
+  options.degree = kDegree;
+  options.severity = 0.6;
+  options.deviation = 1.0;
+  made = simulators::hidden_case(kinds, seed, options);
+  return diagnosed(coarse, made.measured, {});
+}
+
+TEST(HiddenEffects, ATableThatDeviatesHasNothing) {
+  for (const unsigned seed : {102U, 108U}) {
+    simulators::HiddenCase made;
+    const auto diagnosis = told_within_tolerances({}, seed, made);
+    EXPECT_EQ(diagnosis.verdict, Verdict::no_discrepancy) << seed;
+    EXPECT_TRUE(diagnosis.best.causes.empty()) << seed;
+  }
+}
+
+TEST(HiddenEffects, AMassIsFoundOnATableThatDeviates) {
+  simulators::HiddenCase made;
+  const auto score = simulators::scored(made, told_within_tolerances({"point_mass"}, 7, made));
+  EXPECT_EQ(name(score.outcome), name(Outcome::right)) << score.told;
+  ASSERT_EQ(score.effects.size(), 1U);
+  EXPECT_LT(score.effects.front().place_error, 5e-3);
+  for (const auto& size : score.effects.front().sizes) EXPECT_LT(std::abs(size.z()), 3.5);
+}
+
 class TwoEffects : public testing::TestWithParam<std::vector<std::string>> {};
 
 TEST_P(TwoEffects, AreBothFound) {

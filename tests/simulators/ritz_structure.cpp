@@ -89,6 +89,11 @@ diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
 diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
   const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
+  // Parts as t and as t³ from the same motion of a thicker plate.
+  constexpr double kThicker = 1.5;
+  constexpr double cubed = kThicker * kThicker * kThicker;
+  RitzModes thicker = plate;
+  thicker.body.thickness *= kThicker;
   diagnosis::BodyCells all;
   all.from = corner;
   all.size = -2.0 * corner;
@@ -98,6 +103,9 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
     for (int i = 0; i < count; ++i, ++k) {
       const Eigen::Vector2d low = corner + Eigen::Vector2d(i * size.x(), j * size.y());
       auto cell = modal_cell(plate, r, low, low + size);
+      const auto thick = modal_cell(thicker, r, low, low + size);
+      all.shear.emplace_back((cubed * cell.stiffness - thick.stiffness) / (cubed - kThicker));
+      all.rotary.emplace_back((thick.mass - kThicker * cell.mass) / (cubed - kThicker));
       all.centres.row(k) = (low + 0.5 * size).transpose();
       all.stiffness.push_back(std::move(cell.stiffness));
       all.mass.push_back(std::move(cell.mass));

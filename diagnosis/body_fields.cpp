@@ -1,0 +1,69 @@
+#include "diagnosis/body_fields.h"
+
+#include <algorithm>
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// With what each part of a cell is multiplied: what goes as t^power, and as t.
+BodyChange change(const Structure& structure, const ArrayXd& powered, const ArrayXd& linear) {
+  const auto& cells = structure.cells;
+  BodyChange result{sum_of(cells.stiffness, powered), sum_of(cells.mass, linear)};
+  if (!cells.shear.empty()) result.stiffness -= sum_of(cells.shear, powered - linear);
+  if (!cells.rotary.empty()) result.mass += sum_of(cells.rotary, powered - linear);
+  return result;
+}
+
+}  // namespace
+
+MatrixXd smooth_fields(const BodyCells& cells) {
+  if (cells.count() == 0) return {};
+  const Eigen::RowVector2d low = cells.from;
+  const Eigen::RowVector2d spread =
+      cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
+  Eigen::RowVector2d size = cells.size;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;  // one cell spans it: nothing varies
+  }
+  const auto along = [&](int axis) -> Eigen::ArrayXd {
+    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(cells.count());
+    return 2.0 * (cells.centres.col(axis).array() - low(axis)) / size(axis) - 1.0;
+  };
+  const Eigen::ArrayXd u = along(0);
+  const Eigen::ArrayXd v = along(1);
+  MatrixXd fields(cells.count(), 0);
+  const auto add = [&](const Eigen::ArrayXd& field) {
+    fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
+    fields.rightCols(1) = field.matrix();
+  };
+  if (size(0) > 0.0) add(u);
+  if (size(1) > 0.0) add(v);
+  if (size(0) > 0.0) add(1.5 * u.square() - 0.5);
+  if (size(0) > 0.0 && size(1) > 0.0) add(u * v);
+  if (size(1) > 0.0) add(1.5 * v.square() - 0.5);
+  return fields;
+}
+
+MatrixXd sum_of(const std::vector<MatrixXd>& cells, const VectorXd& weight) {
+  MatrixXd sum = MatrixXd::Zero(cells.front().rows(), cells.front().cols());
+  for (Index c = 0; c < weight.size(); ++c) {
+    if (weight(c) != 0.0) sum += weight(c) * cells[static_cast<std::size_t>(c)];
+  }
+  return sum;
+}
+
+BodyChange thickened(const Structure& structure, const VectorXd& field) {
+  const ArrayXd t = (1.0 + field.array()).max(0.05);
+  return change(structure, t.pow(structure.bending_power) - 1.0, t - 1.0);
+}
+
+BodyChange thickness_slope(const Structure& structure, const VectorXd& field) {
+  return change(structure, structure.bending_power * field.array(), field.array());
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,27 @@
+// Fields over the body and what they make of its stiffness and mass.
+#pragma once
+
+#include "diagnosis/structure.h"
+
+namespace chladni::diagnosis {
+
+/// Smooth fields over the body, Legendre's polynomials of u and v over the cells (columns, each of
+/// largest value 1): (1,0), (0,1), (2,0), (1,1), (0,2); without those along a side that the cells
+/// do not resolve. b×5 or fewer.
+[[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells);
+
+/// Σ_c weight_c A_c.
+[[nodiscard]] Eigen::MatrixXd sum_of(const std::vector<Eigen::MatrixXd>& cells,
+                                     const Eigen::VectorXd& weight);
+
+/// What a body gains when its thickness becomes 1 + field times what it was, cell by cell; r×r.
+struct BodyChange {
+  Eigen::MatrixXd stiffness, mass;
+};
+/// K_c as t³ but for transverse shear (t), M_c as t but for rotary inertia (t³), where the
+/// structure knows these parts; K_c as t^bending_power where it does not.
+[[nodiscard]] BodyChange thickened(const Structure& structure, const Eigen::VectorXd& field);
+/// Its derivative by a factor of the field, at 0.
+[[nodiscard]] BodyChange thickness_slope(const Structure& structure, const Eigen::VectorXd& field);
+
+}  // namespace chladni::diagnosis
