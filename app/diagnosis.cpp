@@ -28,7 +28,9 @@ DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(Diag
 void state_variance(modal::FrfSet& set, Run& run) {
   if (!set.variance.empty()) return;
   const auto data = identification::fit_data(set);
-  run.talk().note("the measured responses state no variance: it is estimated from their scatter");
+  run.talk().warn(
+      "the measured responses state no variance: it is estimated from their scatter, and "
+      "with it every probability");
   Eigen::MatrixXd nothing = Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNone);
   set.variance.assign(set.value.size(), nothing);
   Index line = 0;
@@ -49,11 +51,17 @@ MeasuredFrfs measured_within(const Study& study, const DiagnosisPlan& plan, doub
   auto& set = measured.all;
   set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
-  set = modal::band(set, std::max(plan.low_hz, 1e-9), std::min(high, highest_hz));
-  require(set.line_count() >= 16,
-          fmt::format("{}: {} measured lines lie within the band of the diagnosis and below {:.6g} "
-                      "Hz, where the simulation's modes end; at least 16 are expected",
-                      study.file.string(), set.line_count(), highest_hz));
+  const double last_hz = std::min(high, highest_hz);
+  const double first_hz = std::max(plan.low_hz, 1e-9);
+  const auto within =
+      (set.frequency_hz.array() >= first_hz && set.frequency_hz.array() <= last_hz).count();
+  require(within >= 16,
+          fmt::format("{}: {} measured lines ({:.6g} to {:.6g} Hz were measured) lie within the "
+                      "band of the diagnosis and below {:.6g} Hz, where the simulation's modes "
+                      "end; at least 16 are expected",
+                      study.file.string(), within, set.frequency_hz.minCoeff(),
+                      set.frequency_hz.maxCoeff(), highest_hz));
+  set = modal::band(set, first_hz, last_hz);
   state_variance(set, run);
   return measured;
 }

@@ -38,6 +38,18 @@ modal::Modes first(const modal::Modes& modes, Eigen::Index count) {
           modes.shapes.leftCols(count), modes.rigid_count};
 }
 
+// The modes that were solved for but are not in use. Beyond them a plate has as many modes per Hz
+// as below, a beam fewer and fewer: Σ 1/ω² is K/ω_K² and a third of it.
+ModesAbove above(const modal::Modes& modes, Eigen::Index used, bool slender) {
+  const Eigen::Index count = modes.mode_count() - used;
+  if (count <= 0) return {};
+  const Eigen::VectorXd omega = 2.0 * std::numbers::pi * modes.frequency_hz.tail(count);
+  const double flexible = static_cast<double>(modes.mode_count() - modes.rigid_count);
+  const double rest = (slender ? 1.0 / 3.0 : 1.0) * flexible / std::pow(omega(count - 1), 2);
+  return {modes.shapes.rightCols(count) * omega.cwiseInverse().asDiagonal(),
+          rest / static_cast<double>(count) * omega.cwiseAbs2()};
+}
+
 // Rows of the shapes at sites along one direction.
 Eigen::MatrixXd along(const std::vector<mesh::Site>& sites, const Eigen::Vector3d& direction,
                       const modal::Modes& modes) {
@@ -79,6 +91,18 @@ diagnosis::ChannelSide side_of(const std::vector<Channel>& channels,
     side.slope_v.row(i) = slope_at(finder, site, direction, chart.axes.col(1), step, modes);
   }
   return side;
+}
+
+// Of the channels, c×(u + 1): what is beyond the modes above yields only where it is pushed.
+Eigen::MatrixXd upper_rows(const std::vector<Channel>& channels,
+                           const std::vector<mesh::Site>& sites, const ModesAbove& beyond) {
+  const auto c = static_cast<Eigen::Index>(channels.size());
+  const Eigen::Index u = beyond.shapes.cols();
+  if (u == 0) return {c, 0};
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(c, u + 1);
+  rows.leftCols(u) = shapes_at(
+      channels, sites, {Eigen::VectorXd::Zero(u), Eigen::VectorXd::Zero(u), beyond.shapes, 0});
+  return rows;
 }
 
 // Points spread over a tetrahedron, 20×4 barycentric, of equal weight.
@@ -256,7 +280,8 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   const auto reduced = at_channels(study, solution, count);
   const auto chart = chart_of(model.body);
   const mesh::SiteFinder finder(model.body);
-  const auto face = std::make_shared<const UpperFace>(chart, model.body, modes.shapes);
+  const auto beyond = above(solution.modes, count, chart.is_slender());
+  const auto face = std::make_shared<const UpperFace>(chart, model.body, modes.shapes, beyond);
   diagnosis::Structure structure;
   structure.frequency_hz = reduced.frequency_hz;
   structure.damping_ratio = reduced.damping_ratio;
@@ -266,6 +291,8 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   }
   structure.outputs = side_of(study.sensors, model.sensors, finder, chart, modes);
   structure.inputs = side_of(study.actuators, model.actuators, finder, chart, modes);
+  structure.outputs.upper = upper_rows(study.sensors, model.sensors, beyond);
+  structure.inputs.upper = upper_rows(study.actuators, model.actuators, beyond);
   structure.residual = reduced.residual;
   structure.surface = surface_of(chart, face);
   const bool thin = chart.height < kThin * chart.size.minCoeff();

@@ -74,7 +74,8 @@ void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study) 
   read_band(*table, "hold_out_band", plan.hold_out_low_hz, plan.hold_out_high_hz);
   read_tolerances_part(*table, folder, plan);
   plan.effects = table->texts("effects");
-  refuse_strangers(*table, "effects", "effect of the catalogue", plan.effects, effect_names());
+  refuse_strangers(*table, "effects", "effect (chladni list effects)", plan.effects,
+                   effect_names());
   plan.most_causes = static_cast<int>(table->integer("most_causes", 1, 10).value_or(3));
   plan.least_evidence =
       table->quantity("least_evidence", "1", Sign::positive).value_or(plan.least_evidence);

@@ -66,7 +66,8 @@ void read_loop(TableReader& table, const Study& study, ExperimentPlan& plan) {
   plan.delay = table.quantity("delay", "s", Sign::not_negative).value_or(0.0);
   plan.compensate = table.choice("compensate", {"all", "hold", "none"}).value_or(plan.compensate);
   plan.controlled = table.texts("controlled");
-  refuse_strangers(table, "controlled", "actuator", plan.controlled, names_of(study.actuators));
+  refuse_strangers(table, "controlled", "actuator of the study", plan.controlled,
+                   names_of(study.actuators));
   plan.bandwidth_hz = table.quantity("bandwidth", "Hz", Sign::positive).value_or(0.0);
   if (!plan.controlled.empty() && plan.bandwidth_hz == 0.0 && !table.has("bandwidth")) {
     table.missing("bandwidth", "\"10 Hz\": controlled actuators need one");
@@ -79,8 +80,9 @@ void read_cubic_spring(TableReader& table, const Study& study, ExperimentPlan& p
   plan.cubic_stiffness = spring->required_quantity("stiffness", "N/m^3");
   plan.cubic_sensor = spring->required_text("sensor");
   plan.cubic_actuator = spring->required_text("actuator");
-  refuse_strangers(*spring, "sensor", "sensor", {plan.cubic_sensor}, names_of(study.sensors));
-  refuse_strangers(*spring, "actuator", "actuator", {plan.cubic_actuator},
+  refuse_strangers(*spring, "sensor", "sensor of the study", {plan.cubic_sensor},
+                   names_of(study.sensors));
+  refuse_strangers(*spring, "actuator", "actuator of the study", {plan.cubic_actuator},
                    names_of(study.actuators));
   spring->refuse_unknown();
 }

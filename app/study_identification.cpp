@@ -19,8 +19,9 @@ void read_band(TableReader& table, IdentificationPlan& plan) {
 void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan) {
   for (auto& pair : table.tables("pair")) {
     plan.pairs.emplace_back(pair.required_text("sensor"), pair.required_text("actuator"));
-    refuse_strangers(pair, "sensor", "sensor", {plan.pairs.back().first}, names_of(study.sensors));
-    refuse_strangers(pair, "actuator", "actuator", {plan.pairs.back().second},
+    refuse_strangers(pair, "sensor", "sensor of the study", {plan.pairs.back().first},
+                     names_of(study.sensors));
+    refuse_strangers(pair, "actuator", "actuator of the study", {plan.pairs.back().second},
                      names_of(study.actuators));
     pair.refuse_unknown();
   }

@@ -47,7 +47,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   plan.noise = table->quantity("noise", "1", Sign::positive).value_or(0.01);
   plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
   plan.hold_out = table->texts("hold_out");
-  refuse_strangers(*table, "hold_out", "channel", plan.hold_out, channel_names(study));
+  refuse_strangers(*table, "hold_out", "channel of the study", plan.hold_out, channel_names(study));
   table->refuse_unknown();
 }
 

@@ -155,7 +155,7 @@ void read_places(TableReader& table, const Study& study, PlacementPlan& plan) {
   plan.spacing = table.quantity("spacing", "m", Sign::not_negative).value_or(0.0);
   read_grid(table, plan);
   plan.there = table.texts("there");
-  refuse_strangers(table, "there", "channel", plan.there, channel_names(study));
+  refuse_strangers(table, "there", "channel of the study", plan.there, channel_names(study));
   for (auto& point : table.tables("interest")) {
     plan.interest.push_back(read_place(point, "at"));
     point.refuse_unknown();

@@ -83,7 +83,7 @@ void refuse_strangers(TableReader& table, std::string_view key, const std::strin
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
     table.wrong(*table.find(key), table.name(key) + " names \"" + name + "\", but no " + what +
-                                      " of the study has that name" +
+                                      " has that name" +
                                       (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
   }
 }
@@ -113,8 +113,10 @@ void read_layouts(TableReader& root, Study& study) {
     names.add(table, layout.name);
     layout.sensors = table.texts("sensors");
     layout.actuators = table.texts("actuators");
-    refuse_strangers(table, "sensors", "sensor", layout.sensors, names_of(study.sensors));
-    refuse_strangers(table, "actuators", "actuator", layout.actuators, names_of(study.actuators));
+    refuse_strangers(table, "sensors", "sensor of the study", layout.sensors,
+                     names_of(study.sensors));
+    refuse_strangers(table, "actuators", "actuator of the study", layout.actuators,
+                     names_of(study.actuators));
     table.refuse_unknown();
     study.layouts.push_back(layout);
   }

@@ -122,14 +122,19 @@ Eigen::VectorXd slope(const std::function<std::optional<Eigen::VectorXd>(double 
   return here ? Eigen::VectorXd::Zero(here->size()) : Eigen::VectorXd();
 }
 
-UpperFace::UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes)
+UpperFace::UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
+                     const ModesAbove& above)
     : shell_(shell_of(chart, body, nodes_)),
       finder_(shell_),
-      motion_(shell_.node_count(), shapes.cols()),
+      motion_(shell_.node_count(), shapes.cols() + above.shapes.cols()),
+      beyond_(above.beyond),
       step_(step_of_slopes(shell_)) {
+  const Eigen::RowVector3d normal = chart.axes.col(2).transpose();
   for (Eigen::Index i = 0; i < motion_.rows(); ++i) {
-    const Eigen::Index node = nodes_[static_cast<std::size_t>(i)];
-    motion_.row(i) = chart.axes.col(2).transpose() * shapes.middleRows<3>(3 * node);
+    const Eigen::Index first = 3 * nodes_[static_cast<std::size_t>(i)];
+    motion_.row(i).head(shapes.cols()) = normal * shapes.middleRows<3>(first);
+    if (above.shapes.cols() == 0) continue;
+    motion_.row(i).tail(above.shapes.cols()) = normal * above.shapes.middleRows<3>(first);
   }
 }
 
@@ -140,12 +145,11 @@ bool UpperFace::holds(const Eigen::Vector2d& place) const {
 std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place) const {
   const auto here = finder_.from_above(place(0), place(1));
   if (!here) return {};
-  diagnosis::PointMotion motion;
-  motion.shape = value_at(*here, motion_);
+  const Eigen::VectorXd value = value_at(*here, motion_);
   const auto along = [&](const Eigen::Vector2d& axis) {
     return slope(
         [&](double offset) -> std::optional<Eigen::VectorXd> {
-          if (offset == 0.0) return motion.shape;
+          if (offset == 0.0) return value;
           const Eigen::Vector2d there = place + offset * axis;
           const auto site = finder_.from_above(there(0), there(1));
           // A step of the body's own is another place.
@@ -155,8 +159,23 @@ std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place
         },
         step_);
   };
-  motion.slope_u = along(Eigen::Vector2d::UnitX());
-  motion.slope_v = along(Eigen::Vector2d::UnitY());
+  const Eigen::VectorXd u = along(Eigen::Vector2d::UnitX());
+  const Eigen::VectorXd v = along(Eigen::Vector2d::UnitY());
+  const Eigen::Index above = beyond_.size();
+  const Eigen::Index r = value.size() - above;
+  diagnosis::PointMotion motion{value.head(r), u.head(r), v.head(r), {}, {}, {}};
+  if (above == 0) return motion;
+  const Eigen::VectorXd weighted = beyond_.cwiseProduct(value.tail(above));
+  const double rest = std::sqrt(weighted.dot(value.tail(above)));
+  const auto with_rest = [&](const Eigen::VectorXd& all, double last) {
+    Eigen::VectorXd result(above + 1);
+    result << all.tail(above), last;
+    return result;
+  };
+  const double per = rest > 0.0 ? 1.0 / rest : 0.0;
+  motion.upper = with_rest(value, rest);
+  motion.upper_slope_u = with_rest(u, per * weighted.dot(u.tail(above)));
+  motion.upper_slope_v = with_rest(v, per * weighted.dot(v.tail(above)));
   return motion;
 }
 

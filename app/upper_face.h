@@ -39,23 +39,34 @@ struct Chart {
 [[nodiscard]] Eigen::VectorXd slope(
     const std::function<std::optional<Eigen::VectorXd>(double offset)>& value, double step);
 
+/// Modes above those that a diagnosis moves: their flexibility, and that of all beyond.
+struct ModesAbove {
+  Eigen::MatrixXd shapes;  ///< 3·nodes×u, each over its angular frequency [kg^-1/2 s]
+  /// u: the flexibility of a place on itself beyond these modes is Σ beyond_k (its shape_k)².
+  Eigen::VectorXd beyond;
+};
+
 /// The uppermost faces of a body. Owns what it needs; its functions may run on several threads.
 class UpperFace {
  public:
   /// @param shapes  3·nodes×r
-  UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes);
+  /// @param above   modes that yield at once where something hangs
+  UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
+            const ModesAbove& above = {});
   UpperFace(const UpperFace&) = delete;
   UpperFace& operator=(const UpperFace&) = delete;
 
   [[nodiscard]] bool holds(const Eigen::Vector2d& place) const;
-  /// Along the chart's normal; none beside the body. Cost: five searches, logarithmic in the faces.
+  /// Along the chart's normal; none beside the body. What yields at once: u modes and one for all
+  /// beyond, or none. Cost: five searches, logarithmic in the faces.
   [[nodiscard]] std::optional<diagnosis::PointMotion> at(const Eigen::Vector2d& place) const;
 
  private:
   std::vector<Eigen::Index> nodes_;  // of the body, per node of the shell
   mesh::TetMesh shell_;              // boundary only, in the chart's coordinates
   mesh::SiteFinder finder_;
-  Eigen::MatrixXd motion_;  // shell nodes × r
+  Eigen::MatrixXd motion_;  // shell nodes × (r + u)
+  Eigen::VectorXd beyond_;  // u
   double step_;             // of slopes [m]
 };
 

@@ -302,17 +302,16 @@ Fit exchanged(const Level& level, Fit best) {
 Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
            const SearchLimits& limits) {
   Fit best = whole;
-  const double excess = std::max(nothing.chi_square - numbers(problem), 1e-9);
   for (std::size_t c = 0; c < best.causes.size();) {
     Fit less = best;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = less.causes.empty() ? nothing : fitted(problem, less);
-    // What is small beside a large cause still counts where the data want it.
+    // Stretched tolerances count as misfit. What is small beside a large cause still counts where
+    // the data want it.
+    const bool material = less.objective - best.objective >=
+                          limits.least_share * (nothing.objective - best.objective);
     const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
-    const bool material = less.chi_square - best.chi_square >= limits.least_share * excess;
-    const bool worth =
-        best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted);
-    if (worth) {
+    if (best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted)) {
       ++c;
     } else {
       best = std::move(less);

@@ -15,7 +15,7 @@ struct SearchLimits {
   int beam = 2;                      ///< explanations that are carried to the next level, at most,
   double beam_within = 20.0;         ///< and their log evidence of the best
   double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
-  double least_share = 0.01;         ///< of the initial excess misfit, or the cause is dropped,
+  double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
   double least_excess = kExplained;  ///< unless this much (z) is left without it
 };
 

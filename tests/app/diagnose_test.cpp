@@ -1,0 +1,129 @@
+// chladni diagnose on measurements that are few, odd or of something else: it says what it cannot
+// tell, and names nothing that it does not know. The measurements are of a Ritz plate.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "app/command.h"
+#include "app/diagnosis.h"
+#include "base/error.h"
+#include "io/frf_file.h"
+#include "quiet_run.h"
+#include "simulators/hidden_effect.h"
+
+namespace chladni::app {
+namespace {
+
+using diagnosis::Verdict;
+
+std::string channel(const char* kind, const modal::MeasuredChannel& of) {
+  return fmt::format("[[{}]]\nname = \"{}\"\nat = [\"{} mm\", \"{} mm\"]\ndirection = \"z\"\n{}",
+                     kind, of.name, 1e3 * of.position->x(), 1e3 * of.position->y(),
+                     std::string_view(kind) == "sensor" ? "quantity = \"displacement\"\n" : "");
+}
+
+// What was measured, and a study of the table as it is believed to be.
+class Diagnose : public testing::Test {
+ protected:
+  modal::FrfSet measured_of(const std::vector<std::string>& kinds,
+                            const std::vector<Eigen::Index>& sensors,
+                            const std::vector<Eigen::Index>& actuators, unsigned seed = 3) const {
+    simulators::HiddenOptions options;
+    options.lines = 120;
+    options.degree = 12;
+    options.severity = 0.7;
+    return modal::part(simulators::hidden_case(kinds, seed, options).measured, sensors, actuators);
+  }
+
+  Diagnosed diagnosed_from(const modal::FrfSet& measured, const std::string& plan = "") {
+    (void)io::write_frf(folder_.path() / "measured.csv", measured);
+    std::string text =
+        "geometry = { plate = { length = \"600 mm\", width = \"600 mm\", thickness = \"20 mm\" } "
+        "}\n"
+        "material = { youngs_modulus = \"70 GPa\", poissons_ratio = 0.33, density = \"2700 "
+        "kg/m^3\" }\n"
+        "mesh = { edge_length = \"30 mm\" }\nmodes = { damping_ratio = 0.005 }\n"
+        "[measurement]\nfrf = \"measured.csv\"\n[identification]\nunit = \"m\"\n[diagnosis]\n" +
+        plan;
+    for (const auto& one : measured.outputs) text += channel("sensor", one);
+    for (const auto& one : measured.inputs) text += channel("actuator", one);
+    const auto file = folder_.path() / "study.toml";
+    std::ofstream(file) << text;
+    const Study study = read_study(file);
+    QuietRun quiet(study, folder_.path());
+    auto result = diagnosed(study, quiet.run());
+    said_ = quiet.said();
+    return result;
+  }
+
+  static bool is_confident(const diagnosis::Diagnosis& result) {
+    return result.verdict == Verdict::named && !result.best.causes.empty() &&
+           result.best.causes.front().probability > 0.9;
+  }
+
+  TestFolder folder_{"diagnose"};
+  std::string said_;
+};
+
+TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
+  const auto one = diagnosed_from(measured_of({}, {0}, {5}));
+  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << verdict_text(one.result);
+  EXPECT_FALSE(one.extended.has_value());
+}
+
+TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
+  const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}));
+  EXPECT_FALSE(is_confident(one.result) && one.result.best.causes.front().effect != "point_mass")
+      << verdict_text(one.result);
+}
+
+TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
+  const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
+  ASSERT_FALSE(one.result.best.causes.empty());
+  EXPECT_TRUE(one.result.best.causes.front().effect == "point_mass" ||
+              one.result.verdict == Verdict::ambiguous)
+      << verdict_text(one.result);
+}
+
+TEST_F(Diagnose, AnotherTableIsNotExplained) {
+  const auto one = diagnosed_from(measured_of({"other_plate"}, {0, 2}, {4, 6, 9}));
+  EXPECT_TRUE(one.result.verdict == Verdict::unexplained || one.result.verdict == Verdict::partial)
+      << verdict_text(one.result);
+  EXPECT_FALSE(is_confident(one.result));
+}
+
+TEST_F(Diagnose, NoiseThatIsNotStatedIsEstimatedAndSaid) {
+  auto measured = measured_of({}, {0, 1}, {3, 5});
+  measured.variance.clear();
+  const auto one = diagnosed_from(measured, "effects = [\"point_mass\", \"sensor_gain\"]\n");
+  EXPECT_NE(said_.find("state no variance: it is estimated"), std::string::npos) << said_;
+  EXPECT_FALSE(is_confident(one.result)) << verdict_text(one.result);
+}
+
+TEST_F(Diagnose, ABandWithoutModesIsRefused) {
+  auto measured = measured_of({}, {0}, {5});
+  measured.frequency_hz.array() += 1e5;
+  try {
+    (void)diagnosed_from(measured);
+    FAIL();
+  } catch (const InvalidInput& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("study.toml: 0 measured lines"), std::string::npos) << what;
+    EXPECT_NE(what.find("100020"), std::string::npos) << what;  // where they are
+  }
+}
+
+TEST_F(Diagnose, AnEffectThatIsNotThereIsRefused) {
+  try {
+    (void)diagnosed_from(measured_of({}, {0}, {5}), "effects = [\"gremlin\"]\n");
+    FAIL();
+  } catch (const InvalidInput& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("gremlin"), std::string::npos) << what;
+    EXPECT_NE(what.find("chladni list effects"), std::string::npos) << what;
+  }
+}
+
+}  // namespace
+}  // namespace chladni::app
