@@ -189,12 +189,18 @@ diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Run& run) {
   return options;
 }
 
-// Records without units have a scale of their own: that of the simulation is given to them.
-void take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
+void compare(Diagnosed& one, Run& run) {
+  const auto fit = modes_of(one.seen, run);
+  one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
+}
+
+// Records without units have a scale of their own: that of the simulation is given to them. Whether
+// it was.
+bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
   const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
-  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return;
+  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
   const double level = one.comparison.responses.level;
-  if (!(level > 0.0) || !std::isfinite(level)) return;
+  if (!(level > 0.0) || !std::isfinite(level)) return false;
   run.talk().note(
       fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
                   "of measured over simulated; what scales them all is not told",
@@ -204,6 +210,7 @@ void take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
     for (auto& variance : set->variance) variance /= level * level;
   }
   tolerances.scale = std::max(tolerances.scale, 0.3);
+  return true;
 }
 
 // The extended study, solved in full; not made where nothing was named.
@@ -236,13 +243,12 @@ Diagnosed diagnosed(const Study& study, Run& run) {
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
   one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });
+  auto options = options_of(plan, run);
   run.timed("comparison", [&] {
-    const auto fit = modes_of(one.seen, run);
-    one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
+    compare(one, run);
+    if (take_scale(one, options.tolerances, run)) compare(one, run);
     return 0;
   });
-  auto options = options_of(plan, run);
-  take_scale(one, options.tolerances, run);
   one.result = run.timed("diagnosis",
                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
   one.response_before = predicted(study, one.structure, study, one.measured.all);

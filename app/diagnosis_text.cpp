@@ -156,6 +156,7 @@ std::string diagnosis_table(const Diagnosed& one) {
     text += fmt::format("  instead: {} (probability {:.2g})\n", explanation_text(rival),
                         rival.probability);
   }
+  for (const auto& note : result.notes) text += "note: " + note + "\n";
   if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
   for (const auto& breach : result.breaches) text += "  beyond its tolerance: " + breach + "\n";
   const auto& gain = one.gain;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "diagnosis/measure_next.h"
+#include "diagnosis/nonlinearity.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/superclass.h"
 #include "diagnosis/verdict.h"
@@ -131,6 +132,9 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
 
   Diagnosis diagnosis;
   diagnosis.notes = notes;
+  if (auto note = nonlinearity_note(measured); !note.empty()) {
+    diagnosis.notes.push_back(std::move(note));
+  }
   diagnosis.verdict = judged(problem, found, told, options);
   diagnosis.excess_before = found.nothing.excess(fine.number_count());
   diagnosis.best = told.front();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -98,6 +99,16 @@ Quadratic quadratic_at(const Problem& problem, const Point& here,
   return result;
 }
 
+// Where a step leads; none: to what cannot be.
+std::optional<Point> reached(const Problem& problem, Fit fit) {
+  if (!std::isfinite(prior_of(problem.structure, fit.causes))) return std::nullopt;
+  try {
+    return point_of(problem, std::move(fit));
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
 // A step down, as long as it may be; false: none was found.
 bool descended(const Problem& problem, const std::vector<Column>& columns, double tolerance,
                const Quadratic& quadratic, Point& here, double& lambda) {
@@ -106,10 +117,9 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
     const VectorXd by = quadratic.step(lambda);
     Fit next = here.fit;
     step(problem.structure, next, columns, by);
-    if (std::isfinite(prior_of(problem.structure, next.causes))) {
-      Point there = point_of(problem, std::move(next));
-      taken = there.fit.objective < here.fit.objective;
-      if (taken) here = std::move(there);
+    if (auto there = reached(problem, std::move(next))) {
+      taken = there->fit.objective < here.fit.objective;
+      if (taken) here = std::move(*there);
     }
     here.fit.converged = quadratic.promised(by) < tolerance;
     lambda = taken ? std::max(1e-9, 0.1 * lambda) : std::max(1e-4, 10.0 * lambda);

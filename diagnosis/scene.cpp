@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/error.h"
 #include "diagnosis/attachments.h"
 
 namespace chladni::diagnosis {
@@ -179,9 +180,13 @@ Eigen::VectorXd Scene::misfits(const Effect& effect, const std::vector<EffectSta
   for (std::size_t n = 0; n < starts.size(); ++n) {
     State changed = state_;
     effect.apply(changed, structure_, starts[n].option, starts[n].x);
-    all(static_cast<Index>(n)) =
-        near(changed) ? quick_misfit(changed, touch)
-                      : chi_square(observed_, responses(changed, observed_.omega, false));
+    double& misfit = all(static_cast<Index>(n));
+    try {
+      misfit = near(changed) ? quick_misfit(changed, touch)
+                             : chi_square(observed_, responses(changed, observed_.omega, false));
+    } catch (const NumericalFailure&) {
+      misfit = HUGE_VAL;  // no structure is like that
+    }
   }
   return all;
 }

@@ -115,6 +115,27 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   }
 }
 
+double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
+
+// Eighths of the lines.
+void add_bands(const Observed& observed, const Eigen::ArrayXXd& power, const Eigen::ArrayXXd& there,
+               Residue& left) {
+  constexpr Index kBands = 8;
+  left.band_edges_hz.resize(kBands + 1);
+  left.per_band.resize(kBands);
+  const Index lines = observed.line_count();
+  for (Index b = 0; b <= kBands; ++b) {
+    left.band_edges_hz(b) =
+        observed.omega(std::min(lines - 1, lines * b / kBands)) / (2.0 * std::numbers::pi);
+  }
+  for (Index b = 0; b < kBands; ++b) {
+    const Index first = lines * b / kBands;
+    const Index count = lines * (b + 1) / kBands - first;
+    left.per_band(b) =
+        half_mean(power.middleRows(first, count).sum(), there.middleRows(first, count).sum());
+  }
+}
+
 }  // namespace
 
 std::string_view name(Verdict verdict) {
@@ -178,46 +199,31 @@ Verdict judged(const Problem& problem, const Found& found,
 Residue residue(const Problem& problem, const Fit& fit) {
   const auto& observed = problem.observed;
   const State state = state_of(problem, fit.causes, fit.eta);
-  const Eigen::MatrixXcd model = responses(state, observed.omega);
-  const Eigen::MatrixXcd whitened =
-      (observed.value - model).cwiseProduct(observed.weight.cast<std::complex<double>>());
+  const Eigen::MatrixXcd whitened = (observed.value - responses(state, observed.omega))
+                                        .cwiseProduct(observed.weight.cast<std::complex<double>>());
   const Eigen::ArrayXXd power = whitened.cwiseAbs2();
   const Eigen::ArrayXXd there = (observed.weight.array() > 0.0).cast<double>();
-  const auto mean = [](double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; };
+  // Over every `stride`-th response from the first on.
+  const auto over = [&](Index first, Index stride, Index count) {
+    const auto columns = Eigen::seqN(first, count, stride);
+    return half_mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());
+  };
   Residue left;
   left.per_output.resize(observed.outputs);
   left.per_input.resize(observed.inputs);
-  const auto of = [&](const std::vector<Index>& columns) {
-    return mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());
-  };
   for (Index i = 0; i < observed.outputs; ++i) {
-    std::vector<Index> columns;
-    for (Index j = 0; j < observed.inputs; ++j) columns.push_back(i + observed.outputs * j);
-    left.per_output(i) = of(columns);
+    left.per_output(i) = over(i, observed.outputs, observed.inputs);
   }
   for (Index j = 0; j < observed.inputs; ++j) {
-    std::vector<Index> columns;
-    for (Index i = 0; i < observed.outputs; ++i) columns.push_back(i + observed.outputs * j);
-    left.per_input(j) = of(columns);
+    left.per_input(j) = over(j * observed.outputs, 1, observed.outputs);
   }
-  constexpr Index kBands = 8;
-  left.band_edges_hz.resize(kBands + 1);
-  left.per_band.resize(kBands);
+  add_bands(observed, power, there, left);
   const Index lines = observed.line_count();
-  for (Index b = 0; b <= kBands; ++b) {
-    left.band_edges_hz(b) =
-        observed.omega(std::min(lines - 1, lines * b / kBands)) / (2.0 * std::numbers::pi);
-  }
-  for (Index b = 0; b < kBands; ++b) {
-    const Index first = lines * b / kBands;
-    const Index count = lines * (b + 1) / kBands - first;
-    left.per_band(b) =
-        mean(power.middleRows(first, count).sum(), there.middleRows(first, count).sum());
-  }
-  const auto lagged =
-      (whitened.topRows(lines - 1).conjugate().cwiseProduct(whitened.bottomRows(lines - 1)))
-          .real()
-          .sum();
+  const double lagged = whitened.topRows(lines - 1)
+                            .conjugate()
+                            .cwiseProduct(whitened.bottomRows(lines - 1))
+                            .real()
+                            .sum();
   left.lag_one = lagged / std::max(power.sum(), 1e-300);
   return left;
 }

@@ -6,6 +6,14 @@ namespace {
 
 std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
 
+// One per channel. Where a side has one, turning it turns all: of a single response the sensor.
+template <Side side>
+Eigen::Index turnable(const Structure& structure) {
+  const Eigen::Index count = channels_of<side>(structure).count();
+  const bool single = side == Side::actuators && count == 1 && structure.output_count() == 1;
+  return single ? 0 : count;
+}
+
 template <Side side>
 void turn(State& state, const Structure& /*structure*/, Eigen::Index option,
           const Eigen::VectorXd& /*x*/) {
@@ -15,7 +23,7 @@ void turn(State& state, const Structure& /*structure*/, Eigen::Index option,
 template <Side side>
 std::vector<EffectStart> turned(const Scene& scene) {
   std::vector<EffectStart> starts;
-  for (Eigen::Index i = 0; i < each_channel<side>(scene.structure()); ++i) {
+  for (Eigen::Index i = 0; i < turnable<side>(scene.structure()); ++i) {
     if (channel_factor<side>(scene, i) < 0.0) starts.push_back({i, {}});
   }
   return starts;
@@ -28,7 +36,7 @@ const Effect sensor_sign{"sensor_sign",
                          "a row of the responses turned",
                          "a gain of -200 %: the same",
                          none,
-                         each_channel<Side::sensors>,
+                         turnable<Side::sensors>,
                          the_channel<Side::sensors>,
                          turn<Side::sensors>,
                          turned<Side::sensors>};
@@ -37,7 +45,7 @@ const Effect actuator_sign{"actuator_sign",
                            "a column of the responses turned",
                            "a gain of -200 %: the same",
                            none,
-                           each_channel<Side::actuators>,
+                           turnable<Side::actuators>,
                            the_channel<Side::actuators>,
                            turn<Side::actuators>,
                            turned<Side::actuators>};

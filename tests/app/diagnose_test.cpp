@@ -78,6 +78,15 @@ TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
       << verdict_text(one.result);
 }
 
+TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
+  auto measured = measured_of({}, {0}, {5});
+  for (auto& value : measured.value) value = -value;
+  const auto one = diagnosed_from(measured);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  EXPECT_EQ(one.result.best.causes.front().effect, "sensor_sign");
+  EXPECT_LT(one.gain.fit_after, 0.05);
+}
+
 TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
   ASSERT_FALSE(one.result.best.causes.empty());
