@@ -14,8 +14,7 @@ using Eigen::VectorXd;
 BodyChange change(const Structure& structure, const ArrayXd& powered, const ArrayXd& linear) {
   const auto& cells = structure.cells;
   BodyChange result{sum_of(cells.stiffness, powered), sum_of(cells.mass, linear)};
-  if (!cells.shear.empty()) result.stiffness -= sum_of(cells.shear, powered - linear);
-  if (!cells.rotary.empty()) result.mass += sum_of(cells.rotary, powered - linear);
+  add_shear_and_turning(structure, powered - linear, result.stiffness, result.mass);
   return result;
 }
 
@@ -55,6 +54,13 @@ MatrixXd sum_of(const std::vector<MatrixXd>& cells, const VectorXd& weight) {
     if (weight(c) != 0.0) sum += weight(c) * cells[static_cast<std::size_t>(c)];
   }
   return sum;
+}
+
+void add_shear_and_turning(const Structure& structure, const VectorXd& powered_less_linear,
+                           MatrixXd& stiffness, MatrixXd& mass) {
+  const auto& cells = structure.cells;
+  if (!cells.shear.empty()) stiffness -= sum_of(cells.shear, powered_less_linear);
+  if (!cells.rotary.empty()) mass += sum_of(cells.rotary, powered_less_linear);
 }
 
 BodyChange thickened(const Structure& structure, const VectorXd& field) {

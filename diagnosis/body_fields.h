@@ -24,4 +24,9 @@ struct BodyChange {
 /// Its derivative by a factor of the field, at 0.
 [[nodiscard]] BodyChange thickness_slope(const Structure& structure, const Eigen::VectorXd& field);
 
+/// What t^bending_power − t, cell by cell, changes in K and M beyond K as t^bending_power and M
+/// as t: transverse shear and rotary inertia; nothing where the structure does not know them.
+void add_shear_and_turning(const Structure& structure, const Eigen::VectorXd& powered_less_linear,
+                           Eigen::MatrixXd& stiffness, Eigen::MatrixXd& mass);
+
 }  // namespace chladni::diagnosis

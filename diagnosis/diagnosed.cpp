@@ -31,14 +31,6 @@ std::vector<const Effect*> catalogue(const DiagnosisOptions& options) {
   return all;
 }
 
-// With more deviations, at rest.
-Fit with_deviations(Fit fit, std::size_t count) {
-  const Index before = fit.eta.size();
-  fit.eta.conservativeResize(static_cast<Index>(count));
-  fit.eta.tail(fit.eta.size() - before).setZero();
-  return fit;
-}
-
 // The last word: the best few fits again on more lines and with the errors of the mode shapes,
 // which the search saw as noise; then without what that leaves too little evidence for.
 Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {

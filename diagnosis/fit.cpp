@@ -151,6 +151,13 @@ double Fit::excess(double numbers) const {
          std::sqrt(2.0 * numbers);
 }
 
+Fit with_deviations(Fit fit, std::size_t count) {
+  const Index before = fit.eta.size();
+  fit.eta.conservativeResize(static_cast<Index>(count));
+  fit.eta.tail(fit.eta.size() - before).setZero();
+  return fit;
+}
+
 State state_of(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta) {
   State state = state_of(problem.structure);
   for (Index i = 0; i < eta.size(); ++i) {

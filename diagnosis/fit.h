@@ -42,6 +42,9 @@ struct Fit {
   [[nodiscard]] double excess(double numbers) const;
 };
 
+/// The fit with `count` deviations: those that it lacks at rest.
+[[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);
+
 struct FitLimits {
   int iterations = 12;
   double tolerance = 0.05;  ///< of the objective: it is a logarithm of a probability

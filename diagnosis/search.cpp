@@ -145,15 +145,6 @@ bool is_there_already(const Structure& structure, const Fit& base, const Suppose
   });
 }
 
-// Progress is told from the thread that called.
-class OwnThread {
- public:
-  [[nodiscard]] bool here() const { return std::this_thread::get_id() == id_; }
-
- private:
-  std::thread::id id_ = std::this_thread::get_id();
-};
-
 struct Level {
   const Problem& problem;
   const std::vector<const Effect*>& catalogue;
@@ -173,10 +164,10 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   const Solved now = solved(state, Body(state, few.omega));
   const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
   std::vector<std::vector<Candidate>> each(level.catalogue.size());
-  const OwnThread own;
+  const auto caller = std::this_thread::get_id();
   parallel_tasks(each.size(), [&](std::size_t e) {
     throw_if_interrupted();
-    if (own.here()) {
+    if (std::this_thread::get_id() == caller) {  // progress is told from the thread that called
       tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
            static_cast<double>(e) / static_cast<double>(each.size()));
     }

@@ -141,12 +141,10 @@ Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
       deviations(problem.structure, free, omega(omega.size() - 1) / (2.0 * std::numbers::pi));
   std::vector<Deviation> all = problem.deviations;
   all.insert(all.end(), loose.begin(), loose.end());
-  Fit start = best;
-  start.eta.conservativeResize(static_cast<Index>(all.size()));
-  start.eta.tail(static_cast<Index>(loose.size())).setZero();
   FitLimits limits;
   limits.iterations = 6;
-  const Fit fit = fitted({problem.structure, problem.observed, all}, start, limits);
+  const Fit fit =
+      fitted({problem.structure, problem.observed, all}, with_deviations(best, all.size()), limits);
   Superclass found;
   found.name = "modal frequencies and dampings";
   found.explained = (best.chi_square - fit.chi_square - static_cast<double>(loose.size())) / excess;

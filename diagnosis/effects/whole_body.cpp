@@ -26,10 +26,8 @@ void thicken(State& state, const Structure& structure, Eigen::Index /*option*/, 
   const double powered = std::pow(t, structure.bending_power);
   scale_stiffness(state, powered);
   state.mass *= t;
-  const auto& cells = structure.cells;
-  const VectorXd apart = VectorXd::Constant(cells.count(), powered - t);
-  if (!cells.shear.empty()) state.stiffness -= sum_of(cells.shear, apart);
-  if (!cells.rotary.empty()) state.mass += sum_of(cells.rotary, apart);
+  add_shear_and_turning(structure, VectorXd::Constant(structure.cells.count(), powered - t),
+                        state.stiffness, state.mass);
 }
 
 // Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
