@@ -87,14 +87,25 @@ std::string resonator(const Extension& by) {
           {"mass", quantity(by.number("mass"), "kg")},
           {"frequency", quantity(by.number("frequency"), "Hz")},
           {"damping_ratio", digits(std::max(ratio, 0.0))}});
+  if (ratio < 0.0) {
+    by.edit.append_comment(fmt::format(
+        "Its damping, {:.2g}, is below the {:.2g} that the study gives every mode: taken as that.",
+        by.number("damping_ratio"), by.study.modes.damping_ratio));
+  }
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 5> kTable{
+std::string suspension(const Extension& /*by*/) {
+  return "no key holds a body as a whole: say the springs where they are, or take the control loop "
+         "out of the records";
+}
+
+constexpr std::array<std::pair<std::string_view, Extend>, 6> kTable{
     {{"point_mass", point_mass},
      {"mass_with_inertia", mass_with_inertia},
      {"ground_spring", ground_spring},
      {"ground_damper", ground_damper},
+     {"suspension", suspension},
      {"resonator", resonator}}};
 
 }  // namespace

@@ -54,6 +54,23 @@ std::string thickness(const Extension& by) {
   return {};
 }
 
+// Seen along z; what is cut out of the body keeps its size.
+std::string size_error(const Extension& by) {
+  const auto& kind = by.study.geometry.kind;
+  if (kind == "file") return "the body's size is in a file of geometry";
+  if (kind == "sphere") return "a sphere has no size seen along z alone";
+  const auto* body = member(*member(by.edit.tree(), "geometry"), kind);
+  for (const auto* key : {"length", "width", "diameter"}) {
+    if (const auto* value = member(*body, key)) scale(by, *value, 1.0 + by.number("relative"));
+  }
+  return {};
+}
+
+std::string drift(const Extension& /*by*/) {
+  return "it is the experiment's: measure in a shorter time or at one temperature, or diagnose the "
+         "first columns alone";
+}
+
 std::string modal_damping(const Extension& by) {
   const auto* modes = member(by.edit.tree(), "modes");
   const auto* ratio = modes == nullptr ? nullptr : member(*modes, "damping_ratio");
@@ -142,10 +159,12 @@ std::string local_stiffness(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 8> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 10> kTable{
     {{"youngs_modulus", youngs_modulus},
      {"density", density},
      {"thickness", thickness},
+     {"size_error", size_error},
+     {"drift", drift},
      {"modulus_field", modulus_field},
      {"thickness_field", thickness_field},
      {"local_stiffness", local_stiffness},

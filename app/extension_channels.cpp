@@ -176,7 +176,11 @@ std::string unit(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 19> kTable{
+std::string crosstalk(const Extension& /*by*/) {
+  return "it is in the records: take the share of the other channel off them";
+}
+
+constexpr std::array<std::pair<std::string_view, Extend>, 21> kTable{
     {{"sensor_sign", sign<Side::sensors>},
      {"actuator_sign", sign<Side::actuators>},
      {"swapped_sensors", swap<Side::sensors>},
@@ -190,6 +194,8 @@ constexpr std::array<std::pair<std::string_view, Extend>, 19> kTable{
      {"actuator_position", position<Side::actuators>},
      {"sensor_direction", tilt<Side::sensors>},
      {"actuator_direction", tilt<Side::actuators>},
+     {"sensor_crosstalk", crosstalk},
+     {"actuator_crosstalk", crosstalk},
      {"delay", overall_delay},
      {"sensor_delay", delay<Side::sensors>},
      {"actuator_delay", delay<Side::actuators>},

@@ -26,6 +26,8 @@ constexpr std::array kAll{
     &actuator_position,
     &sensor_direction,
     &actuator_direction,
+    &sensor_crosstalk,
+    &actuator_crosstalk,
     &delay,
     &sensor_delay,
     &actuator_delay,
@@ -35,6 +37,7 @@ constexpr std::array kAll{
     &youngs_modulus,
     &density,
     &thickness,
+    &size_error,
     &orthotropy,
     &modulus_field,
     &thickness_field,
@@ -45,8 +48,10 @@ constexpr std::array kAll{
     &ground_damper,
     &resonator,
     &frame,
+    &suspension,
     &modal_damping,
     &hysteretic_damping,
+    &drift,
 };
 
 // Widths of its prior within which a size is thought of at all.

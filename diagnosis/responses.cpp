@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "diagnosis/attachments.h"
+#include "diagnosis/experiments.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {
@@ -198,7 +199,10 @@ MatrixXcd Body::left(const State& state) const {
 
 MatrixXcd Body::right(const State& state) const { return channels(state.inputs, inputs_, right_); }
 
-Solved solved(const State& state, const Body& body) {
+namespace {
+
+// Of a body that is the same all the time.
+Solved steady(const State& state, const Body& body) {
   const Index lines = body.omega().size();
   const Index p = state.output_count();
   const Index q = state.input_count();
@@ -227,6 +231,22 @@ Solved solved(const State& state, const Body& body) {
     structure.noalias() += left.transpose() * state.inputs.cast<Complex>();
     result.structure.row(k) = structure.reshaped().transpose();
     result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
+  }
+  return result;
+}
+
+}  // namespace
+
+Solved solved(const State& state, const Body& body) {
+  Solved result = steady(state, body);
+  if (!drifts(state)) return result;
+  const Index p = state.output_count();
+  for (Index j = 0; j < state.input_count(); ++j) {
+    const State one = experiment(state, j);
+    result.experiments.push_back(steady(one, Body(one, body.omega(), body.coupled())));
+    const auto& own = result.experiments.back();
+    result.structure.middleCols(p * state.input_of[at(j)], p) = own.structure;
+    result.value.middleCols(p * j, p) = own.value;
   }
   return result;
 }

@@ -18,6 +18,9 @@ struct Solved {
   Eigen::MatrixXcd to_outputs, to_inputs;
   Eigen::MatrixXcd structure;  ///< K×pq, before the channels' paths
   Eigen::MatrixXcd value;      ///< K×pq, as recorded
+  /// Where the body was not the same all the time: q, each of one column (experiment()), and
+  /// left_columns, right_columns and what follows them of the body in the mean. Else empty.
+  std::vector<Solved> experiments;
 
   [[nodiscard]] Eigen::Index line_count() const { return omega.size(); }
   /// Of line k: p×r and r×q.
@@ -44,6 +47,7 @@ class Body {
 
   [[nodiscard]] bool same(const State& state) const;  ///< has these matrices
   [[nodiscard]] const Eigen::VectorXd& omega() const { return omega_; }
+  [[nodiscard]] bool coupled() const { return coupled_; }
   /// Z⁻¹ V of real V, r×c: r×cK, line by line. Cost: some 4 r² c per line.
   [[nodiscard]] Eigen::MatrixXcd solve(const Eigen::MatrixXd& v) const;
   /// (C Z⁻¹)ᵀ, r×pK, and Z⁻¹ B, r×qK, of a state's channels; those of the state it was made of are

@@ -117,6 +117,7 @@ Scene::Touched Scene::touched(const Attached& attached) const {
   probe.output_of.push_back(p);
   probe.input_of.push_back(q);
   probe.frames.clear();
+  probe.stiffening.resize(0);
   const Solved seen = solved(probe, body_);
   Touched touch;
   touch.shape = attached.shapes;
@@ -135,7 +136,9 @@ Scene::Touched Scene::touched(const Attached& attached) const {
 // Whether it differs by channels, paths, one more frame or one more single attachment only.
 bool Scene::near(const State& changed) const {
   const std::size_t more = changed.attached.size() - state_.attached.size();
-  return body_.same(changed) && more <= 1 &&
+  const bool drifts_alike = changed.stiffening.size() == state_.stiffening.size() &&
+                            changed.stiffening == state_.stiffening;
+  return body_.same(changed) && drifts_alike && more <= 1 &&
          (more == 0 || changed.attached.back().shapes.cols() == 1);
 }
 

@@ -30,8 +30,9 @@ class Scene {
   [[nodiscard]] const Solved& now() const { return now_; }
   [[nodiscard]] double misfit() const { return misfit_; }  ///< χ², widened
 
-  /// χ² of the state with the effect on top, per start; infinite where that cannot be. Cheap where only channels, paths or one
-  /// more attachment or frame change; the same place in succession is cheaper still.
+  /// χ² of the state with the effect on top, per start; infinite where that cannot be. Cheap where
+  /// only channels, paths or one more attachment or frame change; the same place in succession is
+  /// cheaper still.
   [[nodiscard]] Eigen::VectorXd misfits(const Effect& effect,
                                         const std::vector<EffectStart>& starts) const;
   /// The least-squares real factor by which recorded row (column) i differs from the model.

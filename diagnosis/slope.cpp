@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "diagnosis/attachments.h"
+#include "diagnosis/experiments.h"
 #include "diagnosis/responses.h"
 
 namespace chladni::diagnosis {
@@ -174,7 +175,18 @@ class Slope {
 
 MatrixXcd slope(const State& at, const Solved& solved, const State& minus, const State& plus,
                 double step) {
-  return Slope(at, solved, minus, plus, step).value();
+  if (!drifts(at) && !drifts(minus) && !drifts(plus)) {
+    return Slope(at, solved, minus, plus, step).value();
+  }
+  const Index p = at.output_count();
+  MatrixXcd value(solved.line_count(), solved.value.cols());
+  for (Index j = 0; j < at.input_count(); ++j) {
+    const State here = experiment(at, j);
+    const Solved own = experiment(solved, at, j);
+    value.middleCols(p * j, p) =
+        Slope(here, own, experiment(minus, j), experiment(plus, j), step).value();
+  }
+  return value;
 }
 
 }  // namespace chladni::diagnosis

@@ -44,6 +44,9 @@ struct State {
   std::vector<Path> output_paths, input_paths;  ///< p, q
   /// Which output (input) of the structure a row (column) of the record shows.
   std::vector<Eigen::Index> output_of, input_of;
+  /// q, by columns of the record: by how much, relative, the body was stiffer while that column was
+  /// measured; or empty.
+  Eigen::VectorXd stiffening;
 
   [[nodiscard]] Eigen::Index mode_count() const { return stiffness.rows(); }
   [[nodiscard]] Eigen::Index output_count() const { return outputs.rows(); }

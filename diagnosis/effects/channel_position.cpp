@@ -1,4 +1,5 @@
 #include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/moved_channel.h"
 #include "diagnosis/effects/sides.h"
 
 namespace chladni::diagnosis {
@@ -14,30 +15,10 @@ std::vector<Parameter> offsets(const Structure& structure) {
   return both;
 }
 
-// What the shapes at channel i change by when it is moved: as the surface has it, or to first order
-// for a channel beside it.
-VectorXd moved(const Structure& structure, const ChannelSide& side, Index i, const VectorXd& x) {
-  const Eigen::Vector2d by(x(0), x.size() > 1 ? x(1) : 0.0);
-  const Eigen::Vector2d place = side.places.row(i);
-  const VectorXd first_order =
-      (by(0) * side.slope_u.row(i) + by(1) * side.slope_v.row(i)).transpose();
-  if (structure.surface.at == nullptr) return first_order;
-  const auto here = structure.surface.at(place);
-  const auto there = structure.surface.at(place + by);
-  if (!here || !there) return first_order;
-  // Only along the surface's normal does the surface know it.
-  const double along = here->shape.dot(side.shapes.row(i));
-  const double own = here->shape.squaredNorm();
-  if (own <= 0.0) return first_order;
-  const double sign = along / own;
-  const bool normal = std::abs(std::abs(sign) - 1.0) < 0.02;
-  if (!normal) return first_order;
-  return sign * (there->shape - here->shape);
-}
-
 template <Side side>
 void move(State& state, const Structure& structure, Index option, const VectorXd& x) {
-  const VectorXd by = moved(structure, channels_of<side>(structure), option, x);
+  const Eigen::Vector2d by_place(x(0), x.size() > 1 ? x(1) : 0.0);
+  const VectorXd by = shape_change(structure, channels_of<side>(structure), option, by_place);
   if (side == Side::sensors) {
     state.outputs.row(option) += by.transpose();
   } else {

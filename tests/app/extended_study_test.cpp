@@ -224,6 +224,24 @@ TEST(ExtendedStudy, SaysWhatItCannot) {
   EXPECT_NEAR(study.sensors[0].gain, 1.1, 1e-9);
 }
 
+TEST(ExtendedStudy, SaysThatAResonatorIsDampedMoreThanWasFound) {
+  const auto found = extended({cause(
+      "resonator",
+      {{"mass", 0.1}, {"frequency", 80.0}, {"damping_ratio", 0.002}, {"u", 0.1}, {"v", 0.1}})});
+  EXPECT_NE(found.text.find("# Its damping, 0.002, is below the 0.005"), std::string::npos)
+      << found.text;
+}
+
+TEST(ExtendedStudy, SaysWhatIsOfTheExperiment) {
+  const auto found = extended({cause("drift", {{"first_to_last", 1e-3}}),
+                               cause("sensor_crosstalk", {{"share", 0.02}}, {"s1", "s2"}),
+                               cause("suspension", {{"frequency", 5.0}, {"damping_ratio", 0.1}})});
+  ASSERT_EQ(found.unexpressed.size(), 3U);
+  EXPECT_NE(found.unexpressed[0].find("one temperature"), std::string::npos);
+  EXPECT_NE(found.unexpressed[1].find("off them"), std::string::npos);
+  EXPECT_NE(found.unexpressed[2].find("control loop"), std::string::npos);
+}
+
 TEST(ExtendedStudy, KnowsTheWholeCatalogue) {
   const std::vector<std::string> without_a_key = {"frame", "hysteretic_damping"};
   for (const auto* effect : diagnosis::effects()) {
@@ -360,6 +378,7 @@ INSTANTIATE_TEST_SUITE_P(
         cause("actuator_low_pass", {{"frequency", 900.0}}, {"a2"}),
         cause("youngs_modulus", {{"relative", 0.05}}), cause("density", {{"relative", 0.05}}),
         cause("thickness", {{"relative", 0.03}}),
+        cause("size_error", {{"relative", -0.02}}),  // as many elements
         cause("orthotropy", {{"along_u", 0.05}, {"shear", -0.05}}),
         cause("point_mass", {{"mass", 0.1}, {"u", 0.123}, {"v", -0.081}}),
         cause("mass_with_inertia",

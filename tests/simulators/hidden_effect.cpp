@@ -86,6 +86,31 @@ Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, d
   return recipe.output_mix * value * recipe.input_mix;
 }
 
+// By its three rigid-body modes, all alike.
+void hold(RitzStage& stage, const Recipe& recipe) {
+  if (recipe.held_hz <= 0.0) return;
+  stage.plate.frequency_hz.head(3).setConstant(recipe.held_hz);
+  stage.damping.viscous.diagonal().head(3).setConstant(4.0 * pi * recipe.held_damping *
+                                                       recipe.held_hz);
+}
+
+// Column by column where the plate is another one for each: its frequencies go as the root of its
+// stiffness, its shapes stay.
+std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Recipe& recipe,
+                                              const Eigen::VectorXd& hz) {
+  const auto& [outputs, inputs] = std::pair(recipe.channels.outputs, recipe.channels.inputs);
+  if (recipe.stiffening.size() == 0) return ritz_receptance(stage, {outputs, inputs, hz});
+  std::vector<Eigen::MatrixXcd> value(static_cast<std::size_t>(hz.size()),
+                                      Eigen::MatrixXcd(outputs.rows(), inputs.rows()));
+  for (Index j = 0; j < inputs.rows(); ++j) {
+    RitzStage then = stage;
+    then.plate.frequency_hz *= std::sqrt(1.0 + recipe.stiffening(j));
+    const auto column = ritz_receptance(then, {outputs, inputs.row(j), hz});
+    for (std::size_t k = 0; k < value.size(); ++k) value[k].col(j) = column[k];
+  }
+  return value;
+}
+
 std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::VectorXd& hz,
                                         bool damping_stays) {
   RitzStage stage{recipe.same_body ? believed_table(recipe.body.degree) : ritz_modes(recipe.body),
@@ -99,7 +124,8 @@ std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::Vecto
   stage.resonators = recipe.resonators;
   stage.pads = recipe.pads;
   stage.frame = recipe.frame;
-  auto value = ritz_receptance(stage, {recipe.channels.outputs, recipe.channels.inputs, hz});
+  hold(stage, recipe);
+  auto value = plate_responses(stage, recipe, hz);
   for (std::size_t k = 0; k < value.size(); ++k) {
     value[k] = recorded(recipe, value[k], 2.0 * pi * hz(static_cast<Index>(k)));
   }

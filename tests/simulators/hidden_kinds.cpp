@@ -218,6 +218,35 @@ HiddenEffect unit(Recipe& recipe, Drawn& drawn) {
   return {"", {{"factor", factor}}, {}, {recipe.channels.output_names[at(i)]}};
 }
 
+HiddenEffect size_error(Recipe& recipe, Drawn& drawn) {
+  const double s = drawn.sign() * drawn.size(2e-4, 0.03);
+  recipe.body.length *= 1.0 + s;
+  recipe.body.width *= 1.0 + s;
+  return of_body(recipe, {{"relative", s}});
+}
+HiddenEffect suspension(Recipe& recipe, Drawn& drawn) {
+  recipe.held_hz = drawn.size(1.5, 60.0);
+  recipe.held_damping = drawn.dice.between(0.02, 0.3);
+  return {"", {{"frequency", recipe.held_hz}, {"damping_ratio", recipe.held_damping}}, {}, {}};
+}
+HiddenEffect drift(Recipe& recipe, Drawn& drawn) {
+  const double by = drawn.sign() * drawn.size(2e-4, 0.01);
+  const Index q = recipe.channels.inputs.rows();
+  recipe.stiffening = Eigen::VectorXd::LinSpaced(q, -0.5 * by, 0.5 * by);
+  return {"", {{"first_to_last", by}}, {}, {}};
+}
+template <OfSide side>
+HiddenEffect spoilt(Recipe& recipe, Drawn& drawn) {
+  const Side all = side(recipe);
+  const Index i = drawn.channel(all.names);
+  drawn.taken_channels.push_back(all.names[at(i)]);
+  const Index by = drawn.channel(all.names);
+  const double share = drawn.sign() * drawn.size(1e-3, 0.2);
+  const bool output = &all.filters == &recipe.outputs;
+  (output ? recipe.output_mix(i, by) : recipe.input_mix(by, i)) = share;
+  return {"", {{"share", share}}, {}, {all.names[at(i)], all.names[at(by)]}};
+}
+
 HiddenEffect pad(Recipe& recipe, Drawn& drawn) {
   RitzPad one;
   one.stiffness = drawn.size(2e4, 4e6);
@@ -331,6 +360,11 @@ const std::vector<HiddenKind>& all_hidden_kinds() {
       {"actuator_low_pass", false, low_pass<actuators>},
       {"sensor_quantity", false, quantity},
       {"sensor_unit", false, unit},
+      {"size_error", false, size_error},
+      {"suspension", false, suspension},
+      {"drift", false, drift},
+      {"sensor_crosstalk", false, spoilt<sensors>},
+      {"actuator_crosstalk", false, spoilt<actuators>},
       {"elastic_pad", true, pad},
       {"sensor_notch", true, notch},
       {"rising_damping", true, rising_damping},

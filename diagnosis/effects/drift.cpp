@@ -1,0 +1,45 @@
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+std::vector<Parameter> first_to_last(const Structure& /*structure*/) {
+  return {{"first_to_last", "1", Parameter::Scale::linear, 0.0, 2e-3, 1e-6}};
+}
+
+// One experiment per actuator, in their order.
+Index several(const Structure& structure) { return structure.input_count() > 2 ? 1 : 0; }
+
+void warm(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+  const Index q = structure.input_count();
+  const VectorXd by = VectorXd::LinSpaced(q, -0.5 * x(0), 0.5 * x(0));
+  if (state.stiffening.size() == 0) state.stiffening = VectorXd::Zero(q);
+  state.stiffening += by;
+}
+
+std::vector<EffectStart> steps(const Scene& scene) {
+  std::vector<EffectStart> starts;
+  for (double by = 2e-5; by < 6.0 * scene.frequency_step(); by *= 3.0) {
+    starts.push_back({0, VectorXd::Constant(1, by)});
+    starts.push_back({0, VectorXd::Constant(1, -by)});
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect drift{"drift",
+                   "the body's stiffness drifts from experiment to experiment, as with temperature",
+                   "each column of the responses from a K of its own, evenly from first to last",
+                   "modal damping (averaged peaks), a modulus that is wrong all the time",
+                   first_to_last,
+                   several,
+                   no_channels,
+                   warm,
+                   steps};
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,52 @@
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+std::vector<Parameter> frequency_and_damping(const Structure& structure) {
+  const double typical_hz = 0.1 * structure.frequency_hz(structure.rigid_count);
+  return {{"frequency", "Hz", Parameter::Scale::logarithmic, std::log(typical_hz), 1.0, 1e-4},
+          {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.1), 1.5, 1e-4}};
+}
+
+Index is_free(const Structure& structure) { return structure.rigid_count > 0 ? 1 : 0; }
+
+void hold(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+  const double omega = 2.0 * std::numbers::pi * std::exp(x(0));
+  for (Index i = 0; i < structure.rigid_count; ++i) {
+    state.stiffness(i, i) += omega * omega;
+    state.damping(i, i) += 2.0 * std::exp(x(1)) * omega;
+  }
+}
+
+std::vector<EffectStart> holds(const Scene& scene) {
+  std::vector<EffectStart> starts;
+  for (double hz = 0.05 * scene.low_hz(); hz < 0.5 * scene.high_hz(); hz *= 1.25) {
+    for (const double ratio : {0.02, 0.1, 0.5}) {
+      starts.push_back({0, Eigen::Vector2d(std::log(hz), std::log(ratio))});
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect suspension{"suspension",
+                        "the body is held as a whole: a soft suspension, what is left of a control "
+                        "loop that was not taken out whole",
+                        "w^2 + 2 z w s on the rigid-body modes, one w and z for all",
+                        "a spring to ground (one place), a support that moves",
+                        frequency_and_damping,
+                        is_free,
+                        no_channels,
+                        hold,
+                        holds};
+
+}  // namespace chladni::diagnosis
