@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "diagnosis/attachments.h"
 #include "diagnosis/small_plate.h"
@@ -114,6 +117,51 @@ TEST(Responses, StayThoseOfTheBodyForStatesThatShareIt) {
   moved.inputs.col(3) *= 0.5;
   EXPECT_TRUE(body.same(moved));
   EXPECT_LT((solved(moved, body).value - responses(moved, some_lines())).norm(), 1e-18);
+}
+
+// A body that was stiffer while one input was used than while another was: column by column the
+// whole dynamic stiffness of that time.
+TEST(Responses, OfABodyThatDriftsAreEachOfItsOwnTime) {
+  State state = busy_state();
+  std::swap(state.input_of[0], state.input_of[4]);
+  state.residual.setConstant(1e-9);
+  state.stiffening = Eigen::VectorXd::LinSpaced(state.input_count(), -0.01, 0.02);
+  const auto omega = some_lines();
+  const auto value = responses(state, omega);
+  const Eigen::Index p = state.output_count();
+  for (Eigen::Index j = 0; j < state.input_count(); ++j) {
+    State then = state;
+    then.stiffening.resize(0);
+    scale_stiffness(then, 1.0 + state.stiffening(j));
+    for (Eigen::Index k = 0; k < omega.size(); ++k) {
+      const Eigen::VectorXcd expected = direct(then, omega(k)).col(j);
+      const Eigen::VectorXcd found = value.row(k).segment(p * j, p).transpose();
+      EXPECT_LT((found - expected).norm(), 1e-7 * expected.norm()) << j << " " << k;
+    }
+  }
+}
+
+// Of a mass, a damping and a gain while the body drifts; and of the drift itself.
+TEST(Responses, OfABodyThatDriftsHaveSlopesThatAreDifferences) {
+  State state = busy_state();
+  state.stiffening = Eigen::VectorXd::LinSpaced(state.input_count(), -0.01, 0.02);
+  const auto omega = some_lines();
+  const Solved now = solved(state, Body(state, omega));
+  const std::vector<std::pair<double, std::function<void(State&, double)>>> changes = {
+      {1e-5, [](State& one, double by) { one.attached[0].mass += by; }},
+      {1e-3, [](State& one, double by) { one.damping(5, 5) += by; }},
+      {1e-4, [](State& one, double by) { one.output_paths[1].gain += by; }},
+      {1e-6, [](State& one, double by) { one.stiffening.array() += by; }}};
+  for (const auto& [step, change] : changes) {
+    State minus = state;
+    State plus = state;
+    change(minus, -step);
+    change(plus, step);
+    const MatrixXcd difference = (responses(plus, omega) - responses(minus, omega)) / (2.0 * step);
+    EXPECT_LT((slope(state, now, minus, plus, 2.0 * step) - difference).norm(),
+              1e-4 * difference.norm())
+        << step;
+  }
 }
 
 }  // namespace
