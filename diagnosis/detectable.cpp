@@ -188,29 +188,41 @@ std::vector<LeastSize> Detector::sizes(const Effect& effect,
                                        const std::vector<Probe>& probes) const {
   constexpr std::size_t kTogether = 32;  // so that the columns take little memory
   std::vector<LeastSize> all;
-  for (std::size_t first = 0; first < probes.size(); first += kTogether) {
-    const auto part = std::span(probes).subspan(first, std::min(kTogether, probes.size() - first));
-    const MatrixXd columns = probing_.columns(effect, part);
-    const Index d = columns.cols() / static_cast<Index>(part.size());
+  for (std::size_t first = 0; first < probes.size();) {
+    // Probes that differ in nothing but which coordinate is their size have the same columns.
+    std::vector<Probe> different;
+    std::vector<std::size_t> which;
+    std::size_t next = first;
+    for (; next < probes.size() && different.size() < kTogether; ++next) {
+      const auto& probe = probes[next];
+      const bool again = !different.empty() && different.back().option == probe.option &&
+                         different.back().x == probe.x;
+      if (!again) different.push_back(probe);
+      which.push_back(different.size() - 1);
+    }
+    const MatrixXd columns = probing_.columns(effect, different);
     std::vector<MatrixXd> known;
     for (const auto& look : looks_) known.push_back(look.of(columns));
-    for (std::size_t n = 0; n < part.size(); ++n) {
-      const Index own = d * static_cast<Index>(n);
-      LeastSize larger;
-      double most = -kInfinite;
-      for (const auto& of : known) {
-        const auto least =
-            least_size(structure_, effect, part[n], of.block(own, own, d, d), options_);
-        const double x = part[n].nothing == Nothing::plus_infinity && std::isfinite(least.x)
-                             ? -least.x
-                             : least.x;
-        if (x > most) larger = least;
-        most = std::max(most, x);
-      }
-      all.push_back(larger);
+    const Index d = columns.cols() / static_cast<Index>(different.size());
+    for (std::size_t n = first; n < next; ++n) {
+      all.push_back(larger(effect, probes[n], known, d * static_cast<Index>(which[n - first]), d));
     }
+    first = next;
   }
   return all;
+}
+
+LeastSize Detector::larger(const Effect& effect, const Probe& probe,
+                           const std::vector<MatrixXd>& known, Index from, Index count) const {
+  LeastSize most;
+  for (const auto& of : known) {
+    const auto least =
+        least_size(structure_, effect, probe, of.block(from, from, count, count), options_);
+    const double sign = probe.nothing == Nothing::plus_infinity ? -1.0 : 1.0;
+    const bool more = !std::isfinite(least.x) || sign * least.x > sign * most.x;
+    if (&of == &known.front() || (more && std::isfinite(most.x))) most = least;
+  }
+  return most;
 }
 
 VectorXd Detector::log_evidence(const Effect& effect) const {

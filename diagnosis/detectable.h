@@ -32,7 +32,7 @@ struct Detectable {
 struct DetectableOptions {
   double power = 0.99;          ///< part of the experiments in which it is found
   double least_evidence = 8.0;  ///< ln of the Bayes factor that a cause needs, Occam's factor in it
-  Eigen::Index places = 16;     ///< of the surface, spread evenly
+  Eigen::Index places = 12;     ///< of the surface, spread evenly
 };
 
 /// How much of a probe's effect is found: its coordinate x of the size, and the evidence then.
@@ -90,6 +90,10 @@ class Detector {
   [[nodiscard]] std::vector<Detectable> detectable(const Effect& effect) const;
 
  private:
+  [[nodiscard]] LeastSize larger(const Effect& effect, const Probe& probe,
+                                 const std::vector<Eigen::MatrixXd>& known, Eigen::Index from,
+                                 Eigen::Index count) const;
+
   const Structure& structure_;
   DetectableOptions options_;
   Probing probing_;
@@ -97,12 +101,12 @@ class Detector {
 };
 
 /// Of every effect that is looked for (options.only), found by the rule of a diagnosis
-/// (options.least_evidence). Cost: half a second per hundred lines of four sensors and 13
-/// actuators.
+/// (options.least_evidence). Cost: half a second of both cores per hundred lines of four
+/// sensors and 13 actuators.
 /// @throws as diagnosed
 [[nodiscard]] std::vector<Detectable> detectable(const Structure& structure,
                                                  const modal::FrfSet& measured,
                                                  const DiagnosisOptions& options,
-                                                 Eigen::Index places = 16);
+                                                 Eigen::Index places = 12);
 
 }  // namespace chladni::diagnosis
