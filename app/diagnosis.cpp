@@ -251,6 +251,8 @@ Diagnosed diagnosed(const Study& study, Run& run) {
   });
   one.result = run.timed("diagnosis",
                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
+  one.detectable = run.timed(
+      "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   one.response_before = predicted(study, one.structure, study, one.measured.all);
   try {
     extend(study, band_hz, one, run);

@@ -9,6 +9,7 @@
 #include "app/identification.h"
 #include "app/solution.h"
 #include "diagnosis/compare.h"
+#include "diagnosis/detectable.h"
 #include "diagnosis/diagnosed.h"
 #include "io/report.h"
 
@@ -31,8 +32,9 @@ struct Diagnosed {
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
-  std::optional<ExtendedStudy> extended;  ///< where a cause was named
-  std::optional<Solution> after;          ///< the extended study, solved in full
+  std::vector<diagnosis::Detectable> detectable;  ///< that the same experiment would find
+  std::optional<ExtendedStudy> extended;          ///< where a cause was named
+  std::optional<Solution> after;                  ///< the extended study, solved in full
   std::vector<Eigen::MatrixXcd> response_before, response_after;  ///< [k], on `measured`
   Gain gain;
 };

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
+#include "app/detectable_text.h"
 #include "app/diagnosis.h"
 #include "app/percent.h"
 #include "io/report_sections.h"
@@ -77,6 +79,10 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
               "Measured responses, the simulation, and the simulation with the cause.");
   if (!one.comparison.modes.pairs.empty()) {
     section.blocks.emplace_back(modes_table(one.comparison.modes));
+  }
+  if (auto sentence = detectable_sentence(one.detectable); !sentence.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
+    section.blocks.emplace_back(detectable_sizes(one.detectable));
   }
   for (const auto& breach : one.result.breaches) {
     section.blocks.emplace_back(

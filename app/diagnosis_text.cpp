@@ -4,30 +4,17 @@
 #include <cmath>
 
 #include "app/comparison.h"
+#include "app/detectable_text.h"
 #include "app/diagnosis.h"
 #include "app/percent.h"
+#include "app/readable.h"
 
 namespace chladni::app {
 namespace {
 
 // A value with its deviation in a unit that people read.
 std::string quantity(const diagnosis::CauseParameter& one) {
-  double scale = 1.0;
-  std::string unit = one.unit;
-  if (one.unit == "m") {
-    scale = 1e3;
-    unit = "mm";
-  } else if (one.unit == "s") {
-    scale = 1e6;
-    unit = "us";
-  } else if (one.unit == "1") {
-    const bool factor = one.name == "factor" || one.name == "share" || one.name == "damping_ratio";
-    scale = factor ? 1.0 : 100.0;
-    unit = factor ? "" : "%";
-  } else if (one.unit == "kg" && std::abs(one.value) < 0.1) {
-    scale = 1e3;
-    unit = "g";
-  }
+  const auto [scale, unit] = readable(one.name, one.unit, one.value);
   return fmt::format("{} {:.4g} +- {:.2g}{}{}", one.name, scale * one.value, scale * one.std,
                      unit.empty() ? "" : " ", unit);
 }
@@ -168,6 +155,7 @@ std::string diagnosis_table(const Diagnosed& one) {
     text += fmt::format("  held out             {:<10} {:<10} {}\n", percent(gain.held_out_before),
                         percent(gain.held_out_after), percent(gain.held_out_noise));
   }
+  if (const auto sizes = detectable_table(one.detectable); !sizes.empty()) text += "\n" + sizes;
   if (one.extended) {
     for (const auto& line : one.extended->unexpressed)
       text += "  not in extended.toml: " + line + "\n";
@@ -185,6 +173,7 @@ io::JsonObject diagnosis_json(const Diagnosed& one) {
                       {"measure_next", result.measure_next},
                       {"excess_after", result.best.excess},
                       {"gain", gain_json(one.gain)},
+                      {"detectable", detectable_json(one.detectable)},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};
   if (result.superclass) json.emplace_back("superclass", superclass_json(*result.superclass));

@@ -20,17 +20,6 @@ namespace {
 
 using Eigen::Index;
 
-std::vector<const Effect*> catalogue(const DiagnosisOptions& options) {
-  std::vector<const Effect*> all;
-  for (const auto* one : effects()) {
-    if (options.only.empty() || std::ranges::find(options.only, one->name) != options.only.end()) {
-      all.push_back(one);
-    }
-  }
-  for (const auto& name : options.only) (void)effect(name);  // an unknown one is told
-  return all;
-}
-
 // The last word: the best few fits again on more lines and with the errors of the mode shapes,
 // which the search saw as noise; then without what that leaves too little evidence for.
 Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {
@@ -101,6 +90,17 @@ std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
 
 }  // namespace
 
+std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
+  std::vector<const Effect*> all;
+  for (const auto* one : effects()) {
+    if (options.only.empty() || std::ranges::find(options.only, one->name) != options.only.end()) {
+      all.push_back(one);
+    }
+  }
+  for (const auto& name : options.only) (void)effect(name);  // an unknown one is told
+  return all;
+}
+
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
   const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
@@ -113,7 +113,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   auto tolerable = deviations(own, options.tolerances, band_hz);
   const Observed coarse = thinned(widened(all, model_variance(all, response)), options.lines);
   const Found first =
-      searched({own, coarse, tolerable}, catalogue(options), limits, options.progress);
+      searched({own, coarse, tolerable}, catalogue_of(options), limits, options.progress);
   tell(options.progress, "the last word");
   auto shapes = shape_deviations(own, response, band_hz);
   std::ranges::move(shapes, std::back_inserter(tolerable));

@@ -86,6 +86,10 @@ struct Diagnosis {
   std::vector<std::string> notes;
 };
 
+struct Effect;  // diagnosis/effect.h
+/// What is looked for. @throws InvalidInput  `only` has a name that no effect has
+[[nodiscard]] std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options);
+
 /// @param measured  receptances (modal::converted) with variances; channels by name, those that
 ///                  the structure lacks are left out with a note; NaN is not measured
 /// @throws InvalidInput  no channel in common, no line within the structure's modes, variances

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -36,6 +37,22 @@ std::vector<Column> columns_of(const Structure& structure, const std::vector<Sup
     }
   }
   return all;
+}
+
+// Steps to both sides that stay on the surface: 1 and 1, or one of them 0 on its rim.
+std::pair<double, double> sides(const Structure& structure, const Supposed& cause,
+                                const Column& column) {
+  if (!column.parameter.is_place()) return {1.0, 1.0};
+  const auto is_there = [&](double by) {
+    Supposed moved = cause;
+    moved.x(column.coordinate) += by;
+    const auto place = place_of(moved, structure);
+    return !place || structure.surface.at(*place).has_value();
+  };
+  const bool minus = is_there(-column.parameter.step);
+  const bool plus = is_there(column.parameter.step);
+  if (minus == plus) return {1.0, 1.0};
+  return {minus ? 1.0 : 0.0, plus ? 1.0 : 0.0};
 }
 
 double prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
@@ -187,7 +204,11 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
         return state_of(problem, other, eta);
       };
       const double h = i < count ? columns[n].parameter.step : 1e-3;
-      jacobian.col(i) = weighted(problem.observed, slope(here, now, moved(-h), moved(h), 2.0 * h));
+      const auto [minus, plus] =
+          i < count ? sides(problem.structure, causes[columns[n].cause], columns[n])
+                    : std::pair(1.0, 1.0);
+      jacobian.col(i) = weighted(problem.observed, slope(here, now, moved(-minus * h),
+                                                         moved(plus * h), (minus + plus) * h));
     }
   });
   return jacobian;

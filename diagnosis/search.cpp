@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "diagnosis/hints.h"
 #include "diagnosis/quadratic.h"
 #include "diagnosis/scene.h"
 #include "priors/dense.h"
@@ -217,19 +218,40 @@ void keep(std::vector<Fit>& fits, Fit fit) {
   fits.insert(place, std::move(fit));
 }
 
-// What is large stretches the tolerances out of shape: it is looked for with them at rest; what is
-// small hides in them: with them as they were fitted; between the two both ways.
+// What is large stretches the tolerances out of shape.
+bool is_large(const Level& level, const Fit& base) {
+  const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
+  return level.number == 1 && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
+}
+
+// What is large is looked for with the tolerances at rest; what is small hides in them: with them
+// as they were fitted; between the two both ways.
 std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
-  const bool first = level.number == 1;
-  const bool large = first && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
+  const bool large = is_large(level, base);
   std::vector<Candidate> all;
   if (!large) all = looked_at(level, base, false);
-  if (large || (first && stretch > 0.1)) {
+  if (large || (level.number == 1 && stretch > 0.1)) {
     for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
   }
   std::ranges::stable_sort(all, {}, &Candidate::misfit);
   return all;
+}
+
+// Beside them what the scene is blind to; never what cannot bring the evidence.
+void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
+  constexpr int kMost = 2;
+  if (is_large(level, base)) return;
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const double least = 2.0 * level.limits.least_evidence;
+  int taken = 0;
+  for (const auto& hint : hints(coarse, base, level.catalogue, least)) {
+    if (taken == kMost) break;
+    if (is_there_already(level.problem.structure, base, hint.cause)) continue;
+    chosen.push_back({hint.cause, -hint.fall, &base, false});
+    ++taken;
+  }
 }
 
 // The most promising, each effect and choice once.
@@ -243,6 +265,7 @@ std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
     });
     if (!again) chosen.push_back(std::move(candidate));
   }
+  add_hints(level, base, chosen);
   return chosen;
 }
 

@@ -72,6 +72,25 @@ TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
   EXPECT_FALSE(one.extended.has_value());
 }
 
+// Of a sound table what matters is what would have been seen.
+TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
+  const auto one = diagnosed_from(measured_of({}, {0, 2}, {4, 6, 9}),
+                                  "effects = [\"point_mass\", \"sensor_gain\", \"sensor_sign\"]\n");
+  const io::Json json = diagnosis_json(one);
+  const auto& all = json.at("detectable").array();
+  ASSERT_EQ(all.size(), 9U);
+  double mass = 0.0;
+  for (const auto& entry : all) {
+    if (entry.at("effect").string() != "point_mass") continue;
+    EXPECT_EQ(entry.at("unit").string(), "kg");
+    EXPECT_EQ(entry.at("place_m").array().size(), 2U);
+    if (entry.at("of").string() == "median") mass = entry.at("size").number();
+  }
+  EXPECT_GT(mass, 1e-4);
+  EXPECT_LT(mass, 0.5);
+  EXPECT_NE(diagnosis_table(one).find("99 times in 100: point_mass of"), std::string::npos);
+}
+
 TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}));
   EXPECT_FALSE(is_confident(one.result) && one.result.best.causes.front().effect != "point_mass")

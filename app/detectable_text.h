@@ -1,0 +1,27 @@
+// What an experiment would find, for a person and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/detectable.h"
+#include "io/json.h"
+#include "io/report.h"
+
+namespace chladni::app {
+
+/// "This experiment finds, 99 times in 100: point_mass of 0.9 g to 3.1 g, ..."; empty where none of
+/// the usual effects is found.
+[[nodiscard]] std::string detectable_sentence(const std::vector<diagnosis::Detectable>& all);
+
+/// A line per effect: best, median and worst.
+[[nodiscard]] std::string detectable_table(const std::vector<diagnosis::Detectable>& all);
+/// The same as a table of the report, with where the worst is.
+[[nodiscard]] io::Table detectable_sizes(const std::vector<diagnosis::Detectable>& all);
+
+/// Entries {effect, of, parameter, size, unit, found, channels, place_m, frequency_hz,
+/// log_evidence}; `found` is "above" or "below" the size. Null where nothing is large enough, and
+/// for effects that are there or not, which have an evidence only.
+[[nodiscard]] io::JsonArray detectable_json(const std::vector<diagnosis::Detectable>& all);
+
+}  // namespace chladni::app

@@ -1,0 +1,26 @@
+// Numbers of effects in units that people read.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+namespace chladni::app {
+
+/// By what a value in SI is multiplied, and what it is then called: mm, us, g, %, mrad.
+struct Readable {
+  double scale = 1.0;
+  std::string unit;
+};
+
+[[nodiscard]] inline Readable readable(std::string_view name, std::string_view unit, double value) {
+  if (unit == "m") return {1e3, "mm"};
+  if (unit == "s") return {1e6, "us"};
+  if (unit == "kg" && std::abs(value) < 0.1) return {1e3, "g"};
+  if (unit == "rad") return {1e3, "mrad"};
+  if (unit != "1") return {1.0, std::string(unit)};
+  const bool factor = name == "factor" || name == "share" || name == "damping_ratio";
+  return factor ? Readable{1.0, ""} : Readable{100.0, "%"};
+}
+
+}  // namespace chladni::app
