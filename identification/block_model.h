@@ -23,12 +23,16 @@ struct Block {
   [[nodiscard]] Eigen::Index mode_count() const { return general ? 1 : size(); }
 };
 
+/// Whose delays are fitted: one for all responses, or one for each output or each input.
+enum class DelayOf { all, outputs, inputs };
+
 /// Σ blocks + residual, all times e^{−s delay}.
 struct BlockModel {
   double scale = 1.0;  ///< [rad/s]
   std::vector<Block> blocks;
-  Eigen::MatrixXd residual;  ///< p×q; zero where none is fitted
-  double delay = 0.0;        ///< times scale: without unit
+  Eigen::MatrixXd residual;       ///< p×q; zero where none is fitted
+  double delay = 0.0;             ///< times scale: without unit
+  Eigen::VectorXd channel_delay;  ///< likewise, of each output or input on top of it; empty: none
 };
 
 /// 2g×2g: ẋ = A x of a block's coordinates and their speeds. Its eigenvalues are the poles, and the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "identification/fit_data.h"
+#include "identification/modal_fit.h"
 
 namespace chladni::identification {
 
@@ -10,7 +11,17 @@ namespace chladni::identification {
 /// Cost: a hundred linear fits of the residues.
 [[nodiscard]] double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool rigid);
 
-/// The data as they would be without it: G e^{+sτ}.
+/// pq: likewise for each response, those of one output or input (or all) having one. 0 where
+/// nothing is measured. Cost: the same.
+[[nodiscard]] Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& poles,
+                                             bool rigid, DelayOf of);
+
+/// The data as they would be without it: G e^{+sτ}. Of each response its own in the second one
+/// (pq).
 [[nodiscard]] FitData undelayed(const FitData& data, double delay_s);
+[[nodiscard]] FitData undelayed(const FitData& data, const Eigen::VectorXd& delay_s);
+
+/// A fit of data without these delays (pq, those of one channel equal) as one of data with them.
+void put_back(const Eigen::VectorXd& delay_s, DelayOf of, ModalFit& fit);
 
 }  // namespace chladni::identification

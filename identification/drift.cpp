@@ -23,7 +23,7 @@ ModalFit single(const ModalFit& fit, Eigen::Index e) {
   one.model.output_shapes = fit.model.output_shapes.row(i);
   one.model.input_shapes = fit.model.input_shapes.col(j);
   one.model.residual = Eigen::MatrixXd::Constant(1, 1, fit.model.residual(i, j));
-  one.delay_s = fit.delay_s;
+  one.delay_s = response_delays(fit)(e);
   if (fit.complex) {
     one.complex.emplace();
     one.complex->outputs = fit.complex->outputs.row(i);

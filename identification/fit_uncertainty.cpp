@@ -291,6 +291,26 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();  // is known
 
+// The delays with their deviations; the mean is that of the channels that were measured.
+void fill_delays(const BlockModel& model, const Fitted& fitted, const Eigen::MatrixXd& covariance,
+                 ModalFit& fit) {
+  fit.delay_s = model.delay / model.scale;
+  if (!fitted.delay) return;
+  const auto n = fitted.delay_count(fit.model.output_count(), fit.model.input_count());
+  const Eigen::MatrixXd own = covariance.bottomRightCorner(n, n) / (model.scale * model.scale);
+  const Eigen::ArrayXd measured = (own.diagonal().array() > 0.0).cast<double>();
+  const Eigen::VectorXd share = measured / std::max(1.0, measured.sum());
+  fit.delay_std_s = std::sqrt(std::max(0.0, share.dot(own * share)));
+  if (fitted.delay_of == DelayOf::all) return;
+  fit.delay_of = fitted.delay_of;
+  fit.channel_delay_s = model.channel_delay / model.scale;
+  const double mean = share.dot(fit.channel_delay_s);
+  fit.channel_delay_s.array() -= mean;
+  fit.delay_s += mean;
+  fit.channel_delay_std_s =
+      (measured > 0.0).select(own.diagonal().array().max(0.0).sqrt(), kNothing);
+}
+
 void mark_unmeasured_output(Eigen::Index i, ComplexShapes& shapes) {
   const auto both = shapes.outputs.rows() + shapes.inputs.cols();
   shapes.output_real_std.row(i).setConstant(kNothing);
@@ -358,11 +378,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
-  fit.delay_s = model.delay / model.scale;
-  if (fitted.delay) {
-    fit.delay_std_s =
-        std::sqrt(std::max(0.0, covariance(parameters - 1, parameters - 1))) / model.scale;
-  }
+  fill_delays(model, fitted, covariance, fit);
   fit.groups = groups_of(fit);
   mark_unmeasured(sums.reshaped(target.outputs, target.inputs), fit);
   if (!fitted.residual) fit.residual_std.setZero();

@@ -99,21 +99,24 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   }
 }
 
-// The delay is taken out of the data before the poles are found again.
-FitData without_delay(const FitData& data, const IdentificationOptions& options, double& delay) {
+// The delays are taken out of the data before the poles are found again.
+FitData without_delay(const FitData& data, const IdentificationOptions& options,
+                      Eigen::VectorXd& delay) {
+  delay.setZero(data.response_count());
   if (!options.fit.delay) return data;
   const auto found = start_poles(data, options);
   const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
-  delay = scanned_delay(data, kept, options.rigid_count != 0);
+  delay = scanned_delays(data, kept, options.rigid_count != 0, options.fit.delay_of);
   return undelayed(data, delay);
 }
 
-// Phases of complex modes and a delay are nearly the same: it is that of real modes.
-double delay_of_real_modes(const FitData& data, const Start& start, const FitOptions& options) {
+// Phases of complex modes and delays are nearly the same: they are those of real modes.
+Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
+                                     const FitOptions& options) {
   FitOptions real = options;
   real.damping = Damping::modal;
   real.iterations = std::min(real.iterations, kFirstSteps);
-  return modal_fit(data, start, real).delay_s;
+  return response_delays(modal_fit(data, start, real));
 }
 
 // With the delay fitted together with complex modes where the data ask for it; else what they leave
@@ -124,6 +127,7 @@ void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;
+    fit.channel_delay_std_s = free.channel_delay_std_s;
   }
 }
 
@@ -181,7 +185,7 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
 }
 
 Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
-  double delay = 0.0;
+  Eigen::VectorXd delay;
   auto data = without_delay(measured, options, delay);
   Eigen::Index order = 0;
   auto start = chosen_start(data, options, order);
@@ -189,19 +193,19 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   if (moved) start = chosen_start(data, options, order);
   Identified result;
   if (options.fit.delay && options.fit.damping == Damping::general) {
-    const double held = delay_of_real_modes(data, start, options.fit);
+    const auto held = delays_of_real_modes(data, start, options.fit);
     const auto turned = undelayed(data, held);
     auto without = options;
     without.fit.delay = false;
     result = from_start(turned, start, without);
     free_delay(turned, options.fit, result.fit);
-    result.fit.delay_s += held;
+    put_back(held, options.fit.delay_of, result.fit);
   } else {
     result = from_start(data, start, options);
   }
   result.start_order = order;
   result.drift = moved;
-  result.fit.delay_s += delay;
+  if (options.fit.delay) put_back(delay, options.fit.delay_of, result.fit);
   return result;
 }
 
@@ -228,7 +232,8 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
 }  // namespace
 
 Identified identified(const FitData& measured, const IdentificationOptions& options) {
-  if (measured.response_count() > kMany && options.fit.damping == Damping::modal) {
+  const bool one_delay = !options.fit.delay || options.fit.delay_of == DelayOf::all;
+  if (measured.response_count() > kMany && options.fit.damping == Damping::modal && one_delay) {
     if (const auto small = compressed(measured)) {
       return from_compressed(*small, measured, options);
     }

@@ -46,7 +46,7 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
   const auto parameters =
       start.pole.size() * of_mode + start.rigid_count * (channels - start.rigid_count) +
       (options.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0) +
-      (options.delay ? 1 : 0);
+      Fitted{false, options.delay, options.delay_of}.delay_count(data.outputs, data.inputs);
   require(data.measured_count() > parameters,
           "modal fit: " + std::to_string(data.measured_count()) + " measured numbers for " +
               std::to_string(parameters) + " parameters");
@@ -191,7 +191,7 @@ Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
 
 BlockModel start_model(const FitData& data, const Start& start, const Target& target, double scale,
                        Damping damping) {
-  BlockModel model{.scale = scale, .blocks = {}, .residual = {}};
+  BlockModel model{.scale = scale, .blocks = {}, .residual = {}, .channel_delay = {}};
   model.residual = Eigen::MatrixXd::Zero(data.outputs, data.inputs);
   const auto residues = start_residues(data, start, damping, scale);
   if (start.rigid_count > 0) {
@@ -292,17 +292,31 @@ ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& op
   check(data, start, options);
   const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);
   const auto aim = target(data, scale);
-  const Fitted fitted{options.residual, options.delay};
+  const Fitted fitted{options.residual, options.delay, options.delay_of};
   const DescentOptions how{.iterations = options.iterations,
                            .keep_best = options.keep_best,
                            .progress = options.progress};
-  auto best = descent(start_model(data, start, aim, scale, options.damping), aim, fitted, how);
+  auto from = start_model(data, start, aim, scale, options.damping);
+  if (options.delay && options.delay_of != DelayOf::all) {
+    from.channel_delay.setZero(fitted.delay_count(data.outputs, data.inputs));
+  }
+  auto best = descent(std::move(from), aim, fitted, how);
   if (!std::isfinite(best.misfit.cost)) {
     throw NumericalFailure("modal fit: the cost at the start is not finite");
   }
   best = options.damping == Damping::general ? with_complex_modes(best, aim, fitted, how)
                                              : with_single_modes(best, aim, fitted, how);
   return with_uncertainty(best, aim, fitted, data, options.damping);
+}
+
+Eigen::VectorXd response_delays(const ModalFit& fit) {
+  const auto p = fit.model.output_count();
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(p * fit.model.input_count(), fit.delay_s);
+  if (fit.channel_delay_s.size() == 0) return all;
+  for (Eigen::Index e = 0; e < all.size(); ++e) {
+    all(e) += fit.channel_delay_s(fit.delay_of == DelayOf::outputs ? e % p : e / p);
+  }
+  return all;
 }
 
 Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
@@ -321,6 +335,13 @@ Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency
   }
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
     result.row(k) *= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * fit.delay_s);
+  }
+  if (fit.channel_delay_s.size() == 0) return result;
+  const Eigen::VectorXd own = response_delays(fit).array() - fit.delay_s;
+  for (Eigen::Index e = 0; e < result.cols(); ++e) {
+    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+      result(k, e) *= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * own(e));
+    }
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "identification/block_model.h"
 #include "identification/complex_shapes.h"
 #include "identification/fit_data.h"
 #include "modal/groups.h"
@@ -31,8 +32,11 @@ struct Start {
 /// Of a fit with general damping the modes are those of `complex`; real shapes, their deviations
 /// and covariances here are of the real parts then.
 struct ModalFit {
-  modal::ReducedModel model;  ///< output_shapes L p×m, input_shapes R m×q; residual p×q
-  double delay_s = 0.0;
+  modal::ReducedModel model;        ///< output_shapes L p×m, input_shapes R m×q; residual p×q
+  double delay_s = 0.0;             ///< the mean of all channels' where they have their own
+  DelayOf delay_of = DelayOf::all;  ///< whose `channel_delay_s` are
+  Eigen::VectorXd channel_delay_s;  ///< p or q, of each on top of delay_s; empty: one for all
+  Eigen::VectorXd channel_delay_std_s;   ///< of delay_s + channel_delay_s; infinite: not measured
   std::optional<ComplexShapes> complex;  ///< where the damping is general
 
   Eigen::VectorXd frequency_std_hz, damping_std;  ///< m; 0 for rigid-body modes
@@ -60,9 +64,10 @@ struct ModalFit {
 
 struct FitOptions {
   Damping damping = Damping::modal;
-  bool residual = true;    ///< a constant p×q for the modes above the band
-  bool delay = false;      ///< one for all responses is fitted
-  int iterations = 60;     ///< of Levenberg and Marquardt, at most
+  bool residual = true;             ///< a constant p×q for the modes above the band
+  bool delay = false;               ///< fitted
+  DelayOf delay_of = DelayOf::all;  ///< one for all responses, or of each output or input its own
+  int iterations = 60;              ///< of Levenberg and Marquardt, at most
   bool keep_best = false;  ///< Ctrl-C stops the fit with the best so far (`converged` is false)
   Progress progress = {};
 };
@@ -76,7 +81,10 @@ struct FitOptions {
 [[nodiscard]] ModalFit modal_fit(const FitData& data, const Start& start,
                                  const FitOptions& options = {});
 
-/// The model's receptances on the data's lines, K×pq, delay included.
+/// pq: the delay of each response [s].
+[[nodiscard]] Eigen::VectorXd response_delays(const ModalFit& fit);
+
+/// The model's receptances on the data's lines, K×pq, delays included.
 [[nodiscard]] Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz);
 
 }  // namespace chladni::identification

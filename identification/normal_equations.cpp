@@ -86,14 +86,20 @@ Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::In
   return result;
 }
 
-// The data turned back by the delay: value · e^{+s delay}.
-Eigen::MatrixXd undelayed(const Target& target, double delay) {
-  if (delay == 0.0) return target.value;
+// The data turned back by the delays: value · e^{+s delay}.
+Eigen::MatrixXd undelayed(const Target& target, const BlockModel& model, const Fitted& fitted) {
+  const bool own = model.channel_delay.size() > 0;
+  if (model.delay == 0.0 && !own) return target.value;
   const auto lines = target.line_count();
-  const Eigen::ArrayXd c = (target.x.array() * delay).cos();
-  const Eigen::ArrayXd s = (target.x.array() * delay).sin();
+  Eigen::ArrayXd c = (target.x.array() * model.delay).cos();
+  Eigen::ArrayXd s = (target.x.array() * model.delay).sin();
   Eigen::MatrixXd result(2 * lines, target.value.cols());
   for (Eigen::Index e = 0; e < result.cols(); ++e) {
+    if (own) {
+      const double delay = model.delay + model.channel_delay(fitted.delay_index(e, target.outputs));
+      c = (target.x.array() * delay).cos();
+      s = (target.x.array() * delay).sin();
+    }
     const auto real = target.value.col(e).head(lines).array();
     const auto imaginary = target.value.col(e).tail(lines).array();
     result.col(e).head(lines) = c * real - s * imaginary;
@@ -123,7 +129,7 @@ Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted) {
   const auto lines = target.line_count();
   const auto along = entries(model, target.x);
   const auto across = factors(model, target.outputs, target.inputs);
-  result.error = undelayed(target, model.delay);
+  result.error = undelayed(target, model, fitted);
   dense::add_product(along, across, -1.0, result.error);
   if (fitted.delay) {
     result.response.setZero(2 * lines, target.response_count());
@@ -181,7 +187,9 @@ Eigen::Index parameter_count(const Block& block) {
 }
 
 Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted) {
-  Eigen::Index count = fitted.delay ? 1 : 0;
+  if (model.blocks.empty()) return 0;
+  const auto& first = model.blocks.front();
+  Eigen::Index count = fitted.delay_count(first.left.rows(), first.right.cols());
   for (const auto& block : model.blocks) count += parameter_count(block);
   return count;
 }
@@ -205,7 +213,12 @@ BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step, const Fit
     }
     block = balanced(block);
   }
-  if (fitted.delay) result.delay += step(at);
+  if (!fitted.delay) return result;
+  if (fitted.delay_of == DelayOf::all) {
+    result.delay += step(at);
+  } else {
+    result.channel_delay += step.tail(step.size() - at);
+  }
   return result;
 }
 

@@ -27,6 +27,18 @@ struct Target {
 /// What is fitted beside the blocks.
 struct Fitted {
   bool residual = true, delay = false;
+  DelayOf delay_of = DelayOf::all;
+
+  /// How many delays there are, and which of them is that of response e = i + p j.
+  [[nodiscard]] Eigen::Index delay_count(Eigen::Index outputs, Eigen::Index inputs) const {
+    if (!delay) return 0;
+    if (delay_of == DelayOf::all) return 1;
+    return delay_of == DelayOf::outputs ? outputs : inputs;
+  }
+  [[nodiscard]] Eigen::Index delay_index(Eigen::Index e, Eigen::Index outputs) const {
+    if (delay_of == DelayOf::all) return 0;
+    return delay_of == DelayOf::outputs ? e % outputs : e / outputs;
+  }
 };
 
 /// The model's residual is the best for its blocks; what is left of the data then.
@@ -40,7 +52,7 @@ struct Misfit {
 [[nodiscard]] Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted);
 
 /// JᵀJ and Jᵀr of the weighted errors, residual eliminated. Parameters: of each block left (column
-/// by column), right, stiffness, damping (of a general block σ, ω instead); the delay last.
+/// by column), right, stiffness, damping (of a general block σ, ω instead); the delays last.
 struct NormalEquations {
   Eigen::MatrixXd matrix;    ///< lower triangle
   Eigen::VectorXd gradient;  ///< the step that lowers the cost is along it

@@ -56,7 +56,7 @@ void ResponseProducts::list_fractions() {
     }
     blocks_.push_back(std::move(one));
   }
-  parameters_ = parameter + (fitted_.delay ? 1 : 0);
+  parameters_ = parameter;
   pole_ = Eigen::Map<const Eigen::VectorXcd>(poles.data(), static_cast<Eigen::Index>(poles.size()));
 }
 
@@ -250,7 +250,8 @@ std::vector<ResponseProducts::Part> ResponseProducts::parts_of(Eigen::Index e) c
     parts.push_back(std::move(part));
   }
   if (fitted_.delay) {
-    parts.push_back({delay_row(), SmallComplex::Ones(1, 1), {parameters_ - 1}, {}});
+    const auto own = parameters_ + fitted_.delay_index(e, p);
+    parts.push_back({delay_row(), SmallComplex::Ones(1, 1), {own}, {}});
   }
   return parts;
 }

@@ -75,7 +75,7 @@ class ResponseProducts {
   const Target& target_;
   const Fitted& fitted_;
   std::vector<BlockFractions> blocks_;
-  Eigen::Index rows_ = 0, parameters_ = 0;  // functions of the poles, all parameters
+  Eigen::Index rows_ = 0, parameters_ = 0;  // functions of the poles, parameters of the blocks
   bool rigid_ = false;
   Eigen::VectorXcd pole_;                     // all
   std::vector<Eigen::Index> plain_, square_;  // rows of each pole's fraction and of its square

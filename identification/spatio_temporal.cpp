@@ -67,6 +67,13 @@ ModeSpread spread(const ModalFit& fit, const GainMatch& match, Eigen::Index m) {
   return result;
 }
 
+// Of a place that no sensor measured, per actuator: delays of outputs count with their mean.
+Eigen::VectorXd input_delays(const ModalFit& fit) {
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(fit.model.input_count(), fit.delay_s);
+  if (fit.delay_of == DelayOf::inputs) all += fit.channel_delay_s;
+  return all;
+}
+
 }  // namespace
 
 PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
@@ -80,6 +87,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   std::vector<ModeSpread> spreads;
   for (Eigen::Index m = 0; m < model.mode_count(); ++m) spreads.push_back(spread(fit, match, m));
   PredictedResponses result;
+  const auto delay = input_delays(fit);
   for (const double f : frequency_hz) {
     const double omega = kTwoPi * f;
     Eigen::MatrixXcd value = places.residual.cast<Complex>();
@@ -101,7 +109,8 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
       variance += places.shapes.col(m).cwiseAbs2() * per_input.cwiseMax(0.0) +
                   std::norm(h.value) * places.deviation.col(m).cwiseAbs2() * input.cwiseAbs2();
     }
-    result.value.emplace_back(value * std::polar(1.0, -omega * fit.delay_s));
+    for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
+    result.value.emplace_back(std::move(value));
     result.deviation.emplace_back(variance.cwiseSqrt());
   }
   return result;
@@ -123,7 +132,7 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
   require(measured.outputs == 1 && measured.inputs == q,
           "fitted row: " + std::to_string(measured.outputs) + " sensors by " +
               std::to_string(measured.inputs) + " actuators, expected 1 by " + std::to_string(q));
-  const auto data = undelayed(measured, fit.delay_s);
+  const auto data = undelayed(measured, input_delays(fit));
   const auto m = fit.model.mode_count();
   const auto lines = data.line_count();
   Eigen::MatrixXcd h(lines, m);

@@ -4,61 +4,18 @@
 
 #include <cmath>
 
-#include "base/draw.h"
+#include "block_problem.h"
 #include "identification/block_fractions.h"
 
 namespace chladni::identification {
 namespace {
 
-Eigen::MatrixXd drawn(Eigen::Index rows, Eigen::Index columns, Draw& draw) {
-  Eigen::MatrixXd result(rows, columns);
-  for (double& value : result.reshaped()) value = draw.normal();
-  return result;
-}
-
-struct Problem {
-  BlockModel model;
-  Target target;
-};
-
-// A single mode, a pair and a triple that are coupled, a complex mode, two rigid-body modes; data
-// of nothing in particular.
-Problem problem(unsigned seed) {
-  Draw draw(seed);
-  Problem result;
-  const Eigen::Index p = 3;
-  const Eigen::Index q = 2;
-  const auto block = [&](Eigen::Index g, double own) {
-    Block one{drawn(p, g, draw), drawn(g, q, draw), {}, {}, false};
-    const Eigen::MatrixXd coupled = drawn(g, g, draw);
-    one.stiffness = own * own * (Eigen::MatrixXd::Identity(g, g) + 0.02 * coupled);
-    one.damping = 0.1 * own * (Eigen::MatrixXd::Identity(g, g) + 0.1 * coupled.transpose());
-    return one;
-  };
-  const auto complex = [&](Eigen::Index rows, Eigen::Index columns) {
-    const Eigen::MatrixXd real = drawn(rows, columns, draw);
-    return Eigen::MatrixXcd(real + std::complex<double>(0.0, 1.0) * drawn(rows, columns, draw));
-  };
-  result.model.blocks = {block(1, 0.2), block(2, 0.5), block(3, 0.8)};
-  result.model.blocks.push_back({drawn(p, 2, draw), drawn(2, q, draw), Eigen::MatrixXd::Zero(2, 2),
-                                 Eigen::MatrixXd::Zero(2, 2), true});
-  result.model.blocks.push_back(general_mode({-0.03, 0.6}, complex(p, 1), complex(1, q)));
-  result.model.residual = Eigen::MatrixXd::Zero(p, q);
-  result.model.delay = 0.3;
-  auto& target = result.target;
-  target.outputs = p;
-  target.inputs = q;
-  target.x = Eigen::VectorXd::LinSpaced(60, 0.05, 1.0);
-  target.value = 20.0 * drawn(120, p * q, draw);
-  target.squared = drawn(60, p * q, draw).cwiseAbs2();
-  target.squared(7, 1) = 0.0;
-  return result;
-}
-
 constexpr Fitted kAll{.residual = true, .delay = true};
+constexpr Fitted kOutputs{.residual = true, .delay = true, .delay_of = DelayOf::outputs};
 
 // All weighted errors as one column, the parameters moved by a step.
-Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step) {
+Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step,
+                       const Fitted& fitted = kAll) {
   BlockModel model = from.model;
   Eigen::Index at = 0;
   for (auto& block : model.blocks) {
@@ -76,8 +33,12 @@ Eigen::VectorXd errors(const Problem& from, const Eigen::VectorXd& step) {
     take(block.stiffness);
     take(block.damping);
   }
-  model.delay += step(at);
-  const auto result = misfit(model, from.target, kAll);
+  if (fitted.delay_of == DelayOf::all) {
+    model.delay += step(at);
+  } else {
+    model.channel_delay += step.tail(step.size() - at);
+  }
+  const auto result = misfit(model, from.target, fitted);
   const Eigen::MatrixXd root = from.target.squared.cwiseSqrt();
   Eigen::MatrixXd weighted = result.error;
   weighted.topRows(60).array() *= root.array();
@@ -107,6 +68,25 @@ TEST(NormalEquations, AreThoseOfDifferences) {
     const Eigen::MatrixXd square = jacobian.transpose() * jacobian;
     EXPECT_LT((matrix - square).topLeftCorner(n - 1, n - 1).norm(),
               1e-6 * square.topLeftCorner(n - 1, n - 1).norm());
+  }
+}
+
+// The gradient is that of the cost: each delay moves the data of its own channel only.
+TEST(NormalEquations, KnowTheDelayOfEachOutput) {
+  Problem from = problem(2);
+  from.model.channel_delay = Eigen::Vector3d(0.2, -0.1, 0.5);
+  const auto now = misfit(from.model, from.target, kOutputs);
+  const auto normal = normal_equations(from.model, now, from.target, kOutputs);
+  const auto n = parameter_count(from.model, kOutputs);
+  ASSERT_EQ(n, parameter_count(from.model, kAll) + 2);
+  constexpr double kStep = 1e-5;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(n, n - 3 + i);
+    const double slope =
+        (errors(from, step, kOutputs).squaredNorm() - errors(from, -step, kOutputs).squaredNorm()) /
+        (2.0 * kStep);
+    EXPECT_NEAR(-2.0 * normal.gradient(n - 3 + i), slope, 1e-5 * std::abs(slope)) << i;
+    for (Eigen::Index j = 0; j < i; ++j) EXPECT_EQ(normal.matrix(n - 3 + i, n - 3 + j), 0.0);
   }
 }
 

@@ -25,7 +25,9 @@ struct Places {
   [[nodiscard]] Eigen::Index rigid_inputs() const { return rigid_outputs() + p * rigid; }
   [[nodiscard]] Eigen::Index residual() const { return rigid_inputs() + rigid * q; }
   [[nodiscard]] Eigen::Index delay() const { return residual() + (nuisance.residual ? p * q : 0); }
-  [[nodiscard]] Eigen::Index count() const { return delay() + (nuisance.delay ? 1 : 0); }
+  [[nodiscard]] Eigen::Index count() const {
+    return delay() + (nuisance.output_delays ? p : nuisance.delay ? 1 : 0);
+  }
 };
 
 // The modes with the gains in, and |L_m| = |R_m|.
@@ -105,12 +107,12 @@ Slopes slopes(const FrfCase& record, const Balanced& modes, const Places& places
     add(places.rigid_inputs() + m + places.rigid * j, modes.rigid_outputs(i, m) * h);
   }
   if (places.nuisance.residual) add(places.residual() + i + places.p * j, turn);
-  if (places.nuisance.delay) {
+  if (places.nuisance.delay || places.nuisance.output_delays) {
     Eigen::ArrayXcd exact(s.size());
     for (std::size_t k = 0; k < record.exact.size(); ++k) {
       exact(static_cast<Eigen::Index>(k)) = record.exact[k](i, j);
     }
-    add(places.delay(), -s * exact);
+    add(places.delay() + (places.nuisance.output_delays ? i : 0), -s * exact);
   }
   all.value.conservativeResize(Eigen::NoChange, std::ssize(all.place));
   return all;
@@ -262,7 +264,9 @@ FrfBounds cramer_rao(const FrfCase& record, const FrfNuisance& nuisance) {
                                        .cwiseSqrt();
     bounds.rigid = spread.reshaped(places.p, places.q);
   }
-  if (nuisance.delay) {
+  if (nuisance.output_delays) {
+    bounds.output_delay_s = covariance.diagonal().tail(places.p).cwiseSqrt();
+  } else if (nuisance.delay) {
     bounds.delay_s = std::sqrt(covariance(places.delay(), places.delay()));
   }
   return bounds;

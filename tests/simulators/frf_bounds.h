@@ -10,8 +10,9 @@ namespace chladni::simulators {
 
 /// What else is estimated along with the modes; it costs certainty.
 struct FrfNuisance {
-  bool residual = true;  ///< a constant p×q
-  bool delay = false;    ///< one for all responses
+  bool residual = true;        ///< a constant p×q
+  bool delay = false;          ///< one for all responses
+  bool output_delays = false;  ///< one for each output instead
 };
 
 /// Standard deviations of the Cramér-Rao bound, of the modes as the channels show them (gains in).
@@ -25,6 +26,7 @@ struct FrfBounds {
   Eigen::MatrixXd rigid_covariance;  ///< of (vec L_rb, vec R_rb), that change of basis left out
   Eigen::MatrixXd rigid;             ///< p×q: of L_rb R_rb; 0×0 without rigid-body modes
   double delay_s = 0.0;              ///< 0 where it is not estimated
+  Eigen::VectorXd output_delay_s;    ///< p; empty where they are not estimated
   Eigen::Index parameters = 0;       ///< free ones
 };
 
