@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -53,19 +54,27 @@ Block balanced(const Block& block) {
     result.right /= factor;
     return result;
   }
-  // left right = U S Vᵀ without forming the product: both are thin.
+  // left right = Q (A Bᵀ) Pᵀ of two thin QR: the singular values are those of g×g.
   const auto g = block.size();
-  if (block.left.rows() < g || block.right.cols() < g) return block;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(block.left * block.right,
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd root = svd.singularValues().head(g).cwiseSqrt();
+  const auto p = block.left.rows();
+  const auto q = block.right.cols();
+  if (p < g || q < g) return block;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> outputs(block.left);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> inputs(block.right.transpose());
+  const auto corner = [g](const auto& qr) {
+    return Eigen::MatrixXd(qr.matrixQR().topRows(g).template triangularView<Eigen::Upper>());
+  };
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(corner(outputs) * corner(inputs).transpose(),
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::VectorXd root = svd.singularValues().cwiseSqrt();
   if (root(g - 1) <= 1e-12 * root(0)) return block;
+  const Eigen::MatrixXd v = inputs.householderQ() * Eigen::MatrixXd::Identity(q, g) * svd.matrixV();
   Block result = block;
-  result.left = svd.matrixU().leftCols(g) * root.asDiagonal();
-  result.right = root.asDiagonal() * svd.matrixV().leftCols(g).transpose();
+  result.left =
+      outputs.householderQ() * Eigen::MatrixXd::Identity(p, g) * svd.matrixU() * root.asDiagonal();
+  result.right = root.asDiagonal() * v.transpose();
   // new left = left T with T = right (new right)⁺.
-  const Eigen::MatrixXd turn =
-      block.right * svd.matrixV().leftCols(g) * root.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd turn = block.right * v * root.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd back = turn.inverse();
   if (!block.rigid) {
     result.stiffness = back * block.stiffness * turn;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "identification/common_weights.h"
 #include "identification/response_products.h"
 #include "priors/dense.h"
 
@@ -152,6 +153,13 @@ Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted) {
 
 NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                  const Target& target, const Fitted& fitted) {
+  return common_weights_pay(model, target)
+             ? normal_equations_of_common_weights(model, misfit, target, fitted)
+             : normal_equations_by_response(model, misfit, target, fitted);
+}
+
+NormalEquations normal_equations_by_response(const BlockModel& model, const Misfit& misfit,
+                                             const Target& target, const Fitted& fitted) {
   const auto n = parameter_count(model, fitted);
   NormalEquations sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   const ResponseProducts products(model, misfit, target, fitted);

@@ -58,11 +58,18 @@ struct NormalEquations {
   Eigen::VectorXd gradient;  ///< the step that lowers the cost is along it
 };
 
-/// From one sum per pole and response (as PoleProducts, with the squares of the fractions too):
-/// the gradient is exact, the matrix to 1e-7 of its diagonal where poles are very near.
-/// Cost: some 10 n·K·pq and 100 n²·pq operations, shared between the threads.
+/// The gradient is exact. Where all responses have the same weights the sums of one are those of
+/// all (common_weights.h), if that costs less; else response by response.
 [[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                                const Target& target, const Fitted& fitted);
+
+/// From one sum per pole and response (as PoleProducts, with the squares of the fractions too):
+/// the matrix to 1e-7 of its diagonal where poles are very near.
+/// Cost: some 10 n·K·pq and 100 n²·pq operations, shared between the threads.
+[[nodiscard]] NormalEquations normal_equations_by_response(const BlockModel& model,
+                                                           const Misfit& misfit,
+                                                           const Target& target,
+                                                           const Fitted& fitted);
 
 [[nodiscard]] Eigen::Index parameter_count(const Block& block);
 [[nodiscard]] Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted);

@@ -1,15 +1,18 @@
 // identification_study [case] [seeds] [method]: modes found, errors over the Cramér-Rao bound and
 // CPU seconds, of the default and of the thesis' own path on the same data; figures in
 // bench/README.md. identification_study export CASE FILE.csv: the responses, for
-// bench/peers/modal_fits.py.
+// bench/peers/modal_fits.py. identification_study many [channels] [modes] [lines]: as many sensors
+// as actuators, on all cores.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <string>
@@ -190,6 +193,84 @@ void write_csv(const FrfCase& made, const char* path) {
   std::fclose(file);
 }
 
+// The largest memory since the last reset [GB].
+double peak_memory(bool reset) {
+  if (reset) {
+    std::ofstream("/proc/self/clear_refs") << 5;
+    return 0.0;
+  }
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  double kilobytes = 0.0;
+  while (status >> word) {
+    if (word == "VmHWM:") status >> kilobytes;
+  }
+  return 1e-6 * kilobytes;
+}
+
+// Errors over stated deviations, root mean square of the modes found.
+struct Many {
+  Eigen::Index found = 0;
+  double frequency = 0.0, damping = 0.0, largest = 0.0, mac = 1.0;
+};
+
+Many compare_many(const ModalFit& fit, const modal::ReducedModel& truth) {
+  Many result;
+  const Eigen::MatrixXd mac = modal::mac(truth.output_shapes, fit.model.output_shapes);
+  for (auto m = truth.rigid_count; m < truth.mode_count(); ++m) {
+    Eigen::Index i = 0;
+    const double alike = mac.row(m).maxCoeff(&i);
+    const double off = fit.model.frequency_hz(i) - truth.frequency_hz(m);
+    if (alike < 0.9 || std::abs(off) > truth.damping_ratio(m) * truth.frequency_hz(m)) continue;
+    const double frequency = off / fit.frequency_std_hz(i);
+    const double damping =
+        (fit.model.damping_ratio(i) - truth.damping_ratio(m)) / fit.damping_std(i);
+    ++result.found;
+    result.frequency += frequency * frequency;
+    result.damping += damping * damping;
+    result.largest = std::max({result.largest, std::abs(frequency), std::abs(damping)});
+    result.mac = std::min(result.mac, alike);
+  }
+  const auto count = static_cast<double>(std::max<Eigen::Index>(1, result.found));
+  result.frequency = std::sqrt(result.frequency / count);
+  result.damping = std::sqrt(result.damping / count);
+  return result;
+}
+
+int many(Eigen::Index channels, Eigen::Index modes, Eigen::Index lines) {
+  modal::ReducedModel truth;
+  FitData data;
+  {
+    FrfFaults faults;
+    faults.relative_noise = 0.0;
+    faults.floor_noise = 1.0;
+    const auto made = simulators::big(channels, channels, modes, lines, faults);
+    truth = made.truth;
+    data = identification::fit_data(made.measured);
+  }
+  peak_memory(true);
+  identification::IdentificationOptions options;
+  options.rigid_count = 3;
+  const auto cpu = std::clock();
+  const auto wall = std::chrono::steady_clock::now();
+  const auto result = identification::identified(data, options);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - wall;
+  const double busy = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const auto score = compare_many(result.fit, truth);
+  const double n = 2.0 * result.fit.expected_cost;
+  fmt::print(
+      "{} of {} modes, {} fitted; errors over deviations {:.2f} (f), {:.2f} (damping), "
+      "largest {:.2f}; MAC {:.5f}; z {:.2f}\n",
+      score.found, modes - 3, result.fit.model.mode_count(), score.frequency, score.damping,
+      score.largest, score.mac, (2.0 * result.fit.cost - n) / std::sqrt(2.0 * n));
+  for (const auto& step : result.steps) {
+    fmt::print("  {} flexible modes: cost {:.17g}, z {:.2f}{}\n", step.modes, step.cost,
+               step.excess, step.taken ? "" : ", not taken");
+  }
+  fmt::print("{:.2f} s, {:.2f} CPU s, {:.2f} GB\n", seconds.count(), busy, peak_memory(false));
+  return 0;
+}
+
 int study(int argc, char** argv) {
   const std::string wanted = argc > 1 ? argv[1] : "all";
   if (wanted == "export") {
@@ -198,6 +279,12 @@ int study(int argc, char** argv) {
       if (trial.name == argv[2]) write_csv(case_of(trial, 1), argv[3]);
     }
     return 0;
+  }
+  if (wanted == "many") {
+    const auto number = [&](int at, int otherwise) {
+      return static_cast<Eigen::Index>(argc > at ? std::atoi(argv[at]) : otherwise);
+    };
+    return many(number(2, 100), number(3, 30), number(4, 2000));
   }
   const auto seeds = static_cast<unsigned>(argc > 2 ? std::atoi(argv[2]) : 1);
   fmt::print("{:14} {:27} {:5} {:>10} {:>10} {:>9} {:>8}\n", "case", "method", "found", "freq/CRB",
@@ -212,7 +299,7 @@ int study(int argc, char** argv) {
 }  // namespace chladni
 
 int main(int argc, char** argv) {
-  chladni::set_thread_count(1);
+  if (argc < 2 || std::string(argv[1]) != "many") chladni::set_thread_count(1);
   try {
     return chladni::study(argc, argv);
   } catch (const std::exception& failure) {
