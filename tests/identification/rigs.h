@@ -15,7 +15,7 @@ inline std::vector<modal::MeasuredChannel> channels(const std::string& letter, E
   for (Eigen::Index i = 0; i < count; ++i) {
     modal::MeasuredChannel channel;
     channel.name = letter + std::to_string(i + 1);
-    channel.unit = letter == "y" ? "m" : "N";
+    channel.unit.assign(1, letter == "y" ? 'm' : 'N');  // of "m" GCC 12 thinks overflow
     result.push_back(channel);
   }
   return result;
