@@ -1,8 +1,10 @@
 #include "identification/delay_scan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "identification/normal_equations.h"
 #include "identification/residue_problem.h"

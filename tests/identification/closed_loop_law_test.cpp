@@ -9,6 +9,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <vector>
 
 #include "base/draw.h"
 #include "identification/closed_loop.h"
@@ -179,7 +180,7 @@ class ClosedLoopLaw : public testing::Test {
   static inline Tally indirect;
 };
 
-TEST_F(ClosedLoopLaw, TheSensitivitySpansFortyDecibels) {
+TEST(ClosedLoopOfATable, HasASensitivityOfFortyDecibels) {
   const auto made = loop();
   const auto first = made.sensitivity.front().norm();
   const auto largest = made.sensitivity.back().operatorNorm();
