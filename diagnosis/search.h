@@ -17,6 +17,8 @@ struct SearchLimits {
   double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
   double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
   double least_excess = kExplained;  ///< unless this much (z) is left without it
+  /// Errors that the last word knows and the search takes for noise: what they may be is no hint.
+  std::vector<Deviation> unseen = {};
 };
 
 struct Found {
