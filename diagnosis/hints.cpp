@@ -18,7 +18,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index kPlaces = 36;
+constexpr Index kPlaces = 144;
+constexpr double kBetweenPlaces = 6.0;  // of ln evidence, may be lost from a place to the next
 
 // The probe's effect at the size that the score asks for; none where it asks for less than nothing.
 std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double step) {
@@ -59,9 +60,10 @@ std::vector<Hint> hints_of(const Probing& probing, const Information& informatio
     const double step = score(i) / known(i);
     const double evidence = 0.5 * limits.times * step * score(i) -
                             occam(structure, effect, probes[n], step, limits.times * known(i));
-    if (evidence < limits.least_evidence) continue;
     auto cause = sized(effect, probes[n], step);
     if (!cause || !std::isfinite(log_prior(*cause, structure))) continue;
+    const double lost = place_of(*cause, structure) ? kBetweenPlaces : 0.0;
+    if (evidence < limits.least_evidence - lost) continue;
     const auto same = std::ranges::find_if(
         best, [&](const Hint& other) { return other.cause.option == cause->option; });
     if (same == best.end()) {

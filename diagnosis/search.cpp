@@ -249,7 +249,7 @@ std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
 
 // Beside them what the scene is blind to.
 void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
-  constexpr int kMost = 2;
+  constexpr int kMost = 4;
   if (is_large(level, base)) return;
   const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
   std::vector<Deviation> all = level.problem.deviations;
