@@ -116,6 +116,7 @@ void print_check(const diagnosis::Structure& structure, const diagnosis::Diagnos
   masses.only = {"point_mass"};
   for (const double times : {1.0, 0.5, 1.5}) {
     int found = 0;
+    int tried = 0;
     double most = 0.0;
     for (unsigned seed = first; seed < first + seeds; ++seed) {
       auto own = hidden;
@@ -123,7 +124,9 @@ void print_check(const diagnosis::Structure& structure, const diagnosis::Diagnos
       const auto place = *simulators::hidden_case({"point_mass"}, seed, own).truth[0].place;
       const auto sound = simulators::hidden_case({}, seed, own);
       const double mass = times * smallest_at(structure, sound.measured, masses, place);
-      own.severity = std::log(mass / 2e-3) / std::log(1e3);  // as the kind draws it
+      own.severity = std::log(mass / 2e-3) / std::log(1e3);  // as the kind has it, from 2 g on
+      if (own.severity < 0.0) continue;
+      ++tried;
       const auto made = simulators::hidden_case({"point_mass"}, seed, own);
       const auto told = diagnosed(structure, made.measured, masses);
       const bool there = !told.best.causes.empty();
@@ -135,7 +138,7 @@ void print_check(const diagnosis::Structure& structure, const diagnosis::Diagnos
       std::fflush(stdout);
     }
     fmt::print("{:.1f} x the smallest size: {} of {} found, masses up to {:.2f} g\n", times, found,
-               seeds, 1e3 * most);
+               tried, 1e3 * most);
   }
 }
 
