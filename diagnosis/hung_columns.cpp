@@ -1,6 +1,7 @@
 // Probes of what only hangs on the body: to first order each changes −Δ(s) to fromᵀ.
 #include <algorithm>
 #include <complex>
+#include <span>
 #include <vector>
 
 #include "diagnosis/attachments.h"
@@ -28,6 +29,31 @@ bool same(const std::vector<Path>& a, const std::vector<Path>& b) {
     return one.gain == other.gain && one.delay == other.delay && one.lag == other.lag &&
            one.derivative == other.derivative;
   });
+}
+
+// What the probes hang on a state; something, each of them.
+std::vector<Hanging> hanging(const Structure& structure, const State& state, const Effect& effect,
+                             std::span<const Probe> probes) {
+  const auto parameters = effect.parameters(structure);
+  std::vector<Hanging> all;
+  Index count = 0;
+  for (std::size_t n = 0; n < probes.size(); ++n) {
+    const auto& probe = probes[n];
+    const auto moved = [&](double by) {
+      State with = state;
+      auto x = probe.x;
+      x(probe.size) += by * parameters[at(probe.size)].step;
+      effect.apply(with, structure, probe.option, x);
+      return with.attached;
+    };
+    const auto minus = moved(-1.0);
+    const auto plus = moved(1.0);
+    for (std::size_t a = state.attached.size(); a < plus.size(); ++a) {
+      all.push_back({n, minus[a], plus[a], count});
+      count += plus[a].shapes.cols();
+    }
+  }
+  return all;
 }
 
 // Responses between channels and displacements, p×D and q×D on line k; modes far above included.
@@ -66,24 +92,8 @@ bool Probing::only_hangs(const Effect& effect, const Probe& probe) const {
 
 MatrixXd Probing::hung_columns(const Effect& effect, std::span<const Probe> probes) const {
   const auto parameters = effect.parameters(problem_.structure);
-  std::vector<Hanging> all;
-  Index count = 0;
-  for (std::size_t n = 0; n < probes.size(); ++n) {
-    const auto& probe = probes[n];
-    const auto moved = [&](double by) {
-      State state = state_;
-      auto x = probe.x;
-      x(probe.size) += by * parameters[at(probe.size)].step;
-      effect.apply(state, problem_.structure, probe.option, x);
-      return state.attached;
-    };
-    const auto minus = moved(-1.0);
-    const auto plus = moved(1.0);
-    for (std::size_t a = state_.attached.size(); a < plus.size(); ++a) {
-      all.push_back({n, minus[a], plus[a], count});
-      count += plus[a].shapes.cols();
-    }
-  }
+  const auto all = hanging(problem_.structure, state_, effect, probes);
+  const Index count = all.back().first + all.back().plus.shapes.cols();
   const auto [to, from, to_up, from_up] = touching(state_, now_, all, count);
   const Index p = state_.output_count();
   const Index q = state_.input_count();
