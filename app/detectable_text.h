@@ -10,7 +10,7 @@
 
 namespace chladni::app {
 
-/// "This experiment finds, 99 times in 100: point_mass of 0.9 g to 3.1 g, ..."; empty where none of
+/// "This experiment finds, 99 times in 100: point_mass of 1 g to 8.1 g, ..."; empty where none of
 /// the usual effects is found.
 [[nodiscard]] std::string detectable_sentence(const std::vector<diagnosis::Detectable>& all);
 

@@ -110,13 +110,13 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   SearchLimits limits;
   limits.most_causes = options.most_causes;
   limits.least_evidence = options.least_evidence;
+  limits.unseen = shape_deviations(own, response, band_hz);
   auto tolerable = deviations(own, options.tolerances, band_hz);
   const Observed coarse = thinned(widened(all, model_variance(all, response)), options.lines);
   const Found first =
       searched({own, coarse, tolerable}, catalogue_of(options), limits, options.progress);
   tell(options.progress, "the last word");
-  auto shapes = shape_deviations(own, response, band_hz);
-  std::ranges::move(shapes, std::back_inserter(tolerable));
+  std::ranges::copy(limits.unseen, std::back_inserter(tolerable));
   const Observed fine = thinned(all, 2 * options.lines);
   const Problem problem{own, fine, tolerable};
   const Found found = refined(problem, first, limits);

@@ -16,10 +16,10 @@ namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kPlaces = 49;
+constexpr Index kPlaces = 144;
+constexpr double kBetweenPlaces = 6.0;  // of ln evidence, may be lost from a place to the next
 
 // The probe's effect at the size that the score asks for; none where it asks for less than nothing.
 std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double step) {
@@ -36,27 +36,40 @@ std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double s
   return cause;
 }
 
+// ln of Occam's factor of the size and of the choice; that of the place is left out.
+double occam(const Structure& structure, const Effect& effect, const Probe& probe, double step,
+             double known) {
+  const auto parameters = effect.parameters(structure);
+  const double width = parameters[static_cast<std::size_t>(probe.size)].width;
+  // Of a strength the slope of its logarithm grows with it.
+  const double per_width = width * (probe.nothing == Nothing::zero ? 1.0 : std::abs(step));
+  return 0.5 * std::log1p(per_width * per_width * known) +
+         std::log(static_cast<double>(effect.options(structure)));
+}
+
 std::vector<Hint> hints_of(const Probing& probing, const Information& information,
-                           const VectorXd& left, const Effect& effect, double least) {
+                           const VectorXd& left, const Effect& effect, const HintLimits& limits) {
   const auto& structure = probing.problem().structure;
   const auto probes = probing.probes(effect, kPlaces);
   if (probes.empty()) return {};
-  const MatrixXd slopes = probing.size_columns(effect, probes);
-  const VectorXd known = information.of(slopes).diagonal();
-  const VectorXd score = slopes.transpose() * left;
+  const auto [score, known] = information.scored(probing.size_columns(effect, probes), left);
   std::vector<Hint> best;
   for (std::size_t n = 0; n < probes.size(); ++n) {
     const auto i = static_cast<Index>(n);
-    const double fall = known(i) > 0.0 ? score(i) * score(i) / known(i) : 0.0;
-    if (!(fall > least)) continue;
-    auto cause = sized(effect, probes[n], score(i) / known(i));
+    if (!(known(i) > 0.0)) continue;
+    const double step = score(i) / known(i);
+    const double evidence = 0.5 * limits.times * step * score(i) -
+                            occam(structure, effect, probes[n], step, limits.times * known(i));
+    auto cause = sized(effect, probes[n], step);
     if (!cause || !std::isfinite(log_prior(*cause, structure))) continue;
+    const double lost = place_of(*cause, structure) ? kBetweenPlaces : 0.0;
+    if (evidence < limits.least_evidence - lost) continue;
     const auto same = std::ranges::find_if(
         best, [&](const Hint& other) { return other.cause.option == cause->option; });
     if (same == best.end()) {
-      best.push_back({*std::move(cause), fall});
-    } else if (fall > same->fall) {
-      *same = {*std::move(cause), fall};
+      best.push_back({*std::move(cause), evidence});
+    } else if (evidence > same->log_evidence) {
+      *same = {*std::move(cause), evidence};
     }
   }
   return best;
@@ -65,18 +78,18 @@ std::vector<Hint> hints_of(const Probing& probing, const Information& informatio
 }  // namespace
 
 std::vector<Hint> hints(const Problem& problem, const Fit& about,
-                        const std::vector<const Effect*>& catalogue, double least) {
+                        const std::vector<const Effect*>& catalogue, const HintLimits& limits) {
   const Probing probing(problem, state_of(problem, about.causes, about.eta));
   const Information information(problem, about);
   const VectorXd left = residual(problem.observed, probing.now().value);
   std::vector<std::vector<Hint>> each(catalogue.size());
   const priors::dense::OneThread one;
   parallel_tasks(each.size(), [&](std::size_t n) {
-    each[n] = hints_of(probing, information, left, *catalogue[n], least);
+    each[n] = hints_of(probing, information, left, *catalogue[n], limits);
   });
   std::vector<Hint> all;
   for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(all));
-  std::ranges::stable_sort(all, std::greater{}, &Hint::fall);
+  std::ranges::stable_sort(all, std::greater{}, &Hint::log_evidence);
   return all;
 }
 

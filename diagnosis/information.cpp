@@ -25,6 +25,7 @@ Information::Information(const Problem& problem, const Observed& slopes) {
   const VectorXd eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   const State state = state_of(problem, {}, eta);
   const Solved now = solved(state, Body(state, problem.observed.omega));
+  eta_ = eta;
   take(sensitivities(problem, {}, eta, now));
 }
 
@@ -39,6 +40,8 @@ Information::Information(const Problem& problem, const Fit& about) {
       jacobian.col(column++) *= prior_width(problem.structure, parameter);
     }
   }
+  eta_ = VectorXd::Zero(jacobian.cols());
+  eta_.tail(about.eta.size()) = about.eta;
   take(jacobian);
 }
 
@@ -50,20 +53,37 @@ void Information::take(const MatrixXd& jacobian) {
   jacobian_ = jacobian.transpose();
 }
 
+MatrixXd Information::taken(const MatrixXd& slopes) const {
+  MatrixXd taken = MatrixXd::Zero(jacobian_.rows(), slopes.cols());
+  if (factor_.size() == 0) return taken;
+  priors::dense::add_product(jacobian_, slopes, 1.0, taken);
+  priors::dense::solve(factor_, taken);
+  return taken;
+}
+
 MatrixXd Information::of(const MatrixXd& slopes) const {
-  const Index d = slopes.cols();
   const MatrixXd own = rows_.asDiagonal() * slopes;
-  MatrixXd information = MatrixXd::Zero(d, d);
+  MatrixXd information = MatrixXd::Zero(own.cols(), own.cols());
   priors::dense::add_gram(own, information);
   if (factor_.size() > 0) {
-    MatrixXd taken = MatrixXd::Zero(jacobian_.rows(), d);
-    priors::dense::add_product(jacobian_, own, 1.0, taken);
-    priors::dense::solve(factor_, taken);
-    MatrixXd gram = MatrixXd::Zero(d, d);
-    priors::dense::add_gram(taken, gram);
-    information -= gram;
+    MatrixXd less = MatrixXd::Zero(own.cols(), own.cols());
+    priors::dense::add_gram(taken(own), less);
+    information -= less;
   }
   return information.selfadjointView<Eigen::Lower>();
+}
+
+Information::Score Information::scored(const MatrixXd& slopes, const VectorXd& left) const {
+  const MatrixXd own = rows_.asDiagonal() * slopes;
+  const VectorXd rest = rows_.cwiseProduct(left);
+  Score result{own.transpose() * rest, own.colwise().squaredNorm()};
+  if (factor_.size() == 0) return result;
+  const MatrixXd less = taken(own);
+  MatrixXd pull = jacobian_ * rest - eta_;
+  priors::dense::solve(factor_, pull);
+  result.score -= less.transpose() * pull;
+  result.information -= less.colwise().squaredNorm().transpose();
+  return result;
 }
 
 }  // namespace chladni::diagnosis

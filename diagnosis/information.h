@@ -21,10 +21,21 @@ class Information {
   /// @return d×d. Cost: N d (deviations + d)
   [[nodiscard]] Eigen::MatrixXd of(const Eigen::MatrixXd& slopes) const;
 
+  /// Of each slope by itself: gᵀ(1 + J Jᵀ)⁻¹(r + J η), r what is left at η, and its F. Where η is
+  /// the most probable one the first is gᵀr; else, as of other lines, it is as if it were.
+  struct Score {
+    Eigen::VectorXd score, information;  ///< d
+  };
+  /// @param left  N: of the fit that this is about, weighted as the slopes
+  [[nodiscard]] Score scored(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& left) const;
+
  private:
   void take(const Eigen::MatrixXd& jacobian);
+  /// L⁻¹ Jᵀ g.
+  [[nodiscard]] Eigen::MatrixXd taken(const Eigen::MatrixXd& slopes) const;
 
   Eigen::VectorXd rows_;               ///< N: the problem's weights over those of the slopes
+  Eigen::VectorXd eta_;                ///< n: where the deviations stand
   Eigen::MatrixXd jacobian_, factor_;  ///< Jᵀ, n×N; n×n: of JᵀJ + 1, lower
 };
 

@@ -232,6 +232,7 @@ MatrixXd Probing::columns(const Effect& effect, std::span<const Probe> probes) c
 }
 
 MatrixXd Probing::size_columns(const Effect& effect, std::span<const Probe> probes) const {
+  if (!probes.empty() && only_hangs(effect, probes.front())) return hung_columns(effect, probes);
   MatrixXd all(2 * problem_.observed.value.size(), static_cast<Index>(probes.size()));
   for (std::size_t first = 0; first < probes.size(); first += kTogether) {
     const auto part = probes.subspan(first, std::min(kTogether, probes.size() - first));

@@ -49,7 +49,8 @@ class Probing {
   /// has. Cost: one solve with all that the probes attach, a slope per column.
   [[nodiscard]] Eigen::MatrixXd columns(const Effect& effect, std::span<const Probe> probes) const;
 
-  /// The same of the probes' sizes alone: N × probes.
+  /// The same of the probes' sizes alone: N × probes. What only hangs on the body is cheaper: K p q
+  /// per column.
   [[nodiscard]] Eigen::MatrixXd size_columns(const Effect& effect,
                                              std::span<const Probe> probes) const;
 
@@ -61,6 +62,9 @@ class Probing {
                                                     Eigen::Index places) const;
   [[nodiscard]] Eigen::MatrixXd columns_together(const Effect& effect,
                                                  std::span<const Probe> probes, bool all) const;
+  [[nodiscard]] bool only_hangs(const Effect& effect, const Probe& probe) const;
+  [[nodiscard]] Eigen::MatrixXd hung_columns(const Effect& effect,
+                                             std::span<const Probe> probes) const;
   [[nodiscard]] Nothing direction(const Effect& effect, Probe probe) const;
   [[nodiscard]] Eigen::MatrixXcd change(const Effect& effect, Eigen::Index option) const;
 

@@ -238,18 +238,24 @@ std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   return all;
 }
 
-// Beside them what the scene is blind to; never what cannot bring the evidence.
+// Beside them what the scene is blind to.
 void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
-  constexpr int kMost = 2;
+  constexpr int kMost = 4;
   if (is_large(level, base)) return;
   const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
-  const Problem coarse{level.problem.structure, few, level.problem.deviations};
-  const double least = 2.0 * level.limits.least_evidence;
+  std::vector<Deviation> all = level.problem.deviations;
+  all.insert(all.end(), level.limits.unseen.begin(), level.limits.unseen.end());
+  const Problem coarse{level.problem.structure, few, all};
+  Fit about = base;
+  about.eta = VectorXd::Zero(static_cast<Index>(all.size()));
+  about.eta.head(base.eta.size()) = base.eta;
+  const double times = numbers(level.problem) / numbers(coarse);
   int taken = 0;
-  for (const auto& hint : hints(coarse, base, level.catalogue, least)) {
+  for (const auto& hint :
+       hints(coarse, about, level.catalogue, {level.limits.least_evidence, times})) {
     if (taken == kMost) break;
     if (is_there_already(level.problem.structure, base, hint.cause)) continue;
-    chosen.push_back({hint.cause, -hint.fall, &base, false});
+    chosen.push_back({hint.cause, -2.0 * hint.log_evidence, &base, false});
     ++taken;
   }
 }

@@ -17,6 +17,8 @@ struct SearchLimits {
   double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
   double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
   double least_excess = kExplained;  ///< unless this much (z) is left without it
+  /// Errors that the last word knows and the search takes for noise: what they may be is no hint.
+  std::vector<Deviation> unseen = {};
 };
 
 struct Found {
@@ -26,8 +28,8 @@ struct Found {
 
 /// At each level, from the best explanations so far: every effect of the catalogue is tried at the
 /// starts it offers, in a scene whose variances the tolerances widen; the best few are fitted in
-/// full, and two that the score test hints at (hints.h), which sees what is small. It ends when no
-/// cause brings `least_evidence`, or nothing is left to explain; then each cause is left out in
+/// full, and four that the score test hints at (hints.h), which sees what is small. It ends when
+/// no cause brings `least_evidence`, or nothing is left to explain; then each cause is left out in
 /// turn, and stays out where that costs too little.
 /// @param catalogue  the effects that may be
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,

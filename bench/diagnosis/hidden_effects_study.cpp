@@ -1,9 +1,11 @@
 // hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
 //   [--write FILE] [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M]
-//   [--coarser C] [--deviation X] [--list]
+//   [--coarser C] [--deviation X] [--list] [--detectable [--check N]]
 // hides effects in measurements of a Ritz plate, diagnoses them from a nominal one, and prints what
 // was found, as bench/README.md has it. --tolerance: tables that deviate by X (1) default
 // tolerances, diagnosed with these, from a structure of C (2) degrees less; else the exact model.
+// --detectable: the smallest sizes that would be found instead; --check: N masses of 0.5, 1 and 1.5
+// times theirs are hidden and sought.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "detectable_tables.h"
 #include "diagnosis/diagnosed.h"
 #include "io/frf_file.h"
 #include "simulators/hidden_effect.h"
@@ -36,7 +39,8 @@ struct Arguments {
   unsigned seeds = 2, first = 1;
   simulators::HiddenOptions hidden;
   simulators::RitzStructureOptions structure;
-  bool tolerance = false, list = false;
+  bool tolerance = false, list = false, detectable = false;
+  unsigned check = 0;      ///< masses hidden at each multiple of their smallest size
   double deviation = 1.0;  ///< of the tables, within tolerances
   int coarser = 2;         ///< degrees that the structure has less, within tolerances
   std::string write;       ///< a file for the first case instead of a diagnosis
@@ -65,6 +69,7 @@ std::map<std::string, std::function<void(const std::string&)>> words(Arguments& 
   return {{"--kinds", [&all](const std::string& text) { all.kinds = text; }},
           {"--write", [&all](const std::string& text) { all.write = text; }},
           {"--seeds", number(all.seeds)},
+          {"--check", number(all.check)},
           {"--first", number(all.first)},
           {"--lines", number(all.hidden.lines)},
           {"--severity", number(all.hidden.severity)},
@@ -83,6 +88,8 @@ Arguments arguments(int count, char** values) {
       all.tolerance = true;
     } else if (word == "--changed-damping") {
       all.hidden.damping_stays = false;
+    } else if (word == "--detectable") {
+      all.detectable = true;
     } else if (word == "--list") {
       all.list = true;
     } else {
@@ -273,6 +280,18 @@ void write_first(const Arguments& wanted) {
   for (const auto& lost : io::write_frf(wanted.write, hidden.measured)) fmt::print("{}\n", lost);
 }
 
+// What this experiment would find, and whether it does.
+void print_smallest(const diagnosis::Structure& structure, const Arguments& wanted) {
+  diagnosis::DiagnosisOptions options;
+  if (!wanted.tolerance) options.tolerances = diagnosis::exact_model();
+  const auto measured = simulators::hidden_case({}, wanted.first, wanted.hidden).measured;
+  if (wanted.check == 0) print_detectable(structure, measured, options);
+  if (wanted.check == 0 && wanted.tolerance) print_bounds(structure, measured, options);
+  if (wanted.check > 0) {
+    print_check(structure, options, wanted.hidden, wanted.first, wanted.check);
+  }
+}
+
 int studied(int count, char** values) {
   const auto wanted = arguments(count, values);
   if (!wanted.write.empty()) {
@@ -282,6 +301,10 @@ int studied(int count, char** values) {
   const int degree = wanted.hidden.degree - (wanted.tolerance ? wanted.coarser : 0);
   const auto structure = simulators::ritz_structure(simulators::believed_table(degree),
                                                     simulators::table_channels(), wanted.structure);
+  if (wanted.detectable) {
+    print_smallest(structure, wanted);
+    return 0;
+  }
   std::vector<Done> all;
   for (const auto& trial : trials(wanted)) all.push_back(diagnosed(trial, wanted, structure));
   print_table(all);

@@ -103,6 +103,25 @@ TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
   }
 }
 
+// What hangs on the body has its columns by a shorter way, about nothing; the others are taken
+// about half a gram.
+TEST(Probing, HasSizesAmongItsColumns) {
+  const auto free = experiment(none());
+  const Problem problem{free.structure, free.looks[0].observed, free.looks[0].deviations};
+  const Probing probing(problem);
+  for (const auto* one : effects()) {
+    const auto probes = probing.probes(*one, 2);
+    if (probes.empty()) continue;
+    const MatrixXd columns = probing.columns(*one, probes);
+    const MatrixXd sizes = probing.size_columns(*one, probes);
+    const Index d = columns.cols() / sizes.cols();
+    for (Index n = 0; n < sizes.cols(); ++n) {
+      const VectorXd size = columns.col(d * n + probes[static_cast<std::size_t>(n)].size);
+      EXPECT_LT((sizes.col(n) - size).norm(), 1e-2 * size.norm()) << one->name;
+    }
+  }
+}
+
 TEST(Detectable, GrowsWithTheNoise) {
   const auto once = experiment(none());
   const auto twice = experiment(none(), 2.0);
