@@ -13,6 +13,7 @@
 #include "base/interrupt.h"
 #include "identification/delay_scan.h"
 #include "identification/matrix_fraction.h"
+#include "identification/model_error.h"
 
 namespace chladni::app {
 namespace {
@@ -44,6 +45,20 @@ identification::FitDataOptions data_options(const IdentificationPlan& plan,
   return options;
 }
 
+// Of other responses of the same measurement, weighted by their noise alone.
+identification::FitData noise_of(const IdentificationPlan& plan, const IdentifiedModel& model,
+                                 const modal::FrfSet& set) {
+  auto options = data_options(plan, model.seen);
+  options.model_error = 0.0;
+  return identification::fit_data(set, options);
+}
+
+identification::DelayOf delay_of(const IdentificationPlan& plan) {
+  if (plan.delay_of == "sensors") return identification::DelayOf::outputs;
+  if (plan.delay_of == "actuators") return identification::DelayOf::inputs;
+  return identification::DelayOf::all;
+}
+
 identification::IdentificationOptions fit_options(const IdentificationPlan& plan,
                                                   const Study& study, Run& run) {
   identification::IdentificationOptions options;
@@ -52,6 +67,7 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   if (plan.rigid_body_modes < 0 && is_held(study)) options.rigid_count = 0;
   if (plan.damping == "general") options.fit.damping = identification::Damping::general;
   options.fit.delay = plan.delay;
+  options.fit.delay_of = delay_of(plan);
   options.fit.residual = plan.residual;
   options.fit.keep_best = run.options().keep_best;
   options.fit.progress = run.talk().progress();
@@ -248,7 +264,12 @@ identification::RigidMotion rigid_motion(Eigen::Index rigid_count) {
 
 identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {
-  return identification::fit_data(set, data_options(plan_of(study), model.seen));
+  const auto plan = plan_of(study);
+  if (model.model_error.size() == 0) {
+    return identification::fit_data(set, data_options(plan, model.seen));
+  }
+  const auto noise_only = noise_of(plan, model, set);
+  return identification::with_model_error(noise_only, noise_only.value, model.model_error);
 }
 
 namespace {
@@ -278,6 +299,31 @@ void take_out_drift(IdentifiedModel& model) {
   model.drift += shift;
 }
 
+// What a study states is the most that the model may be off; once its modes are known the data say
+// how much it is, and the fit may come as near as that.
+bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& model) {
+  constexpr Eigen::Index kMany = 200;  // responses that are fitted by their combinations
+  return !model.seen.variance.empty() && plan.weighting == "variance" && plan.method != "thesis" &&
+         plan.model_error.value_or(0.0) > 0.0 && model.data.response_count() <= kMany &&
+         model.found.fit.converged;
+}
+
+identification::ModalFit come_nearer(const IdentificationPlan& plan, const Study& study,
+                                     IdentifiedModel& model, Run& run) {
+  constexpr int kRounds = 2;
+  const auto how = fit_options(plan, study, run).fit;
+  const auto noise_only = noise_of(plan, model, model.seen);
+  const double most = data_options(plan, model.seen).model_error;
+  auto fit = model.found.fit;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::MatrixXcd fitted = identification::responses(fit, noise_only.frequency_hz);
+    model.model_error = identification::remaining_model_error(noise_only, fitted, most);
+    model.data = identification::with_model_error(noise_only, fitted, model.model_error);
+    fit = identification::refitted(model.data, fit, how);
+  }
+  return fit;
+}
+
 std::string drift_warning(const IdentifiedModel& model) {
   const auto name = [&](Eigen::Index e) {
     return model.seen.outputs[static_cast<std::size_t>(e % model.data.outputs)].name + "/" +
@@ -293,22 +339,18 @@ std::string drift_warning(const IdentifiedModel& model) {
       name(high), 1e6 * (most - least), name(low));
 }
 
-}  // namespace
-
-IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
-  const auto plan = plan_of(study);
+// Of the study's responses, as near to them as their noise and the study's model error allow.
+IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study, Run& run) {
   IdentifiedModel model;
   model.measured = run.timed("read", [&] { return measured_frfs(study, run); });
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
   model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
   take_out_drift(model);
-  const bool stopped = run.options().keep_best && interrupted();
-  if (stopped) {
-    forget_interrupt();
-    run.talk().warn("the fit was stopped by Ctrl-C: its best so far is written");
-  }
-  if (!stopped && model.seen.variance.empty() && plan.weighting == "variance") {
+  const auto stopped = [&] { return run.options().keep_best && interrupted(); };
+  if (!stopped() && may_come_nearer(plan, model)) {
+    model.found.fit = run.timed("fit again", [&] { return come_nearer(plan, study, model, run); });
+  } else if (!stopped() && model.seen.variance.empty() && plan.weighting == "variance") {
     // The noise is better known once the resonances are.
     model.data = identification::reweighted(
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
@@ -316,6 +358,18 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
     model.found = run.timed("fit again", [&] { return found(plan, study, model.data, run); });
     take_out_drift(model);
   }
+  if (stopped()) {
+    forget_interrupt();
+    run.talk().warn("the fit was stopped by Ctrl-C: its best so far is written");
+  }
+  return model;
+}
+
+}  // namespace
+
+IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
+  const auto plan = plan_of(study);
+  auto model = fitted_model(plan, study, run);
   run.talk().clear_progress();
   if (model.drift.size() > 0) run.talk().warn(drift_warning(model));
   for (const auto& note : model.found.fit.notes) run.talk().warn(note);
@@ -324,7 +378,8 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   add_errors(model);
   if (plan.stabilisation > 0) {
     model.stabilisation = run.timed("stabilisation", [&] {
-      const auto data = identification::undelayed(model.data, model.found.fit.delay_s);
+      const auto data =
+          identification::undelayed(model.data, identification::response_delays(model.found.fit));
       return identification::stabilisation(
           data, plan.stabilisation, model.found.fit.model.rigid_count > 0, run.talk().progress());
     });

@@ -34,6 +34,8 @@ struct IdentifiedModel {
   modal::FrfSet seen;            ///< by the fit
   identification::FitData data;  ///< that of one structure, where `drift` is not empty
   identification::Identified found;
+  /// K, of |G|: what of the study's the data leave room for; empty: it is the study's.
+  Eigen::VectorXd model_error;
   Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, taken out;
                           ///< empty: none that matters
   identification::GainMatch match;

@@ -1,6 +1,7 @@
 // An identified model as a table, JSON and files.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/identification.h"
@@ -201,6 +202,15 @@ std::string gain_text(const identification::ModeMatch& match) {
   return fmt::format("{}{:.4g} +- {:.2g}", match.sign < 0 ? "-" : "", match.alpha, match.alpha_std);
 }
 
+// Of the band: the median line's and the largest.
+std::string model_error_text(const IdentifiedModel& model) {
+  if (model.model_error.size() == 0) return " and the stated error of the model";
+  Eigen::VectorXd sorted = model.model_error;
+  std::sort(sorted.begin(), sorted.end());
+  return fmt::format(" and an error of the model of {}, at most {}",
+                     percent(sorted(sorted.size() / 2)), percent(sorted(sorted.size() - 1)));
+}
+
 }  // namespace
 
 double overall_error(const IdentifiedModel& model) {
@@ -238,8 +248,11 @@ std::string identification_table(const IdentifiedModel& model) {
   if (fit.delay_std_s > 0.0) {
     text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
   }
+  const std::string noise_is = data.noise_known    ? ""
+                               : data.noise_stated ? model_error_text(model)
+                                                   : " (noise estimated from the lines' scatter)";
   text += fmt::format("\ncost {:.5g}, of noise alone {:.5g}{}\n", fit.cost, fit.expected_cost,
-                      data.noise_known ? "" : " (noise estimated from the lines' scatter)");
+                      noise_is);
   return text;
 }
 
@@ -263,6 +276,9 @@ io::JsonObject identified_json(const IdentifiedModel& model) {
                       {"residual", io::Json::rows(fit.model.residual)},
                       {"delay_s", fit.delay_s},
                       {"delay_std_s", fit.delay_std_s},
+                      {"channel_delay_s", io::Json(fit.channel_delay_s)},
+                      {"channel_delay_std_s", io::Json(fit.channel_delay_std_s)},
+                      {"model_error", io::Json(model.model_error)},
                       {"groups", groups},
                       {"gain_match", gain_json(model)},
                       {"shapes", io::JsonObject{{"channels", io::Json::texts(row_names(model))},

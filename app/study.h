@@ -172,6 +172,7 @@ struct IdentificationPlan {
   int modes = 0;                      ///< flexible ones; 0: found
   int rigid_body_modes = -1;          ///< at 0 Hz; −1: found where nothing holds the body
   bool delay = true, residual = true;  ///< fitted
+  std::string delay_of = "all";        ///< of each of the "sensors" or "actuators" its own
   std::string unit;                    ///< of the sensors where the file states none
   std::vector<std::pair<std::string, std::string>> pairs;  ///< sensor, actuator
   double pairs_within = 1e-3;                              ///< [m]: where no pairs are named

@@ -52,6 +52,8 @@ void read_identification(TableReader& root, Study& study) {
   plan.rigid_body_modes =
       static_cast<int>(table->integer("rigid_body_modes", 0, 6).value_or(plan.rigid_body_modes));
   plan.delay = table->truth("delay").value_or(plan.delay);
+  plan.delay_of =
+      table->choice("delay_of", {"all", "sensors", "actuators"}).value_or(plan.delay_of);
   plan.residual = table->truth("residual").value_or(plan.residual);
   plan.unit = table->text("unit").value_or("");
   read_pairs(*table, study, plan);

@@ -263,6 +263,7 @@ io::Json identification_json(const IdentificationPlan& plan) {
                         {"modes", plan.modes},
                         {"rigid_body_modes", plan.rigid_body_modes},
                         {"delay", plan.delay},
+                        {"delay_of", plan.delay_of},
                         {"residual", plan.residual},
                         {"unit", plan.unit},
                         {"pairs", pairs},

@@ -241,4 +241,12 @@ Identified identified(const FitData& measured, const IdentificationOptions& opti
   return from_all_responses(measured, options);
 }
 
+ModalFit refitted(const FitData& data, const ModalFit& fit, const FitOptions& options) {
+  if (!options.delay) return modal_fit(data, start_at(fit.model), options);
+  const auto delays = response_delays(fit);
+  auto result = modal_fit(undelayed(data, delays), start_at(fit.model), options);
+  put_back(delays, options.delay_of, result);
+  return result;
+}
+
 }  // namespace chladni::identification

@@ -46,6 +46,12 @@ struct Identified {
 /// @throws InvalidInput  as modal_fit; nothing in the data stands out of the noise
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 
+/// The same modes with the data weighted otherwise.
+/// @param data  of the channels that `fit` is of
+/// @throws as modal_fit
+[[nodiscard]] ModalFit refitted(const FitData& data, const ModalFit& fit,
+                                const FitOptions& options = {});
+
 /// Poles of vector fits of rising order, for the diagram that users know.
 struct StabilisationPoint {
   Eigen::Index order = 0;

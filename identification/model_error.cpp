@@ -1,0 +1,45 @@
+#include "identification/model_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace chladni::identification {
+namespace {
+
+constexpr Eigen::Index kNeighbours = 12;  // on each side
+
+}  // namespace
+
+Eigen::VectorXd remaining_model_error(const FitData& noise_only, const Eigen::MatrixXcd& fitted,
+                                      double most) {
+  const Eigen::ArrayXXd weight = noise_only.weight.array();
+  // In deviations of the noise: what is left, and how large the response is.
+  const Eigen::ArrayXXd left = weight * (noise_only.value - fitted).cwiseAbs().array();
+  const Eigen::ArrayXXd size = weight * fitted.cwiseAbs().array();
+  const Eigen::ArrayXXd there = (weight > 0.0).cast<double>();
+  // Σ (|e|² − σ²) over Σ |G|², each response by the noise of its line.
+  const Eigen::ArrayXd beyond = (left.square() - there).rowwise().sum();
+  const Eigen::ArrayXd power = size.square().rowwise().sum();
+  const Eigen::Index lines = noise_only.line_count();
+  Eigen::VectorXd error(lines);
+  for (Eigen::Index k = 0; k < lines; ++k) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - kNeighbours);
+    const Eigen::Index count = std::min(lines, k + kNeighbours + 1) - first;
+    const double sum = power.segment(first, count).sum();
+    const double squared = sum > 0.0 ? beyond.segment(first, count).sum() / sum : 0.0;
+    error(k) = std::min(most, std::sqrt(std::max(0.0, squared)));
+  }
+  return error;
+}
+
+FitData with_model_error(const FitData& noise_only, const Eigen::MatrixXcd& fitted,
+                         const Eigen::VectorXd& model_error) {
+  FitData data = noise_only;
+  const Eigen::ArrayXXd off =
+      (model_error.asDiagonal() * fitted.cwiseAbs()).array() * noise_only.weight.array();
+  data.weight = noise_only.weight.array() / (1.0 + off.square()).sqrt();
+  data.noise_known = noise_only.noise_known && model_error.isZero(0.0);
+  return data;
+}
+
+}  // namespace chladni::identification
