@@ -45,14 +45,6 @@ identification::FitDataOptions data_options(const IdentificationPlan& plan,
   return options;
 }
 
-// Of other responses of the same measurement, weighted by their noise alone.
-identification::FitData noise_of(const IdentificationPlan& plan, const IdentifiedModel& model,
-                                 const modal::FrfSet& set) {
-  auto options = data_options(plan, model.seen);
-  options.model_error = 0.0;
-  return identification::fit_data(set, options);
-}
-
 identification::DelayOf delay_of(const IdentificationPlan& plan) {
   if (plan.delay_of == "sensors") return identification::DelayOf::outputs;
   if (plan.delay_of == "actuators") return identification::DelayOf::inputs;
@@ -264,12 +256,7 @@ identification::RigidMotion rigid_motion(Eigen::Index rigid_count) {
 
 identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {
-  const auto plan = plan_of(study);
-  if (model.model_error.size() == 0) {
-    return identification::fit_data(set, data_options(plan, model.seen));
-  }
-  const auto noise_only = noise_of(plan, model, set);
-  return identification::with_model_error(noise_only, noise_only.value, model.model_error);
+  return identification::fit_data(set, data_options(plan_of(study), model.seen));
 }
 
 namespace {
@@ -303,25 +290,37 @@ void take_out_drift(IdentifiedModel& model) {
 // how much it is, and the fit may come as near as that.
 bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& model) {
   constexpr Eigen::Index kMany = 200;  // responses that are fitted by their combinations
+  const auto& fit = model.found.fit;
+  const bool single = std::none_of(fit.groups.begin(), fit.groups.end(),
+                                   [](const auto& group) { return group.size > 1; });
   return !model.seen.variance.empty() && plan.weighting == "variance" && plan.method != "thesis" &&
-         plan.model_error.value_or(0.0) > 0.0 && model.data.response_count() <= kMany &&
-         model.found.fit.converged;
+         plan.damping == "modal" && plan.model_error.value_or(0.0) > 0.0 && single &&
+         model.data.response_count() <= kMany && fit.converged;
 }
 
-identification::ModalFit come_nearer(const IdentificationPlan& plan, const Study& study,
-                                     IdentifiedModel& model, Run& run) {
+// The errors of a model go together along the lines and do not average out as noise does: the
+// deviations stay those of the first fit, and so do the delays, which phases of complex modes would
+// pass for.
+void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedModel& model,
+                 Run& run) {
   constexpr int kRounds = 2;
-  const auto how = fit_options(plan, study, run).fit;
-  const auto noise_only = noise_of(plan, model, model.seen);
-  const double most = data_options(plan, model.seen).model_error;
+  auto how = fit_options(plan, study, run).fit;
+  how.delay = false;
+  auto noise_only = data_options(plan, model.seen);
+  noise_only.model_error = 0.0;
+  const auto delays = identification::response_delays(model.found.fit);
+  const auto data =
+      identification::undelayed(identification::fit_data(model.seen, noise_only), delays);
   auto fit = model.found.fit;
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::MatrixXcd fitted = identification::responses(fit, noise_only.frequency_hz);
-    model.model_error = identification::remaining_model_error(noise_only, fitted, most);
-    model.data = identification::with_model_error(noise_only, fitted, model.model_error);
-    fit = identification::refitted(model.data, fit, how);
+    fit.delay_s = 0.0;
+    fit.channel_delay_s.resize(0);
+    const Eigen::MatrixXcd fitted = identification::responses(fit, data.frequency_hz);
+    model.model_error = identification::remaining_model_error(data, fitted, *plan.model_error);
+    fit = identification::refitted(
+        identification::with_model_error(data, fitted, model.model_error), fit, how);
   }
-  return fit;
+  identification::take_values(fit, model.found.fit);
 }
 
 std::string drift_warning(const IdentifiedModel& model) {
@@ -349,7 +348,7 @@ IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study,
   take_out_drift(model);
   const auto stopped = [&] { return run.options().keep_best && interrupted(); };
   if (!stopped() && may_come_nearer(plan, model)) {
-    model.found.fit = run.timed("fit again", [&] { return come_nearer(plan, study, model, run); });
+    come_nearer(plan, study, model, run);
   } else if (!stopped() && model.seen.variance.empty() && plan.weighting == "variance") {
     // The noise is better known once the resonances are.
     model.data = identification::reweighted(

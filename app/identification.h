@@ -34,7 +34,7 @@ struct IdentifiedModel {
   modal::FrfSet seen;            ///< by the fit
   identification::FitData data;  ///< that of one structure, where `drift` is not empty
   identification::Identified found;
-  /// K, of |G|: what of the study's the data leave room for; empty: it is the study's.
+  /// K, of |G|: what of the study's the data leave room for; empty: that was not asked.
   Eigen::VectorXd model_error;
   Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, taken out;
                           ///< empty: none that matters

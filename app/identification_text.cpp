@@ -207,7 +207,7 @@ std::string model_error_text(const IdentifiedModel& model) {
   if (model.model_error.size() == 0) return " and the stated error of the model";
   Eigen::VectorXd sorted = model.model_error;
   std::sort(sorted.begin(), sorted.end());
-  return fmt::format(" and an error of the model of {}, at most {}",
+  return fmt::format(" and the stated error of the model; as fitted it is off by {}, at most {}",
                      percent(sorted(sorted.size() / 2)), percent(sorted(sorted.size() - 1)));
 }
 

@@ -84,9 +84,16 @@ struct Interpolated {
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
                                                   const Interpolation& one);
 
-/// `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file, and
-/// spatio_temporal.mat: receptances at the sensors that no fit saw and at the points of interest.
+/// `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file,
+/// predicted.png and spatio_temporal.mat: receptances at the sensors that no fit saw and at the
+/// points of interest.
 void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
+/// predicted.png beside predicted.csv.
+[[nodiscard]] std::filesystem::path predictions_picture(const std::string& file, const Run& run);
+/// At most 24 of them, over what was measured there.
+/// @param predicted  with variances
+void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,
+                      const std::filesystem::path& png);
 
 /// A sensor or actuator of the study where it is on the body.
 struct ChannelSite {

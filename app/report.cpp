@@ -140,7 +140,7 @@ io::Section identification_section(const IdentifiedModel& model, const Run& run)
   return section;
 }
 
-io::Section shapes_section(const Interpolated& shapes, const Run& run) {
+io::Section shapes_section(const Study& study, const Interpolated& shapes, const Run& run) {
   io::Section section{"Shapes between the sensors", {}};
   const auto& shown = shapes.methods.front();
   if (run.options().pictures) {
@@ -148,6 +148,13 @@ io::Section shapes_section(const Interpolated& shapes, const Run& run) {
         "", run / "mode_field.png",
         std::string("How well each shape is known: ") + shown.method->summary + ".");
     section.blocks = picture.blocks;
+    const auto plan = study.interpolation.value_or(InterpolationPlan{});
+    const auto responses = predictions_picture(plan.predicted, run);
+    if (shapes.measured.identified && std::filesystem::exists(responses)) {
+      const auto more = io::picture_section(
+          "", responses, "Responses at the sensors that no fit saw and at the points of interest.");
+      section.blocks.insert(section.blocks.end(), more.blocks.begin(), more.blocks.end());
+    }
   }
   section.blocks.emplace_back(methods_table(shapes));
   for (const auto& note : shown.field->summary().notes) {
@@ -193,7 +200,7 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   if (found.shapes != nullptr && found.shapes->measured.identified) {
     report.sections.push_back(identification_section(*found.shapes->measured.identified, run));
   }
-  if (found.shapes != nullptr) report.sections.push_back(shapes_section(*found.shapes, run));
+  if (found.shapes != nullptr) report.sections.push_back(shapes_section(study, *found.shapes, run));
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
                                              solution.degrees_of_freedom));
   if (!study.sensors.empty() || !study.actuators.empty()) {

@@ -249,4 +249,16 @@ ModalFit refitted(const FitData& data, const ModalFit& fit, const FitOptions& op
   return result;
 }
 
+void take_values(const ModalFit& from, ModalFit& into) {
+  const auto modes = into.model.mode_count();
+  if (into.complex || from.complex || from.model.mode_count() != modes) return;
+  const auto before = into.model;
+  into.model = from.model;
+  for (Eigen::Index m = 0; m < modes; ++m) {
+    if (before.output_shapes.col(m).dot(into.model.output_shapes.col(m)) >= 0.0) continue;
+    into.model.output_shapes.col(m) *= -1.0;
+    into.model.input_shapes.row(m) *= -1.0;
+  }
+}
+
 }  // namespace chladni::identification

@@ -52,6 +52,10 @@ struct Identified {
 [[nodiscard]] ModalFit refitted(const FitData& data, const ModalFit& fit,
                                 const FitOptions& options = {});
 
+/// The modes and the residual of one fit, with the deviations of the other, whose modes they are:
+/// in `into`, shapes turned as they were there. Complex shapes stay.
+void take_values(const ModalFit& from, ModalFit& into);
+
 /// Poles of vector fits of rising order, for the diagram that users know.
 struct StabilisationPoint {
   Eigen::Index order = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/interpolation.h"
 #include "base/error.h"
 #include "quiet_run.h"
 #include "simulators/frf_cases.h"
@@ -81,6 +82,22 @@ TEST(ComparisonPictures, AreThere) {
   draw_mac(png("none.png"), {});
   EXPECT_FALSE(fs::exists(png("none.png")));
   EXPECT_THROW(draw_responses(png("none.png"), table().measured, {}), InvalidInput);
+}
+
+// Of a sensor that was measured, and of a place that was not.
+TEST(PredictionsPicture, IsThere) {
+  const TestFolder folder("predictions");
+  IdentifiedModel model;
+  model.measured.all = table().measured;
+  model.measured.inputs = {0, 1, 2};
+  auto predicted = modal::part(table().measured, {3, 2}, {0, 1, 2});
+  predicted.outputs[1].name = "corner";
+  if (predicted.variance.empty()) {
+    for (const auto& value : predicted.value)
+      predicted.variance.push_back(1e-4 * value.cwiseAbs2());
+  }
+  draw_predictions(model, predicted, folder.path() / "predicted.png");
+  EXPECT_GT(fs::file_size(folder.path() / "predicted.png"), 2000U);
 }
 
 }  // namespace
