@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
-#include "identification/common_weights.h"
+#include "identification/equal_weights.h"
 #include "identification/response_products.h"
 #include "priors/dense.h"
 
@@ -153,8 +153,8 @@ Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted) {
 
 NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                  const Target& target, const Fitted& fitted) {
-  return common_weights_pay(model, target)
-             ? normal_equations_of_common_weights(model, misfit, target, fitted)
+  return equal_weights_pay(model, target)
+             ? normal_equations_of_equal_weights(model, misfit, target, fitted)
              : normal_equations_by_response(model, misfit, target, fitted);
 }
 

@@ -59,7 +59,7 @@ struct NormalEquations {
 };
 
 /// The gradient is exact. Where all responses have the same weights the sums of one are those of
-/// all (common_weights.h), if that costs less; else response by response.
+/// all (equal_weights.h), if that costs less; else response by response.
 [[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                                const Target& target, const Fitted& fitted);
 

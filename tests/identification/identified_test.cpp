@@ -270,5 +270,39 @@ TEST(Identified, SaysThatNoiseHoldsNoMode) {
   EXPECT_THROW((void)identified(fit_data(made.measured)), InvalidInput);
 }
 
+// The same data leave the modes where they are; a delay of the data comes back.
+TEST(Refitted, StaysWhereTheFitWas) {
+  FrfFaults faults;
+  faults.relative_noise = 0.01;
+  auto made = simulators::beam5x3(faults);
+  const auto found = found_in(made, true);
+  FitOptions options;
+  options.delay = true;
+  const auto again = refitted(fit_data(made.measured), found.fit, options);
+  const auto& before = found.fit.model;
+  ASSERT_EQ(again.model.mode_count(), before.mode_count());
+  EXPECT_LT(((again.model.frequency_hz - before.frequency_hz).array() /
+             found.fit.frequency_std_hz.array())
+                .abs()
+                .maxCoeff(),
+            0.02);
+  EXPECT_NEAR(again.delay_s, found.fit.delay_s, 0.02 * found.fit.delay_std_s);
+}
+
+TEST(TakeValues, KeepsDeviationsAndHowShapesAreTurned) {
+  auto into = found_in(simulators::beam5x3({}), false).fit;
+  const auto before = into;
+  auto from = into;
+  from.model.frequency_hz *= 1.001;
+  from.model.output_shapes *= -1.002;
+  from.model.input_shapes *= -1.002;
+  from.frequency_std_hz *= 7.0;
+  take_values(from, into);
+  EXPECT_EQ(into.model.frequency_hz, from.model.frequency_hz);
+  EXPECT_EQ(into.model.output_shapes, -from.model.output_shapes);
+  EXPECT_EQ(into.model.input_shapes, -from.model.input_shapes);
+  EXPECT_EQ(into.frequency_std_hz, before.frequency_std_hz);
+}
+
 }  // namespace
 }  // namespace chladni::identification

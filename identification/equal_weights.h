@@ -5,9 +5,9 @@
 
 namespace chladni::identification {
 
-/// Whether every response has the weights of the first one and normal_equations_of_common_weights
+/// Whether every response has the weights of the first one and normal_equations_of_equal_weights
 /// costs less than the products of each response.
-[[nodiscard]] bool common_weights_pay(const BlockModel& model, const Target& target);
+[[nodiscard]] bool equal_weights_pay(const BlockModel& model, const Target& target);
 
 /// As normal_equations, of any blocks. With F, F' two functions (block_functions.h) and ⟨F, F'⟩
 /// their sum over the lines, less what the residual's constant takes of it, the entries are closed
@@ -20,7 +20,7 @@ namespace chladni::identification {
 /// Cost: 4 M·K·pq + 2 M²·K operations, the functions spanning M dimensions (3 of a single mode, 12
 /// of a pair, 16 of three), twice the first with delays, and the entries of the matrix.
 /// @pre the first response's weights are those of all
-[[nodiscard]] NormalEquations normal_equations_of_common_weights(const BlockModel& model,
+[[nodiscard]] NormalEquations normal_equations_of_equal_weights(const BlockModel& model,
                                                                  const Misfit& misfit,
                                                                  const Target& target,
                                                                  const Fitted& fitted);

@@ -1,4 +1,4 @@
-#include "identification/common_weights.h"
+#include "identification/equal_weights.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -344,7 +344,7 @@ NormalEquations CommonProducts::equations() const {
 
 }  // namespace
 
-bool common_weights_pay(const BlockModel& model, const Target& target) {
+bool equal_weights_pay(const BlockModel& model, const Target& target) {
   if (model.blocks.empty()) return false;
   const auto places = functions_of(model, target.outputs, target.inputs);
   const auto functions = static_cast<double>(function_count(places));
@@ -366,7 +366,7 @@ bool common_weights_pay(const BlockModel& model, const Target& target) {
   return true;
 }
 
-NormalEquations normal_equations_of_common_weights(const BlockModel& model, const Misfit& misfit,
+NormalEquations normal_equations_of_equal_weights(const BlockModel& model, const Misfit& misfit,
                                                    const Target& target, const Fitted& fitted) {
   const dense::OneThread one_thread;
   return CommonProducts(model, misfit, target, fitted).equations();

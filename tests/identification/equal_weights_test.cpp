@@ -1,4 +1,4 @@
-#include "identification/common_weights.h"
+#include "identification/equal_weights.h"
 
 #include <gtest/gtest.h>
 
@@ -30,13 +30,13 @@ double difference(const NormalEquations& a, const NormalEquations& b) {
 void expect_the_same(Problem from, const Fitted& fitted, const std::string& what) {
   const auto now = misfit(from.model, from.target, fitted);
   const auto want = normal_equations_by_response(from.model, now, from.target, fitted);
-  const auto found = normal_equations_of_common_weights(from.model, now, from.target, fitted);
+  const auto found = normal_equations_of_equal_weights(from.model, now, from.target, fitted);
   ASSERT_EQ(found.matrix.rows(), want.matrix.rows());
   EXPECT_LT(difference(found, want), 1e-12) << what;
   EXPECT_LT((found.gradient - want.gradient).norm(), 1e-12 * want.gradient.norm()) << what;
 }
 
-TEST(CommonWeights, GiveTheNormalEquationsOfEachSortOfBlock) {
+TEST(EqualWeights, GiveTheNormalEquationsOfEachSortOfBlock) {
   const std::vector<std::string> name = {"single", "pair", "triple", "rigid", "complex"};
   for (std::size_t b = 0; b < name.size(); ++b) {
     auto from = common_problem(3);
@@ -46,7 +46,7 @@ TEST(CommonWeights, GiveTheNormalEquationsOfEachSortOfBlock) {
   }
 }
 
-TEST(CommonWeights, GiveTheNormalEquationsOfAllBlocksTogether) {
+TEST(EqualWeights, GiveTheNormalEquationsOfAllBlocksTogether) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     for (const bool residual : {false, true}) {
       for (const bool delay : {false, true}) {
@@ -57,7 +57,7 @@ TEST(CommonWeights, GiveTheNormalEquationsOfAllBlocksTogether) {
   }
 }
 
-TEST(CommonWeights, KnowTheDelayOfEachChannel) {
+TEST(EqualWeights, KnowTheDelayOfEachChannel) {
   for (const auto of : {DelayOf::outputs, DelayOf::inputs}) {
     auto from = common_problem(2);
     from.model.channel_delay =
@@ -67,7 +67,7 @@ TEST(CommonWeights, KnowTheDelayOfEachChannel) {
 }
 
 // Two poles of one block that are one: no difference of them is divided by.
-TEST(CommonWeights, HoldForABlockOfEqualPoles) {
+TEST(EqualWeights, HoldForABlockOfEqualPoles) {
   auto from = common_problem(6);
   auto pair = from.model.blocks[1];
   pair.stiffness = 0.25 * Eigen::Matrix2d::Identity();
@@ -75,7 +75,7 @@ TEST(CommonWeights, HoldForABlockOfEqualPoles) {
   from.model.blocks = {pair};
   const Fitted fitted{.residual = true, .delay = false};
   const auto now = misfit(from.model, from.target, fitted);
-  const auto found = normal_equations_of_common_weights(from.model, now, from.target, fitted);
+  const auto found = normal_equations_of_equal_weights(from.model, now, from.target, fitted);
   // As two single modes the same shapes have the same derivatives; parameters: 6 left and 4 right
   // of the pair, 3, 2, 1 and 1 of each mode.
   auto apart = from;
@@ -98,14 +98,14 @@ TEST(CommonWeights, HoldForABlockOfEqualPoles) {
             1e-10);
 }
 
-TEST(CommonWeights, AreLookedForInEveryResponse) {
+TEST(EqualWeights, AreLookedForInEveryResponse) {
   auto from = common_problem(4);
   from.model.blocks = {from.model.blocks[0]};
-  EXPECT_TRUE(common_weights_pay(from.model, from.target));
+  EXPECT_TRUE(equal_weights_pay(from.model, from.target));
   from.target.squared(5, 4) *= 1.0 + 1e-12;
-  EXPECT_FALSE(common_weights_pay(from.model, from.target));
+  EXPECT_FALSE(equal_weights_pay(from.model, from.target));
   from.target.squared.col(4).setZero();  // not measured
-  EXPECT_FALSE(common_weights_pay(from.model, from.target));
+  EXPECT_FALSE(equal_weights_pay(from.model, from.target));
 }
 
 }  // namespace
