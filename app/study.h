@@ -192,8 +192,8 @@ struct InterpolationPlan {
   std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
   std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normal
   std::vector<PointPlan> points;
-  double table_pitch = 0.0;   ///< [m] of the lookup table; 0: none
-  int polynomial_degree = 0;  ///< in x and y; 0: none
+  double table_pitch = 0.0;                 ///< [m] of the lookup table; 0: none
+  int polynomial_degree = 0;                ///< in x and y; 0: none
   std::string predicted = "predicted.csv";  ///< responses where nothing was measured
 };
 

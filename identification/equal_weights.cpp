@@ -367,7 +367,7 @@ bool equal_weights_pay(const BlockModel& model, const Target& target) {
 }
 
 NormalEquations normal_equations_of_equal_weights(const BlockModel& model, const Misfit& misfit,
-                                                   const Target& target, const Fitted& fitted) {
+                                                  const Target& target, const Fitted& fitted) {
   const dense::OneThread one_thread;
   return CommonProducts(model, misfit, target, fitted).equations();
 }

@@ -21,8 +21,8 @@ namespace chladni::identification {
 /// of a pair, 16 of three), twice the first with delays, and the entries of the matrix.
 /// @pre the first response's weights are those of all
 [[nodiscard]] NormalEquations normal_equations_of_equal_weights(const BlockModel& model,
-                                                                 const Misfit& misfit,
-                                                                 const Target& target,
-                                                                 const Fitted& fitted);
+                                                                const Misfit& misfit,
+                                                                const Target& target,
+                                                                const Fitted& fitted);
 
 }  // namespace chladni::identification

@@ -15,7 +15,7 @@ struct Descent {
 
 struct DescentOptions {
   int iterations = 60;
-  double damping = 1e-4;  ///< of the normal equations scaled to a unit diagonal, at the start
+  double damping = 1e-4;   ///< of the normal equations scaled to a unit diagonal, at the start
   bool keep_best = false;  ///< an interrupt ends the descent instead of the program's work
   Progress progress = {};
 };
