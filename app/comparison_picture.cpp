@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "app/comparison.h"
+#include "app/response_series.h"
 #include "base/error.h"
 #include "io/matrix_picture.h"
 #include "io/plot.h"
@@ -14,14 +15,6 @@ namespace {
 
 constexpr std::size_t kMostPanels = 24;
 constexpr int kBlue = 1, kVermilion = 2, kGrey = 6;
-// Of a circular error of variance 1, its part along the response: 1.96 / sqrt(2).
-constexpr double kBand = 1.3859;
-
-Eigen::VectorXcd response(const std::vector<Eigen::MatrixXcd>& of, Eigen::Index i, Eigen::Index j) {
-  Eigen::VectorXcd result(static_cast<Eigen::Index>(of.size()));
-  for (std::size_t k = 0; k < of.size(); ++k) result(static_cast<Eigen::Index>(k)) = of[k](i, j);
-  return result;
-}
 
 io::PlotSeries line(const std::string& name, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
                     int colour) {
@@ -41,7 +34,7 @@ void add_measured(const modal::FrfSet& measured, Eigen::Index i, Eigen::Index j,
   if (!measured.variance.empty()) {
     Eigen::VectorXd half(size.size());
     for (Eigen::Index k = 0; k < size.size(); ++k) {
-      half(k) = kBand * std::sqrt(measured.variance[static_cast<std::size_t>(k)](i, j));
+      half(k) = kBandAlong * std::sqrt(measured.variance[static_cast<std::size_t>(k)](i, j));
     }
     panel.series.push_back({.name = "95 % band",
                             .x = measured.frequency_hz,

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "app/interpolation.h"
+#include "app/response_series.h"
 #include "io/plot.h"
 #include "modal/frf_set.h"
 
@@ -12,16 +13,6 @@ namespace {
 
 constexpr std::size_t kMostPanels = 24;
 constexpr int kBlue = 1, kGrey = 6;
-// Of a circular error of variance 1, its part along the response: 1.96 / sqrt(2).
-constexpr double kBand = 1.3859;
-
-Eigen::VectorXcd response(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
-  Eigen::VectorXcd result(set.line_count());
-  for (Eigen::Index k = 0; k < result.size(); ++k) {
-    result(k) = set.value[static_cast<std::size_t>(k)](i, j);
-  }
-  return result;
-}
 
 Eigen::VectorXd deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   Eigen::VectorXd result(set.line_count());
@@ -35,8 +26,8 @@ Eigen::VectorXd deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index
 io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::Index j,
                        const modal::FrfSet& measured, Eigen::Index row) {
   const auto& x = predicted.frequency_hz;
-  const Eigen::VectorXd size = response(predicted, i, j).cwiseAbs();
-  const Eigen::VectorXd half = kBand * deviation(predicted, i, j);
+  const Eigen::VectorXd size = response(predicted.value, i, j).cwiseAbs();
+  const Eigen::VectorXd half = kBandAlong * deviation(predicted, i, j);
   io::PlotPanel panel;
   panel.title = predicted.outputs[static_cast<std::size_t>(i)].name + " by " +
                 predicted.inputs[static_cast<std::size_t>(j)].name;
@@ -51,7 +42,7 @@ io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::In
   if (row >= 0) {
     panel.series.push_back({.name = "measured, seen by no fit",
                             .x = measured.frequency_hz,
-                            .y = response(measured, row, j).cwiseAbs(),
+                            .y = response(measured.value, row, j).cwiseAbs(),
                             .upper = {},
                             .style = io::PlotSeries::Style::dots,
                             .colour = kGrey,

@@ -67,6 +67,12 @@ diagnosis::Cause cause(const std::string& effect, const Numbers& numbers,
   return result;
 }
 
+diagnosis::Cause resonator(double hz, double damping_ratio, double u, double v) {
+  return cause(
+      "resonator",
+      {{"mass", 0.1}, {"frequency", hz}, {"damping_ratio", damping_ratio}, {"u", u}, {"v", v}});
+}
+
 const std::filesystem::path kFile = "bench/study.toml";
 
 ExtendedStudy extended(const std::vector<diagnosis::Cause>& causes,
@@ -113,11 +119,7 @@ TEST(ExtendedStudy, HangsThingsOnTheBody) {
                            {{"mass", 0.3}, {"radius_of_gyration", 0.02}, {"u", 0.1}, {"v", 0.1}}),
                      cause("ground_spring", {{"stiffness", 1e4}, {"u", 0.1}, {"v", 0.1}}),
                      cause("ground_damper", {{"damping", 5.0}, {"u", 0.1}, {"v", 0.1}}),
-                     cause("resonator", {{"mass", 0.1},
-                                         {"frequency", 80.0},
-                                         {"damping_ratio", 0.02},
-                                         {"u", 0.1},
-                                         {"v", 0.1}})}));
+                     resonator(80.0, 0.02, 0.1, 0.1)}));
   ASSERT_EQ(study.attachments.size(), 6U);
   EXPECT_EQ(study.attachments[1].name, "diagnosed_mass_2");
   EXPECT_LT((study.attachments[0].at.point - Eigen::Vector3d(0.12, -0.08, 0.0)).norm(), 1e-12);
@@ -225,9 +227,7 @@ TEST(ExtendedStudy, SaysWhatItCannot) {
 }
 
 TEST(ExtendedStudy, SaysThatAResonatorIsDampedMoreThanWasFound) {
-  const auto found = extended({cause(
-      "resonator",
-      {{"mass", 0.1}, {"frequency", 80.0}, {"damping_ratio", 0.002}, {"u", 0.1}, {"v", 0.1}})});
+  const auto found = extended({resonator(80.0, 0.002, 0.1, 0.1)});
   EXPECT_NE(found.text.find("# Its damping, 0.002, is below the 0.005"), std::string::npos)
       << found.text;
 }
@@ -385,12 +385,7 @@ INSTANTIATE_TEST_SUITE_P(
               {{"mass", 0.1}, {"radius_of_gyration", 0.03}, {"u", 0.123}, {"v", -0.081}}),
         cause("ground_spring", {{"stiffness", 2e4}, {"u", 0.123}, {"v", -0.081}}),
         cause("ground_damper", {{"damping", 20.0}, {"u", 0.123}, {"v", -0.081}}),
-        cause("resonator", {{"mass", 0.1},
-                            {"frequency", 150.0},
-                            {"damping_ratio", 0.02},
-                            {"u", 0.123},
-                            {"v", -0.081}}),
-        cause("modal_damping", {{"factor", 2.0}}),
+        resonator(150.0, 0.02, 0.123, -0.081), cause("modal_damping", {{"factor", 2.0}}),
         cause("modulus_field",
               {{"u1", 0.1}, {"v1", -0.05}, {"u2", 0.06}, {"u1v1", 0.04}, {"v2", -0.03}}),
         cause("local_stiffness", {{"factor", -0.5}, {"u", 0.1}, {"v", -0.05}, {"radius", 0.1}}),

@@ -98,7 +98,8 @@ void hold(RitzStage& stage, const Recipe& recipe) {
 // stiffness, its shapes stay.
 std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Recipe& recipe,
                                               const Eigen::VectorXd& hz) {
-  const auto& [outputs, inputs] = std::pair(recipe.channels.outputs, recipe.channels.inputs);
+  const auto& outputs = recipe.channels.outputs;
+  const auto& inputs = recipe.channels.inputs;
   if (recipe.stiffening.size() == 0) return ritz_receptance(stage, {outputs, inputs, hz});
   std::vector<Eigen::MatrixXcd> value(static_cast<std::size_t>(hz.size()),
                                       Eigen::MatrixXcd(outputs.rows(), inputs.rows()));

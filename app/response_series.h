@@ -1,0 +1,20 @@
+// Responses as series of a plot.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace chladni::app {
+
+/// Of a circular error of variance 1, its part along the response: 1.96 / sqrt(2).
+inline constexpr double kBandAlong = 1.3859;
+
+/// Entry (i, j) of every line, K.
+[[nodiscard]] inline Eigen::VectorXcd response(const std::vector<Eigen::MatrixXcd>& of,
+                                               Eigen::Index i, Eigen::Index j) {
+  Eigen::VectorXcd result(static_cast<Eigen::Index>(of.size()));
+  for (std::size_t k = 0; k < of.size(); ++k) result(static_cast<Eigen::Index>(k)) = of[k](i, j);
+  return result;
+}
+
+}  // namespace chladni::app
