@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/at_channels.h"
+#include "app/body_cells.h"
 #include "app/modal_stiffness.h"
 #include "app/plane_stress.h"
 #include "app/study_parts.h"
@@ -18,8 +19,6 @@ namespace {
 constexpr int kFlexibleModes = 64;
 constexpr Eigen::Index kLeastFlexibleModes = 12;
 constexpr double kBeyondBand = 3.0;
-constexpr int kCells = 100;      // of a face
-constexpr int kCellsAlong = 24;  // of a line
 constexpr double kStep = 1e-4;   // of a channel's slope, over the body's shorter side
 constexpr double kThin = 0.125;  // thickness over the shorter side
 
@@ -105,146 +104,6 @@ Eigen::MatrixXd upper_rows(const std::vector<Channel>& channels,
   return rows;
 }
 
-// Points spread over a tetrahedron, 20×4 barycentric, of equal weight.
-Eigen::Matrix<double, 20, 4> samples_of_tet() {
-  Eigen::Matrix<double, 20, 4> points;
-  Eigen::Index n = 0;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; i + j < 4; ++j) {
-      for (int k = 0; i + j + k < 4; ++k) {
-        const Eigen::Vector4d lattice(i, j, k, 3 - i - j - k);
-        points.row(n++) = (lattice.array() + 0.25) / 4.0;
-      }
-    }
-  }
-  return points;
-}
-
-// The tetrahedra of a cell and how much of each is in it.
-struct CellPart {
-  std::vector<Eigen::Index> tets;
-  std::vector<double> part;
-  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of the samples' places
-  double samples = 0.0;
-};
-
-void add_sample(CellPart& cell, Eigen::Index tet, double weight, const Eigen::Vector2d& place) {
-  if (cell.tets.empty() || cell.tets.back() != tet) {
-    cell.tets.push_back(tet);
-    cell.part.push_back(0.0);
-  }
-  cell.part.back() += weight;
-  cell.moment += weight * place;
-  cell.samples += weight;
-}
-
-std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
-                               const Eigen::Vector2i& counts) {
-  std::vector<CellPart> cells(static_cast<std::size_t>(counts.prod()));
-  const auto samples = samples_of_tet();
-  const double weight = 1.0 / static_cast<double>(samples.rows());
-  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    Eigen::Matrix<double, 4, 3> corners;
-    for (int a = 0; a < 4; ++a) corners.row(a) = body.points.row(body.tets(t, a));
-    for (const auto barycentric : samples.rowwise()) {
-      const Eigen::Vector2d at = chart.place((barycentric * corners).transpose());
-      Eigen::Vector2i cell;
-      for (int k = 0; k < 2; ++k) {
-        const double fraction = (at(k) - chart.from(k)) / chart.size(k);
-        cell(k) = std::clamp(static_cast<int>(std::floor(fraction * counts(k))), 0, counts(k) - 1);
-      }
-      add_sample(cells[static_cast<std::size_t>(cell(0) * counts(1) + cell(1))], t, weight, at);
-    }
-  }
-  return cells;
-}
-
-// Materials that resist transverse shear only: that with `normal` in it.
-std::vector<fem::Material> shearing(std::vector<fem::Material> materials, Eigen::Index normal) {
-  for (auto& material : materials) {
-    const Eigen::Matrix<double, 6, 6> whole = material.stiffness;
-    material.stiffness.setZero();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const Eigen::Index s = shear_of(i, normal);
-      if (i != normal) material.stiffness(s, s) = whole(s, s);
-    }
-  }
-  return materials;
-}
-
-Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
-  return 0.5 * (matrix + matrix.transpose());
-}
-
-// What the cells are made of.
-class CellMatrices {
- public:
-  CellMatrices(const Model& model, const modal::Modes& modes, const Chart& chart, bool bends)
-      : model_(model), modes_(modes), bends_(bends) {
-    if (!bends) return;
-    Eigen::Index normal = 0;
-    chart.axes.col(2).cwiseAbs().maxCoeff(&normal);
-    shearing_ = shearing(model.materials, normal);
-    turning_ = modes.shapes;
-    for (Eigen::Index row = normal; row < turning_.rows(); row += 3) turning_.row(row).setZero();
-  }
-
-  void add(const CellPart& part, diagnosis::BodyCells& cells, std::size_t at) const {
-    mesh::TetMesh piece;
-    piece.points = model_.body.points;
-    piece.tets = model_.body.tets(part.tets, Eigen::all);
-    piece.region = model_.body.region(part.tets);
-    const Eigen::MatrixXd field = Eigen::Map<const Eigen::VectorXd>(
-        part.part.data(), static_cast<Eigen::Index>(part.part.size()));
-    const Eigen::MatrixXd none(field.rows(), 0);
-    auto whole = fem::field_matrices(piece, model_.materials, modes_.shapes, field, field);
-    cells.stiffness[at] = unstrained(std::move(whole.stiffness.front()), modes_.frequency_hz);
-    cells.mass[at] = symmetric(whole.mass.front());
-    if (!bends_) return;
-    auto sheared = fem::field_matrices(piece, shearing_, modes_.shapes, field, none);
-    cells.shear[at] = unstrained(std::move(sheared.stiffness.front()), modes_.frequency_hz);
-    cells.rotary[at] =
-        symmetric(fem::field_matrices(piece, model_.materials, turning_, none, field).mass.front());
-  }
-
- private:
-  const Model& model_;
-  const modal::Modes& modes_;
-  bool bends_;
-  std::vector<fem::Material> shearing_;
-  Eigen::MatrixXd turning_;  // the shapes, in the plane only
-};
-
-diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, const Chart& chart,
-                              const UpperFace& face, bool bends) {
-  const auto counts = grid_counts(chart, kCells, kCellsAlong);
-  const Eigen::MatrixXd covered = coverage(chart, face, counts);
-  const double area = chart.size.prod() / static_cast<double>(counts.prod());
-  const auto parts = parts_of(model.body, chart, counts);
-  std::vector<std::size_t> filled;
-  for (std::size_t c = 0; c < parts.size(); ++c) {
-    if (!parts[c].tets.empty()) filled.push_back(c);
-  }
-  diagnosis::BodyCells cells;
-  const auto count = static_cast<Eigen::Index>(filled.size());
-  cells.centres.resize(count, 2);
-  cells.area.resize(count);
-  cells.from = chart.from;
-  cells.size = chart.size;
-  for (auto* matrices : {&cells.stiffness, &cells.mass}) matrices->resize(filled.size());
-  for (auto* matrices : {&cells.shear, &cells.rotary}) matrices->resize(bends ? filled.size() : 0);
-  const CellMatrices matrices(model, modes, chart, bends);
-  parallel_tasks(filled.size(), [&](std::size_t i) {
-    const auto number = static_cast<Eigen::Index>(filled[i]);
-    const auto& part = parts[filled[i]];
-    matrices.add(part, cells, i);
-    cells.centres.row(static_cast<Eigen::Index>(i)) = (part.moment / part.samples).transpose();
-    cells.area(static_cast<Eigen::Index>(i)) =
-        covered(number / counts(1), number % counts(1)) * area;
-  });
-  return cells;
-}
-
 diagnosis::Directional directional_of(const Model& model, const modal::Modes& modes,
                                       const Chart& chart) {
   Eigen::Index u = 0;
@@ -297,6 +156,7 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   structure.surface = surface_of(chart, face);
   const bool thin = chart.height < kThin * chart.size.minCoeff();
   structure.cells = cells_of(model, modes, chart, *face, thin);
+  structure.fine = fine_cells_of(model, solution.modes, count, chart);
   structure.thickness = chart.height;
   structure.mass_kg = model.mass.mass_kg;
   structure.bending_power = thin ? 3.0 : 0.0;

@@ -54,9 +54,6 @@ constexpr std::array kAll{
     &drift,
 };
 
-// Widths of its prior within which a size is thought of at all.
-constexpr double kPlausible = 6.0;
-
 // Which coordinates are u and v.
 std::optional<std::array<Eigen::Index, 2>> place_coordinates(const Supposed& supposed,
                                                              const Structure& structure) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "diagnosis/prepared.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {
@@ -20,7 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kPlausible = 6.0;  // widths of a prior, as log_prior has it
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -159,23 +159,16 @@ LeastSize least_size(const Structure& structure, const Effect& effect, const Pro
 
 Experiment experiment_of(const Structure& structure, const modal::FrfSet& measured,
                          const DiagnosisOptions& options) {
-  const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
-  auto [own, all, notes] = seen(structure, measured, high_hz);
-  const double band_hz = all.omega(all.line_count() - 1) / (2.0 * std::numbers::pi);
-  const double response = options.tolerances.response;
-  const Observed lines = thinned(all, options.lines);
-  Experiment experiment{std::move(own), {}};
-  const auto tolerable = deviations(experiment.structure, options.tolerances, band_hz);
-  experiment.looks.push_back({widened(lines, model_variance(lines, response)), tolerable});
-  auto shapes = shape_deviations(experiment.structure, response, band_hz);
-  if (shapes.empty()) return experiment;
-  experiment.looks.push_back({lines, tolerable});
-  std::ranges::move(shapes, std::back_inserter(experiment.looks.back().deviations));
+  const auto given = prepared(structure, measured, options.tolerances);
+  Experiment experiment{given.structure, {}};
+  experiment.looks.push_back({given.for_search(options.lines), given.tolerable});
+  if (given.shapes.empty()) return experiment;
+  experiment.looks.push_back({thinned(given.observed, options.lines), given.all_deviations()});
   return experiment;
 }
 
 Detector::Detector(const Experiment& experiment, const DetectableOptions& options)
-    : structure_(experiment.structure),
+    : structure_(*experiment.structure),
       options_(options),
       probing_({structure_, experiment.looks.back().observed, experiment.looks.back().deviations}) {
   for (const auto& look : experiment.looks) {

@@ -1,6 +1,7 @@
 // The smallest effects that an experiment would find, before or after it is made.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -62,7 +63,7 @@ struct Experiment {
     Observed observed;  ///< the same lines each time; no value is used
     std::vector<Deviation> deviations;
   };
-  Structure structure;  ///< its channels those that are measured
+  std::shared_ptr<const Structure> structure;  ///< its channels those that are measured
   std::vector<Look> looks;
 };
 

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numbers>
 #include <utility>
 
 #include "base/error.h"
 #include "diagnosis/measure_next.h"
 #include "diagnosis/nonlinearity.h"
+#include "diagnosis/prepared.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/superclass.h"
 #include "diagnosis/verdict.h"
+#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -103,27 +103,24 @@ std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
-  const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
-  const auto [own, all, notes] = seen(structure, measured, high_hz);
-  const double band_hz = all.omega(all.line_count() - 1) / (2.0 * std::numbers::pi);
-  const double response = options.tolerances.response;
+  const priors::dense::OneThread one;  // the tasks of the search are what runs side by side
+  const auto given = prepared(structure, measured, options.tolerances);
   SearchLimits limits;
   limits.most_causes = options.most_causes;
   limits.least_evidence = options.least_evidence;
-  limits.unseen = shape_deviations(own, response, band_hz);
-  auto tolerable = deviations(own, options.tolerances, band_hz);
-  const Observed coarse = thinned(widened(all, model_variance(all, response)), options.lines);
-  const Found first =
-      searched({own, coarse, tolerable}, catalogue_of(options), limits, options.progress);
+  limits.unseen = given.shapes;
+  const Observed coarse = given.for_search(options.lines);
+  const Found first = searched({*given.structure, coarse, given.tolerable}, catalogue_of(options),
+                               limits, options.progress);
   tell(options.progress, "the last word");
-  std::ranges::copy(limits.unseen, std::back_inserter(tolerable));
-  const Observed fine = thinned(all, 2 * options.lines);
-  const Problem problem{own, fine, tolerable};
+  const Observed fine = thinned(given.observed, 2 * options.lines);
+  const auto deviations = given.all_deviations();
+  const Problem problem{*given.structure, fine, deviations};
   const Found found = refined(problem, first, limits);
   auto told = explanations(problem, found, options.rival_within);
 
   Diagnosis diagnosis;
-  diagnosis.notes = notes;
+  diagnosis.notes = given.notes;
   if (auto note = nonlinearity_note(measured); !note.empty()) {
     diagnosis.notes.push_back(std::move(note));
   }

@@ -75,8 +75,11 @@ struct Supposed {
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
                                                       const Structure& structure);
 
+/// Widths of its prior within which a size is thought of at all.
+inline constexpr double kPlausible = 6.0;
+
 /// ln of the prior density of the coordinates and of the choice; −∞ beside the surface and for
-/// sizes more than six widths off.
+/// sizes that are not plausible.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
 
 /// What lies beside the surface taken back toward where it came from, by halves, until it is on it.

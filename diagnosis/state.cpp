@@ -1,8 +1,12 @@
 #include "diagnosis/state.h"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+
+#include "base/error.h"
 
 namespace chladni::diagnosis {
 
@@ -29,6 +33,28 @@ State state_of(const Structure& structure) {
   std::iota(state.output_of.begin(), state.output_of.end(), 0);
   std::iota(state.input_of.begin(), state.input_of.end(), 0);
   return state;
+}
+
+void add_stiffness(State& state, const Eigen::MatrixXd& change) {
+  const Eigen::Index r = state.mode_count();
+  const Eigen::Index u = std::min(change.rows() - r, state.output_upper.cols());
+  state.stiffness += change.topLeftCorner(r, r);
+  if (u <= 0) return;
+  const Eigen::MatrixXd own =
+      Eigen::MatrixXd::Identity(u, u) + Eigen::MatrixXd(change.block(r, r, u, u));
+  const Eigen::LLT<Eigen::MatrixXd> above(own);
+  if (above.info() != Eigen::Success) {
+    throw NumericalFailure("a place of the body loses more stiffness than it has");
+  }
+  const Eigen::MatrixXd cross = change.block(r, 0, u, r);
+  const Eigen::MatrixXd dragged = above.solve(cross);
+  const Eigen::MatrixXd outputs = state.output_upper.leftCols(u);
+  const Eigen::MatrixXd inputs = state.input_upper.leftCols(u);
+  state.stiffness -= cross.transpose() * dragged;
+  state.outputs -= outputs * dragged;
+  state.inputs -= (inputs * dragged).transpose();
+  const Eigen::MatrixXd yields = above.solve(inputs.transpose()) - inputs.transpose();
+  state.residual += outputs * yields;
 }
 
 void scale_stiffness(State& state, double factor) {

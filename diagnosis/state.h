@@ -56,6 +56,12 @@ struct State {
 /// The simulation as it is.
 [[nodiscard]] State state_of(const Structure& structure);
 
+/// What a place of the body gains, (r + u)×(r + u) as FineCells': the u modes above yield at once,
+/// so that stiffness, channels and residual all change. Guyan's condensation (1965), exact where
+/// the modes above are far above the band. Cost: u² (r + u).
+/// @throws NumericalFailure  a place that loses more stiffness than it has
+void add_stiffness(State& state, const Eigen::MatrixXd& change);
+
 /// The whole body by a factor, what its modes above the band yield included.
 void scale_stiffness(State& state, double factor);
 

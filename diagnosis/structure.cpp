@@ -44,6 +44,17 @@ void check_cells(const BodyCells& cells, Eigen::Index modes) {
   }
 }
 
+void check_fine(const FineCells& fine, const ChannelSide& outputs, Eigen::Index modes) {
+  require(static_cast<Eigen::Index>(fine.stiffness.size()) == fine.count(),
+          "fine cells of the body: centres and matrices differ in number");
+  for (const auto& one : fine.stiffness) {
+    const Eigen::Index size = fine.stiffness.front().rows();
+    fits(one, size, size, "stiffness of a fine cell");
+    require(size >= modes && size <= modes + outputs.upper.cols(),
+            "stiffness of a fine cell: its modes are not those of the structure");
+  }
+}
+
 }  // namespace
 
 void check(const Structure& structure) {
@@ -63,6 +74,7 @@ void check(const Structure& structure) {
   require(structure.surface.count() == 0 || structure.surface.at != nullptr,
           "a surface without its map");
   check_cells(structure.cells, r);
+  check_fine(structure.fine, structure.outputs, r);
   if (structure.directional.along_u.size() == 0) return;
   fits(structure.directional.along_u, r, r, "stiffness along u");
   fits(structure.directional.along_v, r, r, "stiffness along v");

@@ -63,6 +63,17 @@ struct BodyCells {
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
 };
 
+/// The stiffness in smaller parts, for what is soft or stiff in one place only. The motion there is
+/// not that of the r modes: u modes above them come in too, as ones that yield at once.
+struct FineCells {
+  Eigen::MatrixX2d centres;                         ///< f×2 [m]
+  Eigen::Vector2d pitch = Eigen::Vector2d::Zero();  ///< [m] along u and v; 0: one cell spans it
+  /// f, each (r + u)×(r + u): of the r modes as BodyCells', of the first u of ChannelSide::upper.
+  std::vector<Eigen::MatrixXd> stiffness;
+
+  [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
+};
+
 /// What the stiffness gains, Φᵀ K Φ [s^-2], when one elastic constant of the whole body doubles:
 /// along u, along v, between the two, in shear. They sum to diag(ω²) (nearly, for solids).
 struct Directional {
@@ -80,6 +91,7 @@ struct Structure {
   Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out
   Surface surface;
   BodyCells cells;          ///< may be empty: then no cause inside the body is sought
+  FineCells fine;           ///< may be empty: then no place inside the body is sought
   Directional directional;  ///< may be empty (0×0): then no orthotropy is sought
   /// (thickness)^power: 3 for bodies that bend; 0: thickness means nothing here.
   double bending_power = 3.0;

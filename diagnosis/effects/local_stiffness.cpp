@@ -12,47 +12,57 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Of the cells: their mean side.
-double pitch(const Structure& structure) {
-  const double area = structure.cells.area.mean();
-  const auto& centres = structure.cells.centres;
-  const Eigen::RowVector2d size = centres.colwise().maxCoeff() - centres.colwise().minCoeff();
-  if (size.minCoeff() > 0.0) return std::sqrt(area);
-  return size.maxCoeff() / static_cast<double>(std::max<Index>(1, structure.cells.count() - 1));
+// Of a patch, where nothing is known of it: a tenth of a face's side, a twentieth of a line.
+double usual_radius(const Structure& structure) {
+  const auto& box = structure.cells.size;
+  const bool face = structure.fine.pitch.minCoeff() > 0.0;
+  return face ? 0.1 * std::sqrt(structure.cells.area.sum()) : 0.05 * box.maxCoeff();
 }
 
 std::vector<Parameter> patch(const Structure& structure) {
-  const double least = pitch(structure);
-  return {{"factor", "1", Parameter::Scale::linear, 0.0, 0.4, 1e-4},
-          {"u", "m", Parameter::Scale::place_u, 0.0, 1.0, 1e-5},
-          {"v", "m", Parameter::Scale::place_v, 0.0, 1.0, 1e-5},
-          {"radius", "m", Parameter::Scale::logarithmic, std::log(1.2 * least), 0.4, 1e-4}};
+  return {
+      {"factor", "1", Parameter::Scale::relative, 0.0, 0.5, 1e-4},
+      {"u", "m", Parameter::Scale::place_u, 0.0, 1.0, 1e-5},
+      {"v", "m", Parameter::Scale::place_v, 0.0, 1.0, 1e-5},
+      {"radius", "m", Parameter::Scale::logarithmic, std::log(usual_radius(structure)), 0.4, 1e-4}};
 }
 
-Index has_cells(const Structure& structure) { return structure.cells.count() > 8 ? 1 : 0; }
+Index has_cells(const Structure& structure) {
+  return structure.fine.count() > 8 && structure.cells.count() > 0 ? 1 : 0;
+}
 
 // 1 within the patch, falling smoothly: exp(-(pi/4) (d/R)^4) has the area of a disc of radius R.
-VectorXd within(const Structure& structure, const VectorXd& x) {
-  const auto& centres = structure.cells.centres;
-  const double radius = std::max(std::exp(x(3)), 0.5 * pitch(structure));
-  VectorXd weight(centres.rows());
-  for (Index c = 0; c < centres.rows(); ++c) {
-    const double d2 = (centres.row(c) - Eigen::RowVector2d(x(1), x(2))).squaredNorm();
-    const double t = d2 / (radius * radius);
-    weight(c) = t < 6.0 ? std::exp(-0.25 * std::numbers::pi * t * t) : 0.0;
+double profile(double d2, double radius) {
+  const double t = d2 / (radius * radius);
+  return t < 6.0 ? std::exp(-0.25 * std::numbers::pi * t * t) : 0.0;
+}
+
+// The mean over each cell: over three points along a side, or one where a cell spans it.
+VectorXd within(const FineCells& fine, const VectorXd& x) {
+  const double radius = std::max(std::exp(x(3)), 0.5 * fine.pitch.maxCoeff());
+  const double reach = std::sqrt(6.0) * radius + fine.pitch.maxCoeff();
+  VectorXd weight = VectorXd::Zero(fine.count());
+  for (Index c = 0; c < fine.count(); ++c) {
+    const Eigen::RowVector2d from = fine.centres.row(c) - Eigen::RowVector2d(x(1), x(2));
+    if (from.squaredNorm() > reach * reach) continue;
+    for (int n = 0; n < 9; ++n) {
+      const Eigen::Array2d shift(n / 3 - 1, n % 3 - 1);
+      const Eigen::RowVector2d by = (shift * fine.pitch.array() / 3.0).matrix().transpose();
+      weight(c) += profile((from + by).squaredNorm(), radius) / 9.0;
+    }
   }
   return weight;
 }
 
 void soften(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  state.stiffness +=
-      sum_of(structure.cells.stiffness, std::max(x(0), -0.999) * within(structure, x));
+  add_stiffness(state,
+                sum_of(structure.fine.stiffness, std::expm1(x(0)) * within(structure.fine, x)));
 }
 
 // The centre of each cell, the step in the factor to first order; the best few both ways.
 std::vector<EffectStart> centres(const Scene& scene) {
   const auto& structure = scene.structure();
-  const double radius = std::log(1.2 * pitch(structure));
+  const double radius = std::log(usual_radius(structure));
   struct Found {
     double fall = 0.0;
     VectorXd x;
@@ -66,7 +76,7 @@ std::vector<EffectStart> centres(const Scene& scene) {
     up(0) = 0.01;
     soften(softer, structure, 0, up);
     const auto gain = scene.gain(slope(scene.state(), scene.now(), scene.state(), softer, 0.01));
-    x(0) = std::clamp(gain.step, -0.8, 1.5);
+    x(0) = std::clamp(gain.step, -1.6, 0.9);
     all.push_back({gain.fall, x});
   }
   std::ranges::stable_sort(all, [](const Found& a, const Found& b) { return a.fall > b.fall; });
@@ -74,7 +84,7 @@ std::vector<EffectStart> centres(const Scene& scene) {
   for (std::size_t n = 0; n < std::min<std::size_t>(4, all.size()); ++n) {
     for (const double factor : {-0.7, -0.3, -0.1, 0.1, 0.4, 1.0}) {
       VectorXd x = all[n].x;
-      x(0) = factor;
+      x(0) = std::log1p(factor);
       starts.push_back({0, x});
     }
     starts.push_back({0, all[n].x});

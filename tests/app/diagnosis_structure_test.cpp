@@ -83,6 +83,12 @@ void expect_cells_to_sum_up(const diagnosis::Structure& of) {
     EXPECT_EQ((of.cells.mass[c] - of.cells.mass[c].transpose()).norm(), 0.0) << c;
     EXPECT_GT(of.cells.mass[c].diagonal().minCoeff(), 0.0) << c;
   }
+  Eigen::MatrixXd fine =
+      Eigen::MatrixXd::Zero(of.fine.stiffness[0].rows(), of.fine.stiffness[0].cols());
+  for (const auto& one : of.fine.stiffness) fine += one;
+  Eigen::MatrixXd both = Eigen::MatrixXd::Identity(fine.rows(), fine.cols());
+  both.topLeftCorner(r, r) = squares(of).asDiagonal();
+  EXPECT_LT((fine - both).norm(), 1e-8 * both.norm());
   const Eigen::MatrixXd whole = squares(of).asDiagonal();
   EXPECT_LT((stiffness - whole).cwiseAbs().maxCoeff(), 1e-8 * whole.maxCoeff());
   EXPECT_LT((mass - Eigen::MatrixXd::Identity(r, r)).cwiseAbs().maxCoeff(), 1e-9);
@@ -90,6 +96,8 @@ void expect_cells_to_sum_up(const diagnosis::Structure& of) {
 
 TEST(DiagnosisStructure, CellsSumToTheWholeBody) {
   EXPECT_EQ(structure().cells.count(), 12 * 8);
+  EXPECT_EQ(structure().fine.count(), 24 * 16);
+  EXPECT_NEAR(structure().fine.pitch.maxCoeff(), 0.025, 1e-12);
   expect_cells_to_sum_up(structure());
   EXPECT_NEAR(structure().cells.area.sum(), 0.24, 1e-12);
   EXPECT_NEAR(structure().cells.area.maxCoeff(), 0.24 / 96.0, 1e-12);

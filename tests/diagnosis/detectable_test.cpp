@@ -33,7 +33,8 @@ Observed measured_lines(double noise = 1.0) {
 }
 
 Experiment experiment(const Tolerances& tolerances, double noise = 1.0) {
-  return {small_plate(), {{measured_lines(noise), deviations(small_plate(), tolerances, 800.0)}}};
+  return {std::make_shared<const Structure>(small_plate()),
+          {{measured_lines(noise), deviations(small_plate(), tolerances, 800.0)}}};
 }
 
 Tolerances none() { return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }
@@ -44,7 +45,7 @@ Observed drawn(const Experiment& of, const Supposed& effect, unsigned seed) {
   const auto& [observed, tolerable] = of.looks.back();
   Observed made = observed;
   const VectorXd eta = dice.normal(static_cast<Index>(tolerable.size()), 1);
-  const State state = state_of({of.structure, observed, tolerable}, {effect}, eta);
+  const State state = state_of({*of.structure, observed, tolerable}, {effect}, eta);
   MatrixXcd noise(made.value.rows(), made.value.cols());
   noise.real() = dice.normal(noise.rows(), noise.cols());
   noise.imag() = dice.normal(noise.rows(), noise.cols());
@@ -57,7 +58,7 @@ bool finds(const Experiment& of, const Effect& effect, const Observed& made) {
   SearchLimits limits;
   limits.most_causes = 1;
   const auto found =
-      searched({of.structure, made, of.looks.back().deviations}, {&effect}, limits, {});
+      searched({*of.structure, made, of.looks.back().deviations}, {&effect}, limits, {});
   return found.fits.front().log_evidence - found.nothing.log_evidence >= limits.least_evidence;
 }
 
@@ -85,7 +86,7 @@ TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
   const auto held = experiment(gains);
   const auto& gain = effect("sensor_gain");
   const auto at = [&](const Experiment& of) {
-    const Problem problem{of.structure, of.looks[0].observed, of.looks[0].deviations};
+    const Problem problem{*of.structure, of.looks[0].observed, of.looks[0].deviations};
     const Probing probing(problem);
     return Information(problem, problem.observed)
         .of(probing.columns(gain, probing.probes(gain, 1)))
@@ -107,7 +108,7 @@ TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
 // about half a gram.
 TEST(Probing, HasSizesAmongItsColumns) {
   const auto free = experiment(none());
-  const Problem problem{free.structure, free.looks[0].observed, free.looks[0].deviations};
+  const Problem problem{*free.structure, free.looks[0].observed, free.looks[0].deviations};
   const Probing probing(problem);
   for (const auto* one : effects()) {
     const auto probes = probing.probes(*one, 2);
@@ -149,7 +150,7 @@ TEST(Detectable, GrowsWithTheTolerances) {
   const Detector free(exact);
   const Detector held(real);
   const auto& [observed, tolerable] = real.looks[0];
-  const Information known({real.structure, observed, tolerable}, observed);
+  const Information known({*real.structure, observed, tolerable}, observed);
   for (const auto* one : effects()) {
     if (one->parameters(small_plate()).empty()) continue;
     const auto probes = free.probing().probes(*one, 3);

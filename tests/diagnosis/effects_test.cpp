@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Coordinates of a size that is plain to see: half a prior width beside its centre, a place beside
@@ -172,6 +173,45 @@ TEST(Cells, SumToTheBody) {
   EXPECT_LT((sum_of(plate.cells.stiffness, ones) - state.stiffness).norm(),
             1e-9 * state.stiffness.norm());
   EXPECT_LT((sum_of(plate.cells.mass, ones) - state.mass).norm(), 1e-9 * state.mass.norm());
+}
+
+TEST(Cells, FineOnesSumToTheBodyAndTheModesAbove) {
+  const auto& plate = small_plate();
+  const MatrixXd sum = sum_of(plate.fine.stiffness, VectorXd::Ones(plate.fine.count()));
+  const Index r = plate.mode_count();
+  MatrixXd whole = MatrixXd::Identity(sum.rows(), sum.cols());
+  whole.topLeftCorner(r, r) = state_of(plate).stiffness;
+  EXPECT_GT(sum.rows(), r);
+  const MatrixXd off = sum - whole;
+  EXPECT_LT(off.topLeftCorner(r, r).norm(), 1e-9 * whole.norm());
+  EXPECT_LT(off.rightCols(sum.rows() - r).norm(), 1e-6 * std::sqrt(whole.norm()));
+}
+
+// What a soft place does to twice as many modes: with those above at rest, and with them yielding.
+TEST(Cells, ASoftPlaceMovesTheModesAboveToo) {
+  const auto& plate = small_plate();
+  const auto more = plate_of(2 * plate.mode_count());
+  const VectorXd omega = 2.0 * std::numbers::pi * VectorXd::LinSpaced(60, 50.0, 1000.0);
+  VectorXd x(4);
+  x << std::log(0.4), 0.083, -0.127, std::log(0.06);
+  const auto softened = [&](const Structure& structure) {
+    State state = state_of(structure);
+    effect("local_stiffness").apply(state, structure, 0, x);
+    return responses(state, omega);
+  };
+  auto at_rest = plate;
+  for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+  const MatrixXcd truth = softened(more);
+  const double change = (truth - responses(state_of(more), omega)).norm();
+  EXPECT_GT((softened(at_rest) - truth).norm(), 0.01 * change);
+  EXPECT_LT((softened(plate) - truth).norm(), 0.002 * change);
+}
+
+TEST(Cells, NoPlaceLosesMoreStiffnessThanItHas) {
+  State state = state_of(small_plate());
+  const auto& fine = small_plate().fine;
+  const MatrixXd all = sum_of(fine.stiffness, VectorXd::Ones(fine.count()));
+  EXPECT_THROW(add_stiffness(state, -1.01 * all), NumericalFailure);
 }
 
 }  // namespace

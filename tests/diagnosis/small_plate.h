@@ -6,16 +6,20 @@
 
 namespace chladni::diagnosis {
 
-/// Degree 8, 24 modes, 6×6 cells.
+/// Degree 8, 6×6 cells.
+[[nodiscard]] inline Structure plate_of(Eigen::Index modes) {
+  simulators::RitzStructureOptions options;
+  options.modes = modes;
+  options.cells = 6;
+  options.fine = 12;
+  options.scan = 11;
+  return simulators::ritz_structure(simulators::believed_table(8), simulators::table_channels(),
+                                    options);
+}
+
+/// Of 24 modes.
 [[nodiscard]] inline const Structure& small_plate() {
-  static const Structure made = [] {
-    simulators::RitzStructureOptions options;
-    options.modes = 24;
-    options.cells = 6;
-    options.scan = 11;
-    return simulators::ritz_structure(simulators::believed_table(8), simulators::table_channels(),
-                                      options);
-  }();
+  static const Structure made = plate_of(24);
   return made;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace chladni::simulators {
 namespace {
@@ -114,6 +115,28 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   return all;
 }
 
+// With as many modes above as bring twice what the basis has.
+diagnosis::FineCells fine_cells(const RitzModes& plate, Index r, int count) {
+  const Index all = std::min(2 * r, std::min(r + kUpper, plate.mode_count()));
+  const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
+  const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(all);
+  unit.tail(all - r) = (2.0 * pi * plate.frequency_hz.segment(r, all - r)).cwiseInverse();
+  diagnosis::FineCells fine;
+  fine.pitch = size;
+  fine.centres.resize(Index{count} * count, 2);
+  fine.stiffness.resize(static_cast<std::size_t>(fine.centres.rows()));
+  parallel_tasks(fine.stiffness.size(), [&](std::size_t k) {
+    const auto at = static_cast<Index>(k);
+    const Eigen::Array2d step(static_cast<double>(at % count), static_cast<double>(at / count));
+    const Eigen::Vector2d low = corner + (step * size.array()).matrix();
+    fine.centres.row(at) = (low + 0.5 * size).transpose();
+    fine.stiffness[k] =
+        unit.asDiagonal() * modal_cell(plate, all, low, low + size).stiffness * unit.asDiagonal();
+  });
+  return fine;
+}
+
 diagnosis::Directional directional(const RitzModes& plate, Index r) {
   const Eigen::Vector2d half(0.5 * plate.body.length, 0.5 * plate.body.width);
   const auto part = [&](StiffnessPart one) {
@@ -139,6 +162,7 @@ diagnosis::Structure ritz_structure(const RitzModes& plate, const TableChannels&
   structure.residual = residual(plate, channels, r);
   structure.surface = surface(plate, r, options.scan);
   structure.cells = cells(plate, r, options.cells);
+  structure.fine = fine_cells(plate, r, options.fine);
   structure.directional = directional(plate, r);
   structure.thickness = plate.body.thickness(0, 0);
   structure.mass_kg =

@@ -12,6 +12,7 @@ struct RitzStructureOptions {
   Eigen::Index modes = 64;  ///< rigid ones in it; the others give the residual
   double damping_ratio = 5e-3;
   int cells = 12;  ///< of the body, along each side
+  int fine = 24;   ///< likewise, for what is soft or stiff in one place
   int scan = 41;   ///< places along each side, from rim to rim
 };
 

@@ -1,0 +1,30 @@
+#include "diagnosis/prepared.h"
+
+#include <numbers>
+#include <utility>
+
+namespace chladni::diagnosis {
+
+Observed Prepared::for_search(int lines) const {
+  return thinned(widened(observed, model_variance(observed, response)), lines);
+}
+
+std::vector<Deviation> Prepared::all_deviations() const {
+  auto all = tolerable;
+  all.insert(all.end(), shapes.begin(), shapes.end());
+  return all;
+}
+
+Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
+                  const Tolerances& tolerances) {
+  const double high_hz = 0.9 * structure.frequency_hz(structure.mode_count() - 1);
+  auto [own, observed, notes] = seen(structure, measured, high_hz);
+  const double band_hz = observed.omega(observed.line_count() - 1) / (2.0 * std::numbers::pi);
+  auto kept = std::make_shared<const Structure>(std::move(own));
+  auto tolerable = deviations(*kept, tolerances, band_hz);
+  auto shapes = shape_deviations(*kept, tolerances.response, band_hz);
+  return {std::move(kept),      std::move(observed), std::move(notes),
+          std::move(tolerable), std::move(shapes),   tolerances.response};
+}
+
+}  // namespace chladni::diagnosis
