@@ -138,7 +138,9 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
     tell(options.progress, "where the unknown acts");
-    diagnosis.superclass = superclass(problem, best);
+    // Where no cause is believed, the unknown acts on the simulation itself.
+    const bool believed = diagnosis.verdict == Verdict::partial;
+    diagnosis.superclass = superclass(problem, believed ? best : found.nothing);
   }
   return diagnosis;
 }

@@ -25,6 +25,8 @@ struct Problem {
 
 /// Below this excess z only noise is left: the data are explained.
 inline constexpr double kExplained = 5.0;
+/// Where more than this part of the misfit is left, what was named does not explain much of it.
+inline constexpr double kLeftAtMost = 0.2;
 
 /// Causes at their most probable sizes.
 struct Fit {

@@ -302,19 +302,34 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
   return grown;
 }
 
-// Each cause in turn exchanged for what fits best in its stead, while that brings evidence: the
+// Each cause in turn exchanged for what fits best in its stead, until all have stood the test: the
 // first one taken was chosen before the others were known.
 Fit exchanged(const Level& level, Fit best) {
-  for (std::size_t c = 0; c < best.causes.size();) {
+  std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
+  for (std::size_t c = 0; c < untested;) {
     Fit less = best;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = fitted(level.problem, less);
     auto grown = level_up(level, {less});
     const bool better = !grown.empty() && grown.front().log_evidence > best.log_evidence + 1.0;
     if (better) best = std::move(grown.front());
+    if (better) untested = best.causes.size() - 1;
     c = better ? 0 : c + 1;
   }
   return best;
+}
+
+// The causes that are worth their evidence, none of which another would better; no exchange where
+// they explain so little that none is believed.
+Fit settled(const Level& level, const Found& found) {
+  const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
+  const double n = numbers(level.problem);
+  if (simpler.excess(n) > kLeftAtMost * found.nothing.excess(n)) return simpler;
+  const Level again{level.problem, level.catalogue, level.limits, level.progress,
+                    static_cast<int>(simpler.causes.size())};
+  const Fit other = exchanged(again, simpler);
+  if (other.log_evidence <= simpler.log_evidence) return simpler;
+  return pruned(level.problem, other, found.nothing, level.limits);
 }
 
 }  // namespace
@@ -363,26 +378,21 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
     beam = std::move(grown);
     if (beam.front().excess(numbers(problem)) < 1.0) break;
   }
-  if (found.fits.front().causes.size() > 1) {
-    Fit simpler = pruned(problem, found.fits.front(), found.nothing, limits);
-    const Level again{problem, catalogue, limits, progress,
-                      static_cast<int>(simpler.causes.size())};
-    Fit other = exchanged(again, simpler);
-    if (other.log_evidence > simpler.log_evidence) {
-      keep(found.fits, other);
-      simpler = pruned(problem, other, found.nothing, limits);
-    }
-    if (simpler.causes.size() < found.fits.front().causes.size()) {
-      // What was more is not worth its evidence: it is no rival either.
-      std::erase_if(found.fits,
-                    [&](const Fit& fit) { return fit.causes.size() > simpler.causes.size(); });
-      std::erase_if(found.fits, [&](const Fit& fit) {
-        return std::abs(fit.log_evidence - simpler.log_evidence) < 0.2 &&
-               fit.causes.size() == simpler.causes.size();
-      });
-      found.fits.insert(found.fits.begin(), std::move(simpler));
-    }
+  const auto count = found.fits.front().causes.size();
+  if (count < 2) return found;
+  Fit best = settled({problem, catalogue, limits, progress, 1}, found);
+  if (best.causes.size() == count) {
+    const bool better = best.log_evidence > found.fits.front().log_evidence;
+    if (better) keep(found.fits, std::move(best));
+    return found;
   }
+  // What was more is not worth its evidence: it is no rival either.
+  std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
+  std::erase_if(found.fits, [&](const Fit& fit) {
+    return std::abs(fit.log_evidence - best.log_evidence) < 0.2 &&
+           fit.causes.size() == best.causes.size();
+  });
+  found.fits.insert(found.fits.begin(), std::move(best));
   return found;
 }
 

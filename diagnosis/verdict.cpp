@@ -107,10 +107,11 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   }
   for (auto& one : all) {
     one.probability /= sum;
-    // Where much is left, the same unknown may be behind what was named: 0 at half, 0.9 at none.
+    // Where much is left, the same unknown may be behind what was named: 0.9 where hardly anything
+    // is.
     const double initial = std::max(found.nothing.excess(n), 1e-9);
-    const double explained =
-        one.excess >= kExplained ? 1.8 * std::clamp(0.5 - one.excess / initial, 0.0, 0.5) : 1.0;
+    const double left = std::clamp(one.excess / (kLeftAtMost * initial), 0.0, 1.0);
+    const double explained = one.excess >= kExplained ? 0.9 * (1.0 - left) : 1.0;
     for (auto& cause : one.causes) cause.probability = explained * one.probability;
   }
 }
@@ -188,7 +189,7 @@ Verdict judged(const Problem& problem, const Found& found,
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   const double initial = std::max(found.nothing.chi_square - n, 1e-9);
   const double left = std::max(best.excess, 0.0) * std::sqrt(2.0 * n);
-  if (!explained) return left < 0.5 * initial ? Verdict::partial : Verdict::unexplained;
+  if (!explained) return left < kLeftAtMost * initial ? Verdict::partial : Verdict::unexplained;
   const bool rivals = std::ranges::any_of(
       explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
         return best.log_evidence - other.log_evidence < options.rival_within;

@@ -226,6 +226,7 @@ TEST_F(CommandLine, ASecondRunIsToldWhoWritesThere) {
   std::ofstream(lock) << "4711\n";
   const pid_t holder = fork();
   if (holder == 0) {
+    setpgid(0, 0);
     execlp("flock", "flock", "-x", "-o", lock.c_str(), "sleep", "30", nullptr);
     _exit(97);
   }
@@ -235,7 +236,8 @@ TEST_F(CommandLine, ASecondRunIsToldWhoWritesThere) {
     check = run({"check", study.string(), "-o", "out"});
     if (check.status == 0) std::ofstream(lock) << "4711\n";
   }
-  kill(holder, SIGTERM);
+  setpgid(holder, holder);  // whichever of the two comes first
+  kill(-holder, SIGTERM);   // what it started too: whoever reads this test's output waits for it
   waitpid(holder, nullptr, 0);
   EXPECT_EQ(check.status, 3);
   EXPECT_TRUE(says(check.err, "another run (process 4711)"));
