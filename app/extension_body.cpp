@@ -71,6 +71,11 @@ std::string drift(const Extension& /*by*/) {
          "first columns alone";
 }
 
+std::string modes_above(const Extension& /*by*/) {
+  return "no key holds what modes above the band yield: look for what gives way locally, under the "
+         "sensors and actuators";
+}
+
 std::string modal_damping(const Extension& by) {
   const auto* modes = member(by.edit.tree(), "modes");
   const auto* ratio = modes == nullptr ? nullptr : member(*modes, "damping_ratio");
@@ -159,12 +164,13 @@ std::string local_stiffness(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 10> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 11> kTable{
     {{"youngs_modulus", youngs_modulus},
      {"density", density},
      {"thickness", thickness},
      {"size_error", size_error},
      {"drift", drift},
+     {"modes_above", modes_above},
      {"modulus_field", modulus_field},
      {"thickness_field", thickness_field},
      {"local_stiffness", local_stiffness},

@@ -38,6 +38,7 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
   read("density", "1", result.density);
   read("thickness", "1", result.thickness);
   read("orthotropy", "1", result.orthotropy);
+  read("residual", "1", result.residual);
   read("frequency", "1", result.frequency);
   read("damping", "1", result.damping);
   read("response", "1", result.response);

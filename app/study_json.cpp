@@ -297,6 +297,7 @@ io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
                                     {"density", t.density},
                                     {"thickness", t.thickness},
                                     {"orthotropy", t.orthotropy},
+                                    {"residual", t.residual},
                                     {"frequency", t.frequency},
                                     {"damping", t.damping},
                                     {"response", t.response},

@@ -51,6 +51,7 @@ constexpr std::array kAll{
     &suspension,
     &modal_damping,
     &hysteretic_damping,
+    &modes_above,
     &drift,
 };
 

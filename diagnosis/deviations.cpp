@@ -143,6 +143,11 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
   add_gains(structure, tolerances.gain, all);
   add_positions(structure.outputs, true, tolerances.position, all);
   add_positions(structure.inputs, false, tolerances.position, all);
+  if (tolerances.residual > 0.0 && !structure.residual.isZero(0.0)) {
+    all.push_back({"modes above those in use", [t = tolerances.residual](State& state, double eta) {
+                     scale_residual(state, std::exp(t * eta));
+                   }});
+  }
   if (tolerances.scale > 0.0) {
     all.push_back({"scale of all responses", [t = tolerances.scale](State& state, double eta) {
                      for (auto& path : state.output_paths) path.gain *= std::exp(t * eta);

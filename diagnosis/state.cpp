@@ -57,11 +57,15 @@ void add_stiffness(State& state, const Eigen::MatrixXd& change) {
   state.residual += outputs * yields;
 }
 
+void scale_residual(State& state, double factor) {
+  state.residual *= factor;
+  state.output_upper *= std::sqrt(factor);
+  state.input_upper *= std::sqrt(factor);
+}
+
 void scale_stiffness(State& state, double factor) {
   state.stiffness *= factor;
-  state.residual /= factor;
-  state.output_upper /= std::sqrt(factor);
-  state.input_upper /= std::sqrt(factor);
+  scale_residual(state, 1.0 / factor);
 }
 
 }  // namespace chladni::diagnosis

@@ -62,6 +62,9 @@ struct State {
 /// @throws NumericalFailure  a place that loses more stiffness than it has
 void add_stiffness(State& state, const Eigen::MatrixXd& change);
 
+/// What the modes above those in use yield, by a factor.
+void scale_residual(State& state, double factor);
+
 /// The whole body by a factor, what its modes above the band yield included.
 void scale_stiffness(State& state, double factor);
 

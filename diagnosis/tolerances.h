@@ -18,12 +18,13 @@ struct Tolerances {
   /// Of each response, relative to what its channels respond at that frequency: errors of the mode
   /// shapes that mesh and theory leave. It widens the noise.
   double response = 1e-3;
-  double scale = 0.0;  ///< of all responses together, of the logarithm
+  double residual = 0.02;  ///< of what the modes above those in use yield, relative
+  double scale = 0.0;      ///< of all responses together, of the logarithm
 };
 
 /// All but nothing: data made by the very model that is diagnosed.
 [[nodiscard]] inline Tolerances exact_model() {
-  return {1e-5, 1e-6, 1e-9, 1e-5, 1e-5, 1e-5, 1e-5, 1e-6, 1e-4, 0.0};
+  return {1e-5, 1e-6, 1e-9, 1e-5, 1e-5, 1e-5, 1e-5, 1e-6, 1e-4, 0.0, 1e-5};
 }
 
 }  // namespace chladni::diagnosis

@@ -7,7 +7,7 @@ namespace chladni::diagnosis {
 
 // The body.
 extern const Effect youngs_modulus, density, thickness, thickness_field, modulus_field, orthotropy,
-    local_stiffness, size_error, drift;
+    local_stiffness, size_error, modes_above, drift;
 // What hangs on it.
 extern const Effect point_mass, mass_with_inertia, ground_spring, ground_damper, resonator, frame,
     suspension;

@@ -235,11 +235,13 @@ TEST(ExtendedStudy, SaysThatAResonatorIsDampedMoreThanWasFound) {
 TEST(ExtendedStudy, SaysWhatIsOfTheExperiment) {
   const auto found = extended({cause("drift", {{"first_to_last", 1e-3}}),
                                cause("sensor_crosstalk", {{"share", 0.02}}, {"s1", "s2"}),
-                               cause("suspension", {{"frequency", 5.0}, {"damping_ratio", 0.1}})});
-  ASSERT_EQ(found.unexpressed.size(), 3U);
+                               cause("suspension", {{"frequency", 5.0}, {"damping_ratio", 0.1}}),
+                               cause("modes_above", {{"relative", 0.5}})});
+  ASSERT_EQ(found.unexpressed.size(), 4U);
   EXPECT_NE(found.unexpressed[0].find("one temperature"), std::string::npos);
   EXPECT_NE(found.unexpressed[1].find("off them"), std::string::npos);
   EXPECT_NE(found.unexpressed[2].find("control loop"), std::string::npos);
+  EXPECT_NE(found.unexpressed[3].find("gives way locally"), std::string::npos);
 }
 
 TEST(ExtendedStudy, KnowsTheWholeCatalogue) {

@@ -86,6 +86,13 @@ Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, d
   return recipe.output_mix * value * recipe.input_mix;
 }
 
+// Those that a diagnosis has no coordinates for.
+void soften_above(RitzModes& plate, double more) {
+  constexpr Index kCoordinates = 64;
+  const Index above = plate.mode_count() - kCoordinates;
+  if (more != 0.0 && above > 0) plate.frequency_hz.tail(above) /= std::sqrt(1.0 + more);
+}
+
 // By its three rigid-body modes, all alike.
 void hold(RitzStage& stage, const Recipe& recipe) {
   if (recipe.held_hz <= 0.0) return;
@@ -126,6 +133,7 @@ std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::Vecto
   stage.pads = recipe.pads;
   stage.frame = recipe.frame;
   hold(stage, recipe);
+  soften_above(stage.plate, recipe.yielding);
   auto value = plate_responses(stage, recipe, hz);
   for (std::size_t k = 0; k < value.size(); ++k) {
     value[k] = recorded(recipe, value[k], 2.0 * pi * hz(static_cast<Index>(k)));

@@ -224,6 +224,11 @@ HiddenEffect size_error(Recipe& recipe, Drawn& drawn) {
   recipe.body.width *= 1.0 + s;
   return of_body(recipe, {{"relative", s}});
 }
+HiddenEffect yielding_above(Recipe& recipe, Drawn& drawn) {
+  const double size = drawn.size(0.05, 2.0);
+  recipe.yielding = drawn.sign() > 0.0 ? size : 1.0 / (1.0 + size) - 1.0;
+  return {"", {{"relative", recipe.yielding}}, {}, {}};
+}
 HiddenEffect suspension(Recipe& recipe, Drawn& drawn) {
   recipe.held_hz = drawn.size(1.5, 60.0);
   recipe.held_damping = drawn.dice.between(0.02, 0.3);
@@ -361,6 +366,7 @@ const std::vector<HiddenKind>& all_hidden_kinds() {
       {"sensor_quantity", false, quantity},
       {"sensor_unit", false, unit},
       {"size_error", false, size_error},
+      {"modes_above", false, yielding_above},
       {"suspension", false, suspension},
       {"drift", false, drift},
       {"sensor_crosstalk", false, spoilt<sensors>},

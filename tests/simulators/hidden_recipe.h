@@ -29,6 +29,7 @@ struct Recipe {
   std::optional<RitzFrame> frame;
   double damping_factor = 1.0, damping_exponent = 0.0;
   bool hysteretic = false;
+  double yielding = 0.0;  ///< of the modes above those of a diagnosis: how much more, relative
   double held_hz = 0.0, held_damping = 0.0;  ///< of all rigid-body modes
   Eigen::VectorXd stiffening;  ///< q: of the plate while an input is used, relative; or empty
   Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is

@@ -1,0 +1,42 @@
+#include <cmath>
+
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/scene.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<Parameter> relative(const Structure& /*structure*/) {
+  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.5, 1e-4}};
+}
+
+Eigen::Index is_known(const Structure& structure) { return structure.residual.isZero(0.0) ? 0 : 1; }
+
+void yield(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
+           const VectorXd& x) {
+  scale_residual(state, std::exp(x(0)));
+}
+
+std::vector<EffectStart> both_ways(const Scene& /*scene*/) {
+  std::vector<EffectStart> starts;
+  for (const double factor : {1.05, 1.2, 1.5, 2.5, 0.95, 0.8, 0.5, 0.1}) {
+    starts.push_back({0, VectorXd::Constant(1, std::log(factor))});
+  }
+  return starts;
+}
+
+}  // namespace
+
+const Effect modes_above{"modes_above",
+                         "the modes above the band yield more or less than they should",
+                         "their static flexibility (1 + r)",
+                         "a modulus: that moves the modes within the band too",
+                         relative,
+                         is_known,
+                         no_channels,
+                         yield,
+                         both_ways};
+
+}  // namespace chladni::diagnosis
