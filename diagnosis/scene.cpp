@@ -142,6 +142,12 @@ bool Scene::near(const State& changed) const {
          (more == 0 || changed.attached.back().shapes.cols() == 1);
 }
 
+bool Scene::is_cheap(const Supposed& cause) const {
+  State changed = state_;
+  cause.effect->apply(changed, structure_, cause.option, cause.x);
+  return near(changed);
+}
+
 double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const Attached* more =
       changed.attached.size() > state_.attached.size() ? &changed.attached.back() : nullptr;

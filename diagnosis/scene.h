@@ -35,6 +35,8 @@ class Scene {
   /// cheaper still.
   [[nodiscard]] Eigen::VectorXd misfits(const Effect& effect,
                                         const std::vector<EffectStart>& starts) const;
+  /// Whether such a misfit is cheap.
+  [[nodiscard]] bool is_cheap(const Supposed& cause) const;
   /// The least-squares real factor by which recorded row (column) i differs from the model.
   [[nodiscard]] double row_factor(Eigen::Index output) const;
   [[nodiscard]] double column_factor(Eigen::Index input) const;

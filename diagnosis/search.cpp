@@ -12,8 +12,8 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "diagnosis/hints.h"
-#include "diagnosis/quadratic.h"
 #include "diagnosis/scene.h"
+#include "diagnosis/starts.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {
@@ -45,97 +45,6 @@ MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
           .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
           .array();
   return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
-}
-
-// Of ½ misfit − ln prior in the coordinates of one cause alone.
-Quadratic quadratic_at(const Scene& scene, const Supposed& cause,
-                       const std::vector<Parameter>& parameters) {
-  const auto moved = [&](const VectorXd& x) {
-    State state = scene.state();
-    cause.effect->apply(state, scene.structure(), cause.option, x);
-    return state;
-  };
-  const State here = moved(cause.x);
-  const Solved now = scene.solved_at(here);
-  const VectorXd error = residual(scene.observed(), now.value);
-  const auto count = static_cast<Index>(parameters.size());
-  MatrixXd jacobian(error.size(), count);
-  for (Index i = 0; i < count; ++i) {
-    const VectorXd by = parameters[static_cast<std::size_t>(i)].step * VectorXd::Unit(count, i);
-    jacobian.col(i) = weighted(
-        scene.observed(), slope(here, now, moved(cause.x - by), moved(cause.x + by), 2.0 * by(i)));
-  }
-  Quadratic result{-jacobian.transpose() * error, jacobian.transpose() * jacobian};
-  for (Index i = 0; i < count; ++i) {
-    const auto& parameter = parameters[static_cast<std::size_t>(i)];
-    if (!parameter.is_place()) result.add_prior(i, cause.x(i), parameter.centre, parameter.width);
-  }
-  return result;
-}
-
-// A step down; 0: none was found.
-double improve_once(const Scene& scene, const Quadratic& quadratic, Candidate& candidate,
-                    double& lambda) {
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    Supposed next = candidate.cause;
-    next.x += quadratic.step(lambda);
-    keep_on_surface(scene.structure(), candidate.cause, next);
-    const bool possible = std::isfinite(log_prior(next, scene.structure()));
-    const double misfit =
-        possible ? scene.misfits(*next.effect, {{next.option, next.x}})(0) : candidate.misfit;
-    if (misfit < candidate.misfit) {
-      lambda *= 0.2;
-      candidate.cause = std::move(next);
-      return candidate.misfit - std::exchange(candidate.misfit, misfit);
-    }
-    lambda *= 10.0;
-  }
-  return 0.0;
-}
-
-// Gauss-Newton in the scene.
-Candidate improved(const Scene& scene, Candidate candidate) {
-  const auto parameters = candidate.cause.effect->parameters(scene.structure());
-  if (parameters.empty()) return candidate;
-  double lambda = 1e-2;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    const auto quadratic = quadratic_at(scene, candidate.cause, parameters);
-    const double fall = improve_once(scene, quadratic, candidate, lambda);
-    if (fall < 0.5 + 1e-4 * candidate.misfit) break;
-  }
-  return candidate;
-}
-
-// The best starts of one effect, each choice for itself, improved.
-std::vector<Candidate> candidates(const Scene& scene, const Effect& effect, const Fit& base) {
-  constexpr std::size_t kKept = 2;
-  if (effect.options(scene.structure()) == 0) return {};
-  const auto starts = effect.starts(scene);
-  if (starts.empty()) return {};
-  const VectorXd misfits = scene.misfits(effect, starts);
-  std::vector<Index> order;
-  for (Index i = 0; i < misfits.size(); ++i) {
-    if (std::isfinite(misfits(i))) order.push_back(i);
-  }
-  std::ranges::stable_sort(order, [&](Index a, Index b) { return misfits(a) < misfits(b); });
-  std::vector<Candidate> best;
-  for (const auto i : order) {
-    const auto& start = starts[static_cast<std::size_t>(i)];
-    const auto parameters = effect.parameters(scene.structure());
-    const bool alike = std::ranges::any_of(best, [&](const Candidate& other) {
-      if (other.cause.option != start.option) return false;
-      for (std::size_t n = 0; n < parameters.size(); ++n) {
-        const auto c = static_cast<Index>(n);
-        if (parameters[n].is_place() && other.cause.x(c) != start.x(c)) return false;
-      }
-      return true;
-    });
-    if (alike) continue;
-    best.push_back({{&effect, start.option, start.x}, misfits(i), &base, false});
-    if (best.size() == kKept) break;
-  }
-  for (auto& one : best) one = improved(scene, one);
-  return best;
 }
 
 // A channel has one gain, the body one modulus; what hangs in a place may hang in several.
@@ -172,14 +81,15 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
       tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
            static_cast<double>(e) / static_cast<double>(each.size()));
     }
-    each[e] = candidates(scene, *level.catalogue[e], base);
+    for (auto& one : best_starts(scene, *level.catalogue[e])) {
+      each[e].push_back({std::move(one.cause), one.misfit, &base, nominal});
+    }
   });
   std::vector<Candidate> all;
   for (auto& of_effect : each) {
     for (auto& one : of_effect) {
       if (is_there_already(level.problem.structure, base, one.cause)) continue;
       one.misfit -= scene.misfit();  // the fall, so that scenes compare
-      one.from_nominal = nominal;
       all.push_back(std::move(one));
     }
   }

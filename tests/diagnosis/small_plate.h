@@ -7,12 +7,12 @@
 namespace chladni::diagnosis {
 
 /// Degree 8, 6×6 cells.
-[[nodiscard]] inline Structure plate_of(Eigen::Index modes) {
+[[nodiscard]] inline Structure plate_of(Eigen::Index modes, int scan = 11) {
   simulators::RitzStructureOptions options;
   options.modes = modes;
   options.cells = 6;
   options.fine = 12;
-  options.scan = 11;
+  options.scan = scan;
   return simulators::ritz_structure(simulators::believed_table(8), simulators::table_channels(),
                                     options);
 }
