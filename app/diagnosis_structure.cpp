@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "app/at_channels.h"
 #include "app/body_cells.h"
@@ -10,8 +11,6 @@
 #include "app/study_parts.h"
 #include "app/upper_face.h"
 #include "base/error.h"
-#include "base/parallel.h"
-#include "fem/field_matrices.h"
 
 namespace chladni::app {
 namespace {

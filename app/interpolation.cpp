@@ -168,18 +168,40 @@ void score_hidden(const Interpolated& result, Interpolation& one) {
   if (measured.identified) one.hidden_frf_error = held_out_frf_errors(result, one);
 }
 
+// What the scale of a mode may be off by, all actuators' rows of it together: errors of the rows
+// that are independent would average out, this one does not. Where it goes with the actuators, as
+// it is kept here, responses to them change with the shape alone.
+void widen_by_scale(const Interpolated& result, Interpolation& one) {
+  constexpr double kLeast = 1e-3;
+  const auto& measured = result.measured;
+  if (measured.scale_deviation.size() == 0 || measured.scale_deviation.maxCoeff() < kLeast) return;
+  auto shifted = measured.shapes;
+  const Eigen::RowVectorXd factor = 1.0 + measured.scale_deviation.transpose().array();
+  for (const auto row : measured.actuator_rows) {
+    shifted.values.row(row) = shifted.values.row(row).cwiseProduct(factor).eval();
+  }
+  const auto other = priors::mode_field(*one.method, shifted, result.simulation);
+  const auto widen = [&](priors::Field& field, const priors::Places& places) {
+    if (places.count() == 0) return;
+    const Eigen::ArrayXXd moved = other->at(places).mean - field.mean;
+    field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
+  };
+  widen(one.hidden, measured.hidden.places);
+  widen(one.points, result.point_places);
+  widen(one.unmeasured, result.unmeasured_places);
+}
+
 Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
   const auto& measured = result.measured;
   Interpolation one;
   one.method = &method;
   one.field = priors::mode_field(method, measured.shapes, result.simulation);
   one.surface = one.field->at(result.simulation.surface);
-  if (measured.hidden.places.count() > 0) {
-    one.hidden = one.field->at(measured.hidden.places);
-    score_hidden(result, one);
-  }
+  if (measured.hidden.places.count() > 0) one.hidden = one.field->at(measured.hidden.places);
   if (!result.points.empty()) one.points = one.field->at(result.point_places);
   if (!result.unmeasured.empty()) one.unmeasured = one.field->at(result.unmeasured_places);
+  widen_by_scale(result, one);
+  if (measured.hidden.places.count() > 0) score_hidden(result, one);
   if (measured.truth.size() > 0) {
     one.error = priors::squared_error(one.surface.mean, measured.truth, measured.truth_area);
     one.covered = priors::coverage(one.surface, measured.truth, measured.truth_area);

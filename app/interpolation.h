@@ -24,6 +24,10 @@ struct Measured {
   priors::MeasuredShapes shapes;  ///< at `channels`
   priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
   Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
+  /// What the scale between sensors' and actuators' rows of a shape may be off by, relative: 0
+  /// where it is known, empty without an identified model; and which rows are actuators'.
+  Eigen::VectorXd scale_deviation;
+  std::vector<Eigen::Index> actuator_rows;
   /// The simulation's shapes at the identified model's sensors and actuators; empty without one.
   Eigen::MatrixXd sensor_shapes, input_shapes;
   Eigen::MatrixXd truth;       ///< on the surface, without noise; empty where nothing knows it

@@ -205,6 +205,18 @@ void leave_state_space(const IdentifiedModel& model, const std::vector<std::stri
             false);
 }
 
+// Of the sensors' rows over the actuators', which go with α and 1/α.
+Eigen::VectorXd scale_deviation(const identification::GainMatch& match,
+                                const std::vector<Eigen::Index>& modes) {
+  Eigen::VectorXd deviation(std::ssize(modes));
+  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
+    const auto& one = match.modes[static_cast<std::size_t>(modes[static_cast<std::size_t>(k)])];
+    const double relative = 2.0 * one.alpha_std / one.alpha;
+    deviation(k) = std::isfinite(relative) ? relative : 0.0;
+  }
+  return deviation;
+}
+
 }  // namespace
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
@@ -222,6 +234,7 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
   const auto sites = channel_sites(study, solution.model);
   std::vector<ChannelSite> used;
   for (const auto& row : model->match.rows) {
+    if (row.actuator) result.actuator_rows.push_back(std::ssize(used));
     const auto& side = row.actuator ? model->seen.inputs : model->seen.outputs;
     used.push_back(site_of(sites, side[static_cast<std::size_t>(row.channel)].name));
     result.channels.push_back(used.back().name);
@@ -234,6 +247,7 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
                    model->match.shapes(Eigen::all, modes),
                    (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
   result.damping_ratio = fit.damping_ratio(modes);
+  result.scale_deviation = scale_deviation(model->match, modes);
   std::vector<ChannelSite> sensors;
   std::vector<ChannelSite> actuators;
   for (const auto& one : model->seen.outputs) sensors.push_back(site_of(sites, one.name));
