@@ -65,7 +65,7 @@ struct Residue {
 
 struct DiagnosisOptions {
   Tolerances tolerances;
-  int lines = 240;  ///< of the search, at most; the last fit takes twice as many
+  int lines = 320;  ///< of the search, at most; the last fit takes twice as many
   int most_causes = 3;
   double least_evidence = 8.0;    ///< of a cause: ln of the Bayes factor
   double rival_within = 5.0;      ///< ln Z: rivals nearer than this make it ambiguous
