@@ -18,8 +18,10 @@ struct Tolerances {
   /// Of each response, relative to what its channels respond at that frequency: errors of the mode
   /// shapes that mesh and theory leave. It widens the noise.
   double response = 1e-3;
-  double residual = 0.02;  ///< of what the modes above those in use yield, relative
-  double scale = 0.0;      ///< of all responses together, of the logarithm
+  /// Of what the modes above those in use yield, relative: where a force acts that depends on the
+  /// mesh.
+  double residual = 0.2;
+  double scale = 0.0;  ///< of all responses together, of the logarithm
 };
 
 /// All but nothing: data made by the very model that is diagnosed.

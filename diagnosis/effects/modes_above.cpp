@@ -9,7 +9,7 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> relative(const Structure& /*structure*/) {
-  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.5, 1e-4}};
+  return {{"relative", "1", Parameter::Scale::relative, 0.0, 1.0, 1e-4}};
 }
 
 Eigen::Index is_known(const Structure& structure) { return structure.residual.isZero(0.0) ? 0 : 1; }
@@ -21,7 +21,7 @@ void yield(State& state, const Structure& /*structure*/, Eigen::Index /*option*/
 
 std::vector<EffectStart> both_ways(const Scene& /*scene*/) {
   std::vector<EffectStart> starts;
-  for (const double factor : {1.05, 1.2, 1.5, 2.5, 0.95, 0.8, 0.5, 0.1}) {
+  for (const double factor : {1.05, 1.2, 1.5, 2.5, 5.0, 10.0, 0.95, 0.8, 0.5, 0.1}) {
     starts.push_back({0, VectorXd::Constant(1, std::log(factor))});
   }
   return starts;

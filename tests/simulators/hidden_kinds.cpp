@@ -225,8 +225,7 @@ HiddenEffect size_error(Recipe& recipe, Drawn& drawn) {
   return of_body(recipe, {{"relative", s}});
 }
 HiddenEffect yielding_above(Recipe& recipe, Drawn& drawn) {
-  const double size = drawn.size(0.05, 2.0);
-  recipe.yielding = drawn.sign() > 0.0 ? size : 1.0 / (1.0 + size) - 1.0;
+  recipe.yielding = drawn.size(0.05, 8.0);
   return {"", {{"relative", recipe.yielding}}, {}, {}};
 }
 HiddenEffect suspension(Recipe& recipe, Drawn& drawn) {
