@@ -230,11 +230,13 @@ Fit exchanged(const Level& level, Fit best) {
 }
 
 // The causes that are worth their evidence, none of which another would better; no exchange where
-// they explain so little that none is believed.
+// they explain so little of so much that none is believed.
 Fit settled(const Level& level, const Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
+  constexpr double kMuch = 1000.0;  // z
   const double n = numbers(level.problem);
-  if (simpler.excess(n) > kLeftAtMost * found.nothing.excess(n)) return simpler;
+  const double left = simpler.excess(n);
+  if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
   const Level again{level.problem, level.catalogue, level.limits, level.progress,
                     static_cast<int>(simpler.causes.size())};
   const Fit other = exchanged(again, simpler);
