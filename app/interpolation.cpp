@@ -172,21 +172,15 @@ void score_hidden(const Interpolated& result, Interpolation& one) {
 // that are independent would average out, this one does not. Where it goes with the actuators, as
 // it is kept here, responses to them change with the shape alone.
 void widen_by_scale(const Interpolated& result, Interpolation& one) {
-  constexpr double kLeast = 1e-3;
-  const auto& measured = result.measured;
-  if (measured.scale_deviation.size() == 0 || measured.scale_deviation.maxCoeff() < kLeast) return;
-  auto shifted = measured.shapes;
-  const Eigen::RowVectorXd factor = 1.0 + measured.scale_deviation.transpose().array();
-  for (const auto row : measured.actuator_rows) {
-    shifted.values.row(row) = shifted.values.row(row).cwiseProduct(factor).eval();
-  }
-  const auto other = priors::mode_field(*one.method, shifted, result.simulation);
+  const auto off = with_scale_off(result.measured);
+  if (!off) return;
+  const auto other = priors::mode_field(*one.method, *off, result.simulation);
   const auto widen = [&](priors::Field& field, const priors::Places& places) {
     if (places.count() == 0) return;
     const Eigen::ArrayXXd moved = other->at(places).mean - field.mean;
     field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
   };
-  widen(one.hidden, measured.hidden.places);
+  widen(one.hidden, result.measured.hidden.places);
   widen(one.points, result.point_places);
   widen(one.unmeasured, result.unmeasured_places);
 }

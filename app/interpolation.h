@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,6 @@ struct Measured {
   priors::MeasuredShapes shapes;  ///< at `channels`
   priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
   Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
-  /// What the scale between sensors' and actuators' rows of a shape may be off by, relative: 0
-  /// where it is known, empty without an identified model; and which rows are actuators'.
-  Eigen::VectorXd scale_deviation;
-  std::vector<Eigen::Index> actuator_rows;
   /// The simulation's shapes at the identified model's sensors and actuators; empty without one.
   Eigen::MatrixXd sensor_shapes, input_shapes;
   Eigen::MatrixXd truth;       ///< on the surface, without noise; empty where nothing knows it
@@ -83,6 +80,10 @@ struct Interpolated {
 [[nodiscard]] identification::PlacesOfInterest places_of_interest(const Interpolated& result,
                                                                   const priors::Places& places,
                                                                   const priors::Field& field);
+
+/// The shapes with all rows of actuators off by a deviation of the scale between them and the
+/// sensors' rows; none where no scale is in doubt.
+[[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured);
 
 /// Per held-out channel: what is predicted off what is measured, over it, all lines of the band.
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "app/interpolation.h"
 #include "base/atomic_file.h"
@@ -205,18 +206,6 @@ void leave_state_space(const IdentifiedModel& model, const std::vector<std::stri
             false);
 }
 
-// Of the sensors' rows over the actuators', which go with α and 1/α.
-Eigen::VectorXd scale_deviation(const identification::GainMatch& match,
-                                const std::vector<Eigen::Index>& modes) {
-  Eigen::VectorXd deviation(std::ssize(modes));
-  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
-    const auto& one = match.modes[static_cast<std::size_t>(modes[static_cast<std::size_t>(k)])];
-    const double relative = 2.0 * one.alpha_std / one.alpha;
-    deviation(k) = std::isfinite(relative) ? relative : 0.0;
-  }
-  return deviation;
-}
-
 }  // namespace
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
@@ -234,7 +223,6 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
   const auto sites = channel_sites(study, solution.model);
   std::vector<ChannelSite> used;
   for (const auto& row : model->match.rows) {
-    if (row.actuator) result.actuator_rows.push_back(std::ssize(used));
     const auto& side = row.actuator ? model->seen.inputs : model->seen.outputs;
     used.push_back(site_of(sites, side[static_cast<std::size_t>(row.channel)].name));
     result.channels.push_back(used.back().name);
@@ -247,7 +235,6 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
                    model->match.shapes(Eigen::all, modes),
                    (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
   result.damping_ratio = fit.damping_ratio(modes);
-  result.scale_deviation = scale_deviation(model->match, modes);
   std::vector<ChannelSite> sensors;
   std::vector<ChannelSite> actuators;
   for (const auto& one : model->seen.outputs) sensors.push_back(site_of(sites, one.name));
@@ -256,6 +243,27 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
   result.input_shapes = places_at(actuators, solution.modes).shapes;
   add_hidden(study, solution, sites, harmonics, *model, result);
   return result;
+}
+
+// Sensors' rows over actuators' go with the square of the scale.
+std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured) {
+  constexpr double kLeast = 1e-3;
+  if (!measured.identified) return std::nullopt;
+  const auto& match = measured.identified->match;
+  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Ones(std::ssize(measured.fitted_mode));
+  for (std::size_t k = 0; k < measured.fitted_mode.size(); ++k) {
+    const auto& one = match.modes[static_cast<std::size_t>(measured.fitted_mode[k])];
+    const double relative = 2.0 * one.alpha_std / one.alpha;
+    if (std::isfinite(relative)) factor(static_cast<Eigen::Index>(k)) += relative;
+  }
+  if (factor.maxCoeff() < 1.0 + kLeast) return std::nullopt;
+  auto off = measured.shapes;
+  for (std::size_t row = 0; row < match.rows.size(); ++row) {
+    if (match.rows[row].actuator) {
+      off.values.row(static_cast<Eigen::Index>(row)).array() *= factor.array();
+    }
+  }
+  return off;
 }
 
 identification::PlacesOfInterest places_of_interest(const Interpolated& result,

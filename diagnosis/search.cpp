@@ -198,7 +198,6 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
       std::vector<std::optional<Fit>> fits(std::min(kAtOnce, chosen.size() - first));
       tell(level.progress,
            fmt::format("cause {}: fitting {}", level.number, chosen[first].cause.effect->name));
-      const priors::dense::OneThread one;
       parallel_tasks(fits.size(), [&](std::size_t i) {
         fits[i] = fitted_with(level.problem, chosen[first + i], bar);
       });
@@ -221,10 +220,13 @@ Fit exchanged(const Level& level, Fit best) {
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = fitted(level.problem, less);
     auto grown = level_up(level, {less});
-    const bool better = !grown.empty() && grown.front().log_evidence > best.log_evidence + 1.0;
-    if (better) best = std::move(grown.front());
-    if (better) untested = best.causes.size() - 1;
-    c = better ? 0 : c + 1;
+    if (grown.empty() || grown.front().log_evidence <= best.log_evidence + 1.0) {
+      ++c;
+      continue;
+    }
+    best = std::move(grown.front());
+    untested = best.causes.size() - 1;
+    c = 0;
   }
   return best;
 }
@@ -237,8 +239,8 @@ Fit settled(const Level& level, const Found& found) {
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
-  const Level again{level.problem, level.catalogue, level.limits, level.progress,
-                    static_cast<int>(simpler.causes.size())};
+  Level again = level;
+  again.number = static_cast<int>(simpler.causes.size());
   const Fit other = exchanged(again, simpler);
   if (other.log_evidence <= simpler.log_evidence) return simpler;
   return pruned(level.problem, other, found.nothing, level.limits);
@@ -270,6 +272,7 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                const SearchLimits& limits, const Progress& progress) {
+  const priors::dense::OneThread one;
   Found found;
   found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   tell(progress, "the simulation within its tolerances");

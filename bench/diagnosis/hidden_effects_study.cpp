@@ -1,6 +1,6 @@
 // hidden_effects_study [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--lines K]
 //   [--write FILE] [--severity X] [--tolerance] [--changed-damping] [--degree D] [--modes M]
-//   [--cells N] [--coarser C] [--deviation X] [--list] [--detectable [--check N]]
+//   [--fine N] [--coarser C] [--deviation X] [--list] [--detectable [--check N]]
 // hides effects in measurements of a Ritz plate, diagnoses them from a nominal one, and prints what
 // was found, as bench/README.md has it. --tolerance: tables that deviate by X (1) default
 // tolerances, diagnosed with these, from a structure of C (2) degrees less; else the exact model.
@@ -75,7 +75,7 @@ std::map<std::string, std::function<void(const std::string&)>> words(Arguments& 
           {"--severity", number(all.hidden.severity)},
           {"--degree", number(all.hidden.degree)},
           {"--modes", number(all.structure.modes)},
-          {"--cells", number(all.structure.fine)},
+          {"--fine", number(all.structure.fine)},
           {"--deviation", number(all.deviation)},
           {"--coarser", number(all.coarser)}};
 }

@@ -83,9 +83,8 @@ void expect_cells_to_sum_up(const diagnosis::Structure& of) {
     EXPECT_EQ((of.cells.mass[c] - of.cells.mass[c].transpose()).norm(), 0.0) << c;
     EXPECT_GT(of.cells.mass[c].diagonal().minCoeff(), 0.0) << c;
   }
-  Eigen::MatrixXd fine =
-      Eigen::MatrixXd::Zero(of.fine.stiffness[0].rows(), of.fine.stiffness[0].cols());
-  for (const auto& one : of.fine.stiffness) fine += one;
+  const Eigen::MatrixXd fine =
+      diagnosis::sum_of(of.fine.stiffness, Eigen::VectorXd::Ones(of.fine.count()));
   Eigen::MatrixXd both = Eigen::MatrixXd::Identity(fine.rows(), fine.cols());
   both.topLeftCorner(r, r) = squares(of).asDiagonal();
   EXPECT_LT((fine - both).norm(), 1e-8 * both.norm());
