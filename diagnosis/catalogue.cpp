@@ -99,6 +99,14 @@ double Parameter::value_per_coordinate(double x) const {
   return 1.0;
 }
 
+std::function<void(State&)> prepared(const Supposed& supposed, const Structure& structure) {
+  const Effect& effect = *supposed.effect;
+  if (effect.prepared) return effect.prepared(structure, supposed.option, supposed.x);
+  return [&supposed, &structure](State& state) {
+    supposed.effect->apply(state, structure, supposed.option, supposed.x);
+  };
+}
+
 std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structure& structure) {
   const auto at = place_coordinates(supposed, structure);
   if (!at) return std::nullopt;

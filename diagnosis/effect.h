@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -56,6 +57,9 @@ struct Effect {
                 const Eigen::VectorXd& x);
   /// Coordinates worth a look, cheap to find; empty: what the scene offers by itself is enough.
   std::vector<EffectStart> (*starts)(const Scene& scene);
+  /// `apply` in two steps, where its first, which needs no state, is the dear one; or none.
+  std::function<void(State&)> (*prepared)(const Structure& structure, Eigen::Index option,
+                                          const Eigen::VectorXd& x) = nullptr;
 };
 
 /// All effects, in the order in which equals are told.
@@ -70,6 +74,10 @@ struct Supposed {
   Eigen::Index option = 0;
   Eigen::VectorXd x;
 };
+
+/// What it does to any state, for many states.
+[[nodiscard]] std::function<void(State&)> prepared(const Supposed& supposed,
+                                                   const Structure& structure);
 
 /// Where on the surface; none for effects that have no place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,

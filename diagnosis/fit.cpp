@@ -155,6 +155,49 @@ void conclude(const MatrixXd& curvature, Fit& fit) {
       -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
 }
 
+State deviating(const Problem& problem, const VectorXd& eta) {
+  State state = state_of(problem.structure);
+  for (Index i = 0; i < eta.size(); ++i) {
+    if (eta(i) != 0.0) problem.deviations[at(i)].apply(state, eta(i));
+  }
+  return state;
+}
+
+// States about a fit: a coordinate of a cause, or a deviation, moved.
+class About {
+ public:
+  About(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta)
+      : problem_(problem), causes_(causes), eta_(eta) {
+    for (const auto& cause : causes) changes_.push_back(prepared(cause, problem.structure));
+  }
+
+  [[nodiscard]] State with_deviation(Index i, double by) const {
+    State state = deviating(problem_, eta_ + by * VectorXd::Unit(eta_.size(), i));
+    for (const auto& change : changes_) change(state);
+    return state;
+  }
+
+  [[nodiscard]] State with_coordinate(const Column& column, double by) const {
+    State state = deviating(problem_, eta_);
+    for (std::size_t c = 0; c < changes_.size(); ++c) {
+      if (c != column.cause) {
+        changes_[c](state);
+        continue;
+      }
+      Supposed moved = causes_[c];
+      moved.x(column.coordinate) += by;
+      moved.effect->apply(state, problem_.structure, moved.option, moved.x);
+    }
+    return state;
+  }
+
+ private:
+  const Problem& problem_;
+  const std::vector<Supposed>& causes_;
+  const VectorXd& eta_;
+  std::vector<std::function<void(State&)>> changes_;
+};
+
 }  // namespace
 
 Index Fit::coordinate_count() const {
@@ -176,10 +219,7 @@ Fit with_deviations(Fit fit, std::size_t count) {
 }
 
 State state_of(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta) {
-  State state = state_of(problem.structure);
-  for (Index i = 0; i < eta.size(); ++i) {
-    if (eta(i) != 0.0) problem.deviations[at(i)].apply(state, eta(i));
-  }
+  State state = deviating(problem, eta);
   for (const auto& cause : causes) {
     cause.effect->apply(state, problem.structure, cause.option, cause.x);
   }
@@ -191,24 +231,26 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
   const auto columns = columns_of(problem.structure, causes);
   const auto count = static_cast<Index>(columns.size());
   const State here = state_of(problem, causes, eta);
+  const About about(problem, causes, eta);
   MatrixXd jacobian(2 * problem.observed.value.size(), count + eta.size());
+  const auto sloping = [&](const State& minus, const State& plus, double step) {
+    return weighted(problem.observed, slope(here, now, minus, plus, step));
+  };
+  const auto of_cause = [&](const Column& column) {
+    const double h = column.parameter.step;
+    const auto [minus, plus] = sides(problem.structure, causes[column.cause], column);
+    return sloping(about.with_coordinate(column, -minus * h),
+                   about.with_coordinate(column, plus * h), (minus + plus) * h);
+  };
+  const auto of_deviation = [&](Index i) {
+    constexpr double kStep = 1e-3;
+    return sloping(about.with_deviation(i, -kStep), about.with_deviation(i, kStep), 2.0 * kStep);
+  };
   const priors::dense::OneThread one;
   parallel_ranges(at(jacobian.cols()), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const auto i = static_cast<Index>(n);
-      const auto moved = [&](double by) {
-        if (i >= count)
-          return state_of(problem, causes, eta + by * VectorXd::Unit(eta.size(), i - count));
-        auto other = causes;
-        other[columns[n].cause].x(columns[n].coordinate) += by;
-        return state_of(problem, other, eta);
-      };
-      const double h = i < count ? columns[n].parameter.step : 1e-3;
-      const auto [minus, plus] =
-          i < count ? sides(problem.structure, causes[columns[n].cause], columns[n])
-                    : std::pair(1.0, 1.0);
-      jacobian.col(i) = weighted(problem.observed, slope(here, now, moved(-minus * h),
-                                                         moved(plus * h), (minus + plus) * h));
+      jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);
     }
   });
   return jacobian;
@@ -217,6 +259,11 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
 Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   const auto columns = columns_of(problem.structure, start.causes);
   Point here = point_of(problem, start);
+  if (columns.empty() && here.fit.eta.size() == 0) {  // nothing to move
+    here.fit.converged = true;
+    here.fit.log_evidence = -here.fit.objective;
+    return here.fit;
+  }
   here.fit.converged = false;
   double lambda = 1e-3;
   Quadratic quadratic;

@@ -61,6 +61,7 @@ struct Level {
   const SearchLimits& limits;
   const Progress& progress;
   int number = 0;
+  bool down_to_noise = false;  ///< only what is too small to show in what is left
 };
 
 // All that might be added to `base`, the most promising first; one per effect and choice at most
@@ -173,13 +174,14 @@ void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chos
 // The most promising, each effect and choice once.
 std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
   std::vector<Candidate> chosen;
-  for (auto& candidate : candidates_of(level, base)) {
+  const auto seen = level.down_to_noise ? std::vector<Candidate>{} : candidates_of(level, base);
+  for (const auto& candidate : seen) {
     if (static_cast<int>(chosen.size()) >= level.limits.fits_per_level) break;
     const bool again = std::ranges::any_of(chosen, [&](const Candidate& other) {
       return other.cause.effect == candidate.cause.effect &&
              other.cause.option == candidate.cause.option;
     });
-    if (!again) chosen.push_back(std::move(candidate));
+    if (!again) chosen.push_back(candidate);
   }
   add_hints(level, base, chosen);
   return chosen;
@@ -212,14 +214,17 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
 }
 
 // Each cause in turn exchanged for what fits best in its stead, until all have stood the test: the
-// first one taken was chosen before the others were known.
-Fit exchanged(const Level& level, Fit best) {
+// first one taken was chosen before the others were known. What did nearly as well is a rival.
+Fit exchanged(const Level& level, Fit best, std::vector<Fit>& rivals) {
   std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
   for (std::size_t c = 0; c < untested;) {
     Fit less = best;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = fitted(level.problem, less);
     auto grown = level_up(level, {less});
+    for (const auto& fit : grown) {
+      if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(rivals, fit);
+    }
     if (grown.empty() || grown.front().log_evidence <= best.log_evidence + 1.0) {
       ++c;
       continue;
@@ -233,7 +238,7 @@ Fit exchanged(const Level& level, Fit best) {
 
 // The causes that are worth their evidence, none of which another would better; no exchange where
 // they explain so little of so much that none is believed.
-Fit settled(const Level& level, const Found& found) {
+Fit settled(const Level& level, Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
   constexpr double kMuch = 1000.0;  // z
   const double n = numbers(level.problem);
@@ -241,7 +246,7 @@ Fit settled(const Level& level, const Found& found) {
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
-  const Fit other = exchanged(again, simpler);
+  const Fit other = exchanged(again, simpler, found.fits);
   if (other.log_evidence <= simpler.log_evidence) return simpler;
   return pruned(level.problem, other, found.nothing, level.limits);
 }
@@ -256,11 +261,13 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = less.causes.empty() ? nothing : fitted(problem, less);
     // Stretched tolerances count as misfit. What is small beside a large cause still counts where
-    // the data want it.
+    // the data want it, or where it is no matter of luck.
+    const double gain = best.log_evidence - less.log_evidence;
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
     const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
-    if (best.log_evidence - less.log_evidence >= limits.least_evidence && (material || wanted)) {
+    const bool sure = gain >= limits.sure_evidence;
+    if (gain >= limits.least_evidence && (material || wanted || sure)) {
       ++c;
     } else {
       best = std::move(less);
@@ -283,7 +290,9 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   std::vector<Fit> beam{found.nothing};
   for (int number = 1; number <= limits.most_causes; ++number) {
     const double best_before = found.fits.front().log_evidence;
-    auto grown = level_up({problem, catalogue, limits, progress, number}, beam);
+    const bool done = number > 1 && beam.front().excess(numbers(problem)) < 1.0;
+    if (done) beam.resize(1);
+    auto grown = level_up({problem, catalogue, limits, progress, number, done}, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
     while (static_cast<int>(grown.size()) > limits.beam ||
@@ -291,7 +300,6 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
       grown.pop_back();
     }
     beam = std::move(grown);
-    if (beam.front().excess(numbers(problem)) < 1.0) break;
   }
   const auto count = found.fits.front().causes.size();
   if (count < 2) return found;
@@ -303,10 +311,6 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   }
   // What was more is not worth its evidence: it is no rival either.
   std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
-  std::erase_if(found.fits, [&](const Fit& fit) {
-    return std::abs(fit.log_evidence - best.log_evidence) < 0.2 &&
-           fit.causes.size() == best.causes.size();
-  });
   found.fits.insert(found.fits.begin(), std::move(best));
   return found;
 }

@@ -16,7 +16,8 @@ struct SearchLimits {
   double beam_within = 20.0;         ///< and their log evidence of the best
   double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
   double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
-  double least_excess = kExplained;  ///< unless this much (z) is left without it
+  double least_excess = kExplained;  ///< unless this much (z) is left without it,
+  double sure_evidence = 12.0;       ///< or its own evidence is this high
   /// Errors that the last word knows and the search takes for noise: what they may be is no hint.
   std::vector<Deviation> unseen = {};
 };
@@ -29,15 +30,15 @@ struct Found {
 /// At each level, from the best explanations so far: every effect of the catalogue is tried at the
 /// starts it offers, in a scene whose variances the tolerances widen; the best few are fitted in
 /// full, and four that the score test hints at (hints.h), which sees what is small. It ends when
-/// no cause brings `least_evidence`, or nothing is left to explain; then each cause is left out in
-/// turn, and stays out where that costs too little.
+/// no cause brings `least_evidence`; where nothing is left to explain only the hints are fitted.
+/// Then each cause is left out in turn, and stays out where that costs too little.
 /// @param catalogue  the effects that may be
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                              const SearchLimits& limits, const Progress& progress = {});
 
 /// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
-/// than `least_evidence`, or where neither its share nor what is left without it matters. It may be
-/// `nothing` in the end.
+/// than `least_evidence`, or where neither its share nor what is left without it nor its own
+/// evidence matters. It may be `nothing` in the end.
 [[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
                          const SearchLimits& limits);
 

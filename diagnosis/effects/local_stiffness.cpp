@@ -54,9 +54,14 @@ VectorXd within(const FineCells& fine, const VectorXd& x) {
   return weight;
 }
 
-void soften(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  add_stiffness(state,
-                sum_of(structure.fine.stiffness, std::expm1(x(0)) * within(structure.fine, x)));
+std::function<void(State&)> softening(const Structure& structure, Index /*option*/,
+                                      const VectorXd& x) {
+  const VectorXd weight = std::expm1(x(0)) * within(structure.fine, x);
+  return
+      [by = sum_of(structure.fine.stiffness, weight)](State& state) { add_stiffness(state, by); };
+}
+void soften(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  softening(structure, option, x)(state);
 }
 
 // The centre of each cell, the step in the factor to first order; the best few both ways.
@@ -102,6 +107,7 @@ const Effect local_stiffness{"local_stiffness",
                              has_cells,
                              no_channels,
                              soften,
-                             centres};
+                             centres,
+                             softening};
 
 }  // namespace chladni::diagnosis

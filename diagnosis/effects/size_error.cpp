@@ -9,6 +9,7 @@ namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
@@ -20,32 +21,43 @@ Index bends(const Structure& structure) {
   return structure.bending_power > 0.0 && structure.cells.count() > 0 ? 1 : 0;
 }
 
-// w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ²; what the shear resists and what turns
-// keep their size.
-void scale_body(State& state, const BodyCells& cells, double longer) {
-  const double area = longer * longer;
-  scale_stiffness(state, 1.0 / area);
-  state.mass *= area;
-  const auto all_cells = [&](double value) { return VectorXd::Constant(cells.count(), value); };
-  if (!cells.shear.empty()) state.stiffness += sum_of(cells.shear, all_cells(1.0 - 1.0 / area));
-  if (!cells.rotary.empty()) state.mass += sum_of(cells.rotary, all_cells(1.0 - area));
+MatrixXd all_of(const std::vector<MatrixXd>& cells, double weight, Index modes) {
+  if (cells.empty()) return MatrixXd::Zero(modes, modes);
+  return sum_of(cells, VectorXd::Constant(static_cast<Index>(cells.size()), weight));
 }
 
-// The channels stay where they are, so that on the body they move.
-void stretch(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  const double longer = std::exp(x(0));
-  scale_body(state, structure.cells, longer);
+// The channels stay where they are, so that on the body they move: one in each row.
+MatrixXd moved(const Structure& structure, const ChannelSide& side, double longer) {
   const Vector2d middle = structure.cells.from + 0.5 * structure.cells.size;
-  const auto by = [&](const ChannelSide& side, Index i) -> VectorXd {
+  MatrixXd by(side.count(), structure.mode_count());
+  for (Index i = 0; i < side.count(); ++i) {
     const Vector2d place = side.places.row(i);
-    return shape_change(structure, side, i, (1.0 / longer - 1.0) * (place - middle));
+    by.row(i) = shape_change(structure, side, i, (1.0 / longer - 1.0) * (place - middle));
+  }
+  return by;
+}
+
+// w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ²; what the shear resists and what turns
+// keep their size.
+std::function<void(State&)> stretching(const Structure& structure, Index /*option*/,
+                                       const VectorXd& x) {
+  const double longer = std::exp(x(0));
+  const double area = longer * longer;
+  const Index r = structure.mode_count();
+  return [area, shear = all_of(structure.cells.shear, 1.0 - 1.0 / area, r),
+          turning = all_of(structure.cells.rotary, 1.0 - area, r),
+          outputs = moved(structure, structure.outputs, longer),
+          inputs = moved(structure, structure.inputs, longer)](State& state) {
+    scale_stiffness(state, 1.0 / area);
+    state.mass *= area;
+    state.stiffness += shear;
+    state.mass += turning;
+    state.outputs += outputs;
+    state.inputs += inputs.transpose();
   };
-  for (Index i = 0; i < structure.output_count(); ++i) {
-    state.outputs.row(i) += by(structure.outputs, i).transpose();
-  }
-  for (Index j = 0; j < structure.input_count(); ++j) {
-    state.inputs.col(j) += by(structure.inputs, j);
-  }
+}
+void stretch(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  stretching(structure, option, x)(state);
 }
 
 // Frequencies go as λ^-2.
@@ -68,6 +80,7 @@ const Effect size_error{"size_error",
                         bends,
                         no_channels,
                         stretch,
-                        steps};
+                        steps,
+                        stretching};
 
 }  // namespace chladni::diagnosis

@@ -28,14 +28,24 @@ Index bends(const Structure& structure) {
   return structure.bending_power > 0.0 ? has_cells(structure) : 0;
 }
 
-void stiffen(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  state.stiffness += sum_of(structure.cells.stiffness, smooth_fields(structure.cells) * x);
+std::function<void(State&)> stiffening(const Structure& structure, Index /*option*/,
+                                       const VectorXd& x) {
+  const VectorXd field = smooth_fields(structure.cells) * x;
+  return [by = sum_of(structure.cells.stiffness, field)](State& state) { state.stiffness += by; };
+}
+void stiffen(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  stiffening(structure, option, x)(state);
 }
 
-void thicken(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
-  const auto gained = thickened(structure, smooth_fields(structure.cells) * x);
-  state.stiffness += gained.stiffness;
-  state.mass += gained.mass;
+std::function<void(State&)> thickening(const Structure& structure, Index /*option*/,
+                                       const VectorXd& x) {
+  return [by = thickened(structure, smooth_fields(structure.cells) * x)](State& state) {
+    state.stiffness += by.stiffness;
+    state.mass += by.mass;
+  };
+}
+void thicken(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  thickening(structure, option, x)(state);
 }
 
 std::vector<EffectStart> flat(const Scene& scene) {
@@ -58,7 +68,8 @@ const Effect modulus_field{"modulus_field",
                            has_cells,
                            no_channels,
                            stiffen,
-                           flat};
+                           flat,
+                           stiffening};
 const Effect thickness_field{"thickness_field",
                              "the thickness varies smoothly: a taper, a bow",
                              "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
@@ -67,6 +78,7 @@ const Effect thickness_field{"thickness_field",
                              bends,
                              no_channels,
                              thicken,
-                             flat};
+                             flat,
+                             thickening};
 
 }  // namespace chladni::diagnosis

@@ -21,13 +21,23 @@ void weigh(State& state, const Structure& /*structure*/, Eigen::Index /*option*/
            const VectorXd& x) {
   state.mass *= std::exp(x(0));
 }
-void thicken(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+std::function<void(State&)> thickening(const Structure& structure, Eigen::Index /*option*/,
+                                       const VectorXd& x) {
   const double t = std::exp(x(0));
   const double powered = std::pow(t, structure.bending_power);
-  scale_stiffness(state, powered);
-  state.mass *= t;
+  const Eigen::Index r = structure.mode_count();
+  BodyChange other{Eigen::MatrixXd::Zero(r, r), Eigen::MatrixXd::Zero(r, r)};
   add_shear_and_turning(structure, VectorXd::Constant(structure.cells.count(), powered - t),
-                        state.stiffness, state.mass);
+                        other.stiffness, other.mass);
+  return [=](State& state) {
+    scale_stiffness(state, powered);
+    state.mass *= t;
+    state.stiffness += other.stiffness;
+    state.mass += other.mass;
+  };
+}
+void thicken(State& state, const Structure& structure, Eigen::Index option, const VectorXd& x) {
+  thickening(structure, option, x)(state);
 }
 
 // Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
@@ -71,6 +81,7 @@ const Effect thickness{"thickness",
                        bends,
                        no_channels,
                        thicken,
-                       by_one};
+                       by_one,
+                       thickening};
 
 }  // namespace chladni::diagnosis

@@ -29,7 +29,10 @@ Observed seen_with(const Supposed& cause, const Structure& plate) {
 // The scan's places are 15 mm apart; the valley of a stiff spring is narrower.
 TEST(BestStarts, LeadToAStiffSpringBetweenThePlacesOfTheScan) {
   const auto plate = plate_of(48, 41);
-  for (const Vector2d& place : {Vector2d(-0.1085, 0.052), Vector2d(0.155, -0.222), Vector2d(0.052,0.022), Vector2d(-0.23,0.247), Vector2d(0.067,-0.128), Vector2d(0.007,0.187), Vector2d(-0.172,-0.082), Vector2d(0.252,0.006)}) {
+  for (const Vector2d& place :
+       {Vector2d(-0.1085, 0.052), Vector2d(0.155, -0.222), Vector2d(0.052, 0.022),
+        Vector2d(-0.23, 0.247), Vector2d(0.067, -0.128), Vector2d(0.007, 0.187),
+        Vector2d(-0.172, -0.082), Vector2d(0.252, 0.006)}) {
     const Eigen::Vector3d truth(std::log(2e6), place(0), place(1));
     const auto observed = seen_with({&effect("ground_spring"), 0, truth}, plate);
     const Scene scene(plate, observed, state_of(plate),
@@ -41,7 +44,8 @@ TEST(BestStarts, LeadToAStiffSpringBetweenThePlacesOfTheScan) {
     start.causes = {starts.front().cause};
     start.eta = Eigen::VectorXd(0);
     const Fit found = fitted({plate, observed, none}, start, {16, 0.3, HUGE_VAL});
-    EXPECT_LT((found.causes.front().x.tail<2>() - place).norm(), 1e-4) << place.transpose() << " starts at " << starts.front().cause.x.transpose();
+    EXPECT_LT((found.causes.front().x.tail<2>() - place).norm(), 1e-4)
+        << place.transpose() << " starts at " << starts.front().cause.x.transpose();
     EXPECT_NEAR(found.causes.front().x(0), truth(0), 1e-3);
   }
 }
