@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "app/modal_stiffness.h"
 #include "app/plane_stress.h"
 #include "base/parallel.h"
+#include "diagnosis/body_fields.h"
 #include "fem/field_matrices.h"
 
 namespace chladni::app {
@@ -91,7 +93,7 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
 }
 
 // Materials that resist transverse shear only: that with `normal` in it.
-std::vector<fem::Material> shearing(std::vector<fem::Material> materials, Eigen::Index normal) {
+std::vector<fem::Material> shear_only(std::vector<fem::Material> materials, Eigen::Index normal) {
   for (auto& material : materials) {
     const Eigen::Matrix<double, 6, 6> whole = material.stiffness;
     material.stiffness.setZero();
@@ -107,18 +109,25 @@ Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
 
+// Of a body that bends, what goes otherwise with its thickness than the rest.
+struct BendingParts {
+  std::vector<fem::Material> shearing;
+  Eigen::MatrixXd turning;  // the shapes, in the plane only
+  BendingParts(const Model& model, const modal::Modes& modes, const Chart& chart) {
+    Eigen::Index normal = 0;
+    chart.axes.col(2).cwiseAbs().maxCoeff(&normal);
+    shearing = shear_only(model.materials, normal);
+    turning = modes.shapes;
+    for (Eigen::Index row = normal; row < turning.rows(); row += 3) turning.row(row).setZero();
+  }
+};
+
 // What the cells are made of.
 class CellMatrices {
  public:
-  CellMatrices(const Model& model, const modal::Modes& modes, const Chart& chart, bool bends)
-      : model_(model), modes_(modes), bends_(bends) {
-    if (!bends) return;
-    Eigen::Index normal = 0;
-    chart.axes.col(2).cwiseAbs().maxCoeff(&normal);
-    shearing_ = shearing(model.materials, normal);
-    turning_ = modes.shapes;
-    for (Eigen::Index row = normal; row < turning_.rows(); row += 3) turning_.row(row).setZero();
-  }
+  CellMatrices(const Model& model, const modal::Modes& modes,
+               const std::optional<BendingParts>& bending)
+      : model_(model), modes_(modes), bending_(bending) {}
 
   void add(const CellPart& part, diagnosis::BodyCells& cells, std::size_t at) const {
     const auto piece = part.piece(model_.body);
@@ -127,20 +136,59 @@ class CellMatrices {
     auto whole = fem::field_matrices(piece, model_.materials, modes_.shapes, field, field);
     cells.stiffness[at] = unstrained(std::move(whole.stiffness.front()), modes_.frequency_hz);
     cells.mass[at] = symmetric(whole.mass.front());
-    if (!bends_) return;
-    auto sheared = fem::field_matrices(piece, shearing_, modes_.shapes, field, none);
+    if (!bending_) return;
+    auto sheared = fem::field_matrices(piece, bending_->shearing, modes_.shapes, field, none);
     cells.shear[at] = unstrained(std::move(sheared.stiffness.front()), modes_.frequency_hz);
-    cells.rotary[at] =
-        symmetric(fem::field_matrices(piece, model_.materials, turning_, none, field).mass.front());
+    cells.rotary[at] = symmetric(
+        fem::field_matrices(piece, model_.materials, bending_->turning, none, field).mass.front());
   }
 
  private:
   const Model& model_;
   const modal::Modes& modes_;
-  bool bends_;
-  std::vector<fem::Material> shearing_;
-  Eigen::MatrixXd turning_;  // the shapes, in the plane only
+  const std::optional<BendingParts>& bending_;
 };
+
+// Of each tetrahedron, the mean of the fields over its samples.
+Eigen::MatrixXd fields_of(const mesh::TetMesh& body, const Chart& chart,
+                          const diagnosis::BodyCells& cells) {
+  const auto samples = samples_of_tet();
+  Eigen::MatrixXd all;
+  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
+    Eigen::Matrix<double, 4, 3> corners;
+    for (int a = 0; a < 4; ++a) corners.row(a) = body.points.row(body.tets(t, a));
+    Eigen::MatrixX2d places(samples.rows(), 2);
+    for (Eigen::Index n = 0; n < samples.rows(); ++n) {
+      places.row(n) = chart.place((samples.row(n) * corners).transpose()).transpose();
+    }
+    const Eigen::MatrixXd fields = diagnosis::smooth_fields(cells, places);
+    if (t == 0) all.resize(body.tet_count(), fields.cols());
+    all.row(t) = fields.colwise().mean();
+  }
+  return all;
+}
+
+// t³ but for what resists transverse shear, t but for what resists turning.
+diagnosis::BodyCells::Waves waves_of(const Model& model, const modal::Modes& modes,
+                                     const Chart& chart, const diagnosis::BodyCells& cells,
+                                     const BendingParts& parts) {
+  const auto fields = fields_of(model.body, chart, cells);
+  const Eigen::MatrixXd none(fields.rows(), 0);
+  diagnosis::BodyCells::Waves waves;
+  auto whole = fem::field_matrices(model.body, model.materials, modes.shapes, fields, fields);
+  const auto sheared =
+      fem::field_matrices(model.body, parts.shearing, modes.shapes, fields, none).stiffness;
+  const auto turning =
+      fem::field_matrices(model.body, model.materials, parts.turning, none, fields).mass;
+  for (std::size_t f = 0; f < whole.stiffness.size(); ++f) {
+    const auto modulus = unstrained(std::move(whole.stiffness[f]), modes.frequency_hz);
+    const auto shear = unstrained(Eigen::MatrixXd(sheared[f]), modes.frequency_hz);
+    waves.bent.emplace_back(3.0 * (modulus - shear) + shear);
+    waves.thickened.push_back(symmetric(whole.mass[f] + 2.0 * turning[f]));
+    waves.modulus.push_back(modulus);
+  }
+  return waves;
+}
 
 }  // namespace
 
@@ -158,7 +206,9 @@ diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, con
   cells.size = chart.size;
   for (auto* matrices : {&cells.stiffness, &cells.mass}) matrices->resize(parts.size());
   for (auto* matrices : {&cells.shear, &cells.rotary}) matrices->resize(bends ? parts.size() : 0);
-  const CellMatrices matrices(model, modes, chart, bends);
+  std::optional<BendingParts> bending;
+  if (bends) bending.emplace(model, modes, chart);
+  const CellMatrices matrices(model, modes, bending);
   parallel_tasks(parts.size(), [&](std::size_t i) {
     const auto& part = parts[i];
     matrices.add(part, cells, i);
@@ -166,6 +216,7 @@ diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes, con
     cells.area(static_cast<Eigen::Index>(i)) =
         covered(part.number / counts(1), part.number % counts(1)) * area;
   });
+  if (bends) cells.waves = waves_of(model, modes, chart, cells, *bending);
   return cells;
 }
 

@@ -20,7 +20,9 @@ BodyChange change(const Structure& structure, const ArrayXd& powered, const Arra
 
 }  // namespace
 
-MatrixXd smooth_fields(const BodyCells& cells) {
+MatrixXd smooth_fields(const BodyCells& cells) { return smooth_fields(cells, cells.centres); }
+
+MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places) {
   if (cells.count() == 0) return {};
   const Eigen::RowVector2d low = cells.from;
   const Eigen::RowVector2d spread =
@@ -30,12 +32,12 @@ MatrixXd smooth_fields(const BodyCells& cells) {
     if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;  // one cell spans it: nothing varies
   }
   const auto along = [&](int axis) -> Eigen::ArrayXd {
-    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(cells.count());
-    return 2.0 * (cells.centres.col(axis).array() - low(axis)) / size(axis) - 1.0;
+    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(places.rows());
+    return 2.0 * (places.col(axis).array() - low(axis)) / size(axis) - 1.0;
   };
   const Eigen::ArrayXd u = along(0);
   const Eigen::ArrayXd v = along(1);
-  MatrixXd fields(cells.count(), 0);
+  MatrixXd fields(places.rows(), 0);
   const auto add = [&](const Eigen::ArrayXd& field) {
     fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
     fields.rightCols(1) = field.matrix();
@@ -68,8 +70,31 @@ BodyChange thickened(const Structure& structure, const VectorXd& field) {
   return change(structure, t.pow(structure.bending_power) - 1.0, t - 1.0);
 }
 
-BodyChange thickness_slope(const Structure& structure, const VectorXd& field) {
-  return change(structure, structure.bending_power * field.array(), field.array());
+BodyChange thickened_smoothly(const Structure& structure, const VectorXd& x) {
+  const auto& waves = structure.cells.waves;
+  const VectorXd field = smooth_fields(structure.cells) * x;
+  if (waves.bent.empty()) return thickened(structure, field);
+  const ArrayXd t = (1.0 + field.array()).max(0.05);
+  const double power = structure.bending_power;
+  BodyChange result =
+      change(structure, t.pow(power) - 1.0 - power * field.array(), t - 1.0 - field.array());
+  result.stiffness += sum_of(waves.bent, x);
+  result.mass += sum_of(waves.thickened, x);
+  return result;
+}
+
+BodyChange thickness_slope(const Structure& structure, Index f) {
+  const auto& waves = structure.cells.waves;
+  const auto at = static_cast<std::size_t>(f);
+  if (!waves.bent.empty()) return {waves.bent[at], waves.thickened[at]};
+  const ArrayXd field = smooth_fields(structure.cells).col(f).array();
+  return change(structure, structure.bending_power * field, field);
+}
+
+MatrixXd stiffened_smoothly(const Structure& structure, const VectorXd& x) {
+  const auto& cells = structure.cells;
+  if (!cells.waves.modulus.empty()) return sum_of(cells.waves.modulus, x);
+  return sum_of(cells.stiffness, smooth_fields(cells) * x);
 }
 
 }  // namespace chladni::diagnosis

@@ -9,6 +9,8 @@ namespace chladni::diagnosis {
 /// largest value 1): (1,0), (0,1), (2,0), (1,1), (0,2); without those along a side that the cells
 /// do not resolve. b×5 or fewer.
 [[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells);
+/// The same at other places, n×2 [m].
+[[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places);
 
 /// Σ_c weight_c A_c.
 [[nodiscard]] Eigen::MatrixXd sum_of(const std::vector<Eigen::MatrixXd>& cells,
@@ -21,8 +23,13 @@ struct BodyChange {
 /// K_c as t³ but for transverse shear (t), M_c as t but for rotary inertia (t³), where the
 /// structure knows these parts; K_c as t^bending_power where it does not.
 [[nodiscard]] BodyChange thickened(const Structure& structure, const Eigen::VectorXd& field);
-/// Its derivative by a factor of the field, at 0.
-[[nodiscard]] BodyChange thickness_slope(const Structure& structure, const Eigen::VectorXd& field);
+/// Of smooth_fields times x: to first order by BodyCells::Waves, the rest cell by cell.
+[[nodiscard]] BodyChange thickened_smoothly(const Structure& structure, const Eigen::VectorXd& x);
+/// Its derivative by x_f, at 0.
+[[nodiscard]] BodyChange thickness_slope(const Structure& structure, Eigen::Index f);
+/// What K gains when Young's modulus becomes 1 + smooth_fields times x.
+[[nodiscard]] Eigen::MatrixXd stiffened_smoothly(const Structure& structure,
+                                                 const Eigen::VectorXd& x);
 
 /// What t^bending_power − t, cell by cell, changes in K and M beyond K as t^bending_power and M
 /// as t: transverse shear and rotary inertia; nothing where the structure does not know them.

@@ -122,14 +122,14 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
     add("stiffness in shear", structure.directional.shear);
   }
   if (tolerances.thickness <= 0.0 || structure.cells.count() == 0) return;
-  const MatrixXd fields = smooth_fields(structure.cells);
-  for (Index f = 0; f < fields.cols(); ++f) {
-    all.push_back({fmt::format("smooth wave {} of thickness", f + 1),
-                   [by = thickness_slope(structure, fields.col(f)), t = tolerances.thickness](
-                       State& state, double eta) {
-                     state.stiffness += t * eta * by.stiffness;
-                     state.mass += t * eta * by.mass;
-                   }});
+  const Index waves = smooth_fields(structure.cells).cols();
+  for (Index f = 0; f < waves; ++f) {
+    all.push_back(
+        {fmt::format("smooth wave {} of thickness", f + 1),
+         [by = thickness_slope(structure, f), t = tolerances.thickness](State& state, double eta) {
+           state.stiffness += t * eta * by.stiffness;
+           state.mass += t * eta * by.mass;
+         }});
   }
 }
 

@@ -60,6 +60,9 @@ struct Effect {
   /// `apply` in two steps, where its first, which needs no state, is the dear one; or none.
   std::function<void(State&)> (*prepared)(const Structure& structure, Eigen::Index option,
                                           const Eigen::VectorXd& x) = nullptr;
+  /// How far off, relative, what it does to the responses may be: nothing that small beside it
+  /// is believed. 0: it is exact.
+  double error = 0.0;
 };
 
 /// All effects, in the order in which equals are told.

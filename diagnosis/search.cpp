@@ -23,6 +23,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kNoise = 1.0;  // z: what is left is noise
+
 // A cause that might be added, with its misfit in a scene.
 struct Candidate {
   Supposed cause;
@@ -237,18 +239,27 @@ Fit exchanged(const Level& level, Fit best, std::vector<Fit>& rivals) {
 }
 
 // The causes that are worth their evidence, none of which another would better; no exchange where
-// they explain so little of so much that none is believed.
+// they explain so little of so much that none is believed, or where all of them are small.
 Fit settled(const Level& level, Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
   constexpr double kMuch = 1000.0;  // z
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
+  if (found.nothing.excess(n) < kNoise) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
   const Fit other = exchanged(again, simpler, found.fits);
   if (other.log_evidence <= simpler.log_evidence) return simpler;
   return pruned(level.problem, other, found.nothing, level.limits);
+}
+
+// Whether one more cause is more than luck, and more than what mends errors of the others.
+bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, const Fit& more) {
+  double error2 = 0.0;
+  for (const auto& cause : less.causes) error2 += cause.effect->error * cause.effect->error;
+  const double mends = error2 * (nothing.objective - less.objective);
+  return more.log_evidence - less.log_evidence >= std::max(limits.sure_evidence, mends);
 }
 
 }  // namespace
@@ -266,7 +277,7 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
     const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
-    const bool sure = gain >= limits.sure_evidence;
+    const bool sure = is_sure(limits, nothing, less, best);
     if (gain >= limits.least_evidence && (material || wanted || sure)) {
       ++c;
     } else {
@@ -290,11 +301,12 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   std::vector<Fit> beam{found.nothing};
   for (int number = 1; number <= limits.most_causes; ++number) {
     const double best_before = found.fits.front().log_evidence;
-    const bool done = number > 1 && beam.front().excess(numbers(problem)) < 1.0;
+    const bool done = number > 1 && beam.front().excess(numbers(problem)) < kNoise;
     if (done) beam.resize(1);
     auto grown = level_up({problem, catalogue, limits, progress, number, done}, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
+    if (done && !is_sure(limits, found.nothing, beam.front(), grown.front())) break;
     while (static_cast<int>(grown.size()) > limits.beam ||
            grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
       grown.pop_back();

@@ -17,7 +17,8 @@ struct SearchLimits {
   double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
   double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
   double least_excess = kExplained;  ///< unless this much (z) is left without it,
-  double sure_evidence = 12.0;       ///< or its own evidence is this high
+  double sure_evidence = 12.0;       ///< or its own evidence is this high, and above the errors of
+                                     ///< the others (Effect::error)
   /// Errors that the last word knows and the search takes for noise: what they may be is no hint.
   std::vector<Deviation> unseen = {};
 };

@@ -38,6 +38,12 @@ void check_cells(const BodyCells& cells, Eigen::Index modes) {
     require(parts->empty() || parts->size() == n, "cells of the body: a part of some only");
     for (const auto& part : *parts) fits(part, modes, modes, "a part of a cell");
   }
+  const auto& waves = cells.waves;
+  require(waves.bent.size() == waves.modulus.size() && waves.thickened.size() == waves.bent.size(),
+          "waves of the body: their matrices differ in number");
+  for (const auto* parts : {&waves.modulus, &waves.bent, &waves.thickened}) {
+    for (const auto& part : *parts) fits(part, modes, modes, "a wave over the body");
+  }
   for (std::size_t c = 0; c < n; ++c) {
     fits(cells.stiffness[c], modes, modes, "stiffness of a cell");
     fits(cells.mass[c], modes, modes, "mass of a cell");

@@ -59,6 +59,13 @@ struct BodyCells {
   /// stiffness (as t³) what resists transverse shear (as t), of the mass (as t) what resists
   /// turning (as t³).
   std::vector<Eigen::MatrixXd> shear, rotary;
+  /// To first order what fields that vary smoothly over the body change, r×r for each of
+  /// smooth_fields, or none: then the cells, each of one value, tell it.
+  struct Waves {
+    std::vector<Eigen::MatrixXd> modulus;          ///< of K by E (1 + x f)
+    std::vector<Eigen::MatrixXd> bent, thickened;  ///< of K and M by t (1 + x f)
+  };
+  Waves waves;
 
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
 };

@@ -8,6 +8,9 @@
 
 namespace chladni::diagnosis {
 
+/// Effect::error of what hangs on modes of finite number.
+inline constexpr double kHungError = 1e-3;
+
 /// "u" and "v" of the place.
 [[nodiscard]] Parameter place_u();
 [[nodiscard]] Parameter place_v();

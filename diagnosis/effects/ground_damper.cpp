@@ -43,6 +43,8 @@ const Effect ground_damper{"ground_damper",
                            has_surface,
                            no_channels,
                            drag,
-                           dashpots};
+                           dashpots,
+                           nullptr,
+                           kHungError};
 
 }  // namespace chladni::diagnosis

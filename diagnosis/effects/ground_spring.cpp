@@ -44,6 +44,8 @@ const Effect ground_spring{"ground_spring",
                            has_surface,
                            no_channels,
                            hold,
-                           springs};
+                           springs,
+                           nullptr,
+                           kHungError};
 
 }  // namespace chladni::diagnosis

@@ -108,6 +108,7 @@ const Effect local_stiffness{"local_stiffness",
                              no_channels,
                              soften,
                              centres,
-                             softening};
+                             softening,
+                             1e-2};
 
 }  // namespace chladni::diagnosis

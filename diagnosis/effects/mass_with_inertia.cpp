@@ -54,6 +54,8 @@ const Effect mass_with_inertia{"mass_with_inertia",
                                has_surface,
                                no_channels,
                                hang,
-                               weights};
+                               weights,
+                               nullptr,
+                               kHungError};
 
 }  // namespace chladni::diagnosis

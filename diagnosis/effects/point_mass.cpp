@@ -41,6 +41,8 @@ const Effect point_mass{"point_mass",
                         has_surface,
                         no_channels,
                         hang,
-                        weights};
+                        weights,
+                        nullptr,
+                        kHungError};
 
 }  // namespace chladni::diagnosis

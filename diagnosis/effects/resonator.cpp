@@ -52,6 +52,8 @@ const Effect resonator{"resonator",
                        has_surface,
                        no_channels,
                        carry,
-                       oscillators};
+                       oscillators,
+                       nullptr,
+                       kHungError};
 
 }  // namespace chladni::diagnosis

@@ -81,6 +81,7 @@ const Effect size_error{"size_error",
                         no_channels,
                         stretch,
                         steps,
-                        stretching};
+                        stretching,
+                        1e-3};
 
 }  // namespace chladni::diagnosis

@@ -30,8 +30,7 @@ Index bends(const Structure& structure) {
 
 std::function<void(State&)> stiffening(const Structure& structure, Index /*option*/,
                                        const VectorXd& x) {
-  const VectorXd field = smooth_fields(structure.cells) * x;
-  return [by = sum_of(structure.cells.stiffness, field)](State& state) { state.stiffness += by; };
+  return [by = stiffened_smoothly(structure, x)](State& state) { state.stiffness += by; };
 }
 void stiffen(State& state, const Structure& structure, Index option, const VectorXd& x) {
   stiffening(structure, option, x)(state);
@@ -39,7 +38,7 @@ void stiffen(State& state, const Structure& structure, Index option, const Vecto
 
 std::function<void(State&)> thickening(const Structure& structure, Index /*option*/,
                                        const VectorXd& x) {
-  return [by = thickened(structure, smooth_fields(structure.cells) * x)](State& state) {
+  return [by = thickened_smoothly(structure, x)](State& state) {
     state.stiffness += by.stiffness;
     state.mass += by.mass;
   };
@@ -69,7 +68,8 @@ const Effect modulus_field{"modulus_field",
                            no_channels,
                            stiffen,
                            flat,
-                           stiffening};
+                           stiffening,
+                           1e-2};
 const Effect thickness_field{"thickness_field",
                              "the thickness varies smoothly: a taper, a bow",
                              "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
@@ -79,6 +79,7 @@ const Effect thickness_field{"thickness_field",
                              no_channels,
                              thicken,
                              flat,
-                             thickening};
+                             thickening,
+                             1e-2};
 
 }  // namespace chladni::diagnosis

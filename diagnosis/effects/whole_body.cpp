@@ -82,6 +82,7 @@ const Effect thickness{"thickness",
                        no_channels,
                        thicken,
                        by_one,
-                       thickening};
+                       thickening,
+                       1e-3};
 
 }  // namespace chladni::diagnosis

@@ -105,6 +105,25 @@ TEST(DiagnosisStructure, CellsSumToTheWholeBody) {
   EXPECT_EQ(structure().bending_power, 3.0);
 }
 
+// Sums over cells of one value each have the waves as their limit, about as the square of their
+// size.
+TEST(DiagnosisStructure, CellsConvergeToTheWaves) {
+  const auto& of = structure();
+  ASSERT_EQ(of.cells.waves.modulus.size(), 5U);
+  constexpr Eigen::Index kLow = 16;  // modes that the cells resolve
+  const auto coarse = diagnosis::smooth_fields(of.cells);
+  const auto fine = diagnosis::smooth_fields(of.cells, of.fine.centres);
+  for (std::size_t f = 0; f < 5; ++f) {
+    const Eigen::MatrixXd wave = of.cells.waves.modulus[f].topLeftCorner(kLow, kLow);
+    const auto off = [&](const std::vector<Eigen::MatrixXd>& cells, const Eigen::MatrixXd& fields) {
+      const Eigen::VectorXd field = fields.col(static_cast<Eigen::Index>(f));
+      return (diagnosis::sum_of(cells, field).topLeftCorner(kLow, kLow) - wave).norm();
+    };
+    EXPECT_LT(off(of.fine.stiffness, fine), 0.03 * wave.norm()) << f;
+    EXPECT_LT(off(of.fine.stiffness, fine), 0.3 * off(of.cells.stiffness, coarse)) << f;
+  }
+}
+
 TEST(DiagnosisStructure, LooksAtTheTopInTheBodysOwnCoordinates) {
   const auto& surface = structure().surface;
   EXPECT_EQ(surface.axis_u, Eigen::Vector3d::UnitX());

@@ -115,6 +115,42 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   return all;
 }
 
+// By differences of the thickness's Legendre coefficients; parts as t and as t³ from the same
+// motion of a thicker plate.
+diagnosis::BodyCells::Waves waves(const RitzModes& plate, Index r) {
+  constexpr std::array<std::pair<Index, Index>, 5> kWaves{{{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+  constexpr double kStep = 1e-3;
+  constexpr double kThicker = 1.5;
+  constexpr double cubed = kThicker * kThicker * kThicker;
+  require(plate.body.thickness.size() == 1, "waves over a plate of one thickness only");
+  const double t = plate.body.thickness(0, 0);
+  const Eigen::Vector2d half(0.5 * plate.body.length, 0.5 * plate.body.width);
+  diagnosis::BodyCells::Waves all;
+  for (const auto& [a, b] : kWaves) {
+    const auto slope = [&](double times) {
+      const auto cell = [&](double by) {
+        RitzModes waved = plate;
+        waved.body.thickness = Eigen::MatrixXd::Zero(3, 3);
+        waved.body.thickness(0, 0) = times * t;
+        waved.body.thickness(a, b) = times * t * by;
+        return modal_cell(waved, r, -half, half);
+      };
+      auto plus = cell(kStep);
+      const auto minus = cell(-kStep);
+      plus.stiffness = (plus.stiffness - minus.stiffness) / (2.0 * kStep);
+      plus.mass = (plus.mass - minus.mass) / (2.0 * kStep);
+      return plus;
+    };
+    auto own = slope(1.0);
+    const Eigen::MatrixXd shear =
+        (cubed * own.stiffness - slope(kThicker).stiffness) / (cubed - kThicker);
+    all.modulus.emplace_back((own.stiffness - shear) / 3.0 + shear);
+    all.bent.push_back(std::move(own.stiffness));
+    all.thickened.push_back(std::move(own.mass));
+  }
+  return all;
+}
+
 // With as many modes above as bring twice what the basis has.
 diagnosis::FineCells fine_cells(const RitzModes& plate, Index r, int count) {
   const Index all = std::min(2 * r, std::min(r + kUpper, plate.mode_count()));
@@ -162,6 +198,7 @@ diagnosis::Structure ritz_structure(const RitzModes& plate, const TableChannels&
   structure.residual = residual(plate, channels, r);
   structure.surface = surface(plate, r, options.scan);
   structure.cells = cells(plate, r, options.cells);
+  structure.cells.waves = waves(plate, r);
   structure.fine = fine_cells(plate, r, options.fine);
   structure.directional = directional(plate, r);
   structure.thickness = plate.body.thickness(0, 0);
