@@ -60,8 +60,8 @@ struct Effect {
   /// `apply` in two steps, where its first, which needs no state, is the dear one; or none.
   std::function<void(State&)> (*prepared)(const Structure& structure, Eigen::Index option,
                                           const Eigen::VectorXd& x) = nullptr;
-  /// How far off, relative, what it does to the responses may be: nothing that small beside it
-  /// is believed. 0: it is exact.
+  /// How far off, relative, what it does to the responses may be: what could mend as much beside it
+  /// is not believed. 0: it is exact; 1: shape and size are a guess (a patch, a wave).
   double error = 0.0;
 };
 

@@ -9,7 +9,7 @@
 namespace chladni::diagnosis {
 
 /// Effect::error of what hangs on modes of finite number.
-inline constexpr double kHungError = 1e-3;
+inline constexpr double kHungError = 0.03;
 
 /// "u" and "v" of the place.
 [[nodiscard]] Parameter place_u();

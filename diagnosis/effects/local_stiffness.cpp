@@ -109,6 +109,6 @@ const Effect local_stiffness{"local_stiffness",
                              soften,
                              centres,
                              softening,
-                             1e-2};
+                             1.0};
 
 }  // namespace chladni::diagnosis

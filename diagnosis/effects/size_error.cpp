@@ -82,6 +82,6 @@ const Effect size_error{"size_error",
                         stretch,
                         steps,
                         stretching,
-                        1e-3};
+                        0.03};
 
 }  // namespace chladni::diagnosis

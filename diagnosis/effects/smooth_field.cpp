@@ -69,7 +69,7 @@ const Effect modulus_field{"modulus_field",
                            stiffen,
                            flat,
                            stiffening,
-                           1e-2};
+                           1.0};
 const Effect thickness_field{"thickness_field",
                              "the thickness varies smoothly: a taper, a bow",
                              "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
@@ -80,6 +80,6 @@ const Effect thickness_field{"thickness_field",
                              thicken,
                              flat,
                              thickening,
-                             1e-2};
+                             1.0};
 
 }  // namespace chladni::diagnosis

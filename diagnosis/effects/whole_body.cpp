@@ -83,6 +83,6 @@ const Effect thickness{"thickness",
                        thicken,
                        by_one,
                        thickening,
-                       1e-3};
+                       0.03};
 
 }  // namespace chladni::diagnosis
