@@ -10,6 +10,7 @@
 #include "app/interpolation.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "identification/damping_coupling.h"
 #include "io/frf_file.h"
 #include "io/mat.h"
 #include "modal/state_space.h"
@@ -175,13 +176,18 @@ identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
   append(all.shapes, points.shapes);
   append(all.deviation, points.deviation);
   append(all.residual, points.residual);
+  append(all.imaginary, points.imaginary);
+  append(all.imaginary_deviation, points.imaginary_deviation);
   return all;
 }
 
 void leave_state_space(const IdentifiedModel& model, const std::vector<std::string>& outputs,
                        const identification::PlacesOfInterest& interest, Run& run) {
   const auto& fit = model.found.fit;
-  const auto space = modal::state_space(identification::model_at(fit, model.match, interest));
+  const auto at = identification::model_at(fit, model.match, interest);
+  const auto space = fit.complex ? identification::state_space(
+                                       at, identification::complex_shapes_at(model.match, interest))
+                                 : modal::state_space(at);
   std::vector<std::string> inputs;
   for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
   io::write_mat(run / "spatio_temporal.mat", {{"A", space.a},
@@ -210,10 +216,6 @@ void leave_state_space(const IdentifiedModel& model, const std::vector<std::stri
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
                                const fem::LaplaceSpectrum& harmonics, Run& run) {
-  require(!study.identification || study.identification->damping == "modal",
-          study.file.string() +
-              ": identification.damping is \"general\"; complex shapes are identified, but not "
-              "interpolated: expected \"modal\"");
   Measured result;
   auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, run));
   run.show(identification_table(*model) + "\n");
@@ -278,6 +280,13 @@ identification::PlacesOfInterest places_of_interest(const Interpolated& result,
   interest.deviation(Eigen::all, result.measured.fitted_mode) =
       field.deviation.array().isFinite().select(field.deviation, 0.0);
   add_rigid_rows(model, places, interest);
+  if (model.found.fit.complex) {
+    const auto parts = identification::imaginary_parts(
+        model.found.fit, model.match,
+        {result.simulation.frequency_hz, result.measured.shapes.places.shapes, places.shapes});
+    interest.imaginary = parts.mean;
+    interest.imaginary_deviation = parts.deviation;
+  }
   return interest;
 }
 

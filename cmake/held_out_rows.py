@@ -77,6 +77,8 @@ def variant(study, target, path, method, hold_out=None):
         text = re.sub(r"(\[measurement\]\nfrf[^\n]*\n)", rf'\1hold_out = ["{hold_out}"]\n', text)
     text = text.replace("[identification]\n", f"[identification]\n{path}\n")
     text = text.replace("stabilisation = 30\n", "")
+    if 'method = "thesis"' in path:
+        text = re.sub(r'\ndamping +=[^\n]*', "", text)  # it has real modes
     target.write_text(text + f'\n[interpolation]\nmethods = ["{method}"]\n', encoding="utf-8")
 
 

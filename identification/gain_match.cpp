@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "identification/imaginary_rows.h"
 #include "identification/matching.h"
 #include "identification/pair_evidence.h"
 
@@ -64,6 +65,15 @@ void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double
     model.output_shapes.row(channel) *= factor;
   } else {
     model.input_shapes.col(channel) *= factor;
+  }
+  if (auto& complex = state.fit.complex) {
+    if (is_output) {
+      complex->outputs.row(channel) *= factor;
+      complex->output_imaginary_std.row(channel) *= factor;
+    } else {
+      complex->inputs.col(channel) *= factor;
+      complex->input_imaginary_std.col(channel) *= factor;
+    }
   }
   const auto place = 2 + (is_output ? channel : state.p() + channel);
   for (auto& covariance : state.fit.mode_covariance) {
@@ -245,10 +255,11 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
                      const GainMatchOptions& options) {
   check_input(fit, outputs, inputs, options);
   auto state = started(fit, outputs, inputs, options);
+  agree_in_phase(state);
   state.residues =
-      pair_residues(fit, state.groups, options.pairs, state.ratios, options.significance);
+      pair_residues(state.fit, state.groups, options.pairs, state.ratios, options.significance);
   find_signs(state);
-  auto gains = pair_gains(fit, state.groups, options.pairs, state.ratios, state.residues);
+  auto gains = pair_gains(state.fit, state.groups, options.pairs, state.ratios, state.residues);
   for (std::size_t c = 0; c < gains.gains.size(); ++c) {
     gains.gains[c].turned = state.match.pairs[c].turned;
     state.match.pairs[c] = gains.gains[c];
@@ -258,6 +269,7 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
   warn_of_disagreement(state);
   gather_rows(state);
+  add_imaginary_rows(state);
   return std::move(state.match);
 }
 

@@ -100,7 +100,10 @@ struct GainMatch {
                                     ///< shape then has the same rms on both sides, a guess
   Eigen::MatrixXd input_shapes;     ///< m×q [kg^-1/2], all actuators: what goes with `shapes`
   Eigen::MatrixXd input_deviation;  ///< m×q
-  std::optional<RigidBody> rigid;   ///< from the modes at 0 Hz, where the geometry is given
+  /// Im of complex shapes at the rows and for the actuators, n_z×m and m×q; empty of real ones. The
+  /// phase between both sides is that at which the pairs agree.
+  Eigen::MatrixXd imaginary, imaginary_deviation, input_imaginary;
+  std::optional<RigidBody> rigid;  ///< from the modes at 0 Hz, where the geometry is given
   std::vector<std::string> warnings;
 };
 

@@ -119,11 +119,13 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
   return response_delays(modal_fit(data, start, real));
 }
 
-// With the delay fitted together with complex modes where the data ask for it; else what they leave
-// open of it is its deviation.
+// With the delay fitted together with complex modes where the data ask for it by five deviations,
+// what the model lacks being one; else what they leave open of it is its deviation.
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
+  constexpr double kFiveDeviations = 12.5;
   auto free = modal_fit(data, start_at(fit.model), options);
-  if (pays(data, fit, free)) {
+  const double temper = std::max(1.0, fit.cost / std::max(fit.expected_cost, 1.0));
+  if (fit.cost - free.cost > kFiveDeviations * temper) {
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;

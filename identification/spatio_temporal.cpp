@@ -15,15 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-void refuse_complex_shapes(const ModalFit& fit) {
-  require(
-      !fit.complex,
-      "predicted responses: the fit has complex shapes, of general damping; expected real ones, "
-      "of modal damping");
-}
-
 void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& places) {
-  refuse_complex_shapes(fit);
   const auto m = fit.model.mode_count();
   require(places.shapes.cols() == m && places.deviation.rows() == places.shapes.rows() &&
               places.deviation.cols() == m && match.input_shapes.rows() == m &&
@@ -33,6 +25,13 @@ void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& 
               " modes, residual of " + std::to_string(places.residual.cols()) +
               " actuators; expected " + std::to_string(m) + " and " +
               std::to_string(match.input_shapes.cols()));
+  const auto fits = [&](const Eigen::MatrixXd& part) {
+    return part.rows() == (fit.complex ? places.shapes.rows() : 0) &&
+           part.cols() == (fit.complex ? m : 0);
+  };
+  require(fits(places.imaginary) && fits(places.imaginary_deviation),
+          fit.complex ? "predicted responses: complex shapes without imaginary parts"
+                      : "predicted responses: imaginary parts of real shapes");
 }
 
 // 1/(s² + 2ζωs + ω²) of one mode and its slopes with ω and ζ.
@@ -44,6 +43,13 @@ Resonance resonance(double own, double ratio, double omega) {
   const Complex s(0.0, omega);
   const Complex value = 1.0 / (s * s + 2.0 * ratio * own * s + own * own);
   return {value, -value * value * (2.0 * ratio * s + 2.0 * own), -value * value * 2.0 * own * s};
+}
+
+// l r / (2jω_d (s − p)) of a mode: what of it goes with l r, the rest being with their conjugates.
+Complex half_resonance(double own, double ratio, double omega) {
+  const double damped = own * std::sqrt(1.0 - ratio * ratio);
+  const Complex pole(-ratio * own, damped);
+  return 1.0 / (Complex(0.0, 2.0 * damped) * (Complex(0.0, omega) - pole));
 }
 
 // Deviations of ω, ζ and the input vector of a mode, as the match has scaled it.
@@ -74,6 +80,55 @@ Eigen::VectorXd input_delays(const ModalFit& fit) {
   return all;
 }
 
+// Per actuator: δG = φ (h δr + r h_ω δω + r h_ζ δζ), over φ.
+Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
+                                  const Eigen::RowVectorXd& input) {
+  Eigen::RowVectorXd result(input.size());
+  for (Eigen::Index j = 0; j < input.size(); ++j) {
+    const Eigen::Vector2cd slope = input(j) * Eigen::Vector2cd(h.by_omega, h.by_damping);
+    const Complex pole = slope.dot(own.pole.cast<Complex>() * slope);
+    const Complex mixed = std::conj(h.value) * Complex(own.mixed.row(j).cast<Complex>() * slope);
+    result(j) = std::norm(h.value) * own.input(j) + pole.real() + 2.0 * mixed.real();
+  }
+  return result.cwiseMax(0.0);
+}
+
+// K×nq; of real shapes empty.
+Eigen::MatrixXcd complex_values(const ModalFit& fit, const GainMatch& match,
+                                const PlacesOfInterest& places,
+                                const Eigen::VectorXd& frequency_hz) {
+  if (!fit.complex) return {};
+  return responses(model_at(fit, match, places), complex_shapes_at(match, places), frequency_hz);
+}
+
+// What a row of shapes (of complex ones its real, then its imaginary parts) and the residual of
+// each actuator are multiplied by to give the response to actuator j.
+Eigen::MatrixXcd row_columns(const ModalFit& fit, const GainMatch& match,
+                             const Eigen::VectorXd& frequency_hz, Eigen::Index j) {
+  const auto m = fit.model.mode_count();
+  const auto q = match.input_shapes.cols();
+  const auto shapes = fit.complex ? 2 * m : m;
+  Eigen::MatrixXcd columns = Eigen::MatrixXcd::Zero(frequency_hz.size(), shapes + q);
+  columns.col(shapes + j).setOnes();
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double own = kTwoPi * fit.model.frequency_hz(i);
+    const double ratio = fit.model.damping_ratio(i);
+    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+      const double omega = kTwoPi * frequency_hz(k);
+      const Complex h = resonance(own, ratio, omega).value;
+      columns(k, i) = h * match.input_shapes(i, j);
+      if (!fit.complex || i < fit.model.rigid_count) continue;
+      const Complex r(match.input_shapes(i, j), match.input_imaginary(i, j));
+      const Complex half = half_resonance(own, ratio, omega);
+      const Complex with = half * r;
+      const Complex against = (h - half) * std::conj(r);
+      columns(k, i) = with + against;
+      columns(k, m + i) = Complex(0.0, 1.0) * (with - against);
+    }
+  }
+  return columns;
+}
+
 }  // namespace
 
 PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
@@ -88,27 +143,25 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   for (Eigen::Index m = 0; m < model.mode_count(); ++m) spreads.push_back(spread(fit, match, m));
   PredictedResponses result;
   const auto delay = input_delays(fit);
-  for (const double f : frequency_hz) {
-    const double omega = kTwoPi * f;
+  const auto complex = complex_values(fit, match, places, frequency_hz);
+  for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+    const double omega = kTwoPi * frequency_hz(k);
     Eigen::MatrixXcd value = places.residual.cast<Complex>();
     Eigen::MatrixXd variance = Eigen::MatrixXd::Zero(n, q);
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
-      const auto& own = spreads[static_cast<std::size_t>(m)];
       const auto& input = match.input_shapes.row(m);
       value += h.value * (places.shapes.col(m) * input).cast<Complex>();
-      // Per actuator: δG = φ (h δr + r h_ω δω + r h_ζ δζ), beside δφ h r.
-      Eigen::RowVectorXd per_input(q);
-      for (Eigen::Index j = 0; j < q; ++j) {
-        const Eigen::Vector2cd slope = input(j) * Eigen::Vector2cd(h.by_omega, h.by_damping);
-        const Complex pole = slope.dot(own.pole.cast<Complex>() * slope);
-        const Complex mixed =
-            std::conj(h.value) * Complex(own.mixed.row(j).cast<Complex>() * slope);
-        per_input(j) = std::norm(h.value) * own.input(j) + pole.real() + 2.0 * mixed.real();
-      }
-      variance += places.shapes.col(m).cwiseAbs2() * per_input.cwiseMax(0.0) +
+      variance += places.shapes.col(m).cwiseAbs2() *
+                      input_variance(h, spreads[static_cast<std::size_t>(m)], input) +
                   std::norm(h.value) * places.deviation.col(m).cwiseAbs2() * input.cwiseAbs2();
+      if (!fit.complex || m < model.rigid_count) continue;
+      const auto half =
+          half_resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
+      variance += std::norm(2.0 * half - h.value) * places.imaginary_deviation.col(m).cwiseAbs2() *
+                  input.cwiseAbs2();
     }
+    if (fit.complex) value = complex.row(k).reshaped(n, q);
     for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
     result.value.emplace_back(std::move(value));
     result.deviation.emplace_back(variance.cwiseSqrt());
@@ -126,39 +179,38 @@ modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
   return model;
 }
 
+ComplexShapes complex_shapes_at(const GainMatch& match, const PlacesOfInterest& places) {
+  ComplexShapes shapes;
+  shapes.outputs = places.shapes.cast<Complex>() + Complex(0.0, 1.0) * places.imaginary;
+  shapes.inputs = match.input_shapes.cast<Complex>() + Complex(0.0, 1.0) * match.input_imaginary;
+  return shapes;
+}
+
 FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData& measured) {
-  refuse_complex_shapes(fit);
   const auto q = match.input_shapes.cols();
   require(measured.outputs == 1 && measured.inputs == q,
           "fitted row: " + std::to_string(measured.outputs) + " sensors by " +
               std::to_string(measured.inputs) + " actuators, expected 1 by " + std::to_string(q));
   const auto data = undelayed(measured, input_delays(fit));
   const auto m = fit.model.mode_count();
-  const auto lines = data.line_count();
-  Eigen::MatrixXcd h(lines, m);
-  for (Eigen::Index k = 0; k < lines; ++k) {
-    for (Eigen::Index i = 0; i < m; ++i) {
-      h(k, i) = resonance(kTwoPi * fit.model.frequency_hz(i), fit.model.damping_ratio(i),
-                          kTwoPi * data.frequency_hz(k))
-                    .value;
-    }
-  }
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m + q, m + q);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(m + q);
+  const auto n = (fit.complex ? 2 * m : m) + q;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (Eigen::Index j = 0; j < q; ++j) {
-    Eigen::MatrixXcd columns = Eigen::MatrixXcd::Zero(lines, m + q);
-    columns.leftCols(m) = h * match.input_shapes.col(j).asDiagonal();
-    columns.col(m + j).setOnes();
+    const Eigen::MatrixXcd columns = row_columns(fit, match, data.frequency_hz, j);
     const Eigen::VectorXd w = data.weight.col(j).cwiseAbs2();
     const Eigen::MatrixXcd weighted = columns.adjoint() * w.cast<Complex>().asDiagonal();
     normal += (weighted * columns).real();
     right += (weighted * data.value.col(j)).real();
   }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (normal(i, i) == 0.0) normal(i, i) = 1.0;  // imaginary parts of rigid-body modes
+  }
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(
       Eigen::MatrixXd(scale.asDiagonal() * normal * scale.asDiagonal()));
   const Eigen::VectorXd x = scale.cwiseProduct(factor.solve(scale.cwiseProduct(right)));
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(m + q, m + q));
+  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::VectorXd deviation =
       (0.5 * inverse.diagonal().cwiseMax(0.0)).cwiseSqrt().cwiseProduct(scale);
   return {x.head(m).transpose(), deviation.head(m).transpose(), x.tail(q).transpose()};

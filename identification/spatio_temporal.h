@@ -14,6 +14,8 @@ struct PlacesOfInterest {
   Eigen::MatrixXd shapes;     ///< n×m [kg^-1/2], of the same scale as GainMatch::shapes
   Eigen::MatrixXd deviation;  ///< n×m: standard deviations
   Eigen::MatrixXd residual;   ///< n×q: of the modes above the band; zero where it is not known
+  /// n×m, of complex shapes (general damping); empty of real ones
+  Eigen::MatrixXd imaginary = {}, imaginary_deviation = {};
 };
 
 /// G(ρ, s) = [Σ φ_m(ρ) r_m / (s² + 2ζ_m ω_m s + ω_m²) + residual] e^{−sτ} with its deviation.
@@ -25,26 +27,29 @@ struct PredictedResponses {
   std::vector<Eigen::MatrixXd> deviation;
 };
 
+/// With general damping as ComplexShapes has it.
 /// Cost: k n q m.
-/// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes; shapes of general damping
+/// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes
 [[nodiscard]] PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places,
                                            const Eigen::VectorXd& frequency_hz);
 
-/// The model from the actuators to the places, without the delay.
+/// The model from the actuators to the places, without the delay; of complex shapes the real parts.
 [[nodiscard]] modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places);
 
+/// Complex shapes at the places and at the actuators. @pre the fit has general damping
+[[nodiscard]] ComplexShapes complex_shapes_at(const GainMatch& match,
+                                              const PlacesOfInterest& places);
+
 /// What the responses of one further sensor say of its row: φ_m by linear least squares, poles and
-/// input vectors as they were fitted without it. For scoring.
+/// input vectors as they were fitted without it. Of complex shapes the real parts. For scoring.
 struct FittedRow {
   Eigen::RowVectorXd shape, deviation;  ///< m
   Eigen::RowVectorXd residual;          ///< q
 };
 /// @param data  of that sensor alone, the actuators in the order of the fit
-/// @throws InvalidInput  the actuators differ in number, or it has several outputs; shapes of
-/// general
-///                       damping
+/// @throws InvalidInput  the actuators differ in number, or it has several outputs
 [[nodiscard]] FittedRow fitted_row(const ModalFit& fit, const GainMatch& match,
                                    const FitData& data);
 

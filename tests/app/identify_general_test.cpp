@@ -145,10 +145,9 @@ TEST_F(IdentifyGeneral, LeavesAStateSpaceThatRespondsAsTheFit) {
   }
 }
 
-TEST_F(IdentifyGeneral, RefusesWhatComplexShapesCannotDo) {
+TEST_F(IdentifyGeneral, RefusesTheThesisPath) {
   write(damped_chain(1.0));
   refused(identify_command, "method = \"thesis\"\nmodes = 5\n", "real modes");
-  refused(interpolate_command, "", "identification.damping is \"general\"");
 }
 
 }  // namespace
