@@ -99,6 +99,40 @@ double Parameter::value_per_coordinate(double x) const {
   return 1.0;
 }
 
+const Effect* simpler_of(const Effect& effect) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kSimpler{{
+      {"mass_with_inertia", "point_mass"},
+      {"resonator", "point_mass"},
+      {"modulus_field", "youngs_modulus"},
+      {"thickness_field", "thickness"},
+      {"hysteretic_damping", "modal_damping"},
+      {"sensor_gain", "sensor_sign"},
+      {"actuator_gain", "actuator_sign"},
+      {"sensor_direction", "sensor_position"},
+      {"actuator_direction", "actuator_position"},
+  }};
+  const auto* const found = std::ranges::find(
+      kSimpler, effect.name, &std::pair<std::string_view, std::string_view>::first);
+  return found == kSimpler.end() ? nullptr : &diagnosis::effect(found->second);
+}
+
+std::optional<Supposed> simplified(const Supposed& supposed, const Structure& structure) {
+  const Effect* simpler = simpler_of(*supposed.effect);
+  if (!simpler || supposed.option >= simpler->options(structure)) return std::nullopt;
+  const auto general = supposed.effect->parameters(structure);
+  const auto parameters = simpler->parameters(structure);
+  Supposed result{simpler, supposed.option,
+                  Eigen::VectorXd(static_cast<Eigen::Index>(parameters.size()))};
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto same = std::ranges::find(general, parameters[i].name, &Parameter::name);
+    const auto at = same - general.begin();
+    result.x(static_cast<Eigen::Index>(i)) =
+        same == general.end() ? parameters[i].centre
+                              : parameters[i].coordinate(same->value(supposed.x(at)));
+  }
+  return result;
+}
+
 std::function<void(State&)> prepared(const Supposed& supposed, const Structure& structure) {
   const Effect& effect = *supposed.effect;
   if (effect.prepared) return effect.prepared(structure, supposed.option, supposed.x);

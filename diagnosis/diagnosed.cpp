@@ -23,28 +23,35 @@ using Eigen::Index;
 // The last word: the best few fits again on more lines and with the errors of the mode shapes,
 // which the search saw as noise; then without what that leaves too little evidence for.
 Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {
+  constexpr std::size_t kMost = 3;
   const auto again = [&](const Fit& fit) {
     return fitted(problem, with_deviations(fit, problem.deviations.size()));
   };
   Found fine;
   fine.nothing = again(found.nothing);
   const double best = found.fits.front().log_evidence;
+  std::vector<const Fit*> taken;
   for (const auto& fit : found.fits) {
-    const bool close = best - fit.log_evidence < 60.0 && fine.fits.size() < 3;
-    if (!fit.causes.empty() && (close || &fit == &found.fits.front())) {
-      fine.fits.push_back(again(fit));
-    }
+    if (fit.causes.empty()) continue;
+    const bool close = best - fit.log_evidence < 60.0 && taken.size() < kMost;
+    const bool known = std::ranges::any_of(
+        taken, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
+    if (known || !(close || &fit == &found.fits.front())) continue;
+    taken.push_back(&fit);
+    fine.fits.push_back(again(fit));
   }
   fine.fits.push_back(fine.nothing);
   std::ranges::stable_sort(fine.fits, std::greater{}, &Fit::log_evidence);
   const auto count = fine.fits.front().causes.size();
   if (count == 0) return fine;
   Fit simpler = pruned(problem, fine.fits.front(), fine.nothing, limits);
-  if (simpler.causes.size() == count) return fine;
-  // What was more is not worth its evidence: it is no rival either.
-  std::erase_if(fine.fits,
-                [&](const Fit& fit) { return fit.causes.size() >= simpler.causes.size(); });
-  fine.fits.insert(fine.fits.begin(), std::move(simpler));
+  if (simpler.causes.size() < count) {
+    // What was more is not worth its evidence: it is no rival either.
+    std::erase_if(fine.fits,
+                  [&](const Fit& fit) { return fit.causes.size() >= simpler.causes.size(); });
+    fine.fits.insert(fine.fits.begin(), std::move(simpler));
+  }
+  add_simpler(problem, fine);
   return fine;
 }
 

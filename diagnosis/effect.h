@@ -71,6 +71,10 @@ struct Effect {
 /// @throws InvalidInput  there is none of that name; the message lists those there are
 [[nodiscard]] const Effect& effect(std::string_view name);
 
+/// The effect of which this one is more general: where both explain the data about equally the
+/// simpler is meant. Null where there is none.
+[[nodiscard]] const Effect* simpler_of(const Effect& effect);
+
 /// An effect with its numbers.
 struct Supposed {
   const Effect* effect = nullptr;
@@ -78,9 +82,13 @@ struct Supposed {
   Eigen::VectorXd x;
 };
 
-/// What it does to any state, for many states.
+/// What it does to any state, for many states; as long as both arguments live.
 [[nodiscard]] std::function<void(State&)> prepared(const Supposed& supposed,
                                                    const Structure& structure);
+
+/// The simpler one with what numbers both share; none where there is no simpler one.
+[[nodiscard]] std::optional<Supposed> simplified(const Supposed& supposed,
+                                                 const Structure& structure);
 
 /// Where on the surface; none for effects that have no place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,

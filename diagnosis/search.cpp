@@ -262,6 +262,20 @@ bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, co
   return more.log_evidence - less.log_evidence >= std::max(limits.sure_evidence, mends);
 }
 
+// The best of several causes as it stands when all are known.
+void settle(const Level& level, Found& found) {
+  const auto count = found.fits.front().causes.size();
+  Fit best = settled(level, found);
+  if (best.causes.size() == count) {
+    const bool better = best.log_evidence > found.fits.front().log_evidence;
+    if (better) keep(found.fits, std::move(best));
+    return;
+  }
+  // What was more is not worth its evidence: it is no rival either.
+  std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
+  found.fits.insert(found.fits.begin(), std::move(best));
+}
+
 }  // namespace
 
 Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
@@ -286,6 +300,21 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     }
   }
   return best;
+}
+
+void add_simpler(const Problem& problem, Found& found) {
+  const Fit best = found.fits.front();
+  for (std::size_t c = 0; c < best.causes.size(); ++c) {
+    auto simpler = simplified(best.causes[c], problem.structure);
+    if (!simpler || !std::isfinite(log_prior(*simpler, problem.structure))) continue;
+    Fit start = best;
+    start.causes[c] = *std::move(simpler);
+    auto fit = fitted(problem, start);
+    const auto below = std::ranges::find_if(
+        found.fits.begin() + 1, found.fits.end(),
+        [&](const Fit& other) { return other.log_evidence < fit.log_evidence; });
+    found.fits.insert(below, std::move(fit));
+  }
 }
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
@@ -313,17 +342,9 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
     }
     beam = std::move(grown);
   }
-  const auto count = found.fits.front().causes.size();
-  if (count < 2) return found;
-  Fit best = settled({problem, catalogue, limits, progress, 1}, found);
-  if (best.causes.size() == count) {
-    const bool better = best.log_evidence > found.fits.front().log_evidence;
-    if (better) keep(found.fits, std::move(best));
-    return found;
+  if (found.fits.front().causes.size() > 1) {
+    settle({problem, catalogue, limits, progress, 1}, found);
   }
-  // What was more is not worth its evidence: it is no rival either.
-  std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
-  found.fits.insert(found.fits.begin(), std::move(best));
   return found;
 }
 

@@ -37,6 +37,11 @@ struct Found {
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                              const SearchLimits& limits, const Progress& progress = {});
 
+/// With a simpler effect (simpler_of) in the place of each cause of the best fit that has one:
+/// where both explain the data as well it is meant, but it need not have been tried. After the
+/// best.
+void add_simpler(const Problem& problem, Found& found);
+
 /// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
 /// than `least_evidence`, or where neither its share nor what is left without it nor its own
 /// evidence matters. It may be `nothing` in the end.

@@ -11,19 +11,6 @@ namespace {
 
 using Eigen::Index;
 
-// Simple effects that are special cases of others: within `rival_within` the simpler is meant.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNested{{
-    {"point_mass", "mass_with_inertia"},
-    {"point_mass", "resonator"},
-    {"youngs_modulus", "modulus_field"},
-    {"thickness", "thickness_field"},
-    {"modal_damping", "hysteretic_damping"},
-    {"sensor_sign", "sensor_gain"},
-    {"actuator_sign", "actuator_gain"},
-    {"sensor_position", "sensor_direction"},
-    {"actuator_position", "actuator_direction"},
-}};
-
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
   if (a.effect != b.effect || a.option != b.option) return false;
   const auto here = place_of(a, structure);
@@ -77,8 +64,8 @@ bool nested(const Explanation& simple, const Explanation& other) {
     const auto& a = simple.causes[c];
     const auto& b = other.causes[c];
     if (a.effect == b.effect && a.channels == b.channels) continue;
-    const std::pair<std::string_view, std::string_view> pair{a.effect, b.effect};
-    if (std::ranges::find(kNested, pair) == kNested.end()) return false;
+    const Effect* simpler = simpler_of(effect(b.effect));
+    if (!simpler || simpler->name != a.effect) return false;
   }
   return true;
 }

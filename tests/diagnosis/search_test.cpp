@@ -94,5 +94,42 @@ TEST(Search, KeepsTheTwinOfACauseAsItsRival) {
   EXPECT_TRUE(within("sensor_low_pass"));
 }
 
+// A mass with a radius that the data do not ask for.
+TEST(Search, TriesTheSimplerEffectInTheEnd) {
+  const auto& plate = small_plate();
+  const auto observed =
+      noisy(plate, {{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)}}, 6);
+  const std::vector<Deviation> none;
+  const Problem problem{plate, observed, none};
+  Found found;
+  found.nothing = fitted(problem, {{}, VectorXd(0)});
+  Fit start{{}, VectorXd(0)};
+  start.causes = {{&effect("mass_with_inertia"), 0,
+                   Eigen::Vector4d(std::log(0.04), std::log(0.01), 0.1, -0.05)}};
+  found.fits = {fitted(problem, start), found.nothing};
+  add_simpler(problem, found);
+  ASSERT_EQ(found.fits.size(), 3U);
+  const Fit& simpler = found.fits[1];
+  ASSERT_TRUE(has(simpler, "point_mass"));
+  EXPECT_NEAR(simpler.causes.front().x(0), 0.04, 2e-3);
+  EXPECT_GT(simpler.log_evidence, found.fits.front().log_evidence - 5.0);
+}
+
+TEST(Search, HasASimplerEffectThatTakesOverWhatBothShare) {
+  const auto& plate = small_plate();
+  for (const auto* general : effects()) {
+    if (!simpler_of(*general)) continue;
+    VectorXd x(static_cast<Index>(general->parameters(plate).size()));
+    for (Index i = 0; i < x.size(); ++i) x(i) = 0.01 * static_cast<double>(i + 1);
+    const auto simpler = simplified({general, 0, x}, plate);
+    ASSERT_TRUE(simpler) << general->name;
+    EXPECT_EQ(static_cast<std::size_t>(simpler->x.size()),
+              simpler->effect->parameters(plate).size());
+    const Supposed whole{general, 0, x};
+    EXPECT_EQ(place_of(*simpler, plate), place_of(whole, plate)) << general->name;
+  }
+  EXPECT_FALSE(simplified({&effect("density"), 0, VectorXd::Zero(1)}, plate));
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis
