@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "app/identification.h"
+#include "app/response_series.h"
 #include "io/plot.h"
 
 namespace chladni::app {
@@ -22,7 +23,7 @@ io::PlotPanel response_panel(const IdentifiedModel& model, const Eigen::MatrixXc
   io::PlotPanel panel;
   panel.title = model.seen.outputs[i].name + " by " + model.seen.inputs[j].name;
   panel.x = {.label = "frequency [Hz]", .logarithmic = wide > 5.0};
-  panel.y = {.label = "receptance", .logarithmic = true};
+  panel.y = {.label = receptance_label(model.seen.inputs[j]), .logarithmic = true};
   const Eigen::VectorXd size = data.value.col(e).cwiseAbs();
   panel.series.push_back({.name = "measured",
                           .x = data.frequency_hz,

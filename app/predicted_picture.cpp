@@ -32,7 +32,8 @@ io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::In
   panel.title = predicted.outputs[static_cast<std::size_t>(i)].name + " by " +
                 predicted.inputs[static_cast<std::size_t>(j)].name;
   panel.x = {.label = "frequency [Hz]", .logarithmic = x(x.size() - 1) > 5.0 * x(0)};
-  panel.y = {.label = "receptance", .logarithmic = true};
+  panel.y = {.label = receptance_label(predicted.inputs[static_cast<std::size_t>(j)]),
+             .logarithmic = true};
   panel.series.push_back({.name = "95 % band of the prediction",
                           .x = x,
                           .y = (size - half).cwiseMax(1e-3 * size),

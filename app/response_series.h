@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
+
+#include "modal/frf_set.h"
 
 namespace chladni::app {
 
@@ -15,6 +18,11 @@ inline constexpr double kBandAlong = 1.3859;
   Eigen::VectorXcd result(static_cast<Eigen::Index>(of.size()));
   for (std::size_t k = 0; k < of.size(); ++k) result(static_cast<Eigen::Index>(k)) = of[k](i, j);
   return result;
+}
+
+/// "receptance [m/N]": inputs that state no unit are forces in N.
+[[nodiscard]] inline std::string receptance_label(const modal::MeasuredChannel& input) {
+  return "receptance [m/" + (input.unit.empty() ? "N" : input.unit) + "]";
 }
 
 }  // namespace chladni::app
