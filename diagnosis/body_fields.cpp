@@ -91,6 +91,11 @@ BodyChange thickness_slope(const Structure& structure, Index f) {
   return change(structure, structure.bending_power * field, field);
 }
 
+BodyChange thickness_slope(const Structure& structure) {
+  const ArrayXd ones = ArrayXd::Ones(structure.cells.count());
+  return change(structure, structure.bending_power * ones, ones);
+}
+
 MatrixXd stiffened_smoothly(const Structure& structure, const VectorXd& x) {
   const auto& cells = structure.cells;
   if (!cells.waves.modulus.empty()) return sum_of(cells.waves.modulus, x);

@@ -27,6 +27,8 @@ struct BodyChange {
 [[nodiscard]] BodyChange thickened_smoothly(const Structure& structure, const Eigen::VectorXd& x);
 /// Its derivative by x_f, at 0.
 [[nodiscard]] BodyChange thickness_slope(const Structure& structure, Eigen::Index f);
+/// The same of the whole body at once.
+[[nodiscard]] BodyChange thickness_slope(const Structure& structure);
 /// What K gains when Young's modulus becomes 1 + smooth_fields times x.
 [[nodiscard]] Eigen::MatrixXd stiffened_smoothly(const Structure& structure,
                                                  const Eigen::VectorXd& x);

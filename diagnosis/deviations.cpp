@@ -122,6 +122,12 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
     add("stiffness in shear", structure.directional.shear);
   }
   if (tolerances.thickness <= 0.0 || structure.cells.count() == 0) return;
+  all.push_back({"thickness", [by = thickness_slope(structure), t = tolerances.thickness,
+                               power = structure.bending_power](State& state, double eta) {
+                   state.stiffness += t * eta * by.stiffness;
+                   state.mass += t * eta * by.mass;
+                   scale_residual(state, std::exp(-power * t * eta));
+                 }});
   const Index waves = smooth_fields(structure.cells).cols();
   for (Index f = 0; f < waves; ++f) {
     all.push_back(
