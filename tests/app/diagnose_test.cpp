@@ -43,7 +43,7 @@ class Diagnose : public testing::Test {
         "}\n"
         "material = { youngs_modulus = \"70 GPa\", poissons_ratio = 0.33, density = \"2700 "
         "kg/m^3\" }\n"
-        "mesh = { edge_length = \"30 mm\" }\nmodes = { damping_ratio = 0.005 }\n"
+        "mesh = { edge_length = \"40 mm\" }\nmodes = { damping_ratio = 0.005 }\n"
         "[measurement]\nfrf = \"measured.csv\"\n[identification]\nunit = \"m\"\n[diagnosis]\n" +
         plan;
     for (const auto& one : measured.outputs) text += channel("sensor", one);
