@@ -289,7 +289,13 @@ io::JsonObject identified_json(const IdentifiedModel& model) {
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
                       {"notes", io::Json::texts(fit.notes)}};
-  if (fit.complex) json.emplace_back("complex_shapes", complex_json(*fit.complex));
+  if (fit.complex) {
+    json.emplace_back("complex_shapes", complex_json(*fit.complex));
+    json.emplace_back("imaginary_shapes",
+                      io::JsonObject{{"channels", io::Json::texts(row_names(model))},
+                                     {"value", io::Json::rows(model.match.imaginary)},
+                                     {"std", io::Json::rows(model.match.imaginary_deviation)}});
+  }
   return json;
 }
 

@@ -190,26 +190,32 @@ void leave_state_space(const IdentifiedModel& model, const std::vector<std::stri
                                  : modal::state_space(at);
   std::vector<std::string> inputs;
   for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
-  io::write_mat(run / "spatio_temporal.mat", {{"A", space.a},
-                                              {"B", space.b},
-                                              {"C", space.c},
-                                              {"D", space.d},
-                                              {"delay_s", fit.delay_s},
-                                              {"outputs", outputs},
-                                              {"inputs", inputs},
-                                              {"shapes", interest.shapes},
-                                              {"shapes_std", interest.deviation}});
-  run.leave("spatio_temporal.json",
-            {{"outputs", io::Json::texts(outputs)},
-             {"inputs", io::Json::texts(inputs)},
-             {"a", io::Json::rows(space.a)},
-             {"b", io::Json::rows(space.b)},
-             {"c", io::Json::rows(space.c)},
-             {"d", io::Json::rows(space.d)},
-             {"delay_s", fit.delay_s},
-             {"shapes", io::Json::rows(interest.shapes)},
-             {"shapes_std", io::Json::rows(interest.deviation)}},
-            false);
+  io::MatFields variables{{"A", space.a},
+                          {"B", space.b},
+                          {"C", space.c},
+                          {"D", space.d},
+                          {"delay_s", fit.delay_s},
+                          {"outputs", outputs},
+                          {"inputs", inputs},
+                          {"shapes", interest.shapes},
+                          {"shapes_std", interest.deviation}};
+  io::JsonObject json{{"outputs", io::Json::texts(outputs)},
+                      {"inputs", io::Json::texts(inputs)},
+                      {"a", io::Json::rows(space.a)},
+                      {"b", io::Json::rows(space.b)},
+                      {"c", io::Json::rows(space.c)},
+                      {"d", io::Json::rows(space.d)},
+                      {"delay_s", fit.delay_s},
+                      {"shapes", io::Json::rows(interest.shapes)},
+                      {"shapes_std", io::Json::rows(interest.deviation)}};
+  if (fit.complex) {
+    variables.emplace_back("shapes_imaginary", interest.imaginary);
+    variables.emplace_back("shapes_imaginary_std", interest.imaginary_deviation);
+    json.emplace_back("shapes_imaginary", io::Json::rows(interest.imaginary));
+    json.emplace_back("shapes_imaginary_std", io::Json::rows(interest.imaginary_deviation));
+  }
+  io::write_mat(run / "spatio_temporal.mat", variables);
+  run.leave("spatio_temporal.json", json, false);
 }
 
 }  // namespace

@@ -246,7 +246,8 @@ Fit settled(const Level& level, Found& found) {
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
-  if (found.nothing.excess(n) < kNoise) return simpler;
+  // What one alone might be exchanged for was tried with it.
+  if (found.nothing.excess(n) < kNoise || simpler.causes.size() < 2) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
   const Fit other = exchanged(again, simpler, found.fits);
