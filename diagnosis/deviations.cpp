@@ -153,6 +153,11 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
     all.push_back({"modes above those in use", [t = tolerances.residual](State& state, double eta) {
                      scale_residual(state, std::exp(t * eta));
                    }});
+    // A frame far above the band does the same.
+    all.push_back({"what all responses share of the modes above",
+                   [t = tolerances.residual](State& state, double eta) {
+                     state.residual.array() += t * eta * state.residual.cwiseAbs().mean();
+                   }});
   }
   if (tolerances.scale > 0.0) {
     all.push_back({"scale of all responses", [t = tolerances.scale](State& state, double eta) {
