@@ -34,6 +34,18 @@ Eigen::Matrix<double, 20, 4> samples_of_tet() {
   return points;
 }
 
+// Where they are in a tetrahedron, on the chart: a row each.
+Eigen::MatrixX2d sampled_places(const mesh::TetMesh& body, const Chart& chart,
+                                const Eigen::Matrix<double, 20, 4>& samples, Eigen::Index tet) {
+  Eigen::Matrix<double, 4, 3> corners;
+  for (int a = 0; a < 4; ++a) corners.row(a) = body.points.row(body.tets(tet, a));
+  Eigen::MatrixX2d places(samples.rows(), 2);
+  for (Eigen::Index n = 0; n < samples.rows(); ++n) {
+    places.row(n) = chart.place((samples.row(n) * corners).transpose()).transpose();
+  }
+  return places;
+}
+
 // The tetrahedra of a cell and how much of each is in it.
 struct CellPart {
   Eigen::Index number = 0;  // of the cell
@@ -75,10 +87,9 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
   const auto samples = samples_of_tet();
   const double weight = 1.0 / static_cast<double>(samples.rows());
   for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    Eigen::Matrix<double, 4, 3> corners;
-    for (int a = 0; a < 4; ++a) corners.row(a) = body.points.row(body.tets(t, a));
-    for (const auto barycentric : samples.rowwise()) {
-      const Eigen::Vector2d at = chart.place((barycentric * corners).transpose());
+    const auto places = sampled_places(body, chart, samples, t);
+    for (Eigen::Index n = 0; n < places.rows(); ++n) {
+      const Eigen::Vector2d at = places.row(n);
       Eigen::Vector2i cell;
       for (int k = 0; k < 2; ++k) {
         const double fraction = (at(k) - chart.from(k)) / chart.size(k);
@@ -153,19 +164,17 @@ class CellMatrices {
 Eigen::MatrixXd fields_of(const mesh::TetMesh& body, const Chart& chart,
                           const diagnosis::BodyCells& cells) {
   const auto samples = samples_of_tet();
-  Eigen::MatrixXd all;
+  const Eigen::Index each = samples.rows();
+  Eigen::MatrixX2d places(each * body.tet_count(), 2);
   for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    Eigen::Matrix<double, 4, 3> corners;
-    for (int a = 0; a < 4; ++a) corners.row(a) = body.points.row(body.tets(t, a));
-    Eigen::MatrixX2d places(samples.rows(), 2);
-    for (Eigen::Index n = 0; n < samples.rows(); ++n) {
-      places.row(n) = chart.place((samples.row(n) * corners).transpose()).transpose();
-    }
-    const Eigen::MatrixXd fields = diagnosis::smooth_fields(cells, places);
-    if (t == 0) all.resize(body.tet_count(), fields.cols());
-    all.row(t) = fields.colwise().mean();
+    places.middleRows(each * t, each) = sampled_places(body, chart, samples, t);
   }
-  return all;
+  const Eigen::MatrixXd fields = diagnosis::smooth_fields(cells, places);
+  Eigen::MatrixXd means(body.tet_count(), fields.cols());
+  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
+    means.row(t) = fields.middleRows(each * t, each).colwise().mean();
+  }
+  return means;
 }
 
 // t³ but for what resists transverse shear, t but for what resists turning.
@@ -176,13 +185,13 @@ diagnosis::BodyCells::Waves waves_of(const Model& model, const modal::Modes& mod
   const Eigen::MatrixXd none(fields.rows(), 0);
   diagnosis::BodyCells::Waves waves;
   auto whole = fem::field_matrices(model.body, model.materials, modes.shapes, fields, fields);
-  const auto sheared =
+  auto sheared =
       fem::field_matrices(model.body, parts.shearing, modes.shapes, fields, none).stiffness;
   const auto turning =
       fem::field_matrices(model.body, model.materials, parts.turning, none, fields).mass;
   for (std::size_t f = 0; f < whole.stiffness.size(); ++f) {
     const auto modulus = unstrained(std::move(whole.stiffness[f]), modes.frequency_hz);
-    const auto shear = unstrained(Eigen::MatrixXd(sheared[f]), modes.frequency_hz);
+    const auto shear = unstrained(std::move(sheared[f]), modes.frequency_hz);
     waves.bent.emplace_back(3.0 * (modulus - shear) + shear);
     waves.thickened.push_back(symmetric(whole.mass[f] + 2.0 * turning[f]));
     waves.modulus.push_back(modulus);

@@ -46,7 +46,7 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
     double square = 0.0;
     for (std::size_t c = 0; c < model.pairs.size(); ++c) {
       const auto& pair = model.pairs[c];
-      const bool apart = pair.at_input.size() > 0;
+      const bool apart = !pair.is_one_place();
       const double here = apart ? pair.at_input(m) : 1.0;
       const double there = apart ? pair.at_output(m) : 1.0;
       // What the gains explain is corrected, on whichever side.

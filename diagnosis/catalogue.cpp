@@ -133,9 +133,9 @@ std::optional<Supposed> simplified(const Supposed& supposed, const Structure& st
   return result;
 }
 
-std::function<void(State&)> prepared(const Supposed& supposed, const Structure& structure) {
+std::function<void(State&)> change_of(const Supposed& supposed, const Structure& structure) {
   const Effect& effect = *supposed.effect;
-  if (effect.prepared) return effect.prepared(structure, supposed.option, supposed.x);
+  if (effect.change) return effect.change(structure, supposed.option, supposed.x);
   return [&supposed, &structure](State& state) {
     supposed.effect->apply(state, structure, supposed.option, supposed.x);
   };

@@ -57,9 +57,10 @@ struct Effect {
                 const Eigen::VectorXd& x);
   /// Coordinates worth a look, cheap to find; empty: what the scene offers by itself is enough.
   std::vector<EffectStart> (*starts)(const Scene& scene);
-  /// `apply` in two steps, where its first, which needs no state, is the dear one; or none.
-  std::function<void(State&)> (*prepared)(const Structure& structure, Eigen::Index option,
-                                          const Eigen::VectorXd& x) = nullptr;
+  /// `apply` in two steps, where its first, which needs no state, is the dear one (`at_once` then
+  /// makes `apply` of it); or none.
+  std::function<void(State&)> (*change)(const Structure& structure, Eigen::Index option,
+                                        const Eigen::VectorXd& x) = nullptr;
   /// How far off, relative, what it does to the responses may be: what could mend as much beside it
   /// is not believed. 0: it is exact; 1: shape and size are a guess (a patch, a wave).
   double error = 0.0;
@@ -83,8 +84,8 @@ struct Supposed {
 };
 
 /// What it does to any state, for many states; as long as both arguments live.
-[[nodiscard]] std::function<void(State&)> prepared(const Supposed& supposed,
-                                                   const Structure& structure);
+[[nodiscard]] std::function<void(State&)> change_of(const Supposed& supposed,
+                                                    const Structure& structure);
 
 /// The simpler one with what numbers both share; none where there is no simpler one.
 [[nodiscard]] std::optional<Supposed> simplified(const Supposed& supposed,
@@ -104,7 +105,13 @@ inline constexpr double kPlausible = 6.0;
 /// What lies beside the surface taken back toward where it came from, by halves, until it is on it.
 void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to);
 
-/// For entries of the table: effects without a choice.
+/// For entries of the table: `apply` of an effect that has a `change`.
+template <auto change>
+void at_once(State& state, const Structure& structure, Eigen::Index option,
+             const Eigen::VectorXd& x) {
+  change(structure, option, x)(state);
+}
+/// Effects without a choice.
 [[nodiscard]] Eigen::Index one_option(const Structure& structure);
 [[nodiscard]] std::vector<std::string> no_channels(const Structure& structure, Eigen::Index option);
 

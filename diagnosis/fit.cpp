@@ -168,13 +168,13 @@ class About {
  public:
   About(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta)
       : problem_(problem), causes_(causes), eta_(eta) {
-    for (const auto& cause : causes) changes_.push_back(prepared(cause, problem.structure));
+    for (const auto& cause : causes) changes_.push_back(change_of(cause, problem.structure));
   }
 
+  [[nodiscard]] State here() const { return changed(deviating(problem_, eta_)); }
+
   [[nodiscard]] State with_deviation(Index i, double by) const {
-    State state = deviating(problem_, eta_ + by * VectorXd::Unit(eta_.size(), i));
-    for (const auto& change : changes_) change(state);
-    return state;
+    return changed(deviating(problem_, eta_ + by * VectorXd::Unit(eta_.size(), i)));
   }
 
   [[nodiscard]] State with_coordinate(const Column& column, double by) const {
@@ -192,6 +192,11 @@ class About {
   }
 
  private:
+  [[nodiscard]] State changed(State state) const {
+    for (const auto& change : changes_) change(state);
+    return state;
+  }
+
   const Problem& problem_;
   const std::vector<Supposed>& causes_;
   const VectorXd& eta_;
@@ -219,19 +224,15 @@ Fit with_deviations(Fit fit, std::size_t count) {
 }
 
 State state_of(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta) {
-  State state = deviating(problem, eta);
-  for (const auto& cause : causes) {
-    cause.effect->apply(state, problem.structure, cause.option, cause.x);
-  }
-  return state;
+  return About(problem, causes, eta).here();
 }
 
 MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& causes,
                        const VectorXd& eta, const Solved& now) {
   const auto columns = columns_of(problem.structure, causes);
   const auto count = static_cast<Index>(columns.size());
-  const State here = state_of(problem, causes, eta);
   const About about(problem, causes, eta);
+  const State here = about.here();
   MatrixXd jacobian(2 * problem.observed.value.size(), count + eta.size());
   const auto sloping = [&](const State& minus, const State& plus, double step) {
     return weighted(problem.observed, slope(here, now, minus, plus, step));

@@ -125,9 +125,11 @@ std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidat
   return fit;
 }
 
-void keep(std::vector<Fit>& fits, Fit fit) {
-  const auto place = std::ranges::find_if(
-      fits, [&](const Fit& other) { return other.log_evidence < fit.log_evidence; });
+// By descending evidence, the first `fixed` apart.
+void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0) {
+  const auto place = std::find_if(fits.begin() + fixed, fits.end(), [&](const Fit& other) {
+    return other.log_evidence < fit.log_evidence;
+  });
   fits.insert(place, std::move(fit));
 }
 
@@ -176,14 +178,14 @@ void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chos
 // The most promising, each effect and choice once.
 std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
   std::vector<Candidate> chosen;
-  const auto seen = level.down_to_noise ? std::vector<Candidate>{} : candidates_of(level, base);
-  for (const auto& candidate : seen) {
+  auto seen = level.down_to_noise ? std::vector<Candidate>{} : candidates_of(level, base);
+  for (auto& candidate : seen) {
     if (static_cast<int>(chosen.size()) >= level.limits.fits_per_level) break;
     const bool again = std::ranges::any_of(chosen, [&](const Candidate& other) {
       return other.cause.effect == candidate.cause.effect &&
              other.cause.option == candidate.cause.option;
     });
-    if (!again) chosen.push_back(candidate);
+    if (!again) chosen.push_back(std::move(candidate));
   }
   add_hints(level, base, chosen);
   return chosen;
@@ -264,7 +266,7 @@ bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, co
 }
 
 // The best of several causes as it stands when all are known.
-void settle(const Level& level, Found& found) {
+void put_settled_first(const Level& level, Found& found) {
   const auto count = found.fits.front().causes.size();
   Fit best = settled(level, found);
   if (best.causes.size() == count) {
@@ -310,11 +312,7 @@ void add_simpler(const Problem& problem, Found& found) {
     if (!simpler || !std::isfinite(log_prior(*simpler, problem.structure))) continue;
     Fit start = best;
     start.causes[c] = *std::move(simpler);
-    auto fit = fitted(problem, start);
-    const auto below = std::ranges::find_if(
-        found.fits.begin() + 1, found.fits.end(),
-        [&](const Fit& other) { return other.log_evidence < fit.log_evidence; });
-    found.fits.insert(below, std::move(fit));
+    keep(found.fits, fitted(problem, start), 1);
   }
 }
 
@@ -344,7 +342,7 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
     beam = std::move(grown);
   }
   if (found.fits.front().causes.size() > 1) {
-    settle({problem, catalogue, limits, progress, 1}, found);
+    put_settled_first({problem, catalogue, limits, progress, 1}, found);
   }
   return found;
 }

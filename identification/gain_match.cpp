@@ -190,7 +190,7 @@ void gather_rows(Matching& state) {
   for (Eigen::Index i = 0; i < state.p(); ++i) match.rows.push_back({false, i});
   for (Eigen::Index j = 0; j < state.q(); ++j) {
     const bool shares = std::ranges::any_of(state.options.pairs, [&](const CollocatedPair& pair) {
-      return pair.input == j && pair.at_output.size() == 0 && pair.at_input.size() == 0;
+      return pair.input == j && pair.is_one_place();
     });
     if (!shares) match.rows.push_back({true, j});
   }

@@ -19,6 +19,8 @@ struct CollocatedPair {
   /// Shapes of a simulation at both places, m entries each in the order of the fit's modes. Empty:
   /// it is one place. Else the two keep a row each.
   Eigen::VectorXd at_output, at_input;
+
+  [[nodiscard]] bool is_one_place() const { return at_output.size() == 0 && at_input.size() == 0; }
 };
 
 /// Each output with the nearest input within `within_m`, no channel twice, the nearest first.

@@ -25,16 +25,12 @@ Sides scaled_sides(const Matching& state, Index m) {
           (complex.input_imaginary_std.row(m).transpose() * alpha).cwiseAbs2()};
 }
 
-bool is_one_place(const CollocatedPair& pair) {
-  return pair.at_output.size() == 0 && pair.at_input.size() == 0;
-}
-
 // γ with L e^{−jγ} and R e^{jγ} alike in phase at the pairs; within ±π/4, signs are told later.
 double phase_between(const Matching& state, Index m) {
   const auto& complex = *state.fit.complex;
   Complex sum = 0.0;
   for (const auto& pair : state.options.pairs) {
-    if (!is_one_place(pair)) continue;
+    if (!pair.is_one_place()) continue;
     Complex product = complex.outputs(pair.output, m) * std::conj(complex.inputs(m, pair.input));
     if (product.real() < 0.0) product = -product;
     sum += product;
@@ -82,7 +78,7 @@ void turn_mode(Matching& state, Index m, double gamma) {
 void tie_pairs(const Matching& state, Sides& sides) {
   for (std::size_t c = 0; c < state.options.pairs.size(); ++c) {
     const auto& pair = state.options.pairs[c];
-    if (!is_one_place(pair) || state.match.pairs[c].turned) continue;
+    if (!pair.is_one_place() || state.match.pairs[c].turned) continue;
     double& output = sides.outputs(pair.output);
     double& input = sides.inputs(pair.input);
     double& of_output = sides.output_variance(pair.output);

@@ -13,10 +13,6 @@ namespace chladni::identification {
 
 namespace {
 
-bool at_one_place(const CollocatedPair& pair) {
-  return pair.at_output.size() == 0 && pair.at_input.size() == 0;
-}
-
 // The pairs that tell a group, with all their known factors. Of a block no simulated mode is one.
 Ties ties_of(const Matching& state, std::size_t group) {
   Ties ties;
@@ -27,7 +23,7 @@ Ties ties_of(const Matching& state, std::size_t group) {
   for (Eigen::Index c = 0; c < std::ssize(state.options.pairs); ++c) {
     const auto& pair = state.options.pairs[static_cast<std::size_t>(c)];
     if (!state.residues.telling(c, g)) continue;
-    if (state.groups[group].size > 1 && !at_one_place(pair)) continue;
+    if (state.groups[group].size > 1 && !pair.is_one_place()) continue;
     ties.outputs.push_back(pair.output);
     ties.inputs.push_back(pair.input);
     ratio.push_back(state.signs(c) * state.ratios.value(c, mode));

@@ -73,7 +73,7 @@ PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index 
                      Eigen::MatrixXd::Zero(std::ssize(pairs), modes)};
   for (Eigen::Index c = 0; c < std::ssize(pairs); ++c) {
     const auto& pair = pairs[static_cast<std::size_t>(c)];
-    if (pair.at_output.size() == 0 && pair.at_input.size() == 0) continue;
+    if (pair.is_one_place()) continue;
     require(pair.at_output.size() == modes && pair.at_input.size() == modes,
             "gain match: pair " + std::to_string(c + 1) + " has simulated shapes of " +
                 std::to_string(pair.at_output.size()) + " and " +

@@ -101,31 +101,48 @@ Eigen::MatrixXcd complex_values(const ModalFit& fit, const GainMatch& match,
   return responses(model_at(fit, match, places), complex_shapes_at(match, places), frequency_hz);
 }
 
-// What a row of shapes (of complex ones its real, then its imaginary parts) and the residual of
-// each actuator are multiplied by to give the response to actuator j.
-Eigen::MatrixXcd row_columns(const ModalFit& fit, const GainMatch& match,
-                             const Eigen::VectorXd& frequency_hz, Eigen::Index j) {
+// Of all modes, K×m; of complex shapes also what of it goes with l r.
+struct Resonances {
+  Eigen::MatrixXcd whole, half;
+};
+
+Resonances resonances(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
   const auto m = fit.model.mode_count();
-  const auto q = match.input_shapes.cols();
-  const auto shapes = fit.complex ? 2 * m : m;
-  Eigen::MatrixXcd columns = Eigen::MatrixXcd::Zero(frequency_hz.size(), shapes + q);
-  columns.col(shapes + j).setOnes();
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const double own = kTwoPi * fit.model.frequency_hz(i);
-    const double ratio = fit.model.damping_ratio(i);
-    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
-      const double omega = kTwoPi * frequency_hz(k);
-      const Complex h = resonance(own, ratio, omega).value;
-      columns(k, i) = h * match.input_shapes(i, j);
-      if (!fit.complex || i < fit.model.rigid_count) continue;
-      const Complex r(match.input_shapes(i, j), match.input_imaginary(i, j));
-      const Complex half = half_resonance(own, ratio, omega);
-      const Complex with = half * r;
-      const Complex against = (h - half) * std::conj(r);
-      columns(k, i) = with + against;
-      columns(k, m + i) = Complex(0.0, 1.0) * (with - against);
+  Resonances all{Eigen::MatrixXcd(frequency_hz.size(), m), {}};
+  if (fit.complex) all.half.resize(frequency_hz.size(), m);
+  for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
+    const double omega = kTwoPi * frequency_hz(k);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const double own = kTwoPi * fit.model.frequency_hz(i);
+      const double ratio = fit.model.damping_ratio(i);
+      all.whole(k, i) = resonance(own, ratio, omega).value;
+      if (!fit.complex) continue;
+      const bool rigid = i < fit.model.rigid_count;
+      all.half(k, i) = rigid ? 0.5 * all.whole(k, i) : half_resonance(own, ratio, omega);
     }
   }
+  return all;
+}
+
+// What a row of shapes (of complex ones its real, then its imaginary parts) and the residual of
+// each actuator are multiplied by to give the response to actuator j.
+Eigen::MatrixXcd row_columns(const Resonances& h, const GainMatch& match, Eigen::Index j) {
+  const auto m = h.whole.cols();
+  const bool complex = h.half.size() > 0;
+  const auto shapes = complex ? 2 * m : m;
+  Eigen::MatrixXcd columns =
+      Eigen::MatrixXcd::Zero(h.whole.rows(), shapes + match.input_shapes.cols());
+  columns.col(shapes + j).setOnes();
+  if (!complex) {
+    columns.leftCols(m) = h.whole * match.input_shapes.col(j).asDiagonal();
+    return columns;
+  }
+  const Eigen::VectorXcd r =
+      match.input_shapes.col(j).cast<Complex>() + Complex(0.0, 1.0) * match.input_imaginary.col(j);
+  const Eigen::MatrixXcd with = h.half * r.asDiagonal();
+  const Eigen::MatrixXcd against = (h.whole - h.half) * r.conjugate().asDiagonal();
+  columns.leftCols(m) = with + against;
+  columns.middleCols(m, m) = Complex(0.0, 1.0) * (with - against);
   return columns;
 }
 
@@ -146,12 +163,13 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   const auto complex = complex_values(fit, match, places, frequency_hz);
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
     const double omega = kTwoPi * frequency_hz(k);
-    Eigen::MatrixXcd value = places.residual.cast<Complex>();
+    Eigen::MatrixXcd value = fit.complex ? Eigen::MatrixXcd(complex.row(k).reshaped(n, q))
+                                         : Eigen::MatrixXcd(places.residual.cast<Complex>());
     Eigen::MatrixXd variance = Eigen::MatrixXd::Zero(n, q);
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
       const auto& input = match.input_shapes.row(m);
-      value += h.value * (places.shapes.col(m) * input).cast<Complex>();
+      if (!fit.complex) value += h.value * (places.shapes.col(m) * input).cast<Complex>();
       variance += places.shapes.col(m).cwiseAbs2() *
                       input_variance(h, spreads[static_cast<std::size_t>(m)], input) +
                   std::norm(h.value) * places.deviation.col(m).cwiseAbs2() * input.cwiseAbs2();
@@ -161,7 +179,6 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
       variance += std::norm(2.0 * half - h.value) * places.imaginary_deviation.col(m).cwiseAbs2() *
                   input.cwiseAbs2();
     }
-    if (fit.complex) value = complex.row(k).reshaped(n, q);
     for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
     result.value.emplace_back(std::move(value));
     result.deviation.emplace_back(variance.cwiseSqrt());
@@ -194,10 +211,11 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
   const auto data = undelayed(measured, input_delays(fit));
   const auto m = fit.model.mode_count();
   const auto n = (fit.complex ? 2 * m : m) + q;
+  const auto h = resonances(fit, data.frequency_hz);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (Eigen::Index j = 0; j < q; ++j) {
-    const Eigen::MatrixXcd columns = row_columns(fit, match, data.frequency_hz, j);
+    const Eigen::MatrixXcd columns = row_columns(h, match, j);
     const Eigen::VectorXd w = data.weight.col(j).cwiseAbs2();
     const Eigen::MatrixXcd weighted = columns.adjoint() * w.cast<Complex>().asDiagonal();
     normal += (weighted * columns).real();

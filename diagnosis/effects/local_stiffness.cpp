@@ -60,9 +60,6 @@ std::function<void(State&)> softening(const Structure& structure, Index /*option
   return
       [by = sum_of(structure.fine.stiffness, weight)](State& state) { add_stiffness(state, by); };
 }
-void soften(State& state, const Structure& structure, Index option, const VectorXd& x) {
-  softening(structure, option, x)(state);
-}
 
 // The centre of each cell, the step in the factor to first order; the best few both ways.
 std::vector<EffectStart> centres(const Scene& scene) {
@@ -79,7 +76,7 @@ std::vector<EffectStart> centres(const Scene& scene) {
     State softer = scene.state();
     VectorXd up = x;
     up(0) = 0.01;
-    soften(softer, structure, 0, up);
+    softening(structure, 0, up)(softer);
     const auto gain = scene.gain(slope(scene.state(), scene.now(), scene.state(), softer, 0.01));
     x(0) = std::clamp(gain.step, -1.6, 0.9);
     all.push_back({gain.fall, x});
@@ -106,7 +103,7 @@ const Effect local_stiffness{"local_stiffness",
                              patch,
                              has_cells,
                              no_channels,
-                             soften,
+                             at_once<softening>,
                              centres,
                              softening,
                              1.0};

@@ -56,9 +56,6 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
     state.inputs += inputs.transpose();
   };
 }
-void stretch(State& state, const Structure& structure, Index option, const VectorXd& x) {
-  stretching(structure, option, x)(state);
-}
 
 // Frequencies go as λ^-2.
 std::vector<EffectStart> steps(const Scene& scene) {
@@ -79,7 +76,7 @@ const Effect size_error{"size_error",
                         relative,
                         bends,
                         no_channels,
-                        stretch,
+                        at_once<stretching>,
                         steps,
                         stretching,
                         0.03};

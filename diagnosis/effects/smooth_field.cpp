@@ -32,9 +32,6 @@ std::function<void(State&)> stiffening(const Structure& structure, Index /*optio
                                        const VectorXd& x) {
   return [by = stiffened_smoothly(structure, x)](State& state) { state.stiffness += by; };
 }
-void stiffen(State& state, const Structure& structure, Index option, const VectorXd& x) {
-  stiffening(structure, option, x)(state);
-}
 
 std::function<void(State&)> thickening(const Structure& structure, Index /*option*/,
                                        const VectorXd& x) {
@@ -42,9 +39,6 @@ std::function<void(State&)> thickening(const Structure& structure, Index /*optio
     state.stiffness += by.stiffness;
     state.mass += by.mass;
   };
-}
-void thicken(State& state, const Structure& structure, Index option, const VectorXd& x) {
-  thickening(structure, option, x)(state);
 }
 
 std::vector<EffectStart> flat(const Scene& scene) {
@@ -66,7 +60,7 @@ const Effect modulus_field{"modulus_field",
                            coefficients,
                            has_cells,
                            no_channels,
-                           stiffen,
+                           at_once<stiffening>,
                            flat,
                            stiffening,
                            1.0};
@@ -77,7 +71,7 @@ const Effect thickness_field{"thickness_field",
                              coefficients,
                              bends,
                              no_channels,
-                             thicken,
+                             at_once<thickening>,
                              flat,
                              thickening,
                              1.0};

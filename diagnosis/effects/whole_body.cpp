@@ -36,9 +36,6 @@ std::function<void(State&)> thickening(const Structure& structure, Eigen::Index 
     state.mass += other.mass;
   };
 }
-void thicken(State& state, const Structure& structure, Eigen::Index option, const VectorXd& x) {
-  thickening(structure, option, x)(state);
-}
 
 // Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
 // matrices that are not diagonal are costly, and what is left to find by then is small.
@@ -80,7 +77,7 @@ const Effect thickness{"thickness",
                        relative,
                        bends,
                        no_channels,
-                       thicken,
+                       at_once<thickening>,
                        by_one,
                        thickening,
                        0.03};

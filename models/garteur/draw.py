@@ -1,6 +1,6 @@
 """The GARTEUR SM-AG19 testbed as one closed surface of bars, in mm: an OFF file.
 
-    draw.py WING_THICKNESS > garteur.off
+    draw.py WING_THICKNESS > airplane.off
 
 Dimensions as published (GARTEUR TP-115, 1999); x forward from under the wing, y to the left, z up
 from the fuselage's axis. The union of boxes is taken on the grid of all their coordinates.

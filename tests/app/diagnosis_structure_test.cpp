@@ -377,28 +377,5 @@ frequency = "70 Hz"
   EXPECT_LT((few - all).norm(), 2e-4 * all.norm());
 }
 
-TEST(UpperFace, StandsOnItsShortestSide) {
-  // A plate in the plane of y and z whose shapes are linear there.
-  auto body = mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.01}, 0.05, 1);
-  const Points lying = body.points;
-  body.points << lying.col(2), lying.col(0), lying.col(1);
-  const auto chart = chart_of(body);
-  EXPECT_EQ(chart.axes.col(2), Eigen::Vector3d::UnitX());
-  EXPECT_NEAR(chart.size(0), 0.3, 1e-12);
-  Eigen::MatrixXd shapes = Eigen::MatrixXd::Zero(3 * body.node_count(), 1);
-  for (Eigen::Index i = 0; i < body.node_count(); ++i) {
-    shapes(3 * i, 0) = 1.0 + 2.0 * body.points(i, 1) - 3.0 * body.points(i, 2);
-  }
-  const UpperFace face(chart, body, shapes);
-  for (const double u : {-0.15, -0.04, 0.0, 0.15}) {
-    const auto motion = face.at({u, 0.07});
-    ASSERT_TRUE(motion.has_value()) << u;
-    EXPECT_NEAR(motion->shape(0), 1.0 + 2.0 * u - 0.21, 1e-12);
-    EXPECT_NEAR(motion->slope_u(0), 2.0, 1e-8);
-    EXPECT_NEAR(motion->slope_v(0), -3.0, 1e-8);
-  }
-  EXPECT_EQ(coverage(chart, face, {3, 2}), Eigen::MatrixXd::Ones(3, 2));
-}
-
 }  // namespace
 }  // namespace chladni::app

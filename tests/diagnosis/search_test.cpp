@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <complex>
 #include <string_view>
 
+#include "base/draw.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {
@@ -26,11 +27,11 @@ Observed noisy(const Structure& plate, const std::vector<Supposed>& causes, unsi
   observed.value = responses(state, observed.omega);
   const Eigen::MatrixXd sigma = 0.01 * observed.value.cwiseAbs();
   observed.weight = std::sqrt(2.0) * sigma.cwiseInverse();
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> part(0.0, std::sqrt(0.5));
+  Draw draw(seed);
   for (Index i = 0; i < observed.value.size(); ++i) {
-    const double real = part(random);
-    observed.value.data()[i] += sigma.data()[i] * std::complex<double>(real, part(random));
+    const double real = draw.normal();
+    observed.value.data()[i] +=
+        std::sqrt(0.5) * sigma.data()[i] * std::complex<double>(real, draw.normal());
   }
   return observed;
 }

@@ -18,7 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Complex = std::complex<double>;
 
 simulators::FrfCase with_dashpot(double constant = 1.0) {
   auto faults = quiet();
