@@ -147,6 +147,12 @@ std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structur
   return Eigen::Vector2d(supposed.x(*at));
 }
 
+double reach_of(const Supposed& supposed, const Structure& structure) {
+  const auto parameters = supposed.effect->parameters(structure);
+  const auto radius = std::ranges::find(parameters, "radius", &Parameter::name);
+  return radius == parameters.end() ? 0.0 : radius->value(supposed.x(radius - parameters.begin()));
+}
+
 double log_prior(const Supposed& supposed, const Structure& structure) {
   const auto parameters = supposed.effect->parameters(structure);
   double sum = -std::log(

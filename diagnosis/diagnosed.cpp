@@ -11,6 +11,7 @@
 #include "diagnosis/nonlinearity.h"
 #include "diagnosis/prepared.h"
 #include "diagnosis/scene.h"
+#include "diagnosis/simpler.h"
 #include "diagnosis/superclass.h"
 #include "diagnosis/verdict.h"
 #include "priors/dense.h"

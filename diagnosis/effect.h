@@ -62,7 +62,7 @@ struct Effect {
   std::function<void(State&)> (*change)(const Structure& structure, Eigen::Index option,
                                         const Eigen::VectorXd& x) = nullptr;
   /// How far off, relative, what it does to the responses may be: what could mend as much beside it
-  /// is not believed. 0: it is exact; 1: shape and size are a guess (a patch, a wave).
+  /// is not believed, and what it leaves is no reason for more. 0: it is exact.
   double error = 0.0;
 };
 
@@ -94,6 +94,8 @@ struct Supposed {
 /// Where on the surface; none for effects that have no place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
                                                       const Structure& structure);
+/// How far around its place it acts [m]: its "radius", or 0.
+[[nodiscard]] double reach_of(const Supposed& supposed, const Structure& structure);
 
 /// Widths of its prior within which a size is thought of at all.
 inline constexpr double kPlausible = 6.0;

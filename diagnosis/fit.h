@@ -23,8 +23,6 @@ struct Problem {
 [[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
                              const Eigen::VectorXd& eta);
 
-/// Below this excess z only noise is left: the data are explained.
-inline constexpr double kExplained = 5.0;
 /// Where more than this part of the misfit is left, what was named does not explain much of it.
 inline constexpr double kLeftAtMost = 0.2;
 

@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "diagnosis/deviations.h"
 #include "diagnosis/hints.h"
 #include "diagnosis/scene.h"
+#include "diagnosis/simpler.h"
 #include "diagnosis/starts.h"
 #include "priors/dense.h"
 
@@ -49,10 +53,26 @@ MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
   return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
 }
 
+// Two in one place, of which one is a patch: together they are one thing of another shape.
+bool overlap(const Structure& structure, const Supposed& a, const Supposed& b) {
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
+  return here && there && (*here - *there).norm() < reach_of(a, structure) + reach_of(b, structure);
+}
+
+bool overlaps_itself(const Structure& structure, const Fit& fit) {
+  const auto& causes = fit.causes;
+  for (auto one = causes.begin(); one != causes.end(); ++one) {
+    const auto with = [&](const Supposed& other) { return overlap(structure, *one, other); };
+    if (std::any_of(one + 1, causes.end(), with)) return true;
+  }
+  return false;
+}
+
 // A channel has one gain, the body one modulus; what hangs in a place may hang in several.
 bool is_there_already(const Structure& structure, const Fit& base, const Supposed& cause) {
-  if (place_of(cause, structure)) return false;
   return std::ranges::any_of(base.causes, [&](const Supposed& other) {
+    if (place_of(cause, structure)) return overlap(structure, cause, other);
     return other.effect == cause.effect && other.option == cause.option;
   });
 }
@@ -123,14 +143,6 @@ std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidat
   auto other = fitted_from(problem, candidate, !candidate.from_nominal, bar);
   if (!fit || (other && other->log_evidence > fit->log_evidence)) return other;
   return fit;
-}
-
-// By descending evidence, the first `fixed` apart.
-void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0) {
-  const auto place = std::find_if(fits.begin() + fixed, fits.end(), [&](const Fit& other) {
-    return other.log_evidence < fit.log_evidence;
-  });
-  fits.insert(place, std::move(fit));
 }
 
 // What is large stretches the tolerances out of shape.
@@ -208,7 +220,7 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
         fits[i] = fitted_with(level.problem, chosen[first + i], bar);
       });
       for (auto& fit : fits) {
-        if (!fit) continue;
+        if (!fit || overlaps_itself(level.problem.structure, *fit)) continue;
         bar = std::min(bar, fit->objective + kMargin);
         keep(grown, std::move(*fit));
       }
@@ -257,14 +269,6 @@ Fit settled(const Level& level, Found& found) {
   return pruned(level.problem, other, found.nothing, level.limits);
 }
 
-// Whether one more cause is more than luck, and more than what mends errors of the others.
-bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, const Fit& more) {
-  double error2 = 0.0;
-  for (const auto& cause : less.causes) error2 += cause.effect->error * cause.effect->error;
-  const double mends = error2 * (nothing.objective - less.objective);
-  return more.log_evidence - less.log_evidence >= std::max(limits.sure_evidence, mends);
-}
-
 // The best of several causes as it stands when all are known.
 void put_settled_first(const Level& level, Found& found) {
   const auto count = found.fits.front().causes.size();
@@ -279,42 +283,68 @@ void put_settled_first(const Level& level, Found& found) {
   found.fits.insert(found.fits.begin(), std::move(best));
 }
 
-}  // namespace
-
-Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
-           const SearchLimits& limits) {
-  Fit best = whole;
-  for (std::size_t c = 0; c < best.causes.size();) {
-    Fit less = best;
-    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    less = less.causes.empty() ? nothing : fitted(problem, less);
-    // Stretched tolerances count as misfit. What is small beside a large cause still counts where
-    // the data want it, or where it is no matter of luck.
-    const double gain = best.log_evidence - less.log_evidence;
-    const bool material = less.objective - best.objective >=
-                          limits.least_share * (nothing.objective - best.objective);
-    const bool wanted = less.excess(numbers(problem)) >= limits.least_excess;
-    const bool sure = is_sure(limits, nothing, less, best);
-    if (gain >= limits.least_evidence && (material || wanted || sure)) {
-      ++c;
-    } else {
-      best = std::move(less);
-      c = 0;
+// One cause after the other on top of the beam, until one more brings too little.
+void grow(Level level, std::vector<Fit> beam, Found& found) {
+  const auto& limits = level.limits;
+  for (; level.number <= limits.most_causes; ++level.number) {
+    const double best_before = found.fits.front().log_evidence;
+    level.down_to_noise = level.number > 1 && beam.front().excess(numbers(level.problem)) < kNoise;
+    if (level.down_to_noise) beam.resize(1);
+    auto grown = level_up(level, beam);
+    for (const auto& fit : grown) keep(found.fits, fit);
+    if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
+    if (level.down_to_noise && !is_sure(limits, found.nothing, beam.front(), grown.front())) break;
+    while (static_cast<int>(grown.size()) > limits.beam ||
+           grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
+      grown.pop_back();
     }
+    beam = std::move(grown);
+  }
+}
+
+// Resonances are so far off that no response at all were as good: then what makes the responses
+// smaller seems to explain, and what is the matter does not.
+bool is_lost(const Problem& problem, const Fit& fit) {
+  constexpr double kCoherent = 0.3;  // of the data's power
+  const auto& observed = problem.observed;
+  const double power = (observed.value.cwiseAbs().array() * observed.weight.array()).square().sum();
+  return fit.chi_square > kCoherent * power;
+}
+
+bool is_a_gain(const Effect* effect) {
+  constexpr std::array<std::string_view, 4> kGains{"sensor_gain", "actuator_gain", "overall_gain",
+                                                   "sensor_unit"};
+  return std::ranges::find(kGains, effect->name) != kGains.end();
+}
+
+// What a search finds where each channel may have any gain, then fitted without: of each number of
+// causes the best.
+std::vector<Fit> with_free_gains(const Level& level) {
+  constexpr Tolerances kAnyGain{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  const auto& [structure, observed, tolerable] = level.problem;
+  auto free = deviations(structure, kAnyGain, 0.0);
+  free.insert(free.begin(), tolerable.begin(), tolerable.end());
+  std::vector<const Effect*> catalogue = level.catalogue;
+  std::erase_if(catalogue, is_a_gain);
+  const Problem problem{structure, observed, free};
+  Fit rest;
+  rest.eta = VectorXd::Zero(std::ssize(free));
+  Found found{fitted(problem, rest), {}};
+  found.fits = {found.nothing};
+  grow({problem, catalogue, level.limits, level.progress, 1}, {found.nothing}, found);
+  std::vector<Fit> best;
+  for (const auto& fit : found.fits) {
+    if (fit.causes.empty() || std::ranges::any_of(best, [&](const Fit& other) {
+          return other.causes.size() == fit.causes.size();
+        })) {
+      continue;
+    }
+    best.push_back(fitted(level.problem, with_deviations(fit, tolerable.size())));
   }
   return best;
 }
 
-void add_simpler(const Problem& problem, Found& found) {
-  const Fit best = found.fits.front();
-  for (std::size_t c = 0; c < best.causes.size(); ++c) {
-    auto simpler = simplified(best.causes[c], problem.structure);
-    if (!simpler || !std::isfinite(log_prior(*simpler, problem.structure))) continue;
-    Fit start = best;
-    start.causes[c] = *std::move(simpler);
-    keep(found.fits, fitted(problem, start), 1);
-  }
-}
+}  // namespace
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                const SearchLimits& limits, const Progress& progress) {
@@ -326,20 +356,16 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   patient.iterations = 25;
   found.nothing = fitted(problem, found.nothing, patient);
   found.fits = {found.nothing};
-  std::vector<Fit> beam{found.nothing};
-  for (int number = 1; number <= limits.most_causes; ++number) {
-    const double best_before = found.fits.front().log_evidence;
-    const bool done = number > 1 && beam.front().excess(numbers(problem)) < kNoise;
-    if (done) beam.resize(1);
-    auto grown = level_up({problem, catalogue, limits, progress, number, done}, beam);
-    for (const auto& fit : grown) keep(found.fits, fit);
-    if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
-    if (done && !is_sure(limits, found.nothing, beam.front(), grown.front())) break;
-    while (static_cast<int>(grown.size()) > limits.beam ||
-           grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
-      grown.pop_back();
+  grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
+  if (is_lost(problem, found.fits.front())) {
+    const auto count = found.fits.front().causes.size();
+    for (auto& fit : with_free_gains({problem, catalogue, limits, progress, 1})) {
+      keep(found.fits, std::move(fit));
     }
-    beam = std::move(grown);
+    const Fit best = found.fits.front();
+    const int next = static_cast<int>(best.causes.size()) + 1;
+    if (best.causes.size() != count)
+      grow({problem, catalogue, limits, progress, next}, {best}, found);
   }
   if (found.fits.front().causes.size() > 1) {
     put_settled_first({problem, catalogue, limits, progress, 1}, found);

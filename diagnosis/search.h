@@ -10,15 +10,15 @@ namespace chladni::diagnosis {
 
 struct SearchLimits {
   int most_causes = 3;
-  int fits_per_level = 5;            ///< full fits of what looks best from a scene
-  int lines_of_scene = 120;          ///< at most: for a first look
-  int beam = 2;                      ///< explanations that are carried to the next level, at most,
-  double beam_within = 20.0;         ///< and their log evidence of the best
-  double least_evidence = 8.0;       ///< ln of the Bayes factor of one more cause
-  double least_share = 0.01;         ///< of what all causes gain, or the cause is dropped,
-  double least_excess = kExplained;  ///< unless this much (z) is left without it,
-  double sure_evidence = 12.0;       ///< or its own evidence is this high, and above the errors of
-                                     ///< the others (Effect::error)
+  int fits_per_level = 5;       ///< full fits of what looks best from a scene
+  int lines_of_scene = 120;     ///< at most: for a first look
+  int beam = 2;                 ///< explanations that are carried to the next level, at most,
+  double beam_within = 20.0;    ///< and their log evidence of the best
+  double least_evidence = 8.0;  ///< ln of the Bayes factor of one more cause
+  double least_share = 0.01;    ///< of what all causes gain, or the cause is dropped,
+  double least_excess = 5.0;    ///< unless this much (z) is left without it,
+  double sure_evidence = 12.0;  ///< or its own evidence is this high, and above the errors of
+                                ///< the others (Effect::error)
   /// Errors that the last word knows and the search takes for noise: what they may be is no hint.
   std::vector<Deviation> unseen = {};
 };
@@ -36,16 +36,5 @@ struct Found {
 /// @param catalogue  the effects that may be
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                              const SearchLimits& limits, const Progress& progress = {});
-
-/// With a simpler effect (simpler_of) in the place of each cause of the best fit that has one:
-/// where both explain the data as well it is meant, but it need not have been tried. After the
-/// best.
-void add_simpler(const Problem& problem, Found& found);
-
-/// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
-/// than `least_evidence`, or where neither its share nor what is left without it nor its own
-/// evidence matters. It may be `nothing` in the end.
-[[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
-                         const SearchLimits& limits);
 
 }  // namespace chladni::diagnosis

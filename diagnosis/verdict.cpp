@@ -70,16 +70,64 @@ bool nested(const Explanation& simple, const Explanation& other) {
   return true;
 }
 
+// Errors of the causes go in directions of their own, of which the data see some hundreds (modes
+// times channels): a twentieth of them goes along any one number, in units of its deviation.
+void widen_deviations(const Problem& problem, Explanation& told) {
+  const double error2 = told.error_excess * std::sqrt(2.0 * problem.observed.number_count());
+  const double wider = std::sqrt(1.0 + 0.0025 * error2);
+  for (auto& cause : told.causes) {
+    for (auto& parameter : cause.parameters) parameter.std *= wider;
+  }
+}
+
+// What errors of simpler effects may have cost it, in ln of evidence.
+double cost_of_simplicity(const Explanation& simple, const Explanation& other) {
+  double cost = 0.0;
+  if (simple.causes.size() != other.causes.size()) return cost;
+  for (std::size_t c = 0; c < simple.causes.size(); ++c) {
+    if (simple.causes[c].effect == other.causes[c].effect) continue;
+    const double error = effect(simple.causes[c].effect).error;
+    cost += error * error * std::max(other.causes[c].log_evidence_gain, 0.0);
+  }
+  return cost;
+}
+
 // What each cause brings: the evidence lost without it, the share of the excess that left with it.
 void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
   const double excess = std::max(found.nothing.chi_square - problem.observed.number_count(), 1e-9);
+  told.error_excess = 0.0;
   for (std::size_t c = 0; c < told.causes.size(); ++c) {
     Fit less = fit;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = less.causes.empty() ? found.nothing : fitted(problem, less);
     told.causes[c].log_evidence_gain = fit.log_evidence - less.log_evidence;
     told.causes[c].share = std::clamp((less.chi_square - fit.chi_square) / excess, 0.0, 1.0);
+    const double error = fit.causes[c].effect->error;
+    told.error_excess += 2.0 * error * error * std::max(told.causes[c].log_evidence_gain, 0.0) /
+                         std::sqrt(2.0 * problem.observed.number_count());
   }
+}
+
+// That `count` causes and noise are all there is: z is normal then. An effect that the catalogue
+// lacks is as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes
+// the story four times less likely beside it.
+double all_there_is(double z, std::size_t count) {
+  constexpr double kOther = 0.1 / 60.0;
+  const double prior = 0.7 * std::pow(0.25, std::max(0.0, static_cast<double>(count) - 1.0));
+  const double noise =
+      std::exp(-0.5 * std::pow(std::max(z, 0.0), 2)) / std::sqrt(2.0 * std::numbers::pi);
+  return prior * noise / (prior * noise + kOther);
+}
+
+bool is_explained(const Explanation& told) {
+  return all_there_is(told.excess - told.error_excess, told.causes.size()) > 0.5;
+}
+
+// That a cause is there though something unnamed is, too: what it brings against what is left.
+double beside_unnamed(const Cause& cause, double left_share, double left) {
+  const double gain = cause.log_evidence_gain;
+  const double outweighs = gain > 0.0 ? gain / (gain + 3.0 * left) : 1.0;  // 0: was not weighed
+  return 0.9 * (1.0 - left_share) * outweighs;
 }
 
 void share_probability(const Problem& problem, const Found& found, std::vector<Explanation>& all) {
@@ -92,14 +140,17 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
     one.probability = std::exp(std::max(-700.0, (one.log_evidence - best) / temper));
     sum += one.probability;
   }
+  const double initial = std::max(found.nothing.excess(n), 1e-9);
   for (auto& one : all) {
     one.probability /= sum;
-    // Where much is left, the same unknown may be behind what was named: 0.9 where hardly anything
-    // is.
-    const double initial = std::max(found.nothing.excess(n), 1e-9);
-    const double left = std::clamp(one.excess / (kLeftAtMost * initial), 0.0, 1.0);
-    const double explained = one.excess >= kExplained ? 0.9 * (1.0 - left) : 1.0;
-    for (auto& cause : one.causes) cause.probability = explained * one.probability;
+    const double excess = std::max(one.excess - one.error_excess, 0.0);
+    const double share = std::min(excess / (kLeftAtMost * initial), 1.0);
+    const double left = 0.5 * excess * std::sqrt(2.0 * n);  // ln of a probability
+    const double whole = all_there_is(excess, one.causes.size());
+    for (auto& cause : one.causes) {
+      cause.probability =
+          one.probability * (whole + (1.0 - whole) * beside_unnamed(cause, share, left));
+    }
   }
 }
 
@@ -150,20 +201,22 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
   std::vector<Explanation> all;
   for (const auto* fit : once) all.push_back(explanation_of(problem, found, *fit));
   // The simpler of two that explain as well.
-  const Explanation& front = all.front();
+  weigh_causes(problem, found, *once.front(), all.front());
   for (std::size_t n = 1; n < all.size(); ++n) {
-    if (front.log_evidence - all[n].log_evidence > equal) break;
+    const Explanation& front = all.front();
     if (!nested(all[n], front)) continue;
-    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n),
-                all.begin() + static_cast<std::ptrdiff_t>(n) + 1);
-    std::rotate(once.begin(), once.begin() + static_cast<std::ptrdiff_t>(n),
-                once.begin() + static_cast<std::ptrdiff_t>(n) + 1);
+    const double alike_within = std::max(equal, cost_of_simplicity(all[n], front));
+    if (front.log_evidence - all[n].log_evidence > alike_within) continue;
+    const auto at = static_cast<std::ptrdiff_t>(n);
+    std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
+    std::rotate(once.begin(), once.begin() + at, once.begin() + at + 1);
+    weigh_causes(problem, found, *once.front(), all.front());
     break;
   }
   std::erase_if(all, [&](const Explanation& other) {
     return &other != &all.front() && nested(all.front(), other);
   });
-  weigh_causes(problem, found, *once.front(), all.front());
+  widen_deviations(problem, all.front());
   share_probability(problem, found, all);
   return all;
 }
@@ -172,7 +225,7 @@ Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
   const double n = problem.observed.number_count();
-  const bool explained = best.excess < kExplained;
+  const bool explained = is_explained(best);
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   const double initial = std::max(found.nothing.chi_square - n, 1e-9);
   const double left = std::max(best.excess, 0.0) * std::sqrt(2.0 * n);

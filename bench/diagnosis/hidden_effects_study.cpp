@@ -26,6 +26,7 @@
 #include "simulators/hidden_effect.h"
 #include "simulators/hidden_score.h"
 #include "simulators/ritz_structure.h"
+#include "simulators/twins.h"
 
 namespace chladni {
 namespace {
@@ -55,7 +56,7 @@ struct Trial {
 struct Done {
   Trial trial;
   CaseScore score;
-  double seconds = 0.0, evidence_there = 0.0;
+  double seconds = 0.0, evidence_there = 0.0, evidence_apart = HUGE_VAL;
   double excess_before = 0.0, excess_after = 0.0;  // z
 };
 
@@ -153,8 +154,11 @@ void print_case(const Done& done, const HiddenCase& hidden) {
       fmt::print(" {}={:.4g}(z {:.1f})", size.name, size.value, size.z());
     }
   }
-  fmt::print("  ln there {:.3g}, z {:.1f} to {:.1f}\n", done.evidence_there, done.excess_before,
-             done.excess_after);
+  const std::string apart = std::isfinite(done.evidence_apart)
+                                ? fmt::format(", its twin apart {:.2g}", done.evidence_apart)
+                                : "";
+  fmt::print("  ln there {:.3g}{}, z {:.1f} to {:.1f}\n", done.evidence_there, apart,
+             done.excess_before, done.excess_after);
   std::fflush(stdout);
 }
 
@@ -163,7 +167,7 @@ Done diagnosed(const Trial& trial, const Arguments& wanted, const diagnosis::Str
   diagnosis::DiagnosisOptions options;
   if (!wanted.tolerance) options.tolerances = diagnosis::exact_model();
   const auto start = std::chrono::steady_clock::now();
-  Done done{trial, {}, 0.0, hidden.evidence_there};
+  Done done{trial, {}, 0.0, hidden.evidence_there, simulators::evidence_apart(hidden)};
   try {
     const auto told = diagnosis::diagnosed(structure, hidden.measured, options);
     done.score = scored(hidden, told);
@@ -184,16 +188,23 @@ double quantile(std::vector<double> values, double at) {
   return values[static_cast<std::size_t>(at * static_cast<double>(values.size() - 1))];
 }
 
+// What nobody can tell from its twin is called ambiguous if it is called right.
+bool is_a_twin(const Done& done) {
+  return done.evidence_apart < 5.0 && done.score.outcome == Outcome::among;
+}
+
 // All cases of one kind.
 struct Row {
-  int cases = 0;
+  int cases = 0, twins = 0;  // twins: among those of Outcome::among
   std::map<Outcome, int> count;
   std::map<std::string, int> called;  // where not right
   std::vector<double> places, sizes;  // errors: mm, relative
 };
 
-void add(Row& row, const CaseScore& score) {
+void add(Row& row, const Done& done) {
+  const CaseScore& score = done.score;
   ++row.cases;
+  row.twins += is_a_twin(done) ? 1 : 0;
   ++row.count[score.outcome];
   if (score.outcome != Outcome::right) ++row.called[score.told];
   for (const auto& effect : score.effects) {
@@ -218,21 +229,23 @@ std::string text_of(const std::string& group, Row& row) {
           : fmt::format("{:.2f}, {:.2f}", quantile(row.places, 0.5), quantile(row.places, 1.0));
   const std::string sizes =
       row.sizes.empty() ? "" : fmt::format("{:.2g}", quantile(row.sizes, 0.5));
-  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", group, row.cases,
-                     of(Outcome::right), of(Outcome::among), of(Outcome::half), of(Outcome::wrong),
-                     of(Outcome::missed), of(Outcome::unexplained), places, sizes, others);
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", group,
+                     row.cases, of(Outcome::right), row.twins, of(Outcome::among) - row.twins,
+                     of(Outcome::half), of(Outcome::wrong), of(Outcome::missed),
+                     of(Outcome::unexplained), places, sizes, others);
 }
 
 void print_table(const std::vector<Done>& all) {
   fmt::print(
-      "\n| hidden | cases | right | among | half | wrong | missed | unexplained | place, mm "
+      "\n| hidden | cases | right | twins | among | half | wrong | missed | unexplained | place, "
+      "mm "
       "(median, worst) | size error (median) | called, where not right |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<std::string> groups;
   std::map<std::string, Row> rows;
   for (const auto& done : all) {
     if (!rows.contains(done.trial.group)) groups.push_back(done.trial.group);
-    add(rows[done.trial.group], done.score);
+    add(rows[done.trial.group], done);
   }
   for (const auto& group : groups) fmt::print("{}", text_of(group, rows[group]));
 }

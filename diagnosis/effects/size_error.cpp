@@ -79,6 +79,6 @@ const Effect size_error{"size_error",
                         at_once<stretching>,
                         steps,
                         stretching,
-                        0.03};
+                        0.005};
 
 }  // namespace chladni::diagnosis

@@ -9,6 +9,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kWaveError = 0.02;  // Effect::error: what varies faster than a square
+
 constexpr std::array<std::string_view, 5> kPlane{"u1", "v1", "u2", "u1v1", "v2"};
 constexpr std::array<std::string_view, 2> kLine{"u1", "u2"};
 
@@ -63,7 +65,7 @@ const Effect modulus_field{"modulus_field",
                            at_once<stiffening>,
                            flat,
                            stiffening,
-                           1.0};
+                           kWaveError};
 const Effect thickness_field{"thickness_field",
                              "the thickness varies smoothly: a taper, a bow",
                              "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
@@ -74,6 +76,6 @@ const Effect thickness_field{"thickness_field",
                              at_once<thickening>,
                              flat,
                              thickening,
-                             1.0};
+                             kWaveError};
 
 }  // namespace chladni::diagnosis

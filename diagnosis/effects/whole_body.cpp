@@ -80,6 +80,6 @@ const Effect thickness{"thickness",
                        at_once<thickening>,
                        by_one,
                        thickening,
-                       0.03};
+                       0.005};
 
 }  // namespace chladni::diagnosis

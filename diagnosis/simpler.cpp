@@ -1,0 +1,68 @@
+#include "diagnosis/simpler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace chladni::diagnosis {
+namespace {
+
+// What errors of the causes may have cost: ln of a probability.
+double cost_of_errors(const Fit& nothing, const Fit& fit) {
+  double error2 = 0.0;
+  for (const auto& cause : fit.causes) error2 += cause.effect->error * cause.effect->error;
+  return error2 * std::max(nothing.objective - fit.objective, 0.0);
+}
+
+}  // namespace
+
+void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
+  const auto place = std::find_if(fits.begin() + fixed, fits.end(), [&](const Fit& other) {
+    return other.log_evidence < fit.log_evidence;
+  });
+  fits.insert(place, std::move(fit));
+}
+
+bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, const Fit& more) {
+  return more.log_evidence - less.log_evidence >=
+         std::max(limits.sure_evidence, cost_of_errors(nothing, less));
+}
+
+Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
+           const SearchLimits& limits) {
+  Fit best = whole;
+  for (std::size_t c = 0; c < best.causes.size();) {
+    Fit less = best;
+    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    less = less.causes.empty() ? nothing : fitted(problem, less);
+    // Stretched tolerances count as misfit. What is small beside a large cause still counts where
+    // the data want it, or where it is no matter of luck.
+    const double gain = best.log_evidence - less.log_evidence;
+    const bool material = less.objective - best.objective >=
+                          limits.least_share * (nothing.objective - best.objective);
+    const double n = problem.observed.number_count();
+    const double left = less.excess(n) - 2.0 * cost_of_errors(nothing, less) / std::sqrt(2.0 * n);
+    const bool wanted = left >= limits.least_excess;
+    const bool sure = is_sure(limits, nothing, less, best);
+    if (gain >= limits.least_evidence && (material || wanted || sure)) {
+      ++c;
+    } else {
+      best = std::move(less);
+      c = 0;
+    }
+  }
+  return best;
+}
+
+void add_simpler(const Problem& problem, Found& found) {
+  const Fit best = found.fits.front();
+  for (std::size_t c = 0; c < best.causes.size(); ++c) {
+    auto simpler = simplified(best.causes[c], problem.structure);
+    if (!simpler || !std::isfinite(log_prior(*simpler, problem.structure))) continue;
+    Fit start = best;
+    start.causes[c] = *std::move(simpler);
+    keep(found.fits, fitted(problem, start), 1);
+  }
+}
+
+}  // namespace chladni::diagnosis
