@@ -92,12 +92,16 @@ bool looks_down(const Extension& by) {
 }
 
 std::string place(const Extension& by) {
-  const Eigen::Vector3d at = by.chart.in_body({by.number("u"), by.number("v")});
+  return place(Place{by.chart.in_body({by.number("u"), by.number("v")}), looks_down(by)});
+}
+
+std::string place(const Place& at) {
   const auto mm = [](double metres) {
     return toml_text(digits(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres) + " mm");
   };
-  if (looks_down(by)) return fmt::format("[{}, {}]", mm(at(0)), mm(at(1)));
-  return fmt::format("[{}, {}, {}]", mm(at(0)), mm(at(1)), mm(at(2)));
+  const auto& p = at.point;
+  if (at.from_above) return fmt::format("[{}, {}]", mm(p(0)), mm(p(1)));
+  return fmt::format("[{}, {}, {}]", mm(p(0)), mm(p(1)), mm(p(2)));
 }
 
 Extend extend(std::string_view effect) {

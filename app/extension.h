@@ -46,6 +46,8 @@ void lengthen(const Extension& by, const TomlNode& value, double metres);
 [[nodiscard]] bool looks_down(const Extension& by);
 /// `at` of the cause's u and v: seen from above where the chart looks down, else the nearest point.
 [[nodiscard]] std::string place(const Extension& by);
+/// `at` as a study writes it.
+[[nodiscard]] std::string place(const Place& at);
 
 /// Nine digits, enough for any number that was measured.
 [[nodiscard]] std::string digits(double number);

@@ -38,12 +38,17 @@ std::string unused_name(const Study& study, const std::string& wanted) {
   return name;
 }
 
-void append(const Extension& by, const std::string& kind, const Members& more) {
+void append_at(const Extension& by, const std::string& at, const std::string& kind,
+               const std::string& name, const Members& more) {
   Members members{{"kind", toml_text(kind)},
-                  {"name", toml_text(unused_name(by.study, "diagnosed_" + kind))},
-                  {"at", place(by)}};
+                  {"name", toml_text(unused_name(by.study, "diagnosed_" + name))},
+                  {"at", at}};
   members.insert(members.end(), more.begin(), more.end());
   by.edit.append("attachment", members, by.comment());
+}
+
+void append(const Extension& by, const std::string& kind, const Members& more) {
+  append_at(by, place(by), kind, kind, more);
 }
 
 std::string no_negative_mass() {
@@ -66,6 +71,17 @@ std::string mass_with_inertia(const Extension& by) {
   append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}, {"inertia", "[" + three + "]"}});
   return {};
 }
+
+std::string carried(const Extension& by, const std::vector<Channel>& channels) {
+  if (!(by.number("mass") > 0.0)) return no_negative_mass();
+  for (const auto& channel : channels) {
+    append_at(by, place(channel.at), "mass", "mass_of_" + channel.name,
+              {{"mass", quantity(by.number("mass"), "kg")}});
+  }
+  return {};
+}
+std::string sensor_masses(const Extension& by) { return carried(by, by.study.sensors); }
+std::string actuator_masses(const Extension& by) { return carried(by, by.study.actuators); }
 
 std::string ground_spring(const Extension& by) {
   append(by, "spring",
@@ -100,9 +116,11 @@ std::string suspension(const Extension& /*by*/) {
          "out of the records";
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 6> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 8> kTable{
     {{"point_mass", point_mass},
      {"mass_with_inertia", mass_with_inertia},
+     {"sensor_masses", sensor_masses},
+     {"actuator_masses", actuator_masses},
      {"ground_spring", ground_spring},
      {"ground_damper", ground_damper},
      {"suspension", suspension},

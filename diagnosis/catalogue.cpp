@@ -44,6 +44,8 @@ constexpr std::array kAll{
     &local_stiffness,
     &point_mass,
     &mass_with_inertia,
+    &sensor_masses,
+    &actuator_masses,
     &ground_spring,
     &ground_damper,
     &resonator,
@@ -87,6 +89,18 @@ double Parameter::value(double x) const {
   if (scale == Scale::relative) return std::expm1(x);
   return x;
 }
+
+namespace {
+
+std::optional<double> value_of(const Supposed& supposed, const Structure& structure,
+                               std::string_view name) {
+  const auto parameters = supposed.effect->parameters(structure);
+  const auto found = std::ranges::find(parameters, name, &Parameter::name);
+  if (found == parameters.end()) return std::nullopt;
+  return found->value(supposed.x(found - parameters.begin()));
+}
+
+}  // namespace
 
 double Parameter::coordinate(double of) const {
   if (scale == Scale::logarithmic) return std::log(of);
@@ -148,9 +162,12 @@ std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structur
 }
 
 double reach_of(const Supposed& supposed, const Structure& structure) {
-  const auto parameters = supposed.effect->parameters(structure);
-  const auto radius = std::ranges::find(parameters, "radius", &Parameter::name);
-  return radius == parameters.end() ? 0.0 : radius->value(supposed.x(radius - parameters.begin()));
+  return value_of(supposed, structure, "radius").value_or(0.0);
+}
+
+double error_of(const Supposed& supposed, const Structure& structure) {
+  const double factor = value_of(supposed, structure, "factor").value_or(1.0);
+  return supposed.effect->error * std::min(1.0, std::abs(factor));
 }
 
 double log_prior(const Supposed& supposed, const Structure& structure) {
@@ -177,6 +194,7 @@ void keep_on_surface(const Structure& structure, const Supposed& from, Supposed&
   for (int half = 0; half < 12 && !structure.surface.at(to.x(*at)); ++half) {
     to.x(*at) = 0.5 * (to.x(*at) + from.x(*at)).eval();
   }
+  if (!structure.surface.at(to.x(*at))) to.x(*at) = from.x(*at);
 }
 
 Eigen::Index one_option(const Structure& /*structure*/) { return 1; }

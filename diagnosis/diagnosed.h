@@ -38,6 +38,7 @@ struct Explanation {
   double log_evidence = 0.0;  ///< over that of the simulation with its tolerances
   double probability = 0.0;   ///< among the explanations found
   double excess = 0.0;        ///< z = (χ² − N) / sqrt(2N) of what it leaves
+  double strained = 0.0;      ///< χ² of what it leaves, stretched tolerances too
   double error_excess = 0.0;  ///< of which as much may be the causes' own (Effect::error)
 };
 

@@ -62,7 +62,7 @@ struct Effect {
   std::function<void(State&)> (*change)(const Structure& structure, Eigen::Index option,
                                         const Eigen::VectorXd& x) = nullptr;
   /// How far off, relative, what it does to the responses may be: what could mend as much beside it
-  /// is not believed, and what it leaves is no reason for more. 0: it is exact.
+  /// is not believed, and what it leaves is no reason for more (error_of). 0: it is exact.
   double error = 0.0;
 };
 
@@ -82,6 +82,9 @@ struct Supposed {
   Eigen::Index option = 0;
   Eigen::VectorXd x;
 };
+
+/// Its effect's error; of what has a "factor" in proportion to that, up to 1.
+[[nodiscard]] double error_of(const Supposed& supposed, const Structure& structure);
 
 /// What it does to any state, for many states; as long as both arguments live.
 [[nodiscard]] std::function<void(State&)> change_of(const Supposed& supposed,

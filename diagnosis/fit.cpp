@@ -126,12 +126,27 @@ std::optional<Point> reached(const Problem& problem, Fit fit) {
   }
 }
 
+// Coordinates of places on the rim of the surface that the step would take off it.
+std::vector<Index> held_by_the_rim(const Structure& structure, const Fit& fit,
+                                   const std::vector<Column>& columns, const VectorXd& by) {
+  std::vector<Index> held;
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    const double forward = by(static_cast<Index>(n));
+    if (!columns[n].parameter.is_place() || forward == 0.0) continue;
+    const auto [minus, plus] = sides(structure, fit.causes[columns[n].cause], columns[n]);
+    if ((forward < 0.0 ? minus : plus) == 0.0) held.push_back(static_cast<Index>(n));
+  }
+  return held;
+}
+
 // A step down, as long as it may be; false: none was found.
 bool descended(const Problem& problem, const std::vector<Column>& columns, double tolerance,
                const Quadratic& quadratic, Point& here, double& lambda) {
   bool taken = false;
   for (int attempt = 0; attempt < 8 && !taken && !here.fit.converged; ++attempt) {
-    const VectorXd by = quadratic.step(lambda);
+    VectorXd by = quadratic.step(lambda);
+    const auto held = held_by_the_rim(problem.structure, here.fit, columns, by);
+    if (!held.empty()) by = quadratic.held(held).step(lambda);
     Fit next = here.fit;
     step(problem.structure, next, columns, by);
     if (auto there = reached(problem, std::move(next))) {

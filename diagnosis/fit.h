@@ -38,6 +38,8 @@ struct Fit {
   bool converged = false;
 
   [[nodiscard]] Eigen::Index coordinate_count() const;  ///< of all causes
+  /// χ² + ηᵀη: stretched tolerances count as misfit.
+  [[nodiscard]] double strained() const { return chi_square + eta.squaredNorm(); }
   /// z = (χ² − N + parameters) / sqrt(2N).
   [[nodiscard]] double excess(double numbers) const;
 };
@@ -46,7 +48,7 @@ struct Fit {
 [[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);
 
 struct FitLimits {
-  int iterations = 12;
+  int iterations = 30;
   double tolerance = 0.05;  ///< of the objective: it is a logarithm of a probability
   /// Given up where the iterations left, each worth the last, would not bring the objective here.
   double bar = HUGE_VAL;

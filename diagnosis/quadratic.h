@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <vector>
 
 namespace chladni::diagnosis {
 
@@ -20,6 +21,17 @@ struct Quadratic {
   /// By how much the step lowers the objective, were it quadratic.
   [[nodiscard]] double promised(const Eigen::VectorXd& by) const {
     return -gradient.dot(by) - 0.5 * by.dot(curvature * by);
+  }
+  /// With the coordinates `fixed` where they are.
+  [[nodiscard]] Quadratic held(const std::vector<Eigen::Index>& fixed) const {
+    Quadratic result = *this;
+    for (const auto i : fixed) {
+      result.gradient(i) = 0.0;
+      result.curvature.row(i).setZero();
+      result.curvature.col(i).setZero();
+      result.curvature(i, i) = 1.0;
+    }
+    return result;
   }
   /// A normal prior of coordinate i, which stands at x.
   void add_prior(Eigen::Index i, double x, double centre, double width) {

@@ -27,7 +27,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNoise = 1.0;  // z: what is left is noise
+constexpr double kNoise = 1.0;    // z: what is left is noise,
+constexpr double kMuch = 1000.0;  // or far from it
 
 // A cause that might be added, with its misfit in a scene.
 struct Candidate {
@@ -165,10 +166,10 @@ std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   return all;
 }
 
-// Beside them what the scene is blind to.
+// Beside them what the scene is blind to: to first order, so not where very much is left.
 void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
   constexpr int kMost = 4;
-  if (is_large(level, base)) return;
+  if (is_large(level, base) && base.excess(numbers(level.problem)) > kMuch) return;
   const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
   std::vector<Deviation> all = level.problem.deviations;
   all.insert(all.end(), level.limits.unseen.begin(), level.limits.unseen.end());
@@ -256,7 +257,6 @@ Fit exchanged(const Level& level, Fit best, std::vector<Fit>& rivals) {
 // they explain so little of so much that none is believed, or where all of them are small.
 Fit settled(const Level& level, Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
-  constexpr double kMuch = 1000.0;  // z
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
@@ -293,7 +293,9 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
     auto grown = level_up(level, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
-    if (level.down_to_noise && !is_sure(limits, found.nothing, beam.front(), grown.front())) break;
+    if (level.down_to_noise &&
+        !is_sure(level.problem, limits, found.nothing, beam.front(), grown.front()))
+      break;
     while (static_cast<int>(grown.size()) > limits.beam ||
            grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
       grown.pop_back();

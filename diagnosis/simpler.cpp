@@ -8,9 +8,9 @@ namespace chladni::diagnosis {
 namespace {
 
 // What errors of the causes may have cost: ln of a probability.
-double cost_of_errors(const Fit& nothing, const Fit& fit) {
+double cost_of_errors(const Structure& structure, const Fit& nothing, const Fit& fit) {
   double error2 = 0.0;
-  for (const auto& cause : fit.causes) error2 += cause.effect->error * cause.effect->error;
+  for (const auto& cause : fit.causes) error2 += std::pow(error_of(cause, structure), 2);
   return error2 * std::max(nothing.objective - fit.objective, 0.0);
 }
 
@@ -23,9 +23,10 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
   fits.insert(place, std::move(fit));
 }
 
-bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less, const Fit& more) {
+bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
+             const Fit& less, const Fit& more) {
   return more.log_evidence - less.log_evidence >=
-         std::max(limits.sure_evidence, cost_of_errors(nothing, less));
+         std::max(limits.sure_evidence, cost_of_errors(problem.structure, nothing, less));
 }
 
 Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
@@ -41,9 +42,10 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
     const double n = problem.observed.number_count();
-    const double left = less.excess(n) - 2.0 * cost_of_errors(nothing, less) / std::sqrt(2.0 * n);
+    const double left = less.excess(n) -
+                        2.0 * cost_of_errors(problem.structure, nothing, less) / std::sqrt(2.0 * n);
     const bool wanted = left >= limits.least_excess;
-    const bool sure = is_sure(limits, nothing, less, best);
+    const bool sure = is_sure(problem, limits, nothing, less, best);
     if (gain >= limits.least_evidence && (material || wanted || sure)) {
       ++c;
     } else {

@@ -13,8 +13,8 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
 /// Whether one more cause is more than luck, and more than what mends errors of the others
 /// (Effect::error).
-[[nodiscard]] bool is_sure(const SearchLimits& limits, const Fit& nothing, const Fit& less,
-                           const Fit& more);
+[[nodiscard]] bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
+                           const Fit& less, const Fit& more);
 
 /// With a simpler effect (simpler_of) in the place of each cause of the best fit that has one:
 /// where both explain the data as well it is meant, but it need not have been tried. After the

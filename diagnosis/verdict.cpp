@@ -47,6 +47,7 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   }
   told.log_evidence = fit.log_evidence - found.nothing.log_evidence;
   told.excess = fit.excess(problem.observed.number_count());
+  told.strained = fit.strained();
   return told;
 }
 
@@ -94,18 +95,24 @@ double cost_of_simplicity(const Explanation& simple, const Explanation& other) {
 
 // What each cause brings: the evidence lost without it, the share of the excess that left with it.
 void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
-  const double excess = std::max(found.nothing.chi_square - problem.observed.number_count(), 1e-9);
+  const double excess = std::max(found.nothing.strained() - problem.observed.number_count(), 1e-9);
   told.error_excess = 0.0;
   for (std::size_t c = 0; c < told.causes.size(); ++c) {
     Fit less = fit;
     less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
     less = less.causes.empty() ? found.nothing : fitted(problem, less);
     told.causes[c].log_evidence_gain = fit.log_evidence - less.log_evidence;
-    told.causes[c].share = std::clamp((less.chi_square - fit.chi_square) / excess, 0.0, 1.0);
-    const double error = fit.causes[c].effect->error;
+    told.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
+    const double error = error_of(fit.causes[c], problem.structure);
     told.error_excess += 2.0 * error * error * std::max(told.causes[c].log_evidence_gain, 0.0) /
                          std::sqrt(2.0 * problem.observed.number_count());
   }
+}
+
+// Of the misfit that there was: stretched tolerances count as such.
+double share_left(const Problem& problem, const Found& found, const Explanation& told) {
+  const double n = problem.observed.number_count();
+  return std::max(told.strained - n, 0.0) / std::max(found.nothing.strained() - n, 1e-9);
 }
 
 // That `count` causes and noise are all there is: z is normal then. An effect that the catalogue
@@ -140,11 +147,10 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
     one.probability = std::exp(std::max(-700.0, (one.log_evidence - best) / temper));
     sum += one.probability;
   }
-  const double initial = std::max(found.nothing.excess(n), 1e-9);
   for (auto& one : all) {
     one.probability /= sum;
     const double excess = std::max(one.excess - one.error_excess, 0.0);
-    const double share = std::min(excess / (kLeftAtMost * initial), 1.0);
+    const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
     const double left = 0.5 * excess * std::sqrt(2.0 * n);  // ln of a probability
     const double whole = all_there_is(excess, one.causes.size());
     for (auto& cause : one.causes) {
@@ -224,12 +230,12 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
 Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
-  const double n = problem.observed.number_count();
   const bool explained = is_explained(best);
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
-  const double initial = std::max(found.nothing.chi_square - n, 1e-9);
-  const double left = std::max(best.excess, 0.0) * std::sqrt(2.0 * n);
-  if (!explained) return left < kLeftAtMost * initial ? Verdict::partial : Verdict::unexplained;
+  if (!explained) {
+    const double left = share_left(problem, found, best);
+    return left < kLeftAtMost ? Verdict::partial : Verdict::unexplained;
+  }
   const bool rivals = std::ranges::any_of(
       explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
         return best.log_evidence - other.log_evidence < options.rival_within;

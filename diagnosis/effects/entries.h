@@ -9,8 +9,8 @@ namespace chladni::diagnosis {
 extern const Effect youngs_modulus, density, thickness, thickness_field, modulus_field, orthotropy,
     local_stiffness, size_error, modes_above, drift;
 // What hangs on it.
-extern const Effect point_mass, mass_with_inertia, ground_spring, ground_damper, resonator, frame,
-    suspension;
+extern const Effect point_mass, mass_with_inertia, sensor_masses, actuator_masses, ground_spring,
+    ground_damper, resonator, frame, suspension;
 // Damping.
 extern const Effect modal_damping, hysteretic_damping;
 // The channels.

@@ -385,6 +385,7 @@ INSTANTIATE_TEST_SUITE_P(
         cause("point_mass", {{"mass", 0.1}, {"u", 0.123}, {"v", -0.081}}),
         cause("mass_with_inertia",
               {{"mass", 0.1}, {"radius_of_gyration", 0.03}, {"u", 0.123}, {"v", -0.081}}),
+        cause("sensor_masses", {{"mass", 0.1}}), cause("actuator_masses", {{"mass", 0.1}}),
         cause("ground_spring", {{"stiffness", 2e4}, {"u", 0.123}, {"v", -0.081}}),
         cause("ground_damper", {{"damping", 20.0}, {"u", 0.123}, {"v", -0.081}}),
         resonator(150.0, 0.02, 0.123, -0.081), cause("modal_damping", {{"factor", 2.0}}),

@@ -35,5 +35,34 @@ TEST(Sensitivities, AreOneSidedOnTheRim) {
   }
 }
 
+// What hangs beyond the rim: its mass moved outward along the slope of the shapes.
+TEST(Fitted, GoesOnWhereAPlaceStaysOnTheRim) {
+  const auto& plate = small_plate();
+  Attached beyond;
+  const auto motion = plate.surface.at({0.3, 0.1});
+  beyond.shapes = motion->shape + 0.004 * motion->slope_u;
+  beyond.mass = 0.3;
+  State truth = state_of(plate);
+  truth.attached.push_back(beyond);
+  Observed observed;
+  observed.outputs = plate.output_count();
+  observed.inputs = plate.input_count();
+  observed.omega = some_lines();
+  observed.value = responses(truth, observed.omega);
+  observed.weight = 10.0 * observed.value.cwiseAbs().cwiseInverse();
+  const std::vector<Deviation> none;
+  Fit start;
+  start.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(0.2, 0.3, 0.07)}};
+  const Problem problem{plate, observed, none};
+  const Fit found = fitted(problem, start);
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.causes[0].x(0), 0.31, 0.01);  // it moves more there than on the rim
+  EXPECT_NEAR(found.causes[0].x(1), 0.3, 1e-5);
+  EXPECT_NEAR(found.causes[0].x(2), 0.1, 0.005);
+  FitLimits none_at_all;
+  none_at_all.iterations = 0;
+  EXPECT_LT(found.chi_square, 1e-3 * fitted(problem, start, none_at_all).chi_square);
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

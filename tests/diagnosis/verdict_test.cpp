@@ -28,6 +28,7 @@ class JudgedVerdict : public testing::Test {
     best.causes.resize(causes);
     best.excess = excess;
     best.error_excess = error_excess;
+    best.strained = 2e4 + excess * std::sqrt(4e4);
     return judged({small_plate(), observed_, none_}, found_, {best}, {});
   }
 
@@ -45,6 +46,7 @@ TEST_F(JudgedVerdict, NamesWhatLeavesNoise) {
   }
   EXPECT_EQ(with(0, 2.5), Verdict::no_discrepancy);
   EXPECT_EQ(with(0, 6.0), Verdict::unexplained);
+  EXPECT_EQ(with(2, 2000.0), Verdict::unexplained);
 }
 
 // Three causes that still leave 2.7 deviations are rarer than a thing that nobody thought of.

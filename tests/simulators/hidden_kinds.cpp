@@ -149,6 +149,15 @@ Side actuators(Recipe& recipe) {
 using OfSide = Side (*)(Recipe&);
 
 template <OfSide side>
+HiddenEffect carried(Recipe& recipe, Drawn& drawn) {
+  const auto& places = side(recipe).places;
+  const double m = drawn.size(0.02, 2.0) / static_cast<double>(places.rows());
+  for (const auto place : places.rowwise()) {
+    recipe.points.push_back({place.transpose(), m, 0.0, 0.0, 0.0});
+  }
+  return {"", {{"mass", m}}, {}, {}};
+}
+template <OfSide side>
 HiddenEffect gain(Recipe& recipe, Drawn& drawn) {
   const Side all = side(recipe);
   const Index i = drawn.channel(all.names);
@@ -343,6 +352,8 @@ const std::vector<HiddenKind>& all_hidden_kinds() {
       {"local_stiffening", false, stiffening},
       {"point_mass", false, point_mass},
       {"mass_with_inertia", false, mass_with_inertia},
+      {"sensor_masses", false, carried<sensors>},
+      {"actuator_masses", false, carried<actuators>},
       {"ground_spring", false, ground_spring},
       {"ground_damper", false, ground_damper},
       {"resonator", false, resonator},

@@ -1,0 +1,80 @@
+#include <cmath>
+
+#include "diagnosis/effects/attachment.h"
+#include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/sides.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// What all of them carry together may well be a third of the body.
+template <Side side>
+std::vector<Parameter> of_each(const Structure& structure) {
+  const double share =
+      structure.mass_kg / static_cast<double>(channels_of<side>(structure).count());
+  return {{"mass", "kg", Parameter::Scale::linear, 0.0, 0.3 * share, 1e-6 * structure.mass_kg}};
+}
+
+template <Side side>
+Index are_on_the_surface(const Structure& structure) {
+  const auto& places = channels_of<side>(structure).places;
+  for (const auto place : places.rowwise()) {
+    if (!structure.surface.at(place.transpose())) return 0;
+  }
+  return places.rows() > 1 ? has_surface(structure) : 0;
+}
+
+template <Side side>
+void carry(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+  for (const auto place : channels_of<side>(structure).places.rowwise()) {
+    Attached one = attached_at(structure, place(0), place(1));
+    one.mass = x(0);
+    state.attached.push_back(std::move(one));
+  }
+}
+
+// A hundred-thousandth of the body to all of it, on all together, and as much missing.
+template <Side side>
+std::vector<EffectStart> weights(const Scene& scene) {
+  const auto& structure = scene.structure();
+  const auto count = static_cast<double>(channels_of<side>(structure).count());
+  std::vector<EffectStart> starts;
+  for (double part = 1e-5; part < 1.0; part *= 1.6) {
+    for (const double sign : {-1.0, 1.0}) {
+      starts.push_back({0, VectorXd::Constant(1, sign * part * structure.mass_kg / count)});
+    }
+  }
+  return starts;
+}
+
+constexpr std::string_view kSource = "s^2 m at the place of each, Woodbury";
+
+}  // namespace
+
+const Effect sensor_masses{"sensor_masses",
+                           "every sensor weighs something that the model lacks: accelerometers",
+                           kSource,
+                           "density, masses of the actuators where they are collocated",
+                           of_each<Side::sensors>,
+                           are_on_the_surface<Side::sensors>,
+                           no_channels,
+                           carry<Side::sensors>,
+                           weights<Side::sensors>,
+                           nullptr,
+                           kHungError};
+const Effect actuator_masses{"actuator_masses",
+                             "every actuator carries a mass that the model lacks: coils, magnets",
+                             kSource,
+                             "density, masses of the sensors where they are collocated",
+                             of_each<Side::actuators>,
+                             are_on_the_surface<Side::actuators>,
+                             no_channels,
+                             carry<Side::actuators>,
+                             weights<Side::actuators>,
+                             nullptr,
+                             kHungError};
+
+}  // namespace chladni::diagnosis
