@@ -12,8 +12,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Effect::error: of what a patch of smooth rim explains discs of sharp rim left 0.004 where they were
-// softer by a tenth, 0.008 where twice as stiff, 0.04 where hardly anything was left.
+// Effect::error: of what a patch of smooth rim explains discs of sharp rim left 0.004 where they
+// were softer by a tenth, 0.008 where twice as stiff, 0.04 where hardly anything was left.
 constexpr double kOutlineError = 0.04;
 
 // Of a patch, where nothing is known of it: a tenth of a face's side, a twentieth of a line.
