@@ -293,9 +293,8 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
     auto grown = level_up(level, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
-    if (level.down_to_noise &&
-        !is_sure(level.problem, limits, found.nothing, beam.front(), grown.front()))
-      break;
+    const bool sure = is_sure(level.problem, limits, found.nothing, beam.front(), grown.front());
+    if (level.down_to_noise && !sure) break;
     while (static_cast<int>(grown.size()) > limits.beam ||
            grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
       grown.pop_back();
@@ -366,8 +365,8 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
     }
     const Fit best = found.fits.front();
     const int next = static_cast<int>(best.causes.size()) + 1;
-    if (best.causes.size() != count)
-      grow({problem, catalogue, limits, progress, next}, {best}, found);
+    const bool is_new = best.causes.size() != count;
+    if (is_new) grow({problem, catalogue, limits, progress, next}, {best}, found);
   }
   if (found.fits.front().causes.size() > 1) {
     put_settled_first({problem, catalogue, limits, progress, 1}, found);
