@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace chladni::diagnosis {
 namespace {
@@ -51,24 +53,40 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   return told;
 }
 
+bool same_name(const Cause& a, const Cause& b) {
+  return a.effect == b.effect && a.channels == b.channels;
+}
+
+// What stands in `other` for each cause of `simple`, which is it or what it is simpler than; none
+// where something has no counterpart.
+std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
+                                                      const Explanation& other) {
+  const auto stands_for = [](const Cause& cause, const Cause& more) {
+    const Effect* simpler = simpler_of(effect(more.effect));
+    return simpler && simpler->name == cause.effect;
+  };
+  std::vector<const Cause*> left;
+  for (const auto& cause : other.causes) left.push_back(&cause);
+  std::vector<const Cause*> all;
+  for (const auto& cause : simple.causes) {
+    auto found = std::ranges::find_if(left, [&](auto* one) { return same_name(cause, *one); });
+    if (found == left.end()) {
+      found = std::ranges::find_if(left, [&](auto* one) { return stands_for(cause, *one); });
+    }
+    if (found == left.end()) return std::nullopt;
+    all.push_back(*found);
+    left.erase(found);
+  }
+  return all;
+}
+
+// The same causes, or simpler ones in their stead; or all of the simple one and more.
 bool nested(const Explanation& simple, const Explanation& other) {
-  if (simple.causes.size() != other.causes.size()) {
-    // All of the simple one and more.
-    return simple.causes.size() < other.causes.size() &&
-           std::ranges::all_of(simple.causes, [&](const Cause& cause) {
-             return std::ranges::any_of(other.causes, [&](const Cause& more) {
-               return more.effect == cause.effect && more.channels == cause.channels;
-             });
-           });
-  }
-  for (std::size_t c = 0; c < simple.causes.size(); ++c) {
-    const auto& a = simple.causes[c];
-    const auto& b = other.causes[c];
-    if (a.effect == b.effect && a.channels == b.channels) continue;
-    const Effect* simpler = simpler_of(effect(b.effect));
-    if (!simpler || simpler->name != a.effect) return false;
-  }
-  return true;
+  if (simple.causes.size() > other.causes.size()) return false;
+  const auto found = counterparts(simple, other);
+  if (!found || simple.causes.size() == other.causes.size()) return found.has_value();
+  return std::ranges::equal(simple.causes, *found,
+                            [](const Cause& a, const Cause* b) { return same_name(a, *b); });
 }
 
 // Errors of the causes go in directions of their own, of which the data see some hundreds (modes
@@ -84,11 +102,13 @@ void widen_deviations(const Problem& problem, Explanation& told) {
 // What errors of simpler effects may have cost it, in ln of evidence.
 double cost_of_simplicity(const Explanation& simple, const Explanation& other) {
   double cost = 0.0;
-  if (simple.causes.size() != other.causes.size()) return cost;
+  const auto found = counterparts(simple, other);
+  if (!found || simple.causes.size() != other.causes.size()) return cost;
   for (std::size_t c = 0; c < simple.causes.size(); ++c) {
-    if (simple.causes[c].effect == other.causes[c].effect) continue;
+    const Cause& instead = *(*found)[c];
+    if (simple.causes[c].effect == instead.effect) continue;
     const double error = effect(simple.causes[c].effect).error;
-    cost += error * error * std::max(other.causes[c].log_evidence_gain, 0.0);
+    cost += error * error * std::max(instead.log_evidence_gain, 0.0);
   }
   return cost;
 }

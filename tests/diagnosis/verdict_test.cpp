@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/small_plate.h"
@@ -58,6 +59,37 @@ TEST_F(JudgedVerdict, BelievesALongStoryLess) {
 TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
   EXPECT_EQ(with(2, 30.0), Verdict::partial);
   EXPECT_EQ(with(2, 30.0, 29.0), Verdict::named);
+}
+
+// Whichever was found first: a mass with inertia and a gain, or the gain and the mass.
+TEST(Explanations, PutTheSimplerOfTwoThatExplainAsWellFirst) {
+  const auto& plate = small_plate();
+  const Supposed gain{&effect("sensor_gain"), 2, VectorXd::Constant(1, std::log(1.2))};
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
+  const Supposed wide{&effect("mass_with_inertia"), 0,
+                      Eigen::Vector4d(std::log(0.04), std::log(1e-3), 0.1, -0.05)};
+  const std::vector<Deviation> none;
+  Observed observed;
+  observed.outputs = plate.output_count();
+  observed.inputs = plate.input_count();
+  observed.omega = some_lines();
+  State truth = state_of(plate);
+  for (const auto& cause : {gain, mass}) change_of(cause, plate)(truth);
+  observed.value = responses(truth, observed.omega);
+  observed.weight = 100.0 * observed.value.cwiseAbs().cwiseInverse();
+  const Problem problem{plate, observed, none};
+  const auto fit_of = [&](std::vector<Supposed> causes) {
+    Fit start;
+    start.causes = std::move(causes);
+    return fitted(problem, start);
+  };
+  Found found;
+  found.nothing = fit_of({});
+  found.fits = {fit_of({wide, gain}), fit_of({gain, mass}), found.nothing};
+  const auto told = explanations(problem, found, 20.0);
+  ASSERT_EQ(told.front().causes.size(), 2U);
+  EXPECT_EQ(told.front().causes.back().effect, "point_mass");
+  EXPECT_EQ(judged(problem, found, told, {}), Verdict::named);
 }
 
 }  // namespace
