@@ -64,10 +64,8 @@ std::string nonlinearity_note(const modal::FrfSet& measured) {
   if (found.share < 0.5) return {};
   return fmt::format(
       "{:.0f} % of the variance changes with the realisation, not with the period: the structure "
-      "is "
-      "not linear at this level ({:.2g} % of the responses, most near {:.4g} Hz, {:.2g} %); "
-      "measure "
-      "at two levels",
+      "is not linear at this level ({:.2g} % of the responses, most near {:.4g} Hz, {:.2g} %); "
+      "measure at two levels",
       100.0 * found.share, 100.0 * found.level, found.strongest_hz, 100.0 * found.strongest);
 }
 
