@@ -43,6 +43,7 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
   read("damping", "1", result.damping);
   read("response", "1", result.response);
   read("scale", "1", result.scale);
+  read("mass", "kg", result.mass);
   table.refuse_unknown();
   return result;
 }

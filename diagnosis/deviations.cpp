@@ -112,6 +112,12 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
                      state.mass *= std::exp(t * eta);
                    }});
   }
+  for (const auto* side : {&structure.outputs, &structure.inputs}) {
+    if (tolerances.mass <= 0.0) break;
+    const MatrixXd by = tolerances.mass * side->shapes.transpose() * side->shapes;
+    all.push_back({side == &structure.outputs ? "mass of every sensor" : "mass of every actuator",
+                   [by](State& state, double eta) { state.mass += eta * by; }});
+  }
   if (tolerances.orthotropy > 0.0 && structure.directional.along_u.size() > 0) {
     const auto add = [&](const char* what, const MatrixXd& matrix) {
       all.push_back({what, [matrix, t = tolerances.orthotropy](State& state, double eta) {

@@ -321,7 +321,7 @@ bool is_a_gain(const Effect* effect) {
 // What a search finds where each channel may have any gain, then fitted without: of each number of
 // causes the best.
 std::vector<Fit> with_free_gains(const Level& level) {
-  constexpr Tolerances kAnyGain{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  constexpr Tolerances kAnyGain{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   const auto& [structure, observed, tolerable] = level.problem;
   auto free = deviations(structure, kAnyGain, 0.0);
   free.insert(free.begin(), tolerable.begin(), tolerable.end());

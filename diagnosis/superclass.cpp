@@ -136,6 +136,7 @@ Superclass mixing(const View& view, bool sensors) {
 // Frequencies and dampings that are free, with the causes as they are.
 Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
   Tolerances free{0, 0, 0, 0, 0, 0, 0, 0.03, 0.7};
+  free.mass = 0.0;
   const auto omega = problem.observed.omega;
   const auto loose =
       deviations(problem.structure, free, omega(omega.size() - 1) / (2.0 * std::numbers::pi));

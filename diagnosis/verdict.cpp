@@ -232,7 +232,10 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
     const Explanation& front = all.front();
     if (!nested(all[n], front)) continue;
     const double alike_within = std::max(equal, cost_of_simplicity(all[n], front));
-    if (front.log_evidence - all[n].log_evidence > alike_within) continue;
+    // Of as many numbers the width of a prior is no reason to prefer one.
+    const double behind = std::min(front.log_evidence - all[n].log_evidence,
+                                   0.5 * (all[n].strained - front.strained));
+    if (behind > alike_within) continue;
     const auto at = static_cast<std::ptrdiff_t>(n);
     std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
     std::rotate(once.begin(), once.begin() + at, once.begin() + at + 1);

@@ -79,7 +79,7 @@ void print_detectable(const diagnosis::Structure& structure, const modal::FrfSet
 
 void print_bounds(const diagnosis::Structure& structure, const modal::FrfSet& measured,
                   const diagnosis::DiagnosisOptions& options) {
-  const std::array<std::pair<const char*, double Tolerances::*>, 10> each{
+  const std::array<std::pair<const char*, double Tolerances::*>, 12> each{
       {{"gain", &Tolerances::gain},
        {"position", &Tolerances::position},
        {"delay", &Tolerances::delay},
@@ -89,7 +89,9 @@ void print_bounds(const diagnosis::Structure& structure, const modal::FrfSet& me
        {"orthotropy", &Tolerances::orthotropy},
        {"frequency", &Tolerances::frequency},
        {"damping", &Tolerances::damping},
-       {"response", &Tolerances::response}}};
+       {"response", &Tolerances::response},
+       {"residual", &Tolerances::residual},
+       {"mass", &Tolerances::mass}}};
   const auto tell = [&](const std::string& what, Tolerances tolerances) {
     diagnosis::DiagnosisOptions own = options;
     own.only = {"point_mass"};

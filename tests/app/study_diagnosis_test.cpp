@@ -60,6 +60,10 @@ void expect_equal(const diagnosis::Tolerances& a, const diagnosis::Tolerances& b
   EXPECT_DOUBLE_EQ(a.orthotropy, b.orthotropy);
   EXPECT_DOUBLE_EQ(a.frequency, b.frequency);
   EXPECT_DOUBLE_EQ(a.damping, b.damping);
+  EXPECT_DOUBLE_EQ(a.response, b.response);
+  EXPECT_DOUBLE_EQ(a.residual, b.residual);
+  EXPECT_DOUBLE_EQ(a.scale, b.scale);
+  EXPECT_DOUBLE_EQ(a.mass, b.mass);
 }
 
 TEST(StudyDiagnosis, IsReadInSi) {

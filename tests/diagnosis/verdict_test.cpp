@@ -61,35 +61,61 @@ TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
   EXPECT_EQ(with(2, 30.0, 29.0), Verdict::named);
 }
 
+// Of a plate in which `truth` is, with 1 % of noise that is not drawn.
+class Explanations : public testing::Test {
+ protected:
+  Explanations() {
+    observed_.outputs = plate_.output_count();
+    observed_.inputs = plate_.input_count();
+    observed_.omega = some_lines();
+  }
+  void measure(const std::vector<Supposed>& truth) {
+    State state = state_of(plate_);
+    for (const auto& cause : truth) change_of(cause, plate_)(state);
+    observed_.value = responses(state, observed_.omega);
+    observed_.weight = 100.0 * observed_.value.cwiseAbs().cwiseInverse();
+  }
+  Fit fit_of(std::vector<Supposed> causes) const {
+    Fit start;
+    start.causes = std::move(causes);
+    return fitted(problem_, start);
+  }
+  Found found_of(std::vector<Fit> fits) const {
+    Found found;
+    found.nothing = fit_of({});
+    found.fits = std::move(fits);
+    found.fits.push_back(found.nothing);
+    return found;
+  }
+
+  const Structure& plate_ = small_plate();
+  Observed observed_;
+  std::vector<Deviation> none_;
+  Problem problem_{plate_, observed_, none_};
+};
+
 // Whichever was found first: a mass with inertia and a gain, or the gain and the mass.
-TEST(Explanations, PutTheSimplerOfTwoThatExplainAsWellFirst) {
-  const auto& plate = small_plate();
+TEST_F(Explanations, PutTheSimplerOfTwoThatExplainAsWellFirst) {
   const Supposed gain{&effect("sensor_gain"), 2, VectorXd::Constant(1, std::log(1.2))};
   const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
   const Supposed wide{&effect("mass_with_inertia"), 0,
                       Eigen::Vector4d(std::log(0.04), std::log(1e-3), 0.1, -0.05)};
-  const std::vector<Deviation> none;
-  Observed observed;
-  observed.outputs = plate.output_count();
-  observed.inputs = plate.input_count();
-  observed.omega = some_lines();
-  State truth = state_of(plate);
-  for (const auto& cause : {gain, mass}) change_of(cause, plate)(truth);
-  observed.value = responses(truth, observed.omega);
-  observed.weight = 100.0 * observed.value.cwiseAbs().cwiseInverse();
-  const Problem problem{plate, observed, none};
-  const auto fit_of = [&](std::vector<Supposed> causes) {
-    Fit start;
-    start.causes = std::move(causes);
-    return fitted(problem, start);
-  };
-  Found found;
-  found.nothing = fit_of({});
-  found.fits = {fit_of({wide, gain}), fit_of({gain, mass}), found.nothing};
-  const auto told = explanations(problem, found, 20.0);
+  measure({gain, mass});
+  const Found found = found_of({fit_of({wide, gain}), fit_of({gain, mass})});
+  const auto told = explanations(problem_, found, 20.0);
   ASSERT_EQ(told.front().causes.size(), 2U);
   EXPECT_EQ(told.front().causes.back().effect, "point_mass");
-  EXPECT_EQ(judged(problem, found, told, {}), Verdict::named);
+  EXPECT_EQ(judged(problem_, found, told, {}), Verdict::named);
+}
+
+// A place and a tilt do the same in bending; what is thought of either beforehand is no evidence.
+TEST_F(Explanations, ArePlacesRatherThanTilts) {
+  const Supposed moved{&effect("actuator_position"), 12, Eigen::Vector2d(-2.5e-4, 2.6e-4)};
+  const Supposed tilted{&effect("actuator_direction"), 12, Eigen::Vector2d(0.025, -0.026)};
+  measure({moved});
+  const Found found = found_of({fit_of({tilted}), fit_of({moved})});
+  EXPECT_GT(found.fits[0].log_evidence, found.fits[1].log_evidence + 3.0);
+  EXPECT_EQ(explanations(problem_, found, 1.0).front().causes.front().effect, "actuator_position");
 }
 
 }  // namespace
