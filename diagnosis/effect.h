@@ -107,7 +107,8 @@ inline constexpr double kPlausible = 6.0;
 /// sizes that are not plausible.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
 
-/// What lies beside the surface taken back toward where it came from, by halves, until it is on it.
+/// What lies beside the surface taken back toward where it came from, by halves, until it is on it;
+/// or all the way.
 void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to);
 
 /// For entries of the table: `apply` of an effect that has a `change`.

@@ -26,6 +26,14 @@ struct Problem {
 /// Where more than this part of the misfit is left, what was named does not explain much of it.
 inline constexpr double kLeftAtMost = 0.2;
 
+/// z that a loss of ln likelihood adds among so many numbers, and back.
+[[nodiscard]] inline double excess_of(double lost, double numbers) {
+  return 2.0 * lost / std::sqrt(2.0 * numbers);
+}
+[[nodiscard]] inline double lost_by(double excess, double numbers) {
+  return 0.5 * excess * std::sqrt(2.0 * numbers);
+}
+
 /// Causes at their most probable sizes.
 struct Fit {
   std::vector<Supposed> causes;

@@ -232,15 +232,12 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
 
 // Each cause in turn exchanged for what fits best in its stead, until all have stood the test: the
 // first one taken was chosen before the others were known. What did nearly as well is a rival.
-Fit exchanged(const Level& level, Fit best, std::vector<Fit>& rivals) {
+Fit exchanged(const Level& level, Fit best, Found& found) {
   std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
   for (std::size_t c = 0; c < untested;) {
-    Fit less = best;
-    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    less = fitted(level.problem, less);
-    auto grown = level_up(level, {less});
+    auto grown = level_up(level, {without(level.problem, best, c, found.nothing)});
     for (const auto& fit : grown) {
-      if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(rivals, fit);
+      if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(found.fits, fit);
     }
     if (grown.empty() || grown.front().log_evidence <= best.log_evidence + 1.0) {
       ++c;
@@ -264,7 +261,7 @@ Fit settled(const Level& level, Found& found) {
   if (found.nothing.excess(n) < kNoise || simpler.causes.size() < 2) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
-  const Fit other = exchanged(again, simpler, found.fits);
+  const Fit other = exchanged(again, simpler, found);
   if (other.log_evidence <= simpler.log_evidence) return simpler;
   return pruned(level.problem, other, found.nothing, level.limits);
 }
@@ -321,9 +318,10 @@ bool is_a_gain(const Effect* effect) {
 // What a search finds where each channel may have any gain, then fitted without: of each number of
 // causes the best.
 std::vector<Fit> with_free_gains(const Level& level) {
-  constexpr Tolerances kAnyGain{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  Tolerances any_gain = no_tolerances();
+  any_gain.gain = 1.0;
   const auto& [structure, observed, tolerable] = level.problem;
-  auto free = deviations(structure, kAnyGain, 0.0);
+  auto free = deviations(structure, any_gain, 0.0);
   free.insert(free.begin(), tolerable.begin(), tolerable.end());
   std::vector<const Effect*> catalogue = level.catalogue;
   std::erase_if(catalogue, is_a_gain);
@@ -353,9 +351,7 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   Found found;
   found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   tell(progress, "the simulation within its tolerances");
-  FitLimits patient;
-  patient.iterations = 25;
-  found.nothing = fitted(problem, found.nothing, patient);
+  found.nothing = fitted(problem, found.nothing, {.iterations = 25});
   found.fits = {found.nothing};
   grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
   if (is_lost(problem, found.fits.front())) {

@@ -23,6 +23,11 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
   fits.insert(place, std::move(fit));
 }
 
+Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing) {
+  fit.causes.erase(fit.causes.begin() + static_cast<std::ptrdiff_t>(which));
+  return fit.causes.empty() ? nothing : fitted(problem, fit);
+}
+
 bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
              const Fit& less, const Fit& more) {
   return more.log_evidence - less.log_evidence >=
@@ -33,17 +38,15 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
            const SearchLimits& limits) {
   Fit best = whole;
   for (std::size_t c = 0; c < best.causes.size();) {
-    Fit less = best;
-    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    less = less.causes.empty() ? nothing : fitted(problem, less);
+    Fit less = without(problem, best, c, nothing);
     // Stretched tolerances count as misfit. What is small beside a large cause still counts where
     // the data want it, or where it is no matter of luck.
     const double gain = best.log_evidence - less.log_evidence;
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
     const double n = problem.observed.number_count();
-    const double left = less.excess(n) -
-                        2.0 * cost_of_errors(problem.structure, nothing, less) / std::sqrt(2.0 * n);
+    const double left =
+        less.excess(n) - excess_of(cost_of_errors(problem.structure, nothing, less), n);
     const bool wanted = left >= limits.least_excess;
     const bool sure = is_sure(problem, limits, nothing, less, best);
     if (gain >= limits.least_evidence && (material || wanted || sure)) {

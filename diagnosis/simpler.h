@@ -11,6 +11,9 @@ namespace chladni::diagnosis {
 /// Into fits of descending evidence, the first `fixed` apart.
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
+/// Without one of its causes, fitted again; `nothing` where that was the last.
+[[nodiscard]] Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing);
+
 /// Whether one more cause is more than luck, and more than what mends errors of the others
 /// (Effect::error).
 [[nodiscard]] bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,

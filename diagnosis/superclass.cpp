@@ -135,8 +135,10 @@ Superclass mixing(const View& view, bool sensors) {
 
 // Frequencies and dampings that are free, with the causes as they are.
 Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
-  Tolerances free{0, 0, 0, 0, 0, 0, 0, 0.03, 0.7};
-  free.mass = 0.0;
+  Tolerances free = no_tolerances();
+  free.frequency = 0.03;
+  free.damping = 0.7;
+  free.residual = Tolerances{}.residual;
   const auto omega = problem.observed.omega;
   const auto loose =
       deviations(problem.structure, free, omega(omega.size() - 1) / (2.0 * std::numbers::pi));

@@ -27,9 +27,38 @@ struct Tolerances {
   double mass = 2e-3;
 };
 
+/// Nothing may deviate.
+[[nodiscard]] inline Tolerances no_tolerances() {
+  return {.gain = 0.0,
+          .position = 0.0,
+          .delay = 0.0,
+          .modulus = 0.0,
+          .density = 0.0,
+          .thickness = 0.0,
+          .orthotropy = 0.0,
+          .frequency = 0.0,
+          .damping = 0.0,
+          .response = 0.0,
+          .residual = 0.0,
+          .scale = 0.0,
+          .mass = 0.0};
+}
+
 /// All but nothing: data made by the very model that is diagnosed.
 [[nodiscard]] inline Tolerances exact_model() {
-  return {1e-5, 1e-6, 1e-9, 1e-5, 1e-5, 1e-5, 1e-5, 1e-6, 1e-4, 0.0, 1e-5, 0.0, 1e-8};
+  return {.gain = 1e-5,
+          .position = 1e-6,
+          .delay = 1e-9,
+          .modulus = 1e-5,
+          .density = 1e-5,
+          .thickness = 1e-5,
+          .orthotropy = 1e-5,
+          .frequency = 1e-6,
+          .damping = 1e-4,
+          .response = 0.0,
+          .residual = 1e-5,
+          .scale = 0.0,
+          .mass = 1e-8};
 }
 
 }  // namespace chladni::diagnosis

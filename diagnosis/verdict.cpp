@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/simpler.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -92,8 +94,8 @@ bool nested(const Explanation& simple, const Explanation& other) {
 // Errors of the causes go in directions of their own, of which the data see some hundreds (modes
 // times channels): a twentieth of them goes along any one number, in units of its deviation.
 void widen_deviations(const Problem& problem, Explanation& told) {
-  const double error2 = told.error_excess * std::sqrt(2.0 * problem.observed.number_count());
-  const double wider = std::sqrt(1.0 + 0.0025 * error2);
+  const double lost = lost_by(told.error_excess, problem.observed.number_count());
+  const double wider = std::sqrt(1.0 + 0.005 * lost);
   for (auto& cause : told.causes) {
     for (auto& parameter : cause.parameters) parameter.std *= wider;
   }
@@ -115,17 +117,16 @@ double cost_of_simplicity(const Explanation& simple, const Explanation& other) {
 
 // What each cause brings: the evidence lost without it, the share of the excess that left with it.
 void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
-  const double excess = std::max(found.nothing.strained() - problem.observed.number_count(), 1e-9);
+  const double n = problem.observed.number_count();
+  const double excess = std::max(found.nothing.strained() - n, 1e-9);
   told.error_excess = 0.0;
   for (std::size_t c = 0; c < told.causes.size(); ++c) {
-    Fit less = fit;
-    less.causes.erase(less.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    less = less.causes.empty() ? found.nothing : fitted(problem, less);
+    const Fit less = without(problem, fit, c, found.nothing);
     told.causes[c].log_evidence_gain = fit.log_evidence - less.log_evidence;
     told.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
     const double error = error_of(fit.causes[c], problem.structure);
-    told.error_excess += 2.0 * error * error * std::max(told.causes[c].log_evidence_gain, 0.0) /
-                         std::sqrt(2.0 * problem.observed.number_count());
+    told.error_excess +=
+        excess_of(error * error * std::max(told.causes[c].log_evidence_gain, 0.0), n);
   }
 }
 
@@ -171,7 +172,7 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
     one.probability /= sum;
     const double excess = std::max(one.excess - one.error_excess, 0.0);
     const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
-    const double left = 0.5 * excess * std::sqrt(2.0 * n);  // ln of a probability
+    const double left = lost_by(excess, n);
     const double whole = all_there_is(excess, one.causes.size());
     for (auto& cause : one.causes) {
       cause.probability =

@@ -237,9 +237,8 @@ std::string text_of(const std::string& group, Row& row) {
 
 void print_table(const std::vector<Done>& all) {
   fmt::print(
-      "\n| hidden | cases | right | twins | among | half | wrong | missed | unexplained | place, "
-      "mm "
-      "(median, worst) | size error (median) | called, where not right |\n"
+      "\n| hidden | cases | right | twins | among | half | wrong | missed | unexplained | "
+      "place, mm (median, worst) | size error (median) | called, where not right |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<std::string> groups;
   std::map<std::string, Row> rows;

@@ -8,8 +8,8 @@
 
 namespace chladni::diagnosis {
 
-/// Effect::error of what hangs on modes of finite number: against an
-/// independent plate they left 0.001 to 0.004 of what they explain.
+/// Effect::error of what hangs on modes of finite number: against an independent plate it left
+/// 0.001 to 0.004 of what it explains.
 inline constexpr double kHungError = 0.005;
 
 /// "u" and "v" of the place.

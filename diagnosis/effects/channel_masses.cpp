@@ -1,4 +1,4 @@
-#include <cmath>
+#include <utility>
 
 #include "diagnosis/effects/attachment.h"
 #include "diagnosis/effects/entries.h"
@@ -28,12 +28,16 @@ Index are_on_the_surface(const Structure& structure) {
 }
 
 template <Side side>
-void carry(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+std::function<void(State&)> carrying(const Structure& structure, Index /*option*/,
+                                     const VectorXd& x) {
+  std::vector<Attached> all;
   for (const auto place : channels_of<side>(structure).places.rowwise()) {
-    Attached one = attached_at(structure, place(0), place(1));
-    one.mass = x(0);
-    state.attached.push_back(std::move(one));
+    all.push_back(attached_at(structure, place(0), place(1)));
+    all.back().mass = x(0);
   }
+  return [all = std::move(all)](State& state) {
+    state.attached.insert(state.attached.end(), all.begin(), all.end());
+  };
 }
 
 // A hundred-thousandth of the body to all of it, on all together, and as much missing.
@@ -61,9 +65,9 @@ const Effect sensor_masses{"sensor_masses",
                            of_each<Side::sensors>,
                            are_on_the_surface<Side::sensors>,
                            no_channels,
-                           carry<Side::sensors>,
+                           at_once<carrying<Side::sensors>>,
                            weights<Side::sensors>,
-                           nullptr,
+                           carrying<Side::sensors>,
                            kHungError};
 const Effect actuator_masses{"actuator_masses",
                              "every actuator carries a mass that the model lacks: coils, magnets",
@@ -72,9 +76,9 @@ const Effect actuator_masses{"actuator_masses",
                              of_each<Side::actuators>,
                              are_on_the_surface<Side::actuators>,
                              no_channels,
-                             carry<Side::actuators>,
+                             at_once<carrying<Side::actuators>>,
                              weights<Side::actuators>,
-                             nullptr,
+                             carrying<Side::actuators>,
                              kHungError};
 
 }  // namespace chladni::diagnosis

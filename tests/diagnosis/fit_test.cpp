@@ -13,12 +13,7 @@ using Eigen::VectorXd;
 // Beside the rim nothing hangs on the plate: a difference across it is no slope.
 TEST(Sensitivities, AreOneSidedOnTheRim) {
   const auto& plate = small_plate();
-  Observed observed;
-  observed.outputs = plate.output_count();
-  observed.inputs = plate.input_count();
-  observed.omega = some_lines();
-  observed.value = responses(state_of(plate), observed.omega);
-  observed.weight = observed.value.cwiseAbs().cwiseInverse();
+  const Observed observed = observed_in(state_of(plate), 1.0);
   const std::vector<Deviation> none;
   const Problem problem{plate, observed, none};
   const auto slopes = [&](double u) {
@@ -44,12 +39,7 @@ TEST(Fitted, GoesOnWhereAPlaceStaysOnTheRim) {
   beyond.mass = 0.3;
   State truth = state_of(plate);
   truth.attached.push_back(beyond);
-  Observed observed;
-  observed.outputs = plate.output_count();
-  observed.inputs = plate.input_count();
-  observed.omega = some_lines();
-  observed.value = responses(truth, observed.omega);
-  observed.weight = 10.0 * observed.value.cwiseAbs().cwiseInverse();
+  const Observed observed = observed_in(truth, 10.0);
   const std::vector<Deviation> none;
   Fit start;
   start.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(0.2, 0.3, 0.07)}};

@@ -1,6 +1,8 @@
 // A small plate that a diagnosis starts from, quick to make.
 #pragma once
 
+#include "diagnosis/observed.h"
+#include "diagnosis/responses.h"
 #include "simulators/hidden_effect.h"
 #include "simulators/ritz_structure.h"
 
@@ -25,6 +27,17 @@ namespace chladni::diagnosis {
 
 [[nodiscard]] inline Eigen::VectorXd some_lines() {
   return 2.0 * 3.14159265358979 * Eigen::VectorXd::LinSpaced(23, 31.0, 893.0);
+}
+
+/// A plate in that state, on some_lines(): each response weighted by `weight` over its size.
+[[nodiscard]] inline Observed observed_in(const State& state, double weight) {
+  Observed observed;
+  observed.outputs = state.output_count();
+  observed.inputs = state.input_count();
+  observed.omega = some_lines();
+  observed.value = responses(state, observed.omega);
+  observed.weight = weight * observed.value.cwiseAbs().cwiseInverse();
+  return observed;
 }
 
 }  // namespace chladni::diagnosis

@@ -17,13 +17,7 @@ using Eigen::Vector2d;
 Observed seen_with(const Supposed& cause, const Structure& plate) {
   State state = state_of(plate);
   cause.effect->apply(state, plate, cause.option, cause.x);
-  Observed observed;
-  observed.outputs = plate.output_count();
-  observed.inputs = plate.input_count();
-  observed.omega = some_lines();
-  observed.value = responses(state, observed.omega);
-  observed.weight = 1e3 * observed.value.cwiseAbs().cwiseInverse();
-  return observed;
+  return observed_in(state, 1e3);
 }
 
 // The scan's places are 15 mm apart; the valley of a stiff spring is narrower.

@@ -64,16 +64,10 @@ TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
 // Of a plate in which `truth` is, with 1 % of noise that is not drawn.
 class Explanations : public testing::Test {
  protected:
-  Explanations() {
-    observed_.outputs = plate_.output_count();
-    observed_.inputs = plate_.input_count();
-    observed_.omega = some_lines();
-  }
   void measure(const std::vector<Supposed>& truth) {
     State state = state_of(plate_);
     for (const auto& cause : truth) change_of(cause, plate_)(state);
-    observed_.value = responses(state, observed_.omega);
-    observed_.weight = 100.0 * observed_.value.cwiseAbs().cwiseInverse();
+    observed_ = observed_in(state, 100.0);
   }
   Fit fit_of(std::vector<Supposed> causes) const {
     Fit start;
