@@ -83,8 +83,47 @@ void run_all(const std::vector<std::function<void()>>& calls) {
 // Of a thread that runs one of several tasks: the other threads have tasks of their own.
 thread_local bool in_task = false;
 
-std::size_t threads_for(std::size_t size) {
-  return in_task ? 1 : std::min(size, static_cast<std::size_t>(thread_count()));
+// Threads that wait for others to end their tasks.
+std::atomic<int> waiting{0};
+
+// Those among them that a loop within a task takes over, as long as it runs.
+class Borrowed {
+ public:
+  explicit Borrowed(std::size_t most) {
+    int there = waiting;
+    do {
+      count_ = std::clamp(there, 0, static_cast<int>(std::min<std::size_t>(most, 1024)));
+    } while (count_ > 0 && !waiting.compare_exchange_weak(there, there - count_));
+  }
+  ~Borrowed() { waiting += count_; }
+  Borrowed(const Borrowed&) = delete;
+  Borrowed& operator=(const Borrowed&) = delete;
+  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(count_); }
+
+ private:
+  int count_ = 0;
+};
+
+// Threads for a loop of that size, the caller's included.
+class Threads {
+ public:
+  explicit Threads(std::size_t size)
+      : borrowed_(in_task && size > 0 ? size - 1 : 0),
+        count_(in_task ? 1 + borrowed_.count()
+                       : std::min(size, static_cast<std::size_t>(thread_count()))) {}
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  Borrowed borrowed_;
+  std::size_t count_;
+};
+
+// Runs a call as the threads of its caller run.
+void run_in(bool task, const std::function<void()>& call) {
+  const bool before = std::exchange(in_task, task);
+  const auto thrown = thrown_by(call);
+  in_task = before;
+  if (thrown) std::rethrow_exception(thrown);
 }
 
 }  // namespace
@@ -99,13 +138,15 @@ void set_thread_count(int count) {
 void parallel_ranges(std::size_t size,
                      const std::function<void(std::size_t begin, std::size_t end)>& body) {
   if (size == 0) return;
-  const std::size_t count = threads_for(size);
+  const Threads threads(size);
+  const std::size_t count = threads.count();
   if (count == 1) return body(0, size);
   std::vector<std::function<void()>> calls;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t begin = size / count * i + std::min(i, size % count);
     const std::size_t end = begin + size / count + (i < size % count ? 1 : 0);
-    calls.emplace_back([&body, begin, end] { body(begin, end); });
+    calls.emplace_back(
+        [&body, begin, end, task = in_task] { run_in(task, [&] { body(begin, end); }); });
   }
   run_all(calls);
 }
@@ -113,17 +154,25 @@ void parallel_ranges(std::size_t size,
 void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& body) {
   std::atomic<std::size_t> next{0};
   std::vector<std::exception_ptr> thrown(size);
+  const Threads threads(size);
   const auto work = [&] {
     const bool before = std::exchange(in_task, true);
     for (auto i = next++; i < size; i = next++) thrown[i] = thrown_by([&] { body(i); });
     in_task = before;
+    ++waiting;
   };
-  run_all(std::vector<std::function<void()>>(std::max<std::size_t>(1, threads_for(size)), work));
+  const std::size_t count = std::max<std::size_t>(1, threads.count());
+  run_all(std::vector<std::function<void()>>(count, work));
+  waiting -= static_cast<int>(count);
   rethrow_first(thrown);
 }
 
 void in_parallel(const std::function<void()>& first, const std::function<void()>& second) {
-  if (threads_for(2) > 1) return run_all({first, second});
+  const Threads threads(2);
+  const bool task = in_task;
+  if (threads.count() > 1) {
+    return run_all({[&] { run_in(task, first); }, [&] { run_in(task, second); }});
+  }
   first();
   second();
 }

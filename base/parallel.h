@@ -18,8 +18,8 @@ void parallel_ranges(std::size_t size,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 /// Calls body(i) for each i in [0, size), each as soon as a thread is free: for tasks of unequal
-/// cost. Parallel loops within a task run in its thread. The exception of the lowest task that
-/// threw is thrown here after all have ended.
+/// cost. Parallel loops within a task run in its thread and in those that have no task left. The
+/// exception of the lowest task that threw is thrown here after all have ended.
 void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& body);
 
 /// Runs the two calls at once (one after the other with one thread); rethrows the first exception.

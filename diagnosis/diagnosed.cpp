@@ -21,6 +21,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kHardlyByChance = 0.05;
+
 // The last word: the best few fits again on more lines and with the errors of the mode shapes,
 // which the search saw as noise; then without what that leaves too little evidence for.
 Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {
@@ -51,6 +53,8 @@ Found refined(const Problem& problem, const Found& found, const SearchLimits& li
     std::erase_if(fine.fits,
                   [&](const Fit& fit) { return fit.causes.size() >= simpler.causes.size(); });
     fine.fits.insert(fine.fits.begin(), std::move(simpler));
+  } else {
+    fine.fits.front() = std::move(simpler);  // the same, with what it is without each cause
   }
   add_simpler(problem, fine);
   return fine;
@@ -144,6 +148,11 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
     diagnosis.measure_next = measure_next(problem, best, told_by(found, told[1]));
   }
   diagnosis.breaches = breaches_of(problem, best);
+  if (by_chance_so_near(*given.structure, diagnosis.best.causes) < kHardlyByChance) {
+    diagnosis.notes.emplace_back(
+        "causes of one kind are nearer to each other than chance would have them: they may be one "
+        "thing that is spread out, which the catalogue lacks");
+  }
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
     tell(options.progress, "where the unknown acts");
     // Where no cause is believed, the unknown acts on the simulation itself.

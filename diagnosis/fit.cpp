@@ -1,6 +1,7 @@
 #include "diagnosis/fit.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -218,6 +219,16 @@ class About {
   std::vector<std::function<void(State&)>> changes_;
 };
 
+bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
+  if (a.effect != b.effect || a.option != b.option) return false;
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
+  if (!here || !there) return true;
+  const auto& places = structure.surface.places;
+  const double size = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
+  return (*here - *there).norm() < 0.05 * size;
+}
+
 }  // namespace
 
 Index Fit::coordinate_count() const {
@@ -229,6 +240,14 @@ Index Fit::coordinate_count() const {
 double Fit::excess(double numbers) const {
   return (chi_square - numbers + static_cast<double>(coordinate_count())) /
          std::sqrt(2.0 * numbers);
+}
+
+bool alike(const Structure& structure, const Fit& a, const Fit& b) {
+  if (a.causes.size() != b.causes.size()) return false;
+  return std::ranges::all_of(a.causes, [&](const Supposed& one) {
+    return std::ranges::any_of(
+        b.causes, [&](const Supposed& other) { return same_choice(structure, one, other); });
+  });
 }
 
 Fit with_deviations(Fit fit, std::size_t count) {
@@ -263,11 +282,9 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
     return sloping(about.with_deviation(i, -kStep), about.with_deviation(i, kStep), 2.0 * kStep);
   };
   const priors::dense::OneThread one;
-  parallel_ranges(at(jacobian.cols()), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const auto i = static_cast<Index>(n);
-      jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);
-    }
+  parallel_tasks(at(jacobian.cols()), [&](std::size_t n) {
+    const auto i = static_cast<Index>(n);
+    jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);
   });
   return jacobian;
 }
@@ -275,6 +292,7 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
 Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   const auto columns = columns_of(problem.structure, start.causes);
   Point here = point_of(problem, start);
+  here.fit.less.clear();
   if (columns.empty() && here.fit.eta.size() == 0) {  // nothing to move
     here.fit.converged = true;
     here.fit.log_evidence = -here.fit.objective;

@@ -34,6 +34,9 @@ inline constexpr double kLeftAtMost = 0.2;
   return 0.5 * excess * std::sqrt(2.0 * numbers);
 }
 
+/// ln of a posterior density may be so much behind that of a fit, and its evidence before it.
+inline constexpr double kOccamMargin = 60.0;
+
 /// Causes at their most probable sizes.
 struct Fit {
   std::vector<Supposed> causes;
@@ -44,6 +47,7 @@ struct Fit {
   Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of eta
   int iterations = 0;
   bool converged = false;
+  std::vector<Fit> less;  ///< without each cause in turn, fitted again; or none, not known
 
   [[nodiscard]] Eigen::Index coordinate_count() const;  ///< of all causes
   /// χ² + ηᵀη: stretched tolerances count as misfit.
@@ -51,6 +55,9 @@ struct Fit {
   /// z = (χ² − N + parameters) / sqrt(2N).
   [[nodiscard]] double excess(double numbers) const;
 };
+
+/// Same causes with the same choices, places within a twentieth of the surface's size.
+[[nodiscard]] bool alike(const Structure& structure, const Fit& a, const Fit& b);
 
 /// The fit with `count` deviations: those that it lacks at rest.
 [[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "diagnosis/attachments.h"
 #include "diagnosis/experiments.h"
 #include "priors/dense.h"
@@ -217,7 +218,7 @@ Solved steady(const State& state, const Body& body) {
   const MatrixXcd w = body.solve(attachments.shapes);
   result.to_outputs.resize(p, d * lines);
   result.to_inputs.resize(q, d * lines);
-  for (Index k = 0; k < lines; ++k) {
+  const auto solve_line = [&](Index k) {
     const Complex s(0.0, body.omega()(k));
     auto left = result.left_columns.middleCols(p * k, p);
     auto right = result.right_columns.middleCols(q * k, q);
@@ -231,7 +232,10 @@ Solved steady(const State& state, const Body& body) {
     structure.noalias() += left.transpose() * state.inputs.cast<Complex>();
     result.structure.row(k) = structure.reshaped().transpose();
     result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
-  }
+  };
+  parallel_ranges(at(lines), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) solve_line(static_cast<Index>(k));
+  });
   return result;
 }
 

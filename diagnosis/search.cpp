@@ -14,6 +14,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "diagnosis/deviations.h"
+#include "diagnosis/elsewhere.h"
 #include "diagnosis/hints.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/simpler.h"
@@ -204,13 +205,25 @@ std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
   return chosen;
 }
 
+// The last cause of a fit in other places, fitted.
+std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& base,
+                                                 const Fit& fit, double bar) {
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const auto places = elsewhere(coarse, base, fit.causes.back());
+  std::vector<std::optional<Fit>> fits(places.size());
+  parallel_tasks(fits.size(), [&](std::size_t i) {
+    fits[i] = fitted_from(level.problem, {places[i], 0.0, &base, false}, false, bar);
+  });
+  return fits;
+}
+
 // One more cause on top of each of the beam; what came of it. Two at once whatever the number of
 // threads: what the next ones have to beat is then always the same.
-std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
+std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, double bar = HUGE_VAL) {
   constexpr std::size_t kAtOnce = 2;
-  constexpr double kMargin = 60.0;  // of ln posterior density: evidence differs by some of it
   std::vector<Fit> grown;
-  double bar = HUGE_VAL;
+  const Fit* under_best = nullptr;
   for (const auto& base : beam) {
     const auto chosen = worth_fitting(level, base);
     for (std::size_t first = 0; first < chosen.size(); first += kAtOnce) {
@@ -222,10 +235,15 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
       });
       for (auto& fit : fits) {
         if (!fit || overlaps_itself(level.problem.structure, *fit)) continue;
-        bar = std::min(bar, fit->objective + kMargin);
+        bar = std::min(bar, fit->objective + kOccamMargin);
+        if (grown.empty() || fit->log_evidence > grown.front().log_evidence) under_best = &base;
         keep(grown, std::move(*fit));
       }
     }
+  }
+  if (under_best == nullptr) return grown;
+  for (auto& fit : fitted_elsewhere(level, *under_best, grown.front(), bar)) {
+    if (fit && !overlaps_itself(level.problem.structure, *fit)) keep(grown, *std::move(fit));
   }
   return grown;
 }
@@ -235,7 +253,8 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam) {
 Fit exchanged(const Level& level, Fit best, Found& found) {
   std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
   for (std::size_t c = 0; c < untested;) {
-    auto grown = level_up(level, {without(level.problem, best, c, found.nothing)});
+    auto grown = level_up(level, {without(level.problem, best, c, found.nothing)},
+                          best.objective + kOccamMargin);
     for (const auto& fit : grown) {
       if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(found.fits, fit);
     }
@@ -243,9 +262,11 @@ Fit exchanged(const Level& level, Fit best, Found& found) {
       ++c;
       continue;
     }
+    // The same at a better size stands, and is now the last; beside another one all are tested.
+    const bool same = alike(level.problem.structure, best, grown.front());
     best = std::move(grown.front());
-    untested = best.causes.size() - 1;
-    c = 0;
+    untested = same ? untested - 1 : best.causes.size() - 1;
+    if (!same) c = 0;
   }
   return best;
 }

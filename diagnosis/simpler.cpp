@@ -24,6 +24,7 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
 }
 
 Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing) {
+  if (!fit.less.empty()) return std::move(fit.less[which]);
   fit.causes.erase(fit.causes.begin() + static_cast<std::ptrdiff_t>(which));
   return fit.causes.empty() ? nothing : fitted(problem, fit);
 }
@@ -37,6 +38,7 @@ bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& noth
 Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
            const SearchLimits& limits) {
   Fit best = whole;
+  std::vector<Fit> kept;
   for (std::size_t c = 0; c < best.causes.size();) {
     Fit less = without(problem, best, c, nothing);
     // Stretched tolerances count as misfit. What is small beside a large cause still counts where
@@ -50,12 +52,15 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     const bool wanted = left >= limits.least_excess;
     const bool sure = is_sure(problem, limits, nothing, less, best);
     if (gain >= limits.least_evidence && (material || wanted || sure)) {
+      kept.push_back(std::move(less));
       ++c;
     } else {
       best = std::move(less);
+      kept.clear();
       c = 0;
     }
   }
+  best.less = std::move(kept);
   return best;
 }
 
@@ -66,7 +71,10 @@ void add_simpler(const Problem& problem, Found& found) {
     if (!simpler || !std::isfinite(log_prior(*simpler, problem.structure))) continue;
     Fit start = best;
     start.causes[c] = *std::move(simpler);
-    keep(found.fits, fitted(problem, start), 1);
+    FitLimits limits;
+    limits.bar = best.objective + kOccamMargin +
+                 2.0 * cost_of_errors(problem.structure, found.nothing, best);
+    keep(found.fits, fitted(problem, start, limits), 1);
   }
 }
 

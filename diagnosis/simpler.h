@@ -11,7 +11,7 @@ namespace chladni::diagnosis {
 /// Into fits of descending evidence, the first `fixed` apart.
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
-/// Without one of its causes, fitted again; `nothing` where that was the last.
+/// Without one of its causes, fitted again unless that is known; `nothing` where it was the last.
 [[nodiscard]] Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing);
 
 /// Whether one more cause is more than luck, and more than what mends errors of the others
@@ -26,7 +26,7 @@ void add_simpler(const Problem& problem, Found& found);
 
 /// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
 /// than `least_evidence`, or where neither its share nor what is left without it nor its own
-/// evidence matters. It may be `nothing` in the end.
+/// evidence matters. It may be `nothing` in the end. It knows Fit::less.
 [[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
                          const SearchLimits& limits);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "diagnosis/quadratic.h"
@@ -91,10 +92,12 @@ VectorXd strides(const Scene& scene, const Supposed& cause) {
 class DirectSearch {
  public:
   DirectSearch(const Scene& scene, const Start& start)
-      : scene_(scene), by_(strides(scene, start.cause)) {}
+      : scene_(&scene), by_(strides(scene, start.cause)) {}
 
-  [[nodiscard]] Start from(Start best) {
+  /// On from there, at the cost of so many misfits.
+  [[nodiscard]] Start from(Start best, int misfits) {
     constexpr int kHalved = 6;
+    left_ = misfits;
     for (int halved = 0; halved < kHalved && left_ > 0;) {
       Start next = explored(best);
       if (!(next.misfit < best.misfit)) {
@@ -115,8 +118,8 @@ class DirectSearch {
  private:
   [[nodiscard]] double misfit(const Supposed& cause) {
     --left_;
-    if (!std::isfinite(log_prior(cause, scene_.structure()))) return HUGE_VAL;
-    return scene_.misfits(*cause.effect, {{cause.option, cause.x}})(0);
+    if (!std::isfinite(log_prior(cause, scene_->structure()))) return HUGE_VAL;
+    return scene_->misfits(*cause.effect, {{cause.option, cause.x}})(0);
   }
   [[nodiscard]] Start explored(Start here) {
     for (Index i = 0; i < by_.size(); ++i) {
@@ -132,9 +135,9 @@ class DirectSearch {
     return here;
   }
 
-  const Scene& scene_;
+  const Scene* scene_;
   VectorXd by_;
-  int left_ = 250;  // misfits
+  int left_ = 0;
 };
 
 bool is_far(const Scene& scene, const Start& start) {
@@ -178,6 +181,27 @@ std::vector<Start> likeliest(const Scene& scene, const Effect& effect, std::size
   return best;
 }
 
+// The best `most` of them, after those that are far from anywhere were moved: all a little, then
+// the best further.
+void move_far(const Scene& scene, std::vector<Start>& starts, std::size_t most) {
+  constexpr int kLittle = 80;
+  constexpr int kFurther = 170;
+  std::vector<std::pair<Start, std::optional<DirectSearch>>> all;
+  for (auto& one : starts) {
+    std::optional<DirectSearch> search;
+    if (is_far(scene, one)) search.emplace(scene, one);
+    if (search) one = search->from(std::move(one), kLittle);
+    all.emplace_back(std::move(one), std::move(search));
+  }
+  std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first.misfit; });
+  all.resize(std::min(all.size(), most));
+  starts.clear();
+  for (auto& [start, search] : all) {
+    starts.push_back(search ? search->from(std::move(start), kFurther) : std::move(start));
+  }
+  std::ranges::stable_sort(starts, {}, &Start::misfit);
+}
+
 }  // namespace
 
 std::vector<Start> best_starts(const Scene& scene, const Effect& effect) {
@@ -185,11 +209,7 @@ std::vector<Start> best_starts(const Scene& scene, const Effect& effect) {
   constexpr std::size_t kKept = 2;
   if (effect.options(scene.structure()) == 0) return {};
   auto best = likeliest(scene, effect, kMoved);
-  for (auto& one : best) {
-    if (is_far(scene, one)) one = DirectSearch(scene, one).from(one);
-  }
-  std::ranges::stable_sort(best, {}, &Start::misfit);
-  if (best.size() > kKept) best.erase(best.begin() + kKept, best.end());
+  move_far(scene, best, kKept);
   for (auto& one : best) one = improved(scene, std::move(one));
   return best;
 }

@@ -15,16 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
-  if (a.effect != b.effect || a.option != b.option) return false;
-  const auto here = place_of(a, structure);
-  const auto there = place_of(b, structure);
-  if (!here || !there) return true;
-  const auto& places = structure.surface.places;
-  const double size = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
-  return (*here - *there).norm() < 0.05 * size;
-}
-
 Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index first) {
   const auto& supposed = fit.causes[which];
   Cause cause;
@@ -136,19 +126,17 @@ double share_left(const Problem& problem, const Found& found, const Explanation&
   return std::max(told.strained - n, 0.0) / std::max(found.nothing.strained() - n, 1e-9);
 }
 
-// That `count` causes and noise are all there is: z is normal then. An effect that the catalogue
-// lacks is as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes
-// the story four times less likely beside it.
-double all_there_is(double z, std::size_t count) {
+// That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is
+// as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes the story
+// four times less likely beside it, and as much less as it is by chance that it is near another of
+// its kind: together they may be one thing that is spread out.
+double all_there_is(const Structure& structure, const Explanation& told) {
   constexpr double kOther = 0.1 / 60.0;
-  const double prior = 0.7 * std::pow(0.25, std::max(0.0, static_cast<double>(count) - 1.0));
-  const double noise =
-      std::exp(-0.5 * std::pow(std::max(z, 0.0), 2)) / std::sqrt(2.0 * std::numbers::pi);
+  const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
+  const double prior = 0.7 * std::pow(0.25, further) * by_chance_so_near(structure, told.causes);
+  const double z = std::max(told.excess - told.error_excess, 0.0);
+  const double noise = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
   return prior * noise / (prior * noise + kOther);
-}
-
-bool is_explained(const Explanation& told) {
-  return all_there_is(told.excess - told.error_excess, told.causes.size()) > 0.5;
 }
 
 // That a cause is there though something unnamed is, too: what it brings against what is left.
@@ -173,7 +161,7 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
     const double excess = std::max(one.excess - one.error_excess, 0.0);
     const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
     const double left = lost_by(excess, n);
-    const double whole = all_there_is(excess, one.causes.size());
+    const double whole = all_there_is(problem.structure, one);
     for (auto& cause : one.causes) {
       cause.probability =
           one.probability * (whole + (1.0 - whole) * beside_unnamed(cause, share, left));
@@ -210,12 +198,18 @@ std::string_view name(Verdict verdict) {
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
-bool alike(const Structure& structure, const Fit& a, const Fit& b) {
-  if (a.causes.size() != b.causes.size()) return false;
-  return std::ranges::all_of(a.causes, [&](const Supposed& one) {
-    return std::ranges::any_of(
-        b.causes, [&](const Supposed& other) { return same_choice(structure, one, other); });
-  });
+double by_chance_so_near(const Structure& structure, const std::vector<Cause>& causes) {
+  double chance = 1.0;
+  for (auto one = causes.begin(); one != causes.end(); ++one) {
+    double share = 1.0;  // of the surface that is as near to one before
+    for (auto other = causes.begin(); other != one; ++other) {
+      if (!one->place || !other->place || one->effect != other->effect) continue;
+      const double around = std::numbers::pi * (*one->place - *other->place).squaredNorm();
+      share = std::min(share, around / structure.surface.area.sum());
+    }
+    chance *= share;
+  }
+  return chance;
 }
 
 std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {
@@ -254,7 +248,7 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
 Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
-  const bool explained = is_explained(best);
+  const bool explained = all_there_is(problem.structure, best) > 0.5;
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   if (!explained) {
     const double left = share_left(problem, found, best);

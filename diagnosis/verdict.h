@@ -6,15 +6,16 @@
 
 namespace chladni::diagnosis {
 
-/// Same causes with the same choices, places within three deviations or a tenth of the surface's
-/// size.
-[[nodiscard]] bool alike(const Structure& structure, const Fit& a, const Fit& b);
-
 /// Found fits as explanations, each once, with probabilities among them: evidence divided by
 /// χ²/N of the best where it leaves more than noise, so that what nobody explains makes nobody
 /// sure. Of two within `equal` of evidence the simpler comes first.
 [[nodiscard]] std::vector<Explanation> explanations(const Problem& problem, const Found& found,
                                                     double equal);
+
+/// The chance that causes of one kind, each at a random place, are as near to each other; 1 where
+/// no two are of one kind.
+[[nodiscard]] double by_chance_so_near(const Structure& structure,
+                                       const std::vector<Cause>& causes);
 
 /// The verdict on them; `explanations.front()` is the best.
 [[nodiscard]] Verdict judged(const Problem& problem, const Found& found,

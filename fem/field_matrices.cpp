@@ -4,6 +4,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "fem/blas.h"
+#include "fem/dense.h"
 #include "fem/element_matrices.h"
 
 namespace chladni::fem {
@@ -44,6 +46,32 @@ void unpack(const ElementMatrices& packed, Eigen::Index nodes, Full& full) {
   }
 }
 
+dense::Block block(Eigen::MatrixXd& matrix) {
+  return {matrix.data(), matrix.rows(), matrix.cols(), matrix.rows()};
+}
+
+// Lᵀ A L of one cell after another, without asking for memory again.
+class Reduced {
+ public:
+  const Eigen::MatrixXd& of(Eigen::MatrixXd& a, Eigen::MatrixXd& local) {
+    minus_.setZero(local.rows(), local.cols());
+    value_.setZero(local.cols(), local.cols());
+    dense::subtract_product(block(a), block(local), block(minus_));
+    dense::subtract_transposed_product(block(local), block(minus_), block(value_));
+    return value_;
+  }
+
+ private:
+  Eigen::MatrixXd minus_, value_;
+};
+
+void add(const Eigen::RowVectorXd& weights, const Eigen::MatrixXd& matrix,
+         std::vector<Eigen::MatrixXd>& sums) {
+  for (Eigen::Index f = 0; f < weights.size(); ++f) {
+    sums[static_cast<std::size_t>(f)] += weights(f) * matrix;
+  }
+}
+
 void add(FieldMatrices& sum, const FieldMatrices& part) {
   for (std::size_t f = 0; f < sum.stiffness.size(); ++f) sum.stiffness[f] += part.stiffness[f];
   for (std::size_t f = 0; f < sum.mass.size(); ++f) sum.mass[f] += part.mass[f];
@@ -64,23 +92,18 @@ FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Materi
       std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(mass_fields.cols()), zero)};
   const Eigen::Index chunks = (body.tet_count() + kChunk - 1) / kChunk;
   std::vector<FieldMatrices> parts(static_cast<std::size_t>(chunks), empty);
+  set_blas_threads(1);
   parallel_ranges(parts.size(), [&](std::size_t begin, std::size_t end) {
     ElementIntegrator integrator(body, materials);
     Full full;
+    Reduced stiffness, mass;
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       const auto first = static_cast<Eigen::Index>(chunk) * kChunk;
       for (Eigen::Index tet = first; tet < std::min(first + kChunk, body.tet_count()); ++tet) {
         unpack(integrator.matrices(tet), body.tets.cols(), full);
-        const Eigen::MatrixXd local = on_cell(body, shapes, tet);
-        const Eigen::MatrixXd stiffness = local.transpose() * (full.stiffness * local);
-        const Eigen::MatrixXd mass = local.transpose() * (full.mass * local);
-        for (Eigen::Index f = 0; f < stiffness_fields.cols(); ++f) {
-          parts[chunk].stiffness[static_cast<std::size_t>(f)] +=
-              stiffness_fields(tet, f) * stiffness;
-        }
-        for (Eigen::Index f = 0; f < mass_fields.cols(); ++f) {
-          parts[chunk].mass[static_cast<std::size_t>(f)] += mass_fields(tet, f) * mass;
-        }
+        Eigen::MatrixXd local = on_cell(body, shapes, tet);
+        add(stiffness_fields.row(tet), stiffness.of(full.stiffness, local), parts[chunk].stiffness);
+        add(mass_fields.row(tet), mass.of(full.mass, local), parts[chunk].mass);
       }
     }
   });

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -51,19 +55,46 @@ TEST(ParallelRanges, GiveTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(roots(1), roots(5));
 }
 
-TEST(ParallelTasks, RunEachOnceAndLoopsWithinInOneThread) {
+TEST(ParallelTasks, RunEachOnceWithLoopsWithin) {
   for (const int threads : {1, 2, 5}) {
     set_thread_count(threads);
-    std::vector<int> ranges(100, 0);
-    parallel_tasks(ranges.size(), [&](std::size_t i) {
-      parallel_ranges(10, [&](std::size_t, std::size_t) { ++ranges[i]; });
+    std::vector<int> once(1000, 0);
+    parallel_tasks(100, [&](std::size_t i) {
+      parallel_ranges(5, [&](std::size_t begin, std::size_t end) {
+        for (auto k = begin; k < end; ++k) ++once[10 * i + k];
+      });
+      parallel_tasks(5, [&](std::size_t k) { ++once[10 * i + 5 + k]; });
     });
-    EXPECT_EQ(ranges, std::vector<int>(100, 1));
+    EXPECT_EQ(once, std::vector<int>(1000, 1));
     int after = 0;
     parallel_ranges(10, [&](std::size_t begin, std::size_t) { after += begin == 0 ? 1 : 0; });
     EXPECT_EQ(after, 1);
   }
   parallel_tasks(0, [](std::size_t) { FAIL(); });
+}
+
+// How many threads a loop of two within the last task runs in, once the other task is over.
+std::size_t threads_in_the_last_task(int threads) {
+  set_thread_count(threads);
+  std::size_t most = 0;
+  parallel_tasks(2, [&](std::size_t i) {
+    if (i == 0) return;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (most < 2 && std::chrono::steady_clock::now() < end) {
+      std::array<std::thread::id, 2> ran;
+      parallel_ranges(2, [&](std::size_t begin, std::size_t past) {
+        for (auto k = begin; k < past; ++k) ran[k] = std::this_thread::get_id();
+      });
+      most = std::max<std::size_t>(most, ran[0] == ran[1] ? 1 : 2);
+      if (threads == 1) return;
+    }
+  });
+  return most;
+}
+
+TEST(ParallelTasks, LeaveTheirThreadsToLoopsWithinTheLast) {
+  EXPECT_EQ(threads_in_the_last_task(1), 1U);
+  EXPECT_EQ(threads_in_the_last_task(2), 2U);
 }
 
 TEST(ParallelTasks, ThrowTheExceptionOfTheLowestTask) {

@@ -25,8 +25,11 @@ class JudgedVerdict : public testing::Test {
   }
 
   Verdict with(std::size_t causes, double excess, double error_excess = 0.0) const {
+    return with(std::vector<Cause>(causes), excess, error_excess);
+  }
+  Verdict with(std::vector<Cause> causes, double excess = 0.0, double error_excess = 0.0) const {
     Explanation best;
-    best.causes.resize(causes);
+    best.causes = std::move(causes);
     best.excess = excess;
     best.error_excess = error_excess;
     best.strained = 2e4 + excess * std::sqrt(4e4);
@@ -59,6 +62,24 @@ TEST_F(JudgedVerdict, BelievesALongStoryLess) {
 TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
   EXPECT_EQ(with(2, 30.0), Verdict::partial);
   EXPECT_EQ(with(2, 30.0, 29.0), Verdict::named);
+}
+
+// An elastic pad is three springs to the noise, where it is.
+TEST_F(JudgedVerdict, TakesManyOfAKindInOneRegionForOneThingThatItLacks) {
+  const auto springs = [](double apart) {
+    std::vector<Cause> all(3);
+    for (auto& one : all) one.effect = "ground_spring";
+    all[0].place = Eigen::Vector2d(-0.1, 0.0);
+    all[1].place = Eigen::Vector2d(-0.1, apart);
+    all[2].place = Eigen::Vector2d(-0.1 + apart, 0.0);
+    return all;
+  };
+  EXPECT_EQ(with(springs(0.2)), Verdict::named);
+  EXPECT_EQ(with(springs(0.05)), Verdict::partial);
+  auto others = springs(0.05);
+  others[1].effect = "point_mass";
+  others[2].effect = "ground_damper";
+  EXPECT_EQ(with(others), Verdict::named);
 }
 
 // Of a plate in which `truth` is, with 1 % of noise that is not drawn.

@@ -209,6 +209,14 @@ void check(const RitzBody& body) {
   require(body.thickness.size() > 0, "a plate needs a thickness");
 }
 
+void check_on_plate(const RitzBody& body, const Eigen::MatrixX2d& places) {
+  const double beyond = 0.5 * (1.0 + 1e-12);
+  for (const auto& place : places.rowwise()) {
+    require(std::abs(place(0)) <= beyond * body.length && std::abs(place(1)) <= beyond * body.width,
+            fmt::format("({}, {}) m is not on the plate", place(0), place(1)));
+  }
+}
+
 }  // namespace
 
 PlaneStiffness isotropic_plane(double youngs_modulus, double poisson) {
@@ -281,11 +289,7 @@ RitzModes ritz_modes(const RitzBody& body) {
 }
 
 RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places) {
-  const double beyond = 0.5 * (1.0 + 1e-12);
-  for (const auto& place : places.rowwise()) {
-    require(std::abs(place(0)) <= beyond * body.length && std::abs(place(1)) <= beyond * body.width,
-            fmt::format("({}, {}) m is not on the plate", place(0), place(1)));
-  }
+  check_on_plate(body, places);
   const auto at = products(body, places);
   const Index m = at.value.cols();
   const auto of_field = [m](const Eigen::MatrixXd& values, Index field) {
@@ -298,10 +302,16 @@ RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places) {
 }
 
 RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places) {
-  const auto rows = ritz_rows(modes.body, places);
-  const auto& c = modes.coefficients;
-  return {rows.deflection * c, rows.slope_x * c, rows.slope_y * c, rows.turn_x * c,
-          rows.turn_y * c};
+  check_on_plate(modes.body, places);
+  const auto at = products(modes.body, places);
+  const Index m = at.value.cols();
+  const Index k = places.rows();
+  const auto field = [&](Index n) { return modes.coefficients.middleRows(n * m, m); };
+  Eigen::MatrixXd of_deflection(3 * k, m);
+  of_deflection << at.value, at.by_x, at.by_y;
+  const Eigen::MatrixXd w = of_deflection * field(0);
+  return {w.topRows(k), w.middleRows(k, k), w.bottomRows(k), at.value * field(1),
+          at.value * field(2)};
 }
 
 }  // namespace chladni::simulators
