@@ -22,6 +22,10 @@ struct Observed {
   [[nodiscard]] double number_count() const {
     return 2.0 * static_cast<double>((weight.array() > 0.0).count());
   }
+  /// χ² of no response at all.
+  [[nodiscard]] double power() const {
+    return (value.cwiseAbs().array() * weight.array()).square().sum();
+  }
 };
 
 /// Channels of both, in the order of the structure; lines above 0 Hz and at most `high_hz`.

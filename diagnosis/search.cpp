@@ -325,9 +325,7 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
 // smaller seems to explain, and what is the matter does not.
 bool is_lost(const Problem& problem, const Fit& fit) {
   constexpr double kCoherent = 0.3;  // of the data's power
-  const auto& observed = problem.observed;
-  const double power = (observed.value.cwiseAbs().array() * observed.weight.array()).square().sum();
-  return fit.chi_square > kCoherent * power;
+  return fit.chi_square > kCoherent * problem.observed.power();
 }
 
 bool is_a_gain(const Effect* effect) {

@@ -120,10 +120,12 @@ void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Ex
   }
 }
 
-// Of the misfit that there was: stretched tolerances count as such.
+// Of the misfit that there was, stretched tolerances too, but not of more than no response at all
+// would have: what is nearer to the data than a simulation of another structure explains little.
 double share_left(const Problem& problem, const Found& found, const Explanation& told) {
   const double n = problem.observed.number_count();
-  return std::max(told.strained - n, 0.0) / std::max(found.nothing.strained() - n, 1e-9);
+  const double was = std::min(found.nothing.strained(), problem.observed.power());
+  return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
 }
 
 // That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is

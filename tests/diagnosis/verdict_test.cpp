@@ -13,13 +13,13 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Twenty thousand numbers, of which nothing but their count is asked.
+// Twenty thousand numbers, of which nothing but their count and their power is asked: 1e6.
 class JudgedVerdict : public testing::Test {
  protected:
   JudgedVerdict() {
     observed_.outputs = observed_.inputs = 1;
     observed_.omega = VectorXd::LinSpaced(10000, 1.0, 1000.0);
-    observed_.value = Eigen::MatrixXcd::Zero(10000, 1);
+    observed_.value = Eigen::MatrixXcd::Constant(10000, 1, 10.0);
     observed_.weight = Eigen::MatrixXd::Ones(10000, 1);
     found_.nothing.chi_square = 1e6;
   }
@@ -36,9 +36,10 @@ class JudgedVerdict : public testing::Test {
     return judged({small_plate(), observed_, none_}, found_, {best}, {});
   }
 
+  Found found_;
+
  private:
   Observed observed_;
-  Found found_;
   std::vector<Deviation> none_;
 };
 
@@ -62,6 +63,15 @@ TEST_F(JudgedVerdict, BelievesALongStoryLess) {
 TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
   EXPECT_EQ(with(2, 30.0), Verdict::partial);
   EXPECT_EQ(with(2, 30.0, 29.0), Verdict::named);
+}
+
+// Of another structure: half of its power is left, though the simulation was off by a hundred times
+// as much.
+TEST_F(JudgedVerdict, ExplainsNothingByWhatIsHardlyBetterThanNoResponse) {
+  EXPECT_EQ(with(3, 900.0), Verdict::partial);
+  found_.nothing.chi_square = 1e8;
+  EXPECT_EQ(with(3, 900.0), Verdict::partial);
+  EXPECT_EQ(with(3, 2500.0), Verdict::unexplained);
 }
 
 // An elastic pad is three springs to the noise, where it is.
