@@ -53,24 +53,22 @@ dense::Block block(Eigen::MatrixXd& matrix) {
 // Lᵀ A L of one cell after another, without asking for memory again.
 class Reduced {
  public:
-  const Eigen::MatrixXd& of(Eigen::MatrixXd& a, Eigen::MatrixXd& local) {
+  // To each of the sums its weight times that.
+  void add(const Eigen::RowVectorXd& weights, Eigen::MatrixXd& a, Eigen::MatrixXd& local,
+           std::vector<Eigen::MatrixXd>& sums) {
+    if (weights.size() == 0) return;
     minus_.setZero(local.rows(), local.cols());
     value_.setZero(local.cols(), local.cols());
     dense::subtract_product(block(a), block(local), block(minus_));
     dense::subtract_transposed_product(block(local), block(minus_), block(value_));
-    return value_;
+    for (Eigen::Index f = 0; f < weights.size(); ++f) {
+      sums[static_cast<std::size_t>(f)] += weights(f) * value_;
+    }
   }
 
  private:
   Eigen::MatrixXd minus_, value_;
 };
-
-void add(const Eigen::RowVectorXd& weights, const Eigen::MatrixXd& matrix,
-         std::vector<Eigen::MatrixXd>& sums) {
-  for (Eigen::Index f = 0; f < weights.size(); ++f) {
-    sums[static_cast<std::size_t>(f)] += weights(f) * matrix;
-  }
-}
 
 void add(FieldMatrices& sum, const FieldMatrices& part) {
   for (std::size_t f = 0; f < sum.stiffness.size(); ++f) sum.stiffness[f] += part.stiffness[f];
@@ -102,8 +100,8 @@ FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Materi
       for (Eigen::Index tet = first; tet < std::min(first + kChunk, body.tet_count()); ++tet) {
         unpack(integrator.matrices(tet), body.tets.cols(), full);
         Eigen::MatrixXd local = on_cell(body, shapes, tet);
-        add(stiffness_fields.row(tet), stiffness.of(full.stiffness, local), parts[chunk].stiffness);
-        add(mass_fields.row(tet), mass.of(full.mass, local), parts[chunk].mass);
+        stiffness.add(stiffness_fields.row(tet), full.stiffness, local, parts[chunk].stiffness);
+        mass.add(mass_fields.row(tet), full.mass, local, parts[chunk].mass);
       }
     }
   });
