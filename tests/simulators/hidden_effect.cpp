@@ -39,9 +39,12 @@ Recipe believed(int degree) {
   return recipe;
 }
 
+// A plate that is longer by as much as it is wider loses what the first one lost, stretched with
+// it; one of another shape has losses of its own.
 RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays) {
   const auto& first = believed_table(recipe.body.degree);
-  const bool other = plate.body.length != first.body.length || plate.body.width != first.body.width;
+  const double longer = plate.body.length / first.body.length;
+  const bool other = std::abs(longer - plate.body.width / first.body.width) > 1e-12;
   const auto& owner = stays && !other ? first : plate;
   const double ratio = kDamping * recipe.damping_factor;
   auto damping = recipe.hysteretic

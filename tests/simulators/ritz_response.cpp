@@ -245,11 +245,14 @@ RitzDamping hysteretic_damping(const RitzModes& modes, double ratio) {
 
 RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
                          const RitzModes& modes) {
-  require(from.body.degree == modes.body.degree && from.body.length == modes.body.length &&
-              from.body.width == modes.body.width,
+  const double longer = modes.body.length / from.body.length;
+  const double wider = modes.body.width / from.body.width;
+  require(from.body.degree == modes.body.degree && std::abs(longer - wider) < 1e-12,
           "plates of two bases");
-  // Φ₀⁻¹ = Φ₀ᵀ M₀.
-  const Eigen::MatrixXd change = from.coefficients.partialPivLu().solve(modes.coefficients);
+  // The same deflection on a larger plate turns it less.
+  Eigen::MatrixXd stretched = modes.coefficients;
+  stretched.bottomRows(2 * stretched.rows() / 3) *= longer;
+  const Eigen::MatrixXd change = from.coefficients.partialPivLu().solve(stretched);
   RitzDamping seen{change.transpose() * damping.viscous * change, {}};
   if (damping.loss.size() > 0) seen.loss = change.transpose() * damping.loss * change;
   return seen;

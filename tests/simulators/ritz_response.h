@@ -45,9 +45,9 @@ struct RitzDamping {
                                         double reference_hz = 1.0);
 /// Loss diag 2 ζ ω_k²: as much at resonance.
 [[nodiscard]] RitzDamping hysteretic_damping(const RitzModes& modes, double ratio);
-/// That of another plate of the same basis and size, as a matrix that does not change with the
-/// plate: M₀ Φ₀ D Φ₀ᵀ M₀ seen by `modes`.
-/// @throws InvalidInput  the bases differ
+/// That of another plate of the same basis and shape, as a matrix that does not change with the
+/// plate: M₀ Φ₀ D Φ₀ᵀ M₀ seen by `modes`; its fields are stretched where one plate is larger.
+/// @throws InvalidInput  the bases differ, or length over width
 [[nodiscard]] RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
                                        const RitzModes& modes);
 

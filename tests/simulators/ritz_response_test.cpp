@@ -189,6 +189,25 @@ TEST(RitzResponse, CarriesDampingFromPlateToPlate) {
               1e-8 * there.dot(damping.viscous * there));
 }
 
+// K as 1/l², M as l²: a plate that is larger by as much in length and width is damped as much.
+TEST(RitzResponse, StretchesDampingWithThePlate) {
+  auto larger = aluminium_table(8);
+  larger.length *= 1.01;
+  larger.width *= 1.01;
+  const auto modes = ritz_modes(larger);
+  for (const double exponent : {0.0, 1.0}) {
+    const auto damping = modal_damping(table(), 5e-3, exponent, 180.0);
+    const auto kept = carried_over(damping, table(), modes);
+    for (Eigen::Index k = 3; k < 13; ++k) {
+      const double before = damping.viscous(k, k) / table().frequency_hz(k);
+      EXPECT_NEAR(kept.viscous(k, k) / modes.frequency_hz(k), before, 2e-3 * before) << k;
+    }
+  }
+  larger.width *= 1.01;
+  EXPECT_THROW((void)carried_over(modal_damping(table(), 5e-3), table(), ritz_modes(larger)),
+               InvalidInput);
+}
+
 TEST(RitzResponse, SaysWhatIsWrong) {
   auto bad = stage();
   bad.points = {{{0.0, 0.0}, -1.0, 0.0, 0.0, 0.0}};
