@@ -100,6 +100,36 @@ std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
   return all;
 }
 
+std::string note_on_places(const Structure& structure, const Explanation& told) {
+  if (by_chance_so_near(structure, told.causes) > kHardlyByChance) return "";
+  return "causes of one kind are nearer to each other than chance would have them: they may be one "
+         "thing that is spread out, which the catalogue lacks";
+}
+
+Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOptions& options) {
+  auto told = explanations(problem, found, options.rival_within);
+  Diagnosis diagnosis;
+  diagnosis.verdict = judged(problem, found, told, options);
+  diagnosis.excess_before = found.nothing.excess(problem.observed.number_count());
+  diagnosis.best = told.front();
+  diagnosis.rivals.assign(told.begin() + 1, told.end());
+  diagnosis.before = residue(problem, found.nothing);
+  const auto& best = told_by(found, told.front());
+  diagnosis.after = residue(problem, best);
+  diagnosis.map = map_of(problem, best);
+  if (diagnosis.verdict == Verdict::ambiguous) {
+    diagnosis.measure_next = measure_next(problem, best, told_by(found, told[1]));
+  }
+  diagnosis.breaches = breaches_of(problem, best);
+  if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
+    tell(options.progress, "where the unknown acts");
+    // Where no cause is believed, the unknown acts on the simulation itself.
+    const bool believed = diagnosis.verdict == Verdict::partial;
+    diagnosis.superclass = superclass(problem, believed ? best : found.nothing);
+  }
+  return diagnosis;
+}
+
 }  // namespace
 
 std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
@@ -128,37 +158,12 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   const Observed fine = thinned(given.observed, 2 * options.lines);
   const auto deviations = given.all_deviations();
   const Problem problem{*given.structure, fine, deviations};
-  const Found found = refined(problem, first, limits);
-  auto told = explanations(problem, found, options.rival_within);
-
-  Diagnosis diagnosis;
-  diagnosis.notes = given.notes;
-  if (auto note = nonlinearity_note(measured); !note.empty()) {
-    diagnosis.notes.push_back(std::move(note));
-  }
-  diagnosis.verdict = judged(problem, found, told, options);
-  diagnosis.excess_before = found.nothing.excess(fine.number_count());
-  diagnosis.best = told.front();
-  diagnosis.rivals.assign(told.begin() + 1, told.end());
-  diagnosis.before = residue(problem, found.nothing);
-  const auto& best = told_by(found, told.front());
-  diagnosis.after = residue(problem, best);
-  diagnosis.map = map_of(problem, best);
-  if (diagnosis.verdict == Verdict::ambiguous) {
-    diagnosis.measure_next = measure_next(problem, best, told_by(found, told[1]));
-  }
-  diagnosis.breaches = breaches_of(problem, best);
-  if (by_chance_so_near(*given.structure, diagnosis.best.causes) < kHardlyByChance) {
-    diagnosis.notes.emplace_back(
-        "causes of one kind are nearer to each other than chance would have them: they may be one "
-        "thing that is spread out, which the catalogue lacks");
-  }
-  if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
-    tell(options.progress, "where the unknown acts");
-    // Where no cause is believed, the unknown acts on the simulation itself.
-    const bool believed = diagnosis.verdict == Verdict::partial;
-    diagnosis.superclass = superclass(problem, believed ? best : found.nothing);
-  }
+  Diagnosis diagnosis = told_of(problem, refined(problem, first, limits), options);
+  auto notes = given.notes;
+  notes.push_back(nonlinearity_note(measured));
+  notes.push_back(note_on_places(*given.structure, diagnosis.best));
+  std::erase(notes, "");
+  diagnosis.notes = std::move(notes);
   return diagnosis;
 }
 
