@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <exception>
 #include <fstream>
@@ -92,7 +93,7 @@ class Borrowed {
   explicit Borrowed(std::size_t most) {
     int there = waiting;
     do {
-      count_ = std::clamp(there, 0, static_cast<int>(std::min<std::size_t>(most, 1024)));
+      count_ = static_cast<int>(std::min(most, static_cast<std::size_t>(std::max(there, 0))));
     } while (count_ > 0 && !waiting.compare_exchange_weak(there, there - count_));
   }
   ~Borrowed() { waiting += count_; }
@@ -118,13 +119,17 @@ class Threads {
   std::size_t count_;
 };
 
-// Runs a call as the threads of its caller run.
-void run_in(bool task, const std::function<void()>& call) {
-  const bool before = std::exchange(in_task, task);
-  const auto thrown = thrown_by(call);
-  in_task = before;
-  if (thrown) std::rethrow_exception(thrown);
-}
+// While it lives this thread is, or is not, in a task.
+class InTask {
+ public:
+  explicit InTask(bool task) : before_(std::exchange(in_task, task)) {}
+  ~InTask() { in_task = before_; }
+  InTask(const InTask&) = delete;
+  InTask& operator=(const InTask&) = delete;
+
+ private:
+  bool before_;
+};
 
 }  // namespace
 
@@ -145,8 +150,10 @@ void parallel_ranges(std::size_t size,
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t begin = size / count * i + std::min(i, size % count);
     const std::size_t end = begin + size / count + (i < size % count ? 1 : 0);
-    calls.emplace_back(
-        [&body, begin, end, task = in_task] { run_in(task, [&] { body(begin, end); }); });
+    calls.emplace_back([&body, begin, end, task = in_task] {
+      const InTask within(task);
+      body(begin, end);
+    });
   }
   run_all(calls);
 }
@@ -156,9 +163,8 @@ void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& 
   std::vector<std::exception_ptr> thrown(size);
   const Threads threads(size);
   const auto work = [&] {
-    const bool before = std::exchange(in_task, true);
+    const InTask within(true);
     for (auto i = next++; i < size; i = next++) thrown[i] = thrown_by([&] { body(i); });
-    in_task = before;
     ++waiting;
   };
   const std::size_t count = std::max<std::size_t>(1, threads.count());
@@ -168,13 +174,10 @@ void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& 
 }
 
 void in_parallel(const std::function<void()>& first, const std::function<void()>& second) {
-  const Threads threads(2);
-  const bool task = in_task;
-  if (threads.count() > 1) {
-    return run_all({[&] { run_in(task, first); }, [&] { run_in(task, second); }});
-  }
-  first();
-  second();
+  const std::array calls{&first, &second};
+  parallel_ranges(calls.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) (*calls[i])();
+  });
 }
 
 }  // namespace chladni

@@ -47,8 +47,7 @@ class Amplitude {
 
   [[nodiscard]] double coordinate(double amplitude) const {
     if (probe_.nothing == Nothing::zero) return amplitude;
-    const double sign = probe_.nothing == Nothing::minus_infinity ? 1.0 : -1.0;
-    return probe_.x(probe_.size) + sign * std::log(amplitude);
+    return probe_.x(probe_.size) + probe_.sign() * std::log(amplitude);
   }
 
   [[nodiscard]] bool plausible(double amplitude) const {
@@ -211,8 +210,7 @@ LeastSize Detector::larger(const Effect& effect, const Probe& probe,
   for (const auto& of : known) {
     const auto least =
         least_size(structure_, effect, probe, of.block(from, from, count, count), options_);
-    const double sign = probe.nothing == Nothing::plus_infinity ? -1.0 : 1.0;
-    const bool more = !std::isfinite(least.x) || sign * least.x > sign * most.x;
+    const bool more = !std::isfinite(least.x) || probe.sign() * least.x > probe.sign() * most.x;
     if (&of == &known.front() || (more && std::isfinite(most.x))) most = least;
   }
   return most;

@@ -106,6 +106,7 @@ std::string note_on_places(const Structure& structure, const Explanation& told) 
          "thing that is spread out, which the catalogue lacks";
 }
 
+// All but the notes.
 Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOptions& options) {
   auto told = explanations(problem, found, options.rival_within);
   Diagnosis diagnosis;

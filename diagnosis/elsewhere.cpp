@@ -14,10 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector2d;
 
-constexpr Index kPlaces = 144;
-constexpr double kOneField = 0.08;  // of the surface's size: nearer places are one minimum
-constexpr double kAsMuch = 0.8;     // of what the place it has promises, to first order,
-constexpr double kBetween = 6.0;    // less as much ln evidence, lost between places of the scan
+constexpr double kAsMuch = 0.8;  // of what the place it has promises, to first order
 
 // The cause in another place, and what that promises.
 struct Promise {
@@ -29,10 +26,10 @@ struct Promise {
 // Probes of the cause's size at some places, the last at its own; its other numbers as they are.
 std::vector<Probe> probes_of(const Probing& probing, const Supposed& cause) {
   const auto parameters = cause.effect->parameters(probing.problem().structure);
-  auto all = probing.probes(*cause.effect, kPlaces);
+  auto all = probing.probes(*cause.effect, kPlacesOfScore);
   std::erase_if(all, [&](const Probe& probe) { return probe.option != cause.option; });
   if (all.empty()) return all;
-  all.resize(std::min<std::size_t>(all.size(), kPlaces), all.front());
+  all.resize(std::min<std::size_t>(all.size(), kPlacesOfScore), all.front());
   all.push_back(all.front());
   for (Index i = 0; i < cause.x.size(); ++i) {
     if (i == all.front().size) continue;
@@ -44,9 +41,8 @@ std::vector<Probe> probes_of(const Probing& probing, const Supposed& cause) {
 }
 
 // Of a strength the slope is that of its logarithm: it has one sign.
-bool is_possible(Nothing nothing, double score) {
-  if (nothing == Nothing::zero) return true;
-  return nothing == Nothing::minus_infinity ? score > 0.0 : score < 0.0;
+bool is_possible(const Probe& probe, double score) {
+  return probe.nothing == Nothing::zero || probe.sign() * score > 0.0;
 }
 
 std::vector<Promise> promises(const Problem& problem, const Fit& without, const Supposed& cause) {
@@ -62,7 +58,7 @@ std::vector<Promise> promises(const Problem& problem, const Fit& without, const 
     Supposed there{cause.effect, cause.option, probes[n].x};
     there.x(probes[n].size) = cause.x(probes[n].size);
     const auto place = place_of(there, problem.structure);
-    const bool possible = known(i) > 0.0 && is_possible(probes[n].nothing, score(i));
+    const bool possible = known(i) > 0.0 && is_possible(probes[n], score(i));
     const double evidence = possible ? 0.5 * score(i) * score(i) / known(i) : 0.0;
     all.push_back({std::move(there), *place, evidence});
   }
@@ -79,13 +75,11 @@ std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, cons
   const Promise own = all.back();
   all.pop_back();
   std::ranges::stable_sort(all, std::greater{}, &Promise::evidence);
-  const auto& places = problem.structure.surface.places;
-  const double apart =
-      kOneField * (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
+  const double apart = Surface::kOnePeak * problem.structure.surface.size();
   std::vector<Vector2d> fields{own.place};
   std::vector<Supposed> found;
   for (auto& one : all) {
-    if (found.size() == kMost || one.evidence < kAsMuch * own.evidence - kBetween) break;
+    if (found.size() == kMost || one.evidence < kAsMuch * own.evidence - kLostBetweenPlaces) break;
     const auto near = [&](const Vector2d& other) { return (one.place - other).norm() < apart; };
     if (std::ranges::any_of(fields, near)) continue;
     fields.push_back(one.place);

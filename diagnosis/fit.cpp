@@ -224,9 +224,7 @@ bool same_choice(const Structure& structure, const Supposed& a, const Supposed& 
   const auto here = place_of(a, structure);
   const auto there = place_of(b, structure);
   if (!here || !there) return true;
-  const auto& places = structure.surface.places;
-  const double size = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
-  return (*here - *there).norm() < 0.05 * size;
+  return (*here - *there).norm() < 0.05 * structure.surface.size();
 }
 
 }  // namespace

@@ -18,9 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index kPlaces = 144;
-constexpr double kBetweenPlaces = 6.0;  // of ln evidence, may be lost from a place to the next
-
 // The probe's effect at the size that the score asks for; none where it asks for less than nothing.
 std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double step) {
   Supposed cause{&effect, probe.option, probe.x};
@@ -30,9 +27,9 @@ std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double s
     return cause;
   }
   // Of a strength the slope is that of its logarithm: the step is the strength over the probe's.
-  const double ratio = probe.nothing == Nothing::minus_infinity ? step : -step;
+  const double ratio = probe.sign() * step;
   if (!(ratio > 0.0)) return std::nullopt;
-  x += probe.nothing == Nothing::minus_infinity ? std::log(ratio) : -std::log(ratio);
+  x += probe.sign() * std::log(ratio);
   return cause;
 }
 
@@ -50,7 +47,7 @@ double occam(const Structure& structure, const Effect& effect, const Probe& prob
 std::vector<Hint> hints_of(const Probing& probing, const Information& information,
                            const VectorXd& left, const Effect& effect, const HintLimits& limits) {
   const auto& structure = probing.problem().structure;
-  const auto probes = probing.probes(effect, kPlaces);
+  const auto probes = probing.probes(effect, kPlacesOfScore);
   if (probes.empty()) return {};
   const auto [score, known] = information.scored(probing.size_columns(effect, probes), left);
   std::vector<Hint> best;
@@ -62,7 +59,7 @@ std::vector<Hint> hints_of(const Probing& probing, const Information& informatio
                             occam(structure, effect, probes[n], step, limits.times * known(i));
     auto cause = sized(effect, probes[n], step);
     if (!cause || !std::isfinite(log_prior(*cause, structure))) continue;
-    const double lost = place_of(*cause, structure) ? kBetweenPlaces : 0.0;
+    const double lost = place_of(*cause, structure) ? kLostBetweenPlaces : 0.0;
     if (evidence < limits.least_evidence - lost) continue;
     const auto same = std::ranges::find_if(
         best, [&](const Hint& other) { return other.cause.option == cause->option; });

@@ -25,7 +25,15 @@ struct Probe {
   Eigen::VectorXd x;      ///< coordinates of the parameters
   Eigen::Index size = 0;  ///< which of them is its size
   Nothing nothing = Nothing::zero;
+
+  /// Which way its coordinate goes from nothing: −1 where it is nothing at plus infinity.
+  [[nodiscard]] double sign() const { return nothing == Nothing::plus_infinity ? -1.0 : 1.0; }
 };
+
+/// Places at which the score test tries a cause,
+inline constexpr Eigen::Index kPlacesOfScore = 144;
+/// and what of ln evidence may be lost from one to the next.
+inline constexpr double kLostBetweenPlaces = 6.0;
 
 /// Where probes of one problem are taken: a state of its structure, solved once.
 class Probing {

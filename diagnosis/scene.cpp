@@ -20,12 +20,12 @@ double chi_square(const Observed& observed, const MatrixXcd& model) {
 }
 
 // Local maxima among the nearest neighbours, the largest first.
-std::vector<Index> peaks_of(const Eigen::MatrixX2d& places, const Eigen::VectorXd& explained) {
+std::vector<Index> peaks_of(const Surface& surface, const Eigen::VectorXd& explained) {
   std::vector<Index> order(static_cast<std::size_t>(explained.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
   std::ranges::stable_sort(order, [&](Index a, Index b) { return explained(a) > explained(b); });
-  const Eigen::RowVector2d size = places.colwise().maxCoeff() - places.colwise().minCoeff();
-  const double apart = 0.08 * size.norm();
+  const auto& places = surface.places;
+  const double apart = Surface::kOnePeak * surface.size();
   std::vector<Index> peaks;
   for (const auto i : order) {
     const bool near = std::ranges::any_of(
@@ -66,7 +66,7 @@ PlaceScan place_scan(const Structure& structure, const Observed& observed, const
       if (a > 0.0) scan.explained(n) += std::norm(b) / a;
     }
   }
-  scan.peaks = peaks_of(structure.surface.places, scan.explained);
+  scan.peaks = peaks_of(structure.surface, scan.explained);
   return scan;
 }
 

@@ -23,10 +23,11 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
   fits.insert(place, std::move(fit));
 }
 
-Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing) {
-  if (!fit.less.empty()) return std::move(fit.less[which]);
-  fit.causes.erase(fit.causes.begin() + static_cast<std::ptrdiff_t>(which));
-  return fit.causes.empty() ? nothing : fitted(problem, fit);
+Fit without(const Problem& problem, const Fit& fit, std::size_t which, const Fit& nothing) {
+  if (!fit.less.empty()) return fit.less[which];
+  Fit start = fit;
+  start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(which));
+  return start.causes.empty() ? nothing : fitted(problem, start);
 }
 
 bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,

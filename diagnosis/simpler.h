@@ -12,7 +12,8 @@ namespace chladni::diagnosis {
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
 /// Without one of its causes, fitted again unless that is known; `nothing` where it was the last.
-[[nodiscard]] Fit without(const Problem& problem, Fit fit, std::size_t which, const Fit& nothing);
+[[nodiscard]] Fit without(const Problem& problem, const Fit& fit, std::size_t which,
+                          const Fit& nothing);
 
 /// Whether one more cause is more than luck, and more than what mends errors of the others
 /// (Effect::error).

@@ -41,7 +41,14 @@ struct Surface {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]: of the chart, in the body's frame
   Eigen::Vector3d axis_u = Eigen::Vector3d::UnitX(), axis_v = Eigen::Vector3d::UnitY();
 
+  /// Maxima of a scan that are nearer to each other, as a part of size(), are one.
+  static constexpr double kOnePeak = 0.08;
+
   [[nodiscard]] Eigen::Index count() const { return places.rows(); }
+  /// [m]: the diagonal of what the scan spans.
+  [[nodiscard]] double size() const {
+    return (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
+  }
   /// [m], in the body's frame.
   [[nodiscard]] Eigen::Vector3d in_body(const Eigen::Vector2d& place) const {
     return origin + place(0) * axis_u + place(1) * axis_v;

@@ -128,6 +128,11 @@ double share_left(const Problem& problem, const Found& found, const Explanation&
   return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
 }
 
+// z that neither noise nor errors of the causes explain.
+double unexplained(const Explanation& told) {
+  return std::max(told.excess - told.error_excess, 0.0);
+}
+
 // That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is
 // as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes the story
 // four times less likely beside it, and as much less as it is by chance that it is near another of
@@ -136,7 +141,7 @@ double all_there_is(const Structure& structure, const Explanation& told) {
   constexpr double kOther = 0.1 / 60.0;
   const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
   const double prior = 0.7 * std::pow(0.25, further) * by_chance_so_near(structure, told.causes);
-  const double z = std::max(told.excess - told.error_excess, 0.0);
+  const double z = unexplained(told);
   const double noise = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
   return prior * noise / (prior * noise + kOther);
 }
@@ -160,9 +165,8 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   }
   for (auto& one : all) {
     one.probability /= sum;
-    const double excess = std::max(one.excess - one.error_excess, 0.0);
     const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
-    const double left = lost_by(excess, n);
+    const double left = lost_by(unexplained(one), n);
     const double whole = all_there_is(problem.structure, one);
     for (auto& cause : one.causes) {
       cause.probability =

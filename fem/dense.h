@@ -15,6 +15,11 @@ struct Block {
   double& operator()(long i, long j) const { return data[i + j * stride]; }
 };
 
+/// A matrix as a block; one that is const is only read.
+[[nodiscard]] inline Block block(const Eigen::Ref<const Eigen::MatrixXd>& m) {
+  return {const_cast<double*>(m.data()), m.rows(), m.cols(), m.outerStride()};
+}
+
 /// A = LLᵀ in place, lower triangle. False where a pivot is not positive.
 [[nodiscard]] bool cholesky(Block a);
 

@@ -46,19 +46,16 @@ void unpack(const ElementMatrices& packed, Eigen::Index nodes, Full& full) {
   }
 }
 
-dense::Block block(Eigen::MatrixXd& matrix) {
-  return {matrix.data(), matrix.rows(), matrix.cols(), matrix.rows()};
-}
-
 // Lᵀ A L of one cell after another, without asking for memory again.
 class Reduced {
  public:
   // To each of the sums its weight times that.
-  void add(const Eigen::RowVectorXd& weights, Eigen::MatrixXd& a, Eigen::MatrixXd& local,
-           std::vector<Eigen::MatrixXd>& sums) {
+  void add(const Eigen::RowVectorXd& weights, const Eigen::MatrixXd& a,
+           const Eigen::MatrixXd& local, std::vector<Eigen::MatrixXd>& sums) {
     if (weights.size() == 0) return;
     minus_.setZero(local.rows(), local.cols());
     value_.setZero(local.cols(), local.cols());
+    using dense::block;
     dense::subtract_product(block(a), block(local), block(minus_));
     dense::subtract_transposed_product(block(local), block(minus_), block(value_));
     for (Eigen::Index f = 0; f < weights.size(); ++f) {
@@ -99,7 +96,7 @@ FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Materi
       const auto first = static_cast<Eigen::Index>(chunk) * kChunk;
       for (Eigen::Index tet = first; tet < std::min(first + kChunk, body.tet_count()); ++tet) {
         unpack(integrator.matrices(tet), body.tets.cols(), full);
-        Eigen::MatrixXd local = on_cell(body, shapes, tet);
+        const Eigen::MatrixXd local = on_cell(body, shapes, tet);
         stiffness.add(stiffness_fields.row(tet), full.stiffness, local, parts[chunk].stiffness);
         mass.add(mass_fields.row(tet), full.mass, local, parts[chunk].mass);
       }

@@ -128,11 +128,6 @@ void dot_columns(Block a, Block y, double f, double* x, long ldx) {
 // Columns that are worked on together from column k on.
 long together(long k, long columns) { return k + 4 <= columns ? 4 : 1; }
 
-// A block to read from.
-Block block(const Eigen::Ref<const Eigen::MatrixXd>& m) {
-  return {const_cast<double*>(m.data()), m.rows(), m.cols(), m.outerStride()};
-}
-
 }  // namespace
 
 void sweep_up(Block strip, Block front) {

@@ -43,9 +43,7 @@ Recipe believed(int degree) {
 // it; one of another shape has losses of its own.
 RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays) {
   const auto& first = believed_table(recipe.body.degree);
-  const double longer = plate.body.length / first.body.length;
-  const bool other = std::abs(longer - plate.body.width / first.body.width) > 1e-12;
-  const auto& owner = stays && !other ? first : plate;
+  const auto& owner = stays && same_shape(plate.body, first.body) ? first : plate;
   const double ratio = kDamping * recipe.damping_factor;
   auto damping = recipe.hysteretic
                      ? hysteretic_damping(owner, ratio)

@@ -274,6 +274,10 @@ RitzMatrices modal_cell(const RitzModes& modes, Index count, const Eigen::Vector
               turns_y.transpose() * all.rotary.asDiagonal() * turns_y};
 }
 
+bool same_shape(const RitzBody& a, const RitzBody& b) {
+  return std::abs(a.length / b.length - a.width / b.width) < 1e-12;
+}
+
 RitzModes ritz_modes(const RitzBody& body) {
   const auto matrices = ritz_matrices(body);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrices.stiffness,

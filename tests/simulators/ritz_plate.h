@@ -45,6 +45,9 @@ struct RitzBody {
 /// 600×600×20 mm, 70 GPa, ν = 0.33, 2700 kg/m³: 19.44 kg.
 [[nodiscard]] RitzBody aluminium_table(int degree = 14);
 
+/// One is the other, larger by as much in length and in width.
+[[nodiscard]] bool same_shape(const RitzBody& a, const RitzBody& b);
+
 /// Of n = 3 (degree + 1)² coefficients of w, ψx, ψy: mean-square-one Legendre polynomials.
 struct RitzMatrices {
   Eigen::MatrixXd stiffness, mass;

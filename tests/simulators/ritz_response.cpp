@@ -245,13 +245,11 @@ RitzDamping hysteretic_damping(const RitzModes& modes, double ratio) {
 
 RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
                          const RitzModes& modes) {
-  const double longer = modes.body.length / from.body.length;
-  const double wider = modes.body.width / from.body.width;
-  require(from.body.degree == modes.body.degree && std::abs(longer - wider) < 1e-12,
+  require(from.body.degree == modes.body.degree && same_shape(from.body, modes.body),
           "plates of two bases");
   // The same deflection on a larger plate turns it less.
   Eigen::MatrixXd stretched = modes.coefficients;
-  stretched.bottomRows(2 * stretched.rows() / 3) *= longer;
+  stretched.bottomRows(2 * stretched.rows() / 3) *= modes.body.length / from.body.length;
   const Eigen::MatrixXd change = from.coefficients.partialPivLu().solve(stretched);
   RitzDamping seen{change.transpose() * damping.viscous * change, {}};
   if (damping.loss.size() > 0) seen.loss = change.transpose() * damping.loss * change;
