@@ -166,7 +166,10 @@ TEST(BestInterpolation, IsNoWorseThanAnySwapAndThanLayoutsByHand) {
       EXPECT_GE(error_of(other), -best.score * (1.0 - 1e-6));
     }
   }
-  EXPECT_LT(-best.score, error_of({0, 4, 8, 36, 40, 44, 72, 76, 80}));  // an even grid of 3 by 3
+  // The best here is an even grid of 3 by 3 that reaches the rim: by hand it ties but for rounding.
+  EXPECT_LE(-best.score, error_of({0, 4, 8, 36, 40, 44, 72, 76, 80}) * (1.0 + 1e-9));
+  EXPECT_LT(-best.score, 0.9 * error_of({20, 22, 24, 38, 40, 42, 56, 58, 60}));  // half as wide
+  EXPECT_LT(-best.score, 0.9 * error_of({0, 1, 2, 3, 4, 5, 6, 7, 8}));           // along one edge
   problem.count = 82;
   EXPECT_THROW((void)best_interpolation(problem), InvalidInput);
 }
