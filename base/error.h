@@ -33,10 +33,11 @@ class WorkerDied : public NumericalFailure {
   using NumericalFailure::NumericalFailure;
 };
 
-/// The user pressed Ctrl-C. Thrown by `throw_if_interrupted()`, never by a signal handler.
-class Interrupted : public NumericalFailure {
+/// The user pressed Ctrl-C. Thrown by `throw_if_interrupted()`, never by a signal handler. It is no
+/// failure: what tries another way after a NumericalFailure lets it pass.
+class Interrupted : public std::runtime_error {
  public:
-  using NumericalFailure::NumericalFailure;
+  using std::runtime_error::runtime_error;
 };
 
 /// Throws InvalidInput(message) unless `condition` holds.

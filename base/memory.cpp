@@ -9,10 +9,12 @@
 #include <limits>
 #include <string>
 
+#include "base/control_group.h"
+
 namespace chladni {
 namespace {
 
-constexpr auto kUnknown = std::numeric_limits<std::size_t>::max();
+constexpr auto kUnknown = kUnlimited;
 
 // The number in a file that holds one; `kUnknown` for "max" or no file.
 std::size_t number_in(const char* file) {
@@ -31,13 +33,6 @@ std::size_t kernel_available() {
   return kUnknown;
 }
 
-std::size_t left_in_group() {
-  const auto limit = number_in("/sys/fs/cgroup/memory.max");
-  const auto used = number_in("/sys/fs/cgroup/memory.current");
-  if (limit == kUnknown || used == kUnknown) return kUnknown;
-  return limit > used ? limit - used : 0;
-}
-
 // Of the limit that `ulimit -v` sets on addresses.
 std::size_t left_in_limit() {
   rlimit limit{};
@@ -51,7 +46,7 @@ std::size_t left_in_limit() {
 }  // namespace
 
 std::size_t available_memory() {
-  const auto least = std::min({kernel_available(), left_in_group(), left_in_limit()});
+  const auto least = std::min({kernel_available(), memory_left_in_group(), left_in_limit()});
   if (least != kUnknown) return least;
   return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
          static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));

@@ -1,5 +1,7 @@
 #include "base/parallel.h"
 
+#include <fmt/format.h>
+
 #include <sched.h>
 
 #include <algorithm>
@@ -14,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/control_group.h"
 #include "base/error.h"
 
 namespace chladni {
@@ -26,6 +29,11 @@ int number_in(const std::string& file) {
   return number;
 }
 
+// What the control group grants, where that is less than there is.
+int granted(int processors) {
+  return static_cast<int>(std::min(static_cast<std::size_t>(processors), processors_of_group()));
+}
+
 // Two hardware threads of one core share its arithmetic units: the second adds nothing here.
 int physical_cores() {
   cpu_set_t allowed;
@@ -36,7 +44,7 @@ int physical_cores() {
   std::set<std::pair<int, int>> cores;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     if (!CPU_ISSET(cpu, &allowed)) continue;
-    const std::string folder = "/sys/devices/system/cpu/cpu" + std::to_string(cpu) + "/topology/";
+    const std::string folder = "/sys/devices/system/cpu/cpu" + fmt::to_string(cpu) + "/topology/";
     const int core = number_in(folder + "core_id");
     cores.emplace(number_in(folder + "physical_package_id"), core < 0 ? -1 - cpu : core);
   }
@@ -44,7 +52,7 @@ int physical_cores() {
 }
 
 std::atomic<int>& chosen_count() {
-  static std::atomic<int> count = physical_cores();
+  static std::atomic<int> count = granted(physical_cores());
   return count;
 }
 
@@ -136,7 +144,7 @@ class InTask {
 int thread_count() { return chosen_count(); }
 
 void set_thread_count(int count) {
-  require(count >= 1, "thread count: found " + std::to_string(count) + ", expected 1 or more");
+  require(count >= 1, "thread count: found " + fmt::to_string(count) + ", expected 1 or more");
   chosen_count() = count;
 }
 

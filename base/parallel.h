@@ -6,8 +6,8 @@
 
 namespace chladni {
 
-/// Threads used by every parallel loop: the physical cores, until `set_thread_count` says
-/// otherwise.
+/// Threads used by every parallel loop: the physical cores, or as many as the control group's quota
+/// (cpu.max) pays for where that is less, until `set_thread_count` says otherwise.
 [[nodiscard]] int thread_count();
 /// @throws InvalidInput  count < 1
 void set_thread_count(int count);

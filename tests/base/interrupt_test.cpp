@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <type_traits>
 
 #include "base/error.h"
 
 namespace chladni {
 namespace {
+
+// What tries another way after a failure must not go on after Ctrl-C.
+static_assert(!std::is_base_of_v<NumericalFailure, Interrupted>);
 
 TEST(Interrupt, IsThrownBetweenStepsUntilForgotten) {
   for (const int signal : {SIGINT, SIGTERM}) {
