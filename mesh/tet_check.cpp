@@ -1,4 +1,6 @@
 // Is a tetrahedral mesh fit for elements?
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +9,7 @@
 
 #include "base/error.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/joints.h"
 #include "mesh/tet_mesh.h"
 
 namespace chladni::mesh {
@@ -23,8 +26,8 @@ class Offenders {
   void throw_if_any(const std::string& what, const std::string& remedy) const {
     if (count_ == 0) return;
     const std::string more =
-        count_ > kListed ? "\n  ... and " + std::to_string(count_ - kListed) + " more" : "";
-    throw InvalidInput("mesh: " + std::to_string(count_) + " " + what + ":" + text_ + more +
+        count_ > kListed ? "\n  ... and " + fmt::to_string(count_ - kListed) + " more" : "";
+    throw InvalidInput("mesh: " + fmt::to_string(count_) + " " + what + ":" + text_ + more +
                        (remedy.empty() ? "" : "\n  " + remedy));
   }
 
@@ -42,12 +45,12 @@ std::string place(const Eigen::RowVector3d& p) {
 
 void check_labels(const Eigen::VectorXi& label, Eigen::Index cells, std::size_t names,
                   const std::string& what) {
-  require(label.size() == cells, "mesh: " + std::to_string(label.size()) + " " + what +
-                                     " numbers for " + std::to_string(cells) + " cells");
+  require(label.size() == cells, "mesh: " + fmt::to_string(label.size()) + " " + what +
+                                     " numbers for " + fmt::to_string(cells) + " cells");
   for (Eigen::Index i = 0; i < cells; ++i) {
     require(0 <= label(i) && label(i) < static_cast<int>(names),
-            "mesh: cell " + std::to_string(i) + " has " + what + " " + std::to_string(label(i)) +
-                ", there are " + std::to_string(names));
+            "mesh: cell " + fmt::to_string(i) + " has " + what + " " + fmt::to_string(label(i)) +
+                ", there are " + fmt::to_string(names));
   }
 }
 
@@ -55,11 +58,11 @@ void check_arrays(const TetMesh& mesh) {
   require(mesh.tets.rows() > 0, "mesh: no tetrahedra, expected at least one");
   const Eigen::Index nodes = mesh.tets.cols();
   require(nodes == 4 || nodes == 10 || nodes == 20,
-          "mesh: tetrahedra of " + std::to_string(nodes) + " nodes, expected 4, 10 or 20");
+          "mesh: tetrahedra of " + fmt::to_string(nodes) + " nodes, expected 4, 10 or 20");
   const auto per_face = static_cast<Eigen::Index>(face_nodes(mesh.order()));
   require(mesh.faces.rows() == 0 || mesh.faces.cols() == per_face,
-          "mesh: boundary faces of " + std::to_string(mesh.faces.cols()) + " nodes, expected " +
-              std::to_string(per_face));
+          "mesh: boundary faces of " + fmt::to_string(mesh.faces.cols()) + " nodes, expected " +
+              fmt::to_string(per_face));
   check_labels(mesh.region, mesh.tets.rows(), mesh.region_names.size(), "region");
   check_labels(mesh.face_patch, mesh.faces.rows(), mesh.patch_names.size(), "patch");
 }
@@ -69,11 +72,11 @@ void check_indices(const Cells& cells, Eigen::Index points, const std::string& w
   for (Eigen::Index c = 0; c < cells.rows(); ++c) {
     for (Eigen::Index a = 0; a < cells.cols(); ++a) {
       if (cells(c, a) >= 0 && cells(c, a) < points) continue;
-      outside.add(what + " " + std::to_string(c) + " names point " + std::to_string(cells(c, a)));
+      outside.add(what + " " + fmt::to_string(c) + " names point " + fmt::to_string(cells(c, a)));
       break;
     }
   }
-  outside.throw_if_any("cells name points that are not there (there are " + std::to_string(points) +
+  outside.throw_if_any("cells name points that are not there (there are " + fmt::to_string(points) +
                            ", counted from 0)",
                        "");
 }
@@ -82,7 +85,7 @@ void check_points(const TetMesh& mesh) {
   Offenders not_finite;
   for (Eigen::Index p = 0; p < mesh.points.rows(); ++p) {
     if (mesh.points.row(p).allFinite()) continue;
-    not_finite.add("point " + std::to_string(p));
+    not_finite.add("point " + fmt::to_string(p));
   }
   not_finite.throw_if_any("points have coordinates that are not finite", "");
 
@@ -93,7 +96,7 @@ void check_points(const TetMesh& mesh) {
   Offenders unused;
   for (Eigen::Index p = 0; p < mesh.points.rows(); ++p) {
     if (used[static_cast<std::size_t>(p)]) continue;
-    unused.add("point " + std::to_string(p) + " at " + place(mesh.points.row(p)));
+    unused.add("point " + fmt::to_string(p) + " at " + place(mesh.points.row(p)));
   }
   unused.throw_if_any("points are used by no tetrahedron", "remove them");
 }
@@ -172,6 +175,29 @@ void check_volumes(const TetMesh& mesh) {
                    "mesh again, or check the node order of the file");
 }
 
+// Volume and centre of each of the parts that cells belong to, in words.
+std::vector<std::string> descriptions(const TetMesh& mesh, const std::vector<std::int32_t>& part_of,
+                                      int parts) {
+  Eigen::VectorXd volumes = Eigen::VectorXd::Zero(parts);
+  Points centres = Points::Zero(parts, 3);
+  for (Eigen::Index t = 0; t < mesh.tet_count(); ++t) {
+    const auto part = static_cast<Eigen::Index>(part_of[static_cast<std::size_t>(t)]);
+    Eigen::Matrix<double, 4, 3> corner;
+    for (int a = 0; a < 4; ++a) corner.row(a) = mesh.points.row(mesh.tets(t, a));
+    const Eigen::Matrix3d edges = corner.bottomRows<3>().rowwise() - corner.row(0);
+    const double v = edges.determinant() / 6.0;
+    volumes(part) += v;
+    centres.row(part) += v * corner.colwise().mean();
+  }
+  std::vector<std::string> words;
+  for (Eigen::Index b = 0; b < parts; ++b) {
+    std::ostringstream text;
+    text << "volume " << volumes(b) << " m^3, centre " << place(centres.row(b) / volumes(b));
+    words.push_back(text.str());
+  }
+  return words;
+}
+
 void check_one_body(const TetMesh& mesh) {
   DisjointSets sets(static_cast<std::size_t>(mesh.points.rows()));
   for (const auto tet : mesh.tets.rowwise()) {
@@ -182,24 +208,43 @@ void check_one_body(const TetMesh& mesh) {
   const std::vector<std::int32_t> body_of = sets.numbers();
   const int bodies = *std::max_element(body_of.begin(), body_of.end()) + 1;
   if (bodies == 1) return;
-  Eigen::VectorXd volumes = Eigen::VectorXd::Zero(bodies);
-  Points centres = Points::Zero(bodies, 3);
+  std::vector<std::int32_t> of_cell;
   for (const auto tet : mesh.tets.rowwise()) {
-    const auto body = static_cast<Eigen::Index>(body_of[static_cast<std::size_t>(tet(0))]);
-    Eigen::Matrix<double, 4, 3> corner;
-    for (int a = 0; a < 4; ++a) corner.row(a) = mesh.points.row(tet(a));
-    const Eigen::Matrix3d edges = corner.bottomRows<3>().rowwise() - corner.row(0);
-    const double v = edges.determinant() / 6.0;
-    volumes(body) += v;
-    centres.row(body) += v * corner.colwise().mean();
+    of_cell.push_back(body_of[static_cast<std::size_t>(tet(0))]);
   }
   Offenders several;
-  for (Eigen::Index b = 0; b < bodies; ++b) {
-    std::ostringstream words;
-    words << "volume " << volumes(b) << " m^3, centre " << place(centres.row(b) / volumes(b));
-    several.add(words.str());
-  }
+  for (const auto& words : descriptions(mesh, of_cell, bodies)) several.add(words);
   several.throw_if_any("bodies share no node", "join them, or give each a study of its own");
+}
+
+// Where two parts meet: at a node, or between the ends of a line of nodes.
+std::string place_of(const TetMesh& mesh, const Joint& joint) {
+  const auto& nodes = joint.node;
+  if (nodes.size() == 1) return "at the node at " + place(mesh.points.row(nodes.front()));
+  const auto further = [&](const Eigen::RowVector3d& from) {
+    return *std::max_element(nodes.begin(), nodes.end(), [&](std::int32_t a, std::int32_t b) {
+      return (mesh.points.row(a) - from).norm() < (mesh.points.row(b) - from).norm();
+    });
+  };
+  const auto end = further(mesh.points.row(nodes.front()));
+  const auto begin = further(mesh.points.row(end));
+  return "along the edge from " + place(mesh.points.row(begin)) + " to " +
+         place(mesh.points.row(end));
+}
+
+void check_mechanism(const TetMesh& mesh) {
+  const auto found = mechanism(mesh);
+  if (found.free_motions == 0) return;
+  const auto words = descriptions(mesh, found.parts.of_cell, found.parts.count);
+  Offenders joints;
+  for (const auto& joint : found.joints) {
+    joints.add(place_of(mesh, joint) + " (" + words[static_cast<std::size_t>(joint.first)] +
+               "; and " + words[static_cast<std::size_t>(joint.second)] + ")");
+  }
+  joints.throw_if_any(
+      "places where parts of the body meet in an edge or a node only, about which "
+      "they turn at no cost",
+      "join the parts by common faces, or leave one of them out");
 }
 
 }  // namespace
@@ -211,6 +256,7 @@ void check(const TetMesh& mesh) {
   check_points(mesh);
   check_volumes(mesh);
   check_one_body(mesh);
+  check_mechanism(mesh);
 }
 
 }  // namespace chladni::mesh

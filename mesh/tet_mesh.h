@@ -86,12 +86,14 @@ struct Quality {
 };
 [[nodiscard]] Quality quality(const TetMesh& mesh);
 
-/// @throws InvalidInput  a tetrahedron is inverted or flat (for curved ones: at any of its nodes),
-/// an
-///                       index is out of range, a coordinate is not finite, a point is used by no
-///                       tetrahedron, the arrays do not fit together, the cells fall into several
-///                       bodies that share no node (names each with its volume and centre); for the
-///                       first ten offenders. Cost: linear.
+/// Is it fit for elements?
+///
+/// @throws InvalidInput  for the first ten offenders, each by its place: a tetrahedron is inverted
+///     or flat (a curved one: at any of its nodes), an index is out of range, a coordinate is not
+///     finite, a point is used by no tetrahedron, the arrays do not fit together, the cells fall
+///     into several bodies that share no node, or into parts that meet in edges and nodes only and
+///     so can move against each other at no cost
+/// Cost: linear.
 void check(const TetMesh& mesh);
 
 }  // namespace chladni::mesh

@@ -1,5 +1,7 @@
 #include "mesh/tetrahedralize.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -7,11 +9,11 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <unordered_map>
 
 #include "base/error.h"
 #include "base/worker.h"
+#include "mesh/attempts.h"
 #include "mesh/mesher/wire.h"
 #include "mesh/relax.h"
 #include "mesh/remesh.h"
@@ -40,11 +42,11 @@ void check_options(const MesherOptions& options) {
   require(std::isfinite(options.edge_length) && options.edge_length >= 0.0,
           "mesh: edge_length is " + in_mm(options.edge_length) + ", expected a positive length");
   require(options.largest_radius_edge >= 1.1 && options.largest_radius_edge <= 100.0,
-          "mesh: the largest radius-edge ratio is " + std::to_string(options.largest_radius_edge) +
+          "mesh: the largest radius-edge ratio is " + fmt::to_string(options.largest_radius_edge) +
               ", expected 1.1 to 100 (TetGen need not end below 1.4)");
   require(options.smallest_dihedral_degrees >= 0.0 && options.smallest_dihedral_degrees <= 25.0,
           "mesh: the smallest dihedral angle is " +
-              std::to_string(options.smallest_dihedral_degrees) + " degrees, expected 0 to 25");
+              fmt::to_string(options.smallest_dihedral_degrees) + " degrees, expected 0 to 25");
 }
 
 // Far from the origin TetGen's sums lose the digits that its tests need.
@@ -82,11 +84,14 @@ wire::Reply reply_to(const wire::Request& request, const MesherOptions& options,
     return wire::reply_from(
         run_worker(worker_path("chladni-tetgen"), {}, wire::bytes_of(request), limits).output);
   } catch (const WorkerDied& death) {
-    throw WorkerDied("the mesher died on a surface of " + std::to_string(request.markers.size()) +
+    throw WorkerDied("the mesher died on a surface of " + fmt::to_string(request.markers.size()) +
                      " triangles with edge_length " + in_mm(edge_length) + " (" + death.what() +
                      "); try a coarser edge_length, remesh = true, or mend the surface in CAD");
+  } catch (const NumericalFailure&) {
+    throw;
+  } catch (const Interrupted&) {
+    throw;
   } catch (const std::runtime_error& error) {
-    if (dynamic_cast<const NumericalFailure*>(&error) != nullptr) throw;
     throw WorkerDied("the mesher's answer cannot be read: " + std::string(error.what()));
   }
 }
@@ -115,7 +120,7 @@ class PartRegions {
     if (regions < 2) return 0;
     throw InvalidInput("mesh: the part of the body around (" + in_mm(inside.x()) + ", " +
                        in_mm(inside.y()) + ", " + in_mm(inside.z()) + ") belongs to none of its " +
-                       std::to_string(regions) +
+                       fmt::to_string(regions) +
                        " regions; expected a region whose inside point lies there");
   }
 
@@ -251,38 +256,17 @@ TetMesh meshed(const Surface& body, const MesherOptions& options, double edge_le
   return mesh;
 }
 
-// None where the mesher cannot do it.
-std::optional<TetMesh> on_isotropic_surface(const Surface& body, const MesherOptions& options,
-                                            double edge_length) {
-  try {
-    return meshed(body, options, edge_length, OfSurface::stays);
-  } catch (const WorkerDied&) {
-    return std::nullopt;
-  } catch (const NumericalFailure&) {
-    return std::nullopt;
-  } catch (const InvalidInput&) {  // an inverted cell
-    return std::nullopt;
-  }
-}
-
 // Every edge of a curved surface is one that TetGen may not cross but does cut: twice the cells and
 // worse ones than on an isotropic surface that stays as it is. On thin plates it is the other way.
 TetMesh on_best_surface(const Surface& body, const MesherOptions& options, double edge_length) {
   constexpr double nearly = 2.0;  // degrees
-  std::optional<TetMesh> best;
-  double reached = 0.0;
-  const auto is_good = [&](std::optional<TetMesh> mesh) {
-    const double angle = mesh ? quality(*mesh).smallest_dihedral_degrees : 0.0;
-    if (angle > reached) best = std::move(mesh);
-    reached = std::max(angle, reached);
-    return reached > options.smallest_dihedral_degrees - nearly;
+  const auto isotropic_surface = [&] {
+    return meshed(remesh(body, edge_length), options, edge_length, OfSurface::stays);
   };
-  if (is_good(on_isotropic_surface(remesh(body, edge_length), options, edge_length))) {
-    return *best;
-  }
-  const Surface planes = with_fewest_planes(body, edge_length);
-  is_good(meshed(planes, options, edge_length, OfSurface::refined));
-  return *best;
+  const auto few_planes = [&] {
+    return meshed(with_fewest_planes(body, edge_length), options, edge_length, OfSurface::refined);
+  };
+  return better_mesh(isotropic_surface, few_planes, options.smallest_dihedral_degrees - nearly);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "mesh/bodies.h"
@@ -119,6 +120,73 @@ TEST(Check, ListsBodiesThatShareNoNode) {
   expect_complaint(joined(a, b), "volume 0.0072 m^3, centre (");
   expect_complaint(joined(a, b), "volume 0.0001 m^3, centre (1000, ");
   EXPECT_EQ(complaint(a), "");
+}
+
+// One point for those that are at one place.
+TetMesh merged(TetMesh both) {
+  std::vector<int> same(static_cast<std::size_t>(both.node_count()));
+  Points kept(0, 3);
+  for (Eigen::Index i = 0; i < both.node_count(); ++i) {
+    Eigen::Index k = 0;
+    while (k < kept.rows() && (kept.row(k) - both.points.row(i)).norm() > 1e-9) ++k;
+    if (k == kept.rows()) {
+      kept.conservativeResize(k + 1, 3);
+      kept.row(k) = both.points.row(i);
+    }
+    same[static_cast<std::size_t>(i)] = static_cast<int>(k);
+  }
+  for (auto& node : both.tets.reshaped()) node = same[static_cast<std::size_t>(node)];
+  both.points = kept;
+  find_boundary(both);
+  return both;
+}
+
+// Two blocks of 100 x 100 x 100 mm, the second one moved and joined to the first where they touch.
+TetMesh two_blocks(const Eigen::RowVector3d& by, int order) {
+  const TetMesh a = with_order(layered(Plate{0.1, 0.1, 0.1}, 0.05, 2), order);
+  TetMesh b = a;
+  b.points.rowwise() += by;
+  return merged(joined(a, b));
+}
+
+TEST(Check, RefusesAHingeByItsPlace) {
+  for (const int order : {1, 2, 3}) {
+    const TetMesh hinge = two_blocks({0.1, 0.1, 0.0}, order);
+    expect_complaint(hinge, "1 places where parts of the body meet in an edge or a node only");
+    expect_complaint(hinge, "along the edge from (50, 50, ");
+    expect_complaint(hinge, "volume 0.001 m^3, centre (100, 100, -50) mm");
+  }
+}
+
+TEST(Check, RefusesABallJointByItsPlace) {
+  for (const int order : {1, 2}) {
+    expect_complaint(two_blocks({0.1, 0.1, 0.1}, order), "at the node at (50, 50, 0) mm");
+  }
+}
+
+TEST(Check, AcceptsBlocksThatShareAFace) {
+  EXPECT_EQ(complaint(two_blocks({0.1, 0.0, 0.0}, 2)), "");
+  EXPECT_EQ(complaint(two_blocks({0.1, 0.05, 0.0}, 2)), "");
+}
+
+// Four blocks in a ring, each joined to the next along one upright edge: a linkage of four bars
+// that moves in one way. A fifth block on top of two of them, by faces, makes it stiff.
+TEST(Check, TellsALinkageFromAFrame) {
+  const auto add = [](const TetMesh& to, const Eigen::RowVector3d& by) {
+    TetMesh block = layered(Plate{0.1, 0.1, 0.1}, 0.05, 2);
+    block.points.rowwise() += by;
+    return merged(joined(to, block));
+  };
+  TetMesh ring = layered(Plate{0.1, 0.1, 0.1}, 0.05, 2);
+  for (const auto& [x, y] : {std::pair{0.1, 0.1}, {0.0, 0.2}, {-0.1, 0.1}}) {
+    ring = add(ring, {x, y, 0.0});
+  }
+  expect_complaint(ring, "4 places where parts of the body meet in an edge or a node only");
+  TetMesh stiff = ring;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.0, 0.1}, {0.1, 0.1}}) {
+    stiff = add(stiff, {x, y, 0.1});
+  }
+  EXPECT_EQ(complaint(stiff), "");
 }
 
 TEST(Check, RefusesPointsWithoutATetrahedron) {

@@ -1,0 +1,44 @@
+#include "mesh/attempts.h"
+
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+
+namespace chladni::mesh {
+namespace {
+
+struct Attempt {
+  std::optional<TetMesh> mesh;
+  std::exception_ptr failure;  // why there is none
+
+  [[nodiscard]] double angle() const {
+    return mesh ? quality(*mesh).smallest_dihedral_degrees : -1.0;
+  }
+};
+
+Attempt attempted(const std::function<TetMesh()>& way) {
+  try {
+    return {way(), nullptr};
+  } catch (const OutOfResources&) {  // another way needs as much
+    throw;
+  } catch (const NumericalFailure&) {
+    return {std::nullopt, std::current_exception()};
+  } catch (const InvalidInput&) {  // an inverted cell
+    return {std::nullopt, std::current_exception()};
+  }
+}
+
+}  // namespace
+
+TetMesh better_mesh(const std::function<TetMesh()>& first, const std::function<TetMesh()>& second,
+                    double good_enough) {
+  auto one = attempted(first);
+  if (one.mesh && one.angle() >= good_enough) return *std::move(one.mesh);
+  auto other = attempted(second);
+  if (!one.mesh && !other.mesh) std::rethrow_exception(other.failure);
+  return *std::move(one.angle() >= other.angle() ? one.mesh : other.mesh);
+}
+
+}  // namespace chladni::mesh
