@@ -1,5 +1,7 @@
 #include "mesh/bodies.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -39,7 +41,7 @@ void require_convex(const Quadrilateral& plate) {
     const Eigen::RowVector2d out = plate.corners.row((c + 2) % 4) - plate.corners.row((c + 1) % 4);
     const double turn = in(0) * out(1) - in(1) * out(0);
     require(turn > 1e-9 * in.norm() * out.norm(),
-            "quadrilateral: corner " + std::to_string((c + 1) % 4 + 1) +
+            "quadrilateral: corner " + fmt::to_string((c + 1) % 4 + 1) +
                 " does not turn left; expected a convex one, counter-clockwise from above");
   }
 }

@@ -1,5 +1,7 @@
 #include "mesh/body_checks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -32,8 +34,8 @@ void require_pockets_fit(const WaferTable& table) {
   const std::string body = "wafer table";
   require(table.pockets_x >= 0 && table.pockets_y >= 0 &&
               (table.pockets_x == 0) == (table.pockets_y == 0),
-          body + ": pockets are " + std::to_string(table.pockets_x) + " by " +
-              std::to_string(table.pockets_y) + ", expected 0 by 0 or at least 1 by 1");
+          body + ": pockets are " + fmt::to_string(table.pockets_x) + " by " +
+              fmt::to_string(table.pockets_y) + ", expected 0 by 0 or at least 1 by 1");
   require(std::max(table.pockets_x, table.pockets_y) <= 1000,
           body + ": more than 1000 pockets in a row");
   if (table.pockets_x == 0) return;
@@ -45,7 +47,7 @@ void require_pockets_fit(const WaferTable& table) {
     const double pitch = length / count;
     require(pocket_width(length, count, table.rib, rim_of(table)) > 1e-6 * length,
             body + ": ribs of " + text(table.rib) + " and a rim of " + text(rim_of(table)) +
-                " leave no room for " + std::to_string(count) + " pockets along " + axis +
+                " leave no room for " + fmt::to_string(count) + " pockets along " + axis +
                 " (pitch " + text(pitch) + ")");
   };
   check("x", table.length, table.pockets_x);
@@ -71,7 +73,7 @@ void require_cutouts_fit(const WaferTable& table) {
 void require_bores_fit(const WaferTable& table) {
   for (std::size_t b = 0; b < table.bores.size(); ++b) {
     const Bore& bore = table.bores[b];
-    const std::string body = "wafer table: bore " + std::to_string(b + 1);
+    const std::string body = "wafer table: bore " + fmt::to_string(b + 1);
     require_positive(body, "diameter", bore.diameter);
     require_not_negative(body, "depth", bore.depth);
     require_less(body, "depth", bore.depth, "the height", table.height);
@@ -132,9 +134,9 @@ void require_fit(const Layering& layering) {
   require_positive("mesh", "edge length", layering.edge_length);
   require_not_negative("mesh", "edge strip", layering.edge_strip);
   require(layering.layers >= 1 && layering.layers <= 1000,
-          "mesh: layers is " + std::to_string(layering.layers) + ", expected 1 ... 1000");
+          "mesh: layers is " + fmt::to_string(layering.layers) + ", expected 1 ... 1000");
   require(layering.across_ribs >= 1 && layering.across_ribs <= 100,
-          "mesh: cells across a rib are " + std::to_string(layering.across_ribs) +
+          "mesh: cells across a rib are " + fmt::to_string(layering.across_ribs) +
               ", expected 1 ... 100");
 }
 

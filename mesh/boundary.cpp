@@ -1,4 +1,6 @@
 // The faces that only one tetrahedron has.
+#include <fmt/format.h>
+
 #include <vector>
 
 #include "base/error.h"
@@ -13,18 +15,18 @@ void find_boundary(TetMesh& mesh) {
   keys.reserve(static_cast<std::size_t>(4 * mesh.tets.rows()));
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     const auto tet = mesh.tets.row(t);
-    require(tet.minCoeff() >= 0 && tet.maxCoeff() < n, "tetrahedron " + std::to_string(t) +
+    require(tet.minCoeff() >= 0 && tet.maxCoeff() < n, "tetrahedron " + fmt::to_string(t) +
                                                            " names points outside 0 ... " +
-                                                           std::to_string(n - 1));
+                                                           fmt::to_string(n - 1));
     for (const auto& [a, b, c] : kTetFaces) keys.push_back(face_key(tet(a), tet(b), tet(c)));
   }
   const Numbering shared = shared_numbers(keys, n);
   std::vector<std::int32_t> alone;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const auto uses = shared.uses[static_cast<std::size_t>(shared.number[i])];
-    require(uses <= 2, "tetrahedron " + std::to_string(i / 4) + ": its face between points " +
-                           std::to_string(keys[i][0]) + ", " + std::to_string(keys[i][1]) + ", " +
-                           std::to_string(keys[i][2]) + " belongs to " + std::to_string(uses) +
+    require(uses <= 2, "tetrahedron " + fmt::to_string(i / 4) + ": its face between points " +
+                           fmt::to_string(keys[i][0]) + ", " + fmt::to_string(keys[i][1]) + ", " +
+                           fmt::to_string(keys[i][2]) + " belongs to " + fmt::to_string(uses) +
                            " tetrahedra, expected at most 2");
     if (uses == 1) alone.push_back(static_cast<std::int32_t>(i));
   }

@@ -1,5 +1,7 @@
 #include "mesh/brick_grid.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <utility>
 
@@ -168,7 +170,7 @@ std::array<std::array<Lattice, 4>, 6> kuhn_simplices(const Lattice& brick) {
 BrickGrid BrickGrid::block(std::vector<double> x, std::vector<double> y, std::vector<double> z) {
   const double bricks = static_cast<double>(x.size() - 1) * static_cast<double>(y.size() - 1) *
                         static_cast<double>(z.size() - 1);
-  require(bricks <= 2e7, "mesh: " + std::to_string(static_cast<long long>(bricks)) +
+  require(bricks <= 2e7, "mesh: " + fmt::to_string(static_cast<long long>(bricks)) +
                              " bricks of six tetrahedra, at most 20 million can be laid; take a "
                              "longer edge length");
   BrickGrid grid;

@@ -1,4 +1,6 @@
 // One of the two files that include CGAL: bodies united, cut and bonded by corefinement.
+#include <fmt/format.h>
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Surface_mesh.h>
@@ -103,7 +105,7 @@ Surface surface_of(const Mesh& mesh, const PatchMap& patches, std::vector<std::s
 
 Surface sound(const Surface& surface, const std::string& what) {
   require(surface.regions.size() < 2,
-          what + ": it has " + std::to_string(surface.regions.size()) + " regions, expected one");
+          what + ": it has " + fmt::to_string(surface.regions.size()) + " regions, expected one");
   Surface body = surface;
   const SurfaceReport report = check_and_repair(body);
   require(report.fit(), what + ": " + report.text());

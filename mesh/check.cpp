@@ -1,5 +1,7 @@
 #include "mesh/check.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -35,7 +37,7 @@ std::string length_text(double length) {
 
 // "1 hole", "3 holes"
 std::string counted(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+  return fmt::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
 // "a, b, c and 4 more"
@@ -44,7 +46,7 @@ std::string listed(const std::vector<std::string>& things, std::size_t most = mo
   for (std::size_t i = 0; i < std::min(things.size(), most); ++i) {
     text += (i == 0 ? "" : ", ") + things[i];
   }
-  return things.size() > most ? text + " and " + std::to_string(things.size() - most) + " more"
+  return things.size() > most ? text + " and " + fmt::to_string(things.size() - most) + " more"
                               : text;
 }
 
@@ -91,10 +93,10 @@ class Checker {
     for (Eigen::Index t = 0; t < surface_.triangles.rows(); ++t) {
       const auto row = surface_.triangles.row(t);
       const bool inside = row.minCoeff() >= 0 && row.maxCoeff() < surface_.points.rows();
-      if (!inside) wrong.push_back(std::to_string(t));
+      if (!inside) wrong.push_back(fmt::to_string(t));
       const int patch = surface_.patch[t];
       if (patch < 0 || patch >= static_cast<int>(surface_.patch_names.size())) {
-        wrong.push_back(std::to_string(t) + " (patch " + std::to_string(patch) + ")");
+        wrong.push_back(fmt::to_string(t) + " (patch " + fmt::to_string(patch) + ")");
       }
     }
     if (wrong.empty()) return;
@@ -106,7 +108,7 @@ class Checker {
   void find_points_not_finite() {
     std::vector<std::string> wrong;
     for (Eigen::Index i = 0; i < surface_.points.rows(); ++i) {
-      if (!surface_.points.row(i).allFinite()) wrong.push_back(std::to_string(i));
+      if (!surface_.points.row(i).allFinite()) wrong.push_back(fmt::to_string(i));
     }
     if (wrong.empty()) return;
     add(Severity::refused,
@@ -283,7 +285,7 @@ class Checker {
       list.push_back(text_of("%.4g mm^3 around ", 1e9 * body.volume) + place(body.centre));
     }
     add(Severity::refused,
-        std::to_string(list.size()) + " bodies that do not touch each other: " + listed(list),
+        fmt::to_string(list.size()) + " bodies that do not touch each other: " + listed(list),
         "give one body, or join them in CAD");
   }
 

@@ -1,5 +1,7 @@
 #include "mesh/laplacian.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -94,7 +96,7 @@ std::vector<int> small_triangles(const TetMesh& mesh, const std::vector<std::str
 }
 
 std::string place(const Eigen::RowVector3d& at) {
-  return "(" + std::to_string(at(0)) + ", " + std::to_string(at(1)) + ", " + std::to_string(at(2)) +
+  return "(" + fmt::to_string(at(0)) + ", " + fmt::to_string(at(1)) + ", " + fmt::to_string(at(2)) +
          ") m";
 }
 

@@ -7,6 +7,8 @@
 // Table 600 x 600 x 50 mm with 9 x 9 pockets, order 3: 36 mm and strips of two ribs along the
 // walls, 296 k, twist of the open ribs 4e-3 below what as many equal cells give; with one cell in
 // the depth of the pockets instead of two: 227 k, twist 8e-3 higher.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +22,7 @@ namespace {
 
 void require_order(int order) {
   require(order >= 1 && order <= 3,
-          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
+          "element order is " + fmt::to_string(order) + ", expected 1, 2 or 3");
 }
 
 // Cells per half wave of the 20th mode.

@@ -1,4 +1,6 @@
 // Nodes of orders 2 and 3 on the edges and faces of tetrahedra.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +15,7 @@ namespace {
 
 void require_order(int order) {
   require(order == 1 || order == 2 || order == 3,
-          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
+          "element order is " + fmt::to_string(order) + ", expected 1, 2 or 3");
 }
 
 // Corners, then the inner nodes of each edge.
@@ -44,8 +46,8 @@ Corners corners_of(const TetMesh& mesh) {
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     for (Eigen::Index a = 0; a < 4; ++a) {
       const std::int32_t p = mesh.tets(t, a);
-      require(0 <= p && p < n, "tetrahedron " + std::to_string(t) + " names point " +
-                                   std::to_string(p) + ", there are " + std::to_string(n));
+      require(0 <= p && p < n, "tetrahedron " + fmt::to_string(t) + " names point " +
+                                   fmt::to_string(p) + ", there are " + fmt::to_string(n));
       fresh[static_cast<std::size_t>(p)] = 0;
     }
   }
@@ -57,7 +59,7 @@ Corners corners_of(const TetMesh& mesh) {
   }
   const auto renumbered = [&](std::int32_t p) {
     require(0 <= p && p < n && fresh[static_cast<std::size_t>(p)] >= 0,
-            "a boundary face names point " + std::to_string(p) +
+            "a boundary face names point " + fmt::to_string(p) +
                 ", which is a corner of no tetrahedron");
     return fresh[static_cast<std::size_t>(p)];
   };
@@ -127,7 +129,7 @@ void add_nodes(TetMesh& mesh, int order) {
   const Numbering faces = face_numbers(mesh);
   const Eigen::Index tets = mesh.tets.rows();
   for (const std::int32_t first : faces.first) {
-    require(first < 4 * tets, "boundary face " + std::to_string(first - 4 * tets) +
+    require(first < 4 * tets, "boundary face " + fmt::to_string(first - 4 * tets) +
                                   " is not a face of any tetrahedron");
   }
   const Eigen::Index corners = mesh.points.rows();
@@ -135,7 +137,7 @@ void add_nodes(TetMesh& mesh, int order) {
   const Eigen::Index face_count = order == 3 ? static_cast<Eigen::Index>(faces.first.size()) : 0;
   const Eigen::Index count = corners + edge_nodes + face_count;
   require(count <= std::numeric_limits<std::int32_t>::max(),
-          "mesh: " + std::to_string(count) + " nodes, at most 2^31 - 1 can be numbered");
+          "mesh: " + fmt::to_string(count) + " nodes, at most 2^31 - 1 can be numbered");
   mesh.points.conservativeResize(count, 3);
   mesh.tets.conservativeResize(tets, tet_nodes(order));
   mesh.faces.conservativeResize(mesh.faces.rows(), face_nodes(order));

@@ -1,5 +1,7 @@
 #include "mesh/remesh.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -247,7 +249,7 @@ Surface remeshed(const Surface& surface, double edge_length, double sharp_degree
 
 Surface remesh(const Surface& surface, double edge_length, double sharp_degrees) {
   require(std::isfinite(edge_length) && edge_length > 0.0,
-          "remesh: edge_length is " + std::to_string(edge_length) + " m, expected more than 0");
+          "remesh: edge_length is " + fmt::to_string(edge_length) + " m, expected more than 0");
   return remeshed(surface, edge_length, sharp_degrees, Flat::renewed);
 }
 

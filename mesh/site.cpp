@@ -1,5 +1,7 @@
 #include "mesh/site.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -171,8 +173,8 @@ Site SiteFinder::nearest(const Eigen::Vector3d& point) const {
 }
 
 std::optional<Site> SiteFinder::Tree::crossing(std::int32_t face, double x, double y) const {
-  const Crossing at = vertical_crossing(nodes_of(*mesh, face), mesh->order(),
-                                        curved[static_cast<std::size_t>(face)], {x, y});
+  const VerticalCrossing at = vertical_crossing(nodes_of(*mesh, face), mesh->order(),
+                                                curved[static_cast<std::size_t>(face)], {x, y});
   if (!at.found) return {};
   Site site = site_at(*mesh, face, at.barycentric, {x, y, 0.0});
   if (site.normal.z() <= 0.0) return {};  // seen from below
@@ -214,10 +216,10 @@ std::optional<Site> SiteFinder::from_above(double x, double y) const {
 Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& direction,
                                    Eigen::Index node_count) {
   require(direction.allFinite() && std::abs(direction.norm() - 1.0) < 1e-6,
-          "row_at: the direction has length " + std::to_string(direction.norm()) + ", expected 1");
+          "row_at: the direction has length " + fmt::to_string(direction.norm()) + ", expected 1");
   require(site.nodes.size() == site.weights.size() && site.nodes.size() > 0 &&
               site.nodes.minCoeff() >= 0 && site.nodes.maxCoeff() < node_count,
-          "row_at: the site is not of a mesh with " + std::to_string(node_count) + " nodes");
+          "row_at: the site is not of a mesh with " + fmt::to_string(node_count) + " nodes");
   Eigen::SparseVector<double> row(3 * node_count);
   row.reserve(3 * site.nodes.size());
   for (Eigen::Index a = 0; a < site.nodes.size(); ++a) {
@@ -230,7 +232,7 @@ Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& dire
 
 Eigen::VectorXd triangle_shape(int order, const Eigen::Vector3d& barycentric) {
   require(order >= 1 && order <= 3,
-          "element order is " + std::to_string(order) + ", expected 1, 2 or 3");
+          "element order is " + fmt::to_string(order) + ", expected 1, 2 or 3");
   return face_shape(order, barycentric).value;
 }
 

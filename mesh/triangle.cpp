@@ -124,10 +124,10 @@ Eigen::Vector3d nearest_on_face(const FaceNodes& nodes, int order, const Eigen::
   return at;
 }
 
-Crossing vertical_crossing(const FaceNodes& nodes, int order, bool curved,
-                           const Eigen::Vector2d& at) {
+VerticalCrossing vertical_crossing(const FaceNodes& nodes, int order, bool curved,
+                                   const Eigen::Vector2d& at) {
   constexpr double kTolerance = 1e-9;  // of the face: lines along its outline hit it
-  Crossing result;
+  VerticalCrossing result;
   result.barycentric.setConstant(1.0 / 3.0);
   const int iterations = curved ? 30 : 1;
   for (int i = 0; i < iterations; ++i) {

@@ -30,12 +30,12 @@ struct FaceShape {
 
 /// Barycentric coordinates of the point of a face straight above or below (x, y), by Newton's
 /// method where the face is curved. `found` is false where the line misses it or grazes it.
-struct Crossing {
+struct VerticalCrossing {
   bool found = false;
   Eigen::Vector3d barycentric;
 };
-[[nodiscard]] Crossing vertical_crossing(const FaceNodes& nodes, int order, bool curved,
-                                         const Eigen::Vector2d& at);
+[[nodiscard]] VerticalCrossing vertical_crossing(const FaceNodes& nodes, int order, bool curved,
+                                                 const Eigen::Vector2d& at);
 
 /// How far the nodes lie off the flat triangle of the corners, at most [m].
 [[nodiscard]] double sag(const FaceNodes& nodes, int order);

@@ -1,5 +1,7 @@
 #include "modal/frf_set.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +19,7 @@ namespace {
 using Complex = std::complex<double>;
 
 std::string sized(Eigen::Index rows, Eigen::Index columns) {
-  return std::to_string(rows) + " x " + std::to_string(columns);
+  return fmt::to_string(rows) + " x " + fmt::to_string(columns);
 }
 
 void check_channels(const std::vector<MeasuredChannel>& channels, const std::string& side) {
@@ -25,14 +27,14 @@ void check_channels(const std::vector<MeasuredChannel>& channels, const std::str
   std::set<std::string_view> names;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const auto& channel = channels[c];
-    const std::string place = "measured responses: " + side + " " + std::to_string(c + 1);
+    const std::string place = "measured responses: " + side + " " + fmt::to_string(c + 1);
     require(!channel.name.empty(), place + " has no name");
     require(names.insert(channel.name).second,
             "measured responses: two " + side + "s are called \"" + channel.name + "\"");
     const double length = channel.direction.norm();
     require(length == 0.0 || std::abs(length - 1.0) < 1e-6,
             place + " (\"" + channel.name + "\"): its direction has the length " +
-                std::to_string(length) + ", expected 1, or 0 where it is not stated");
+                fmt::to_string(length) + ", expected 1, or 0 where it is not stated");
     require(!channel.position || channel.position->allFinite(),
             place + " (\"" + channel.name + "\"): its position is not finite");
   }
@@ -44,9 +46,9 @@ void check_lines(const Eigen::VectorXd& frequency_hz) {
     if (std::isfinite(frequency_hz(k)) && frequency_hz(k) >= 0.0 && frequency_hz(k) > before) {
       continue;
     }
-    throw InvalidInput("measured responses: line " + std::to_string(k + 1) + " is at " +
-                       std::to_string(frequency_hz(k)) + " Hz" +
-                       (k == 0 ? "" : ", the one before it at " + std::to_string(before) + " Hz") +
+    throw InvalidInput("measured responses: line " + fmt::to_string(k + 1) + " is at " +
+                       fmt::to_string(frequency_hz(k)) + " Hz" +
+                       (k == 0 ? "" : ", the one before it at " + fmt::to_string(before) + " Hz") +
                        "; expected ascending frequencies, 0 or more");
   }
 }
@@ -54,12 +56,12 @@ void check_lines(const Eigen::VectorXd& frequency_hz) {
 template <typename Matrix>
 void check_sizes(const std::vector<Matrix>& of, const FrfSet& set, const std::string& what) {
   require(static_cast<Eigen::Index>(of.size()) == set.line_count(),
-          "measured responses: " + what + " on " + std::to_string(of.size()) + " lines, expected " +
-              std::to_string(set.line_count()) + ", one per frequency");
+          "measured responses: " + what + " on " + fmt::to_string(of.size()) + " lines, expected " +
+              fmt::to_string(set.line_count()) + ", one per frequency");
   for (std::size_t k = 0; k < of.size(); ++k) {
     if (of[k].rows() == set.output_count() && of[k].cols() == set.input_count()) continue;
     throw InvalidInput(
-        "measured responses: " + what + " on line " + std::to_string(k + 1) + " is " +
+        "measured responses: " + what + " on line " + fmt::to_string(k + 1) + " is " +
         sized(of[k].rows(), of[k].cols()) +
         ", expected outputs x inputs: " + sized(set.output_count(), set.input_count()));
   }
@@ -69,7 +71,7 @@ void check_sizes(const std::vector<Matrix>& of, const FrfSet& set, const std::st
                          const std::string& found) {
   throw InvalidInput("measured responses: " + set.outputs[static_cast<std::size_t>(i)].name + "/" +
                      set.inputs[static_cast<std::size_t>(j)].name + ", line " +
-                     std::to_string(k + 1) + ": " + found);
+                     fmt::to_string(k + 1) + ": " + found);
 }
 
 void check_range(const std::vector<Eigen::MatrixXd>& of, const FrfSet& set, const std::string& what,
@@ -81,7 +83,7 @@ void check_range(const std::vector<Eigen::MatrixXd>& of, const FrfSet& set, cons
       for (Eigen::Index i = 0; i < set.output_count(); ++i) {
         const double value = of[k](i, j);
         if (!(value < 0.0 || value > highest)) continue;
-        refuse(set, k, i, j, what + " is " + std::to_string(value) + ", expected " + expected);
+        refuse(set, k, i, j, what + " is " + fmt::to_string(value) + ", expected " + expected);
       }
     }
   }
@@ -151,8 +153,8 @@ FrfSet of_lines(const FrfSet& set, Eigen::Index first, Eigen::Index count) {
 void check_chosen(const std::vector<Eigen::Index>& chosen, Eigen::Index count,
                   const std::string& side) {
   for (const auto i : chosen) {
-    require(i >= 0 && i < count, "measured responses: " + side + " " + std::to_string(i) +
-                                     " is asked for, expected 0 to " + std::to_string(count - 1));
+    require(i >= 0 && i < count, "measured responses: " + side + " " + fmt::to_string(i) +
+                                     " is asked for, expected 0 to " + fmt::to_string(count - 1));
   }
 }
 
@@ -168,7 +170,7 @@ void check(const FrfSet& set) {
   check_range(set.noise_variance, set, "the noise variance", most, "0 or more");
   check_range(set.coherence, set, "the coherence", 1.0, "0 to 1");
   require(std::isfinite(set.averages) && set.averages >= 0.0,
-          "measured responses: the variance has " + std::to_string(set.averages) +
+          "measured responses: the variance has " + fmt::to_string(set.averages) +
               " degrees of freedom, expected 0 or more");
 }
 
@@ -212,11 +214,11 @@ FrfSet band(const FrfSet& set, double low_hz, double high_hz) {
   const auto* end = begin + set.line_count();
   const auto first = std::lower_bound(begin, end, low_hz) - begin;
   const auto last = std::upper_bound(begin, end, high_hz) - begin;
-  require(first < last, "measured responses: no line from " + std::to_string(low_hz) + " to " +
-                            std::to_string(high_hz) + " Hz" +
+  require(first < last, "measured responses: no line from " + fmt::to_string(low_hz) + " to " +
+                            fmt::to_string(high_hz) + " Hz" +
                             (begin == end ? "; there are no lines"
-                                          : "; they go from " + std::to_string(*begin) + " to " +
-                                                std::to_string(*(end - 1)) + " Hz"));
+                                          : "; they go from " + fmt::to_string(*begin) + " to " +
+                                                fmt::to_string(*(end - 1)) + " Hz"));
   return of_lines(set, first, last - first);
 }
 

@@ -12,7 +12,8 @@ struct ModeGroup {
 };
 
 /// Neighbours belong together while their frequencies differ by at most `tolerance` of the lower
-/// one. Tolerance 0 takes only equal ones together.
+/// one (chained; modal/repeated.h says which tolerance is for what). Tolerance 0 takes only equal
+/// ones together.
 /// @param frequency_hz  m, ascending
 /// @returns             in order; their sizes sum to m
 /// @throws InvalidInput  the frequencies are not ascending or not finite, tolerance is negative

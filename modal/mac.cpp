@@ -1,5 +1,7 @@
 #include "modal/mac.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
@@ -15,7 +17,7 @@ void require_shapes(const Matrix& shapes, const char* name) {
   for (Eigen::Index j = 0; j < shapes.cols(); ++j) {
     const double size = shapes.col(j).stableNorm();
     require(std::isfinite(size) && size > 0.0,
-            std::string("mac: shape ") + std::to_string(j + 1) + " of set " + name +
+            std::string("mac: shape ") + fmt::to_string(j + 1) + " of set " + name +
                 (size == 0.0 ? " is zero at every place" : " is not finite") +
                 "; expected something to compare");
   }
@@ -23,8 +25,8 @@ void require_shapes(const Matrix& shapes, const char* name) {
 
 template <typename Matrix>
 void require_comparable(const Matrix& a, const Matrix& b) {
-  require(a.rows() == b.rows(), "mac: set a has " + std::to_string(a.rows()) +
-                                    " places and set b has " + std::to_string(b.rows()) +
+  require(a.rows() == b.rows(), "mac: set a has " + fmt::to_string(a.rows()) +
+                                    " places and set b has " + fmt::to_string(b.rows()) +
                                     "; expected the same places in the same order");
   require_shapes(a, "a");
   require_shapes(b, "b");
@@ -62,8 +64,8 @@ Eigen::VectorXd subspace_mac_of(const Matrix& a, const Matrix& b) {
 template <typename Matrix>
 Eigen::VectorXd comac_of(const Matrix& a, const Matrix& b) {
   require(a.rows() == b.rows() && a.cols() == b.cols(),
-          "comac: set a is " + std::to_string(a.rows()) + " places by " + std::to_string(a.cols()) +
-              " modes, set b " + std::to_string(b.rows()) + " by " + std::to_string(b.cols()) +
+          "comac: set a is " + fmt::to_string(a.rows()) + " places by " + fmt::to_string(a.cols()) +
+              " modes, set b " + fmt::to_string(b.rows()) + " by " + fmt::to_string(b.cols()) +
               "; expected paired modes at the same places");
   require(a.allFinite() && b.allFinite(), "comac: a shape is not finite");
   Eigen::VectorXd result(a.rows());

@@ -1,5 +1,7 @@
 #include "modal/pairing.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -168,9 +170,9 @@ Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
 Pairing pairing_by(const Eigen::MatrixXd& alike, const Modes& a, const Modes& b,
                    const PairingOptions& options) {
   require(alike.rows() == a.mode_count() && alike.cols() == b.mode_count(),
-          "pairing: likeness of " + std::to_string(alike.rows()) + " x " +
-              std::to_string(alike.cols()) + " modes, expected " + std::to_string(a.mode_count()) +
-              " x " + std::to_string(b.mode_count()));
+          "pairing: likeness of " + fmt::to_string(alike.rows()) + " x " +
+              fmt::to_string(alike.cols()) + " modes, expected " + fmt::to_string(a.mode_count()) +
+              " x " + fmt::to_string(b.mode_count()));
   const auto cost = costs(a, b, alike, options.frequency_weight);
   const bool wide = cost.rows() <= cost.cols();
   const auto partner = assigned_columns(wide ? cost : Eigen::MatrixXd(cost.transpose()));

@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "modal/modes.h"
+#include "modal/repeated.h"
 
 namespace chladni::modal {
 
 struct PairingOptions {
-  double repeated_gap = 5e-3;  ///< modes of one set within this relative band are compared by the
-                               ///< subspace they span: their single shapes mean nothing
-  double least_mac = 0.5;      ///< less alike ones stay alone
-  double frequency_weight = 1.0;  ///< of ln²(f_b / f_a) against 1 − MAC
+  double repeated_gap = kSplitByManufacture;  ///< modes of one set within this relative band are
+                                              ///< compared by the subspace they span: their single
+                                              ///< shapes mean nothing
+  double least_mac = 0.5;                     ///< less alike ones stay alone
+  double frequency_weight = 1.0;              ///< of ln²(f_b / f_a) against 1 − MAC
 };
 
 struct ModePair {

@@ -1,5 +1,7 @@
 #include "modal/reduced_model.h"
 
+#include <fmt/format.h>
+
 #include <string>
 
 #include "base/error.h"
@@ -10,7 +12,7 @@ namespace {
 void require_shape(const Eigen::MatrixXd& found, Eigen::Index rows, Eigen::Index columns,
                    const char* name) {
   const auto text = [](Eigen::Index r, Eigen::Index c) {
-    return std::to_string(r) + " by " + std::to_string(c);
+    return fmt::to_string(r) + " by " + fmt::to_string(c);
   };
   require(found.rows() == rows && found.cols() == columns,
           std::string("reduced model: ") + name + " is " + text(found.rows(), found.cols()) +
@@ -39,7 +41,7 @@ void check(const ReducedModel& model) {
   const bool rigid_are_zero = model.rigid_count >= 0 && model.rigid_count <= m &&
                               model.frequency_hz.head(model.rigid_count).isZero(0.0) &&
                               (model.frequency_hz.tail(m - model.rigid_count).array() > 0.0).all();
-  require(rigid_are_zero, "reduced model: the first " + std::to_string(model.rigid_count) +
+  require(rigid_are_zero, "reduced model: the first " + fmt::to_string(model.rigid_count) +
                               " frequencies are those of rigid-body modes; expected them to be 0 "
                               "and all others positive");
 }

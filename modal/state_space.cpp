@@ -1,5 +1,7 @@
 #include "modal/state_space.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
@@ -93,7 +95,7 @@ StateSpace state_space(const ReducedModel& model, FrfKind output) {
 StateSpace discretised(const StateSpace& model, double sample_time_s) {
   require(model.sample_time_s == 0.0, "state space: the model is discrete already");
   require(std::isfinite(sample_time_s) && sample_time_s > 0.0,
-          "state space: the sample time is " + std::to_string(sample_time_s) +
+          "state space: the sample time is " + fmt::to_string(sample_time_s) +
               " s; expected a positive number");
   const auto n = model.a.rows();
   const auto q = model.b.cols();
@@ -111,7 +113,7 @@ StateSpace discretised(const StateSpace& model, double sample_time_s) {
 Eigen::MatrixXcd response(const StateSpace& model, double frequency_hz) {
   require(
       std::isfinite(frequency_hz) && frequency_hz >= 0.0,
-      "state space: the frequency is " + std::to_string(frequency_hz) + " Hz; expected 0 or more");
+      "state space: the frequency is " + fmt::to_string(frequency_hz) + " Hz; expected 0 or more");
   const std::complex<double> s(0.0, 2.0 * std::numbers::pi * frequency_hz);
   Eigen::MatrixXcd pencil = -model.a.cast<std::complex<double>>();
   pencil.diagonal().array() += model.sample_time_s > 0.0 ? std::exp(s * model.sample_time_s) : s;
