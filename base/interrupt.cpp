@@ -17,16 +17,36 @@ void note(int signal) {
   std::raise(signal);
 }
 
+void note_only(int signal) { noted_signal = signal; }
+
+struct sigaction action_of(void (*handler)(int)) {
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  return action;
+}
+
 }  // namespace
 
 void catch_interrupts() {
   noted_signal = 0;
-  struct sigaction action = {};
-  action.sa_handler = note;
-  action.sa_flags = SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  const struct sigaction action = action_of(note);
+  for (const int signal : {SIGINT, SIGTERM, SIGQUIT}) sigaction(signal, &action, nullptr);
+  struct sigaction before = {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+}
+
+NotedInterrupts::NotedInterrupts() {
+  noted_signal = 0;
+  const struct sigaction action = action_of(note_only);
+  sigaction(SIGINT, &action, &before_);
+}
+
+NotedInterrupts::~NotedInterrupts() {
+  sigaction(SIGINT, &before_, nullptr);
+  noted_signal = 0;
 }
 
 bool interrupted() { return noted_signal != 0; }
@@ -39,6 +59,10 @@ void throw_if_interrupted() {
       return;
     case SIGTERM:
       throw Interrupted("stopped by SIGTERM");
+    case SIGQUIT:
+      throw Interrupted("stopped by SIGQUIT");
+    case SIGHUP:
+      throw Interrupted("stopped: the terminal is gone (SIGHUP)");
     default:
       throw Interrupted("stopped by Ctrl-C");
   }

@@ -7,18 +7,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <system_error>
 #include <utility>
 
-#include "base/error.h"
 #include "base/held_signal.h"
 #include "base/interrupt.h"
+#include "base/memory.h"
 
 namespace chladni {
 namespace {
@@ -27,6 +29,9 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kErrorsKept = std::size_t{64} << 10U;
+constexpr std::size_t kLeastOutput = std::size_t{1}
+                                     << 20U;  // is kept however little memory is left
+constexpr int kLibrariesMissing = 127;        // exit status of the dynamic linker
 
 struct Pipe {
   int read_end = -1;
@@ -65,7 +70,9 @@ struct Pipes {
   setpgid(0, 0);  // so that what it starts itself can be ended with it
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXFSZ}) {
+    std::signal(signal, SIG_DFL);
+  }
   sigset_t none;
   sigemptyset(&none);
   pthread_sigmask(SIG_SETMASK, &none, nullptr);
@@ -106,18 +113,22 @@ class Worker {
     setpgid(process_, process_);  // here as well: whoever comes first
   }
   ~Worker() {
+    if (status_) return;
     kill(-process_, SIGKILL);
-    if (!status_) waitpid(process_, nullptr, 0);
+    waitpid(process_, nullptr, 0);
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   Worker(Worker&&) = delete;
   Worker& operator=(Worker&&) = delete;
 
-  // Its wait status once it has ended.
+  // Its wait status once it has ended; what it left behind is killed then.
   std::optional<int> status() {
     int status = 0;
-    if (!status_ && waitpid(process_, &status, WNOHANG) == process_) status_ = status;
+    if (!status_ && waitpid(process_, &status, WNOHANG) == process_) {
+      status_ = status;
+      kill(-process_, SIGKILL);
+    }
     return status_;
   }
 
@@ -136,10 +147,18 @@ void refuse_failed_start(const fs::path& program, int start) {
                    "): " + std::generic_category().message(error));
 }
 
+std::string last_line(std::string_view text) {
+  const auto end = text.find_last_not_of(" \t\r\n");
+  if (end == std::string_view::npos) return {};
+  text = text.substr(0, end + 1);
+  return ": " + std::string(text.substr(text.find_last_of('\n') + 1));
+}
+
 // Moves what the pipes take and give without waiting.
 class Talk {
  public:
-  Talk(Pipes& pipes, std::string_view input) : pipes_(pipes), left_(input) {
+  Talk(const std::string& worker, Pipes& pipes, std::string_view input, std::size_t output_bytes)
+      : worker_(worker), pipes_(pipes), left_(input), output_bytes_(output_bytes) {
     for (const int end : {pipes.input.write_end, pipes.output.read_end, pipes.errors.read_end}) {
       fcntl(end, F_SETFL, O_NONBLOCK);
     }
@@ -157,6 +176,11 @@ class Talk {
   bool exchange() {
     const bool wrote = give();
     const bool read_output = take(pipes_.output.read_end, result_.output);
+    if (result_.output.size() > output_bytes_) {
+      throw UnusableReply(worker_ + " was stopped: it wrote more than the " +
+                          std::to_string(output_bytes_) + " bytes that its reply may have" +
+                          last_line(result_.errors));
+    }
     const bool read_errors = take(pipes_.errors.read_end, result_.errors);
     if (result_.errors.size() > 2 * kErrorsKept) trim_errors();
     return wrote || read_output || read_errors;
@@ -188,26 +212,24 @@ class Talk {
     return count > 0;
   }
 
-  bool take(int& end, std::string& into) {
+  bool take(int& end, std::string& into) try {
     if (end < 0) return false;
     const auto count = ::read(end, block_.data(), block_.size());
     if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
     if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) Pipe::close_end(end);
     return count > 0;
+  } catch (const std::bad_alloc&) {
+    throw OutOfResources("no memory for what " + worker_ + " writes after " +
+                         std::to_string(into.size()) + " bytes");
   }
 
+  const std::string& worker_;
   Pipes& pipes_;
   std::string_view left_;
+  std::size_t output_bytes_;
   WorkerResult result_;
   std::array<char, 65536> block_;
 };
-
-std::string last_line(std::string_view text) {
-  const auto end = text.find_last_not_of(" \t\r\n");
-  if (end == std::string_view::npos) return {};
-  text = text.substr(0, end + 1);
-  return ": " + std::string(text.substr(text.find_last_of('\n') + 1));
-}
 
 void refuse_bad_end(const std::string& name, int status, const std::string& errors) {
   if (WIFSIGNALED(status)) {
@@ -221,52 +243,77 @@ void refuse_bad_end(const std::string& name, int status, const std::string& erro
   }
 }
 
+std::vector<fs::path>& added_folders() {
+  static std::vector<fs::path> folders;
+  return folders;
+}
+
 // The folders a worker may live in, in the order they are tried.
 std::vector<fs::path> worker_folders() {
   std::vector<fs::path> folders;
   if (const char* chosen = std::getenv("CHLADNI_LIBEXEC"); chosen != nullptr && *chosen != '\0') {
     folders.emplace_back(chosen);
   }
+  folders.insert(folders.end(), added_folders().begin(), added_folders().end());
   std::error_code ignored;
   const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   if (!here.empty()) {
     folders.push_back(here);
     folders.push_back(here.parent_path() / "libexec" / "chladni");
-    folders.push_back(here.parent_path().parent_path() / "bin");  // a test in tests/<room>/
   }
   folders.emplace_back(CHLADNI_INSTALLED_LIBEXEC);
   return folders;
+}
+
+struct Ended {
+  WorkerResult result;
+  int status = 0;  // as of waitpid
+};
+
+Ended ended_worker(const fs::path& program, const std::vector<std::string>& arguments,
+                   std::string_view input, const WorkerLimits& limits) {
+  const HeldSignal held(SIGPIPE);
+  const auto deadline = Clock::now() + limits.time;
+  const std::string name = program.filename().string();
+  const std::size_t room = std::max(available_memory() / 4, kLeastOutput);
+  Pipes pipes;
+  Worker worker(program, arguments, pipes, limits);
+  refuse_failed_start(program, pipes.start.read_end);
+  Talk talk(name, pipes, input, std::min(limits.output_bytes, room));
+  const auto refuse_late = [&] {
+    if (Clock::now() < deadline) return;
+    throw WorkerDied(name + " was stopped: not done within " + std::to_string(limits.time.count()) +
+                     " s" + last_line(talk.result().errors));
+  };
+  std::optional<int> status;
+  while (!status) {
+    throw_if_interrupted();
+    refuse_late();
+    // Closed pipes cannot wake us: then it is about to end, so look often.
+    talk.wait(talk.over() ? 1 : 50);
+    talk.exchange();
+    status = worker.status();
+  }
+  while (talk.exchange()) refuse_late();  // what it wrote just before its end
+  return {talk.result(), *status};
 }
 
 }  // namespace
 
 WorkerResult run_worker(const fs::path& program, const std::vector<std::string>& arguments,
                         std::string_view input, const WorkerLimits& limits) {
-  const HeldSignal held(SIGPIPE);
-  const auto deadline = Clock::now() + limits.time;
-  const std::string name = program.filename().string();
-  Pipes pipes;
-  Worker worker(program, arguments, pipes, limits);
-  refuse_failed_start(program, pipes.start.read_end);
-  Talk talk(pipes, input);
-  std::optional<int> status;
-  while (!status) {
-    throw_if_interrupted();
-    if (Clock::now() >= deadline) {
-      throw WorkerDied(name + " was stopped: not done within " +
-                       std::to_string(limits.time.count()) + " s" +
-                       last_line(talk.result().errors));
-    }
-    // Closed pipes cannot wake us: then it is about to end, so look often.
-    talk.wait(talk.over() ? 1 : 50);
-    talk.exchange();
-    status = worker.status();
-  }
-  while (talk.exchange()) continue;  // what it wrote just before its end
-  auto result = talk.result();
-  refuse_bad_end(name, *status, result.errors);
-  return result;
+  Ended ended = ended_worker(program, arguments, input, limits);
+  refuse_bad_end(program.filename().string(), ended.status, ended.result.errors);
+  return std::move(ended.result);
 }
+
+void try_worker(const fs::path& program) {
+  const Ended ended = ended_worker(program, {}, "", {.time = std::chrono::seconds(10)});
+  const bool answered = WIFEXITED(ended.status) && WEXITSTATUS(ended.status) != kLibrariesMissing;
+  if (!answered) refuse_bad_end(program.filename().string(), ended.status, ended.result.errors);
+}
+
+void add_worker_folder(const fs::path& folder) { added_folders().push_back(folder); }
 
 fs::path worker_path(std::string_view name) {
   std::string tried;

@@ -82,7 +82,7 @@ function(add_room_tests room)
     get_filename_component(stem ${source} NAME_WE)
     add_executable(${room}_${stem} ${source})
     target_link_libraries(${room}_${stem} PRIVATE chladni::${room} ${T_LINK} chladni_warnings
-                                                  GTest::gtest_main)
+                                                  chladni_test_workers GTest::gtest_main)
     target_compile_definitions(${room}_${stem} PRIVATE
       CHLADNI_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CHLADNI_BINARY_DIR="${PROJECT_BINARY_DIR}")
     optimise_tests(${room}_${stem})

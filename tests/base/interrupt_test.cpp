@@ -14,7 +14,7 @@ namespace {
 static_assert(!std::is_base_of_v<NumericalFailure, Interrupted>);
 
 TEST(Interrupt, IsThrownBetweenStepsUntilForgotten) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGHUP}) {
     catch_interrupts();
     EXPECT_NO_THROW(throw_if_interrupted());
     std::raise(signal);
@@ -23,6 +23,32 @@ TEST(Interrupt, IsThrownBetweenStepsUntilForgotten) {
   }
   catch_interrupts();
   EXPECT_NO_THROW(throw_if_interrupted());
+}
+
+TEST(Interrupt, OfATerminalThatIsGoneStaysIgnoredUnderNohup) {
+  std::signal(SIGHUP, SIG_IGN);
+  catch_interrupts();
+  std::raise(SIGHUP);
+  EXPECT_NO_THROW(throw_if_interrupted());
+  std::signal(SIGHUP, SIG_DFL);
+}
+
+volatile std::sig_atomic_t hosts_share = 0;
+
+TEST(Interrupt, IsNotedForAHostThatGetsItsHandlerBack) {
+  std::signal(SIGINT, [](int /*signal*/) { hosts_share = 1; });
+  {
+    const NotedInterrupts noted;
+    EXPECT_NO_THROW(throw_if_interrupted());
+    std::raise(SIGINT);
+    std::raise(SIGINT);
+    EXPECT_THROW(throw_if_interrupted(), Interrupted);
+    EXPECT_EQ(hosts_share, 0);
+  }
+  EXPECT_NO_THROW(throw_if_interrupted());
+  std::raise(SIGINT);
+  EXPECT_EQ(hosts_share, 1);
+  std::signal(SIGINT, SIG_DFL);
 }
 
 TEST(InterruptDeathTest, EndsTheProcessTheSecondTime) {

@@ -1,10 +1,13 @@
 #include "base/worker.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -78,6 +81,83 @@ TEST(Worker, KeepsTheLastOfManyErrors) {
   EXPECT_TRUE(errors.ends_with("last\n"));
 }
 
+TEST(Worker, ThatBabblesIsStoppedAtTheLimitAndNamed) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    (void)run_worker("/usr/bin/yes", {}, "", {.output_bytes = 10'000'000});
+    FAIL();
+  } catch (const UnusableReply& e) {
+    const std::string said = e.what();
+    EXPECT_NE(said.find("yes was stopped: it wrote more than the 10000000 bytes"), said.npos)
+        << said;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(20));
+}
+
+TEST(Worker, MayWriteAllThatItsReplyMayHave) {
+  const WorkerLimits limits{.output_bytes = 300'000};
+  const std::string script = "yes | head -c 300000";
+  EXPECT_EQ(run_worker("/bin/sh", {"-c", script}, "", limits).output.size(), 300'000U);
+  EXPECT_THROW((void)run_worker("/bin/sh", {"-c", script + "; echo"}, "", limits), UnusableReply);
+}
+
+// A quarter of the memory that there is bounds what is kept, whatever the caller allows.
+TEST(WorkerDeathTest, ThatBabblesLeavesTheParentItsMemory) {
+  const auto babble = [] {
+    const rlimit most = {std::size_t{1} << 30U, std::size_t{1} << 30U};
+    setrlimit(RLIMIT_AS, &most);
+    try {
+      (void)run_worker("/usr/bin/yes", {}, "");
+    } catch (const UnusableReply& e) {
+      std::_Exit(std::string(e.what()).starts_with("yes was stopped") ? 7 : 8);
+    }
+    std::_Exit(9);
+  };
+  EXPECT_EXIT(babble(), testing::ExitedWithCode(7), "");
+}
+
+TEST(Worker, WhatItLeftBehindMayNotBabbleOn) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(run_worker("/bin/sh", {"-c", "yes >&2 & echo done"}, "").output, "done\n");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(5));
+}
+
+TEST(Worker, ThatIsTriedMayAnswerAsItLikes) {
+  EXPECT_NO_THROW(try_worker("/bin/true"));
+  EXPECT_NO_THROW(try_worker("/bin/false"));
+  EXPECT_THROW(try_worker("/nowhere/mesher"), WorkerDied);
+}
+
+TEST(Worker, ThatLacksALibraryDoesNotStart) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("chladni_worker_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const auto program = folder / "lacking";
+  std::ofstream(program)
+      << "#!/bin/sh\necho 'error while loading shared libraries' >&2\nexit 127\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  try {
+    try_worker(program);
+    ADD_FAILURE();
+  } catch (const WorkerDied& e) {
+    EXPECT_NE(std::string(e.what()).find("loading shared libraries"), std::string::npos)
+        << e.what();
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Worker, AReplyThatCannotBeReadIsTheWorkersFault) {
+  const auto read = []() -> int { throw InvalidInput("expected an array"); };
+  try {
+    (void)reply_of("/bin/chladni-mat", read);
+    FAIL();
+  } catch (const WorkerDied& e) {
+    EXPECT_NE(
+        std::string(e.what()).find("chladni-mat gave a reply that cannot be used: expected an"),
+        std::string::npos);
+  }
+}
+
 TEST(Worker, DoesNotWaitForWhatItLeftBehind) {
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(run_worker("/bin/sh", {"-c", "sleep 30 & echo done"}, "").output, "done\n");
@@ -104,6 +184,14 @@ TEST(WorkerPath, PrefersTheChosenFolder) {
   EXPECT_EQ(worker_path("sh"), "/bin/sh");
   setenv("CHLADNI_LIBEXEC", kept.c_str(), 1);
   EXPECT_EQ(worker_path("base_worker_test").filename(), "base_worker_test");  // beside this program
+  EXPECT_THROW((void)worker_path("nowhere_to_be_found"), WorkerDied);
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::filesystem::create_directories(here / "added");
+  std::filesystem::copy_file("/bin/true", here / "added" / "nowhere_to_be_found",
+                             std::filesystem::copy_options::overwrite_existing);
+  add_worker_folder(here / "added");
+  EXPECT_EQ(worker_path("nowhere_to_be_found"), here / "added" / "nowhere_to_be_found");
+  std::filesystem::remove_all(here / "added");
 }
 
 TEST(Worker, ThatIsNotThereIsNamed) {
