@@ -4,12 +4,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "base/worker.h"
 
 namespace chladni::io {
 namespace {
+
+constexpr std::size_t kLargestPicture = std::size_t{256} << 20U;
 
 // The file that the shell would run for `name`; empty where there is none.
 std::filesystem::path program_on_path(const std::string& name) {
@@ -27,19 +30,25 @@ std::filesystem::path program_on_path(const std::string& name) {
 
 }  // namespace
 
-// The same pixels wherever it runs: Mesa's software renderer under Xvfb where that is installed,
+// The same pixels wherever it runs: Mesa's software renderer on an Xvfb where that is installed,
 // whatever display and graphics card there are; else the display that there is.
 std::string painted(const Message& request) {
   const std::filesystem::path painter = worker_path("chladni-painter");
-  const WorkerLimits limits{.time = std::chrono::seconds(120), .memory_bytes = 0};
-  const std::filesystem::path xvfb = program_on_path("xvfb-run");
-  if (!xvfb.empty() && !program_on_path("xauth").empty()) {
-    return run_worker(xvfb, {"-a", painter.string()}, bytes(request), limits).output;
+  const WorkerLimits limits{
+      .time = std::chrono::seconds(120), .memory_bytes = 0, .output_bytes = kLargestPicture};
+  const std::filesystem::path xvfb = program_on_path("Xvfb");
+  if (xvfb.empty() && std::getenv("DISPLAY") == nullptr) {
+    throw WorkerDied("the painter has no display; install the package xvfb");
   }
-  if (std::getenv("DISPLAY") == nullptr) {
-    throw WorkerDied("the painter has no display; install the packages xvfb and xauth");
+  const std::vector<std::string> arguments =
+      xvfb.empty() ? std::vector<std::string>() : std::vector{xvfb.string()};
+  std::string png = run_worker(painter, arguments, bytes(request), limits).output;
+  if (!png.starts_with("\x89PNG")) {
+    throw UnusableReply(
+        "chladni-painter gave a reply that cannot be used: " + std::to_string(png.size()) +
+        " bytes that are no PNG; is it of this build? (" + painter.string() + ")");
   }
-  return run_worker(painter, {}, bytes(request), limits).output;
+  return png;
 }
 
 }  // namespace chladni::io

@@ -1,4 +1,4 @@
-// Pictures, painted by VTK in a program of its own (under xvfb where there is no display).
+// Pictures, painted by VTK in a program of its own (on an Xvfb of its own).
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace chladni::io {
 /// @param modes     shapes on all nodes: 3·nodes rows
 /// @param clusters  repeated modes, marked "pair"
 /// @throws InvalidInput  there is no flexible mode, or the shapes do not fit the mesh
-/// @throws WorkerDied    the painter or xvfb is missing or died (says which package)
+/// @throws WorkerDied    the painter or Xvfb is missing or died (says which package)
 void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
                 const modal::Modes& modes, const std::string& title,
                 const std::vector<Marker>& markers = {}, int count = 9,

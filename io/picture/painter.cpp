@@ -1,13 +1,16 @@
-// The program chladni-painter: a request on stdin, a PNG on stdout. It needs a display.
+// The program chladni-painter [XVFB]: a request on stdin, a PNG on stdout. It paints on a display
+// of its own, made by the program XVFB, or on the one that DISPLAY names.
 #include <exception>
 #include <functional>
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
 #include "io/message.h"
+#include "io/picture/own_display.h"
 #include "io/picture/pictures.h"
 
 namespace {
@@ -21,13 +24,15 @@ const std::map<std::string, Picture> kPictures{{"contact_sheet", chladni::pictur
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
   try {
     const std::string bytes{std::istreambuf_iterator<char>(std::cin), {}};
     const chladni::io::Message request = chladni::io::message(bytes);
     const std::string& kind = request.head.at("kind").string();
     const auto picture = kPictures.find(kind);
     chladni::require(picture != kPictures.end(), "there is no picture \"" + kind + "\"");
+    std::optional<chladni::picture::OwnDisplay> display;
+    if (argc > 1) display.emplace(argv[1]);
     const std::string png = picture->second(request);
     std::cout.write(png.data(), static_cast<std::streamsize>(png.size()));
     return std::cout.flush() ? 0 : 1;
