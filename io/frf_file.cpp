@@ -27,10 +27,20 @@ FrfFile parsed(const Path& file, const FrfOptions& options) {
 // What a table without a head cannot say.
 std::vector<std::string> lost_in_csv(const modal::FrfSet& set) {
   bool units = false;
-  for (const auto& output : set.outputs) units = units || !output.unit.empty();
-  for (const auto& input : set.inputs) units = units || !input.unit.empty();
-  if (!units) return {};
-  return {"CSV holds no units: say unit = \"" + set.outputs.front().unit + "\" on reading"};
+  bool places = false;
+  for (const auto* side : {&set.outputs, &set.inputs}) {
+    for (const auto& channel : *side) {
+      units = units || !channel.unit.empty();
+      places = places || channel.node || channel.position || channel.direction.any();
+    }
+  }
+  std::vector<std::string> lost;
+  if (units) {
+    lost.push_back("CSV holds no units: say unit = \"" + set.outputs.front().unit +
+                   "\" on reading");
+  }
+  if (places) lost.emplace_back("CSV holds no nodes, directions and places: they are left out");
+  return lost;
 }
 
 }  // namespace

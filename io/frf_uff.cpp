@@ -11,6 +11,7 @@
 #include "io/frf_units.h"
 #include "io/scan.h"
 #include "io/uff_channels.h"
+#include "io/uff_systems.h"
 
 namespace chladni::io {
 namespace {
@@ -224,8 +225,8 @@ class Collector {
           "the nodes have no unit (no dataset 164): their places are not read; "
           "say it as length_unit = \"mm\"");
     }
-    place_channels(file_.set.outputs, uff_.nodes, length);
-    place_channels(file_.set.inputs, uff_.nodes, length);
+    place_channels(uff_, length, file_.set.outputs, file_.notes);
+    place_channels(uff_, length, file_.set.inputs, file_.notes);
   }
 
   const Uff& uff_;

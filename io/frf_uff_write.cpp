@@ -47,6 +47,16 @@ UffAxis force_axis(const modal::MeasuredChannel& channel) {
   return axis;
 }
 
+// Directions that are none of the axes.
+void note_oblique(const std::vector<modal::MeasuredChannel>& channels,
+                  const std::vector<UffDof>& dofs, std::vector<std::string>& lost) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (dofs[c].direction != 0 || !channels[c].direction.any()) continue;
+    lost.push_back("UFF holds directions along the axes only: that of " + channels[c].name +
+                   " is left out");
+  }
+}
+
 void add_nodes(const std::vector<modal::MeasuredChannel>& channels, const std::vector<UffDof>& dofs,
                std::map<long long, Eigen::Vector3d>& nodes) {
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -93,6 +103,8 @@ std::string frf_uff(const modal::FrfSet& set, UffEncoding encoding,
   if (!set.variance.empty()) lost.emplace_back("UFF holds no variances: they are left out");
   const auto outputs = dofs_of(set.outputs, set.inputs);
   const auto inputs = dofs_of(set.inputs, set.outputs);
+  note_oblique(set.outputs, outputs, lost);
+  note_oblique(set.inputs, inputs, lost);
   std::map<long long, Eigen::Vector3d> nodes;
   add_nodes(set.outputs, outputs, nodes);
   add_nodes(set.inputs, inputs, nodes);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "io/frf_units.h"
 #include "io/scan.h"
 #include "io/uff_channels.h"
+#include "io/uff_systems.h"
 
 namespace chladni::io {
 namespace {
@@ -31,13 +33,36 @@ std::string stated(const UffFunction& function, std::string_view mark) {
   return {};
 }
 
-std::string channel_name(const UffFunction& function) {
-  const auto name = stated_name(function, kResponseName, function.response);
-  return name.empty() ? name_of(function.response) : name;
-}
+// Degrees of freedom that share a name of the file have one of node and direction each.
+class Names {
+ public:
+  explicit Names(const std::vector<UffFunction>& functions) {
+    for (const auto& function : functions) {
+      if (is_recording(function)) whose_[stated(function)].insert(degree(function));
+    }
+  }
 
-Side side_of(const UffFunction& function, const TimeOptions& options) {
-  const auto name = channel_name(function);
+  [[nodiscard]] std::string of(const UffFunction& function) const {
+    const auto name = stated(function);
+    const auto found = whose_.find(name);
+    const bool is_one = found != whose_.end() && found->second.size() == 1 && !name.empty();
+    return is_one ? name : name_of(function.response);
+  }
+
+ private:
+  using Degree = std::pair<long long, int>;
+
+  static std::string stated(const UffFunction& function) {
+    return stated_name(function, kResponseName, function.response);
+  }
+  static Degree degree(const UffFunction& function) {
+    return {function.response.node, function.response.direction};
+  }
+
+  std::map<std::string, std::set<Degree>> whose_;
+};
+
+Side side_of(const UffFunction& function, const std::string& name, const TimeOptions& options) {
   const auto knows = [&](const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
@@ -49,14 +74,10 @@ Side side_of(const UffFunction& function, const TimeOptions& options) {
   return function.ordinate.type == 13 || function.ordinate.type == 9 ? Side::input : Side::output;
 }
 
-std::string place(const UffFunction& function) {
-  return "line " + std::to_string(function.line) + " (" + channel_name(function) + ")";
-}
-
 class Collector {
  public:
   Collector(const Uff& uff, const std::string& name, const TimeOptions& options)
-      : uff_(uff), name_(name), options_(options) {}
+      : uff_(uff), name_(name), options_(options), names_(uff.functions) {}
 
   TimeFile file() {
     file_.format = "UFF 58";
@@ -92,6 +113,10 @@ class Collector {
 
   [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(name_ + ": " + what); }
 
+  [[nodiscard]] std::string place(const UffFunction& function) const {
+    return "line " + std::to_string(function.line) + " (" + names_.of(function) + ")";
+  }
+
   std::vector<modal::MeasuredChannel>& channels(Side side) {
     auto& data = file_.data;
     return side == Side::output  ? data.outputs
@@ -100,9 +125,9 @@ class Collector {
   }
 
   void take(const UffFunction& function) {
-    const Side side = side_of(function, options_);
+    const auto name = names_.of(function);
+    const Side side = side_of(function, name, options_);
     auto& all = channels(side);
-    const auto name = channel_name(function);
     auto found =
         std::find_if(all.begin(), all.end(), [&](const auto& c) { return c.name == name; });
     const auto scale = side == Side::output ? motion_scale(function.ordinate, function.units)
@@ -148,6 +173,11 @@ class Collector {
   }
 
   void finish() {
+    std::optional<double> length;
+    if (uff_.units) length = uff_.units->length;
+    for (const auto side : {Side::output, Side::input, Side::reference}) {
+      place_channels(uff_, length, channels(side), file_.notes);
+    }
     for (const auto& [key, parts] : parts_) add_record(key, parts);
     const auto stated_period =
         integer_in(stated(*parts_.begin()->second.front().function, kPeriod));
@@ -207,6 +237,7 @@ class Collector {
   const Uff& uff_;
   const std::string& name_;
   const TimeOptions& options_;
+  Names names_;
   TimeFile file_;
   std::map<Key, std::vector<Part>> parts_;
 };

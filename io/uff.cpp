@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "io/scan.h"
 #include "io/uff_datasets.h"
+#include "io/uff_systems.h"
 
 namespace chladni::io {
 namespace {
@@ -102,7 +103,9 @@ class UffReader {
     } else if (number == "15") {
       while (!lines_.at_delimiter()) node_of_15();
     } else if (number == "2411" || number == "781") {
-      while (!lines_.at_delimiter()) node_of_2411();
+      while (!lines_.at_delimiter()) node_of_2411(number == "781");
+    } else if (number == "18" || number == "2420") {
+      systems(number);
     } else {
       ++unknown_[number];
       to_delimiter();
@@ -155,7 +158,32 @@ class UffReader {
     }
   }
 
-  void add_node(long long label, const Eigen::Vector3d& position) {
+  // A system that is not understood matters only to nodes that use it.
+  void systems(const std::string& number) {
+    uff_.defines_systems = true;
+    try {
+      number == "18" ? read_systems_of_18(lines_, uff_.systems)
+                     : read_systems_of_2420(lines_, uff_.systems);
+    } catch (const InvalidInput& e) {
+      uff_.notes.push_back(std::string(e.what()) +
+                           ": the coordinate systems from there on are "
+                           "not read");
+      to_delimiter();
+    }
+  }
+
+  // Fields 2 and 3 of a node: the systems of its place and of its displacements.
+  [[nodiscard]] UffNodeSystems node_systems(const std::vector<std::string_view>& words) const {
+    UffNodeSystems systems;
+    if (words.size() > 1) systems.place = uff_integer(lines_, words[1], "system of a place");
+    if (words.size() > 2) systems.displacement = uff_integer(lines_, words[2], "system of a node");
+    return systems;
+  }
+
+  void add_node(long long label, const Eigen::Vector3d& position, const UffNodeSystems& systems) {
+    if (!uff_.nodes.contains(label) && (systems.place != 0 || systems.displacement != 0)) {
+      uff_.node_systems.emplace(label, systems);
+    }
     const auto [place, is_new] = uff_.nodes.emplace(label, position);
     if (is_new || place->second == position) return;
     uff_.notes.push_back("node " + std::to_string(label) + " has two places: the first is taken");
@@ -172,19 +200,22 @@ class UffReader {
     if (words.size() > 4) at = static_cast<std::size_t>(words[4].data() - line.data());
     Eigen::Vector3d position;
     for (auto& coordinate : position) coordinate = number(line, at, "coordinate of a node");
-    add_node(uff_integer(lines_, words[0], "number of a node"), position);
+    add_node(uff_integer(lines_, words[0], "number of a node"), position, node_systems(words));
   }
 
-  void node_of_2411() {
+  // Dataset 781 has places in the node's system, 2411 in that of the part, whatever it exports.
+  void node_of_2411(bool in_own_system) {
     const auto head = lines_.filled_record("node");
     const auto words = words_of(head);
     if (words.empty()) return;
     const auto label = uff_integer(lines_, words[0], "number of a node");
+    auto systems = node_systems(words);
     const auto line = lines_.filled_record("coordinates of a node");
     std::size_t at = 0;
     Eigen::Vector3d position;
     for (auto& coordinate : position) coordinate = number(line, at, "coordinate of a node");
-    add_node(label, position);
+    if (!in_own_system) systems.place = 0;
+    add_node(label, position, systems);
   }
 
   UffLines lines_;

@@ -60,19 +60,36 @@ struct UffShape {
   Eigen::MatrixXcd values;          ///< n×3 or n×6
 };
 
+/// Datasets 18 and 2420: a coordinate system by three points, a column each: its origin, a point on
+/// its x axis and one in its xz plane, in the system `reference` (0: the global one).
+struct UffSystem {
+  int type = 0;  ///< 0 Cartesian, 1 cylindrical, 2 spherical
+  long long reference = 0;
+  Eigen::Matrix3d points = Eigen::Matrix3d::Zero();
+  std::string fault;  ///< why it cannot be used; empty: it can
+};
+
+/// The systems in which a node's place and its displacements are stated; 0: the global one.
+struct UffNodeSystems {
+  long long place = 0, displacement = 0;
+};
+
 struct Uff {
-  std::optional<std::string> title;            ///< dataset 151: the model's name
-  std::optional<UffUnits> units;               ///< the first dataset 164
-  std::map<long long, Eigen::Vector3d> nodes;  ///< 15, 781, 2411; as the file has them
+  std::optional<std::string> title;                  ///< dataset 151: the model's name
+  std::optional<UffUnits> units;                     ///< the first dataset 164
+  std::map<long long, Eigen::Vector3d> nodes;        ///< 15, 781, 2411; as the file has them
+  std::map<long long, UffNodeSystems> node_systems;  ///< where they are not the global one
+  std::map<long long, UffSystem> systems;
+  bool defines_systems = false;  ///< there is a dataset 18 or 2420, readable or not
   std::vector<UffFunction> functions;
   std::vector<UffShape> shapes;
   std::vector<std::string> notes;
 };
 
-/// Reads datasets 15, 55, 58, 58b, 151, 164, 781 and 2411; others are noted. Takes Fortran's D
-/// exponents, numbers run together, blank lines, line ends of any kind, line feeds before and after
-/// binary data, either byte order in each dataset, a missing last -1. No length is trusted.
-/// Cost: linear; memory a multiple of the bytes whatever they say.
+/// Reads datasets 15, 18, 55, 58, 58b, 151, 164, 781, 2411 and 2420; others are noted. Takes
+/// Fortran's D exponents, numbers run together, blank lines, line ends of any kind, line feeds
+/// before and after binary data, either byte order in each dataset, a missing last -1. No length is
+/// trusted. Cost: linear; memory a multiple of the bytes whatever they say.
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
 [[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name);

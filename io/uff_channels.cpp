@@ -89,7 +89,8 @@ std::string name_of(const UffDof& dof) {
 
 Eigen::Vector3d vector_of(int direction) {
   Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  if (direction != 0) result((std::abs(direction) - 1) % 3) = direction > 0 ? 1.0 : -1.0;
+  const int axis = std::abs(direction);
+  if (axis >= 1 && axis <= 3) result(axis - 1) = direction > 0 ? 1.0 : -1.0;
   return result;
 }
 
@@ -133,16 +134,6 @@ UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units) 
     scale.unit = axis.unit;
   }
   return scale;
-}
-
-void place_channels(std::vector<modal::MeasuredChannel>& channels,
-                    const std::map<long long, Eigen::Vector3d>& nodes,
-                    std::optional<double> length) {
-  if (!length) return;
-  for (auto& channel : channels) {
-    const auto node = nodes.find(channel.node.value_or(0));
-    if (node != nodes.end()) channel.position = *length * node->second;
-  }
 }
 
 UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise) {

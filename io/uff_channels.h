@@ -29,7 +29,7 @@ class UffChannels {
 
 /// "101z", "-101z" against the axis, "101rz" a rotation, "101" a scalar.
 [[nodiscard]] std::string name_of(const UffDof& dof);
-/// Unit vector along a direction; zero for scalars.
+/// Unit vector along a direction; zero for scalars and rotations.
 [[nodiscard]] Eigen::Vector3d vector_of(int direction);
 
 /// What one number of an ordinate is in SI, and its unit; empty: not stated.
@@ -43,12 +43,6 @@ struct UffScale {
 [[nodiscard]] UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units);
 /// Of a force, likewise.
 [[nodiscard]] UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units);
-
-/// Puts places from `nodes` onto channels. @param length  metres per unit of the file; none: the
-/// places are not known and said so
-void place_channels(std::vector<modal::MeasuredChannel>& channels,
-                    const std::map<long long, Eigen::Vector3d>& nodes,
-                    std::optional<double> length);
 
 /// The channel as a degree of freedom: its node, else `otherwise`.
 [[nodiscard]] UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise);
