@@ -1,5 +1,6 @@
 // What the worker chladni-mat found in a file.
-#include <set>
+#include <algorithm>
+#include <cmath>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -16,12 +17,39 @@ Eigen::VectorXd numbers(const Message& found, const Json& json, const char* key)
   return found.numbers(name).reshaped();
 }
 
+// The dimensions, whole numbers whose product is one too.
+std::vector<Eigen::Index> dims_of(const Json& json) {
+  constexpr double most = 1e15;
+  std::vector<Eigen::Index> dims;
+  double product = 1.0;
+  for (const auto& n : json.at("dims").array()) {
+    const double size = n.number();
+    product *= std::max(size, 1.0);
+    require(size >= 0.0 && size == std::floor(size) && product <= most,
+            "its reader says that an array has a dimension of " + std::to_string(size));
+    dims.push_back(static_cast<Eigen::Index>(size));
+  }
+  require(dims.size() >= 2, "its reader says that an array has less than two dimensions");
+  return dims;
+}
+
+// Numbers and cells are as many as the dimensions say.
+void require_size(const MatValue& value) {
+  const auto fits = [&](Eigen::Index count) {
+    require(count == value.size(), "its reader says that an array has " +
+                                       std::to_string(value.size()) + " elements, and sends " +
+                                       std::to_string(count));
+  };
+  if (value.kind == MatValue::Kind::cell) fits(std::ssize(value.cells));
+  if (value.kind != MatValue::Kind::number) return;
+  fits(value.real.size());
+  if (value.imag.size() > 0) fits(value.imag.size());
+}
+
 MatValue value_of(const Message& found, const Json& json) {
   MatValue value;
   value.class_name = json.at("class").string();
-  for (const auto& n : json.at("dims").array()) {
-    value.dims.push_back(static_cast<Eigen::Index>(n.number()));
-  }
+  value.dims = dims_of(json);
   const std::string& kind = json.at("kind").string();
   if (kind == "number") {
     value.kind = MatValue::Kind::number;
@@ -39,6 +67,7 @@ MatValue value_of(const Message& found, const Json& json) {
       value.fields.emplace_back(field.at("name").string(), value_of(found, field.at("value")));
     }
   }
+  require_size(value);
   return value;
 }
 

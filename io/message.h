@@ -26,6 +26,9 @@ struct Message {
 /// The bytes: a line with the length of the JSON, the JSON, the arrays as they lie in memory.
 [[nodiscard]] std::string bytes(const Message& message);
 
+/// Whoever wrote the bytes is not trusted: sizes are whole numbers below 2³¹ and agree with what
+/// there is before anything is allocated, each array is there once. What heads and values mean is
+/// for the reader to check.
 /// @throws InvalidInput  not such bytes; a length that does not agree with what there is
 [[nodiscard]] Message message(std::string_view bytes);
 

@@ -62,7 +62,9 @@ Geometry geometry_of(const Message& found, const std::string& unit) {
   mesh::Surface surface;
   surface.points = found.numbers("points") * metres_per_number(in_file, unit);
   surface.triangles = found.cells("triangles");
-  surface.patch = found.cells("patch").col(0);
+  const Cells& patch = found.cells("patch");
+  require(patch.cols() == 1 && patch.rows() > 0, "its triangles make no sense");
+  surface.patch = patch.col(0);
   for (const Json& name : found.head.at("patch_names").array()) {
     surface.patch_names.push_back(name.string());
   }

@@ -25,6 +25,7 @@ mesh::TetMesh mesh_of(const Message& found) {
   const Cells& tets = found.cells("tets");
   const Cells& region = found.cells("region");
   const JsonArray& names = found.head.at("region_names").array();
+  require(points.cols() == 3 && region.size() == tets.rows(), "its cells make no sense");
   Tets result;
   for (Eigen::Index i = 0; i < points.rows(); ++i) result.node(i, points.row(i).transpose());
   std::vector<std::int64_t> nodes(static_cast<std::size_t>(tets.cols()));
