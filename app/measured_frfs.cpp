@@ -5,6 +5,7 @@
 
 #include "app/channel_paths.h"
 #include "app/identification.h"
+#include "app/measured_channels.h"
 #include "app/study_parts.h"
 #include "base/error.h"
 #include "identification/closed_loop.h"
@@ -63,39 +64,28 @@ modal::FrfSet estimated_responses(const Study& study, const std::filesystem::pat
   return set;
 }
 
-// Rows (or columns) of the file that are channels of the study, in its order.
-struct Matched {
-  std::vector<Eigen::Index> of_file;
-  std::vector<const Channel*> channel;
-};
-
-Matched matched(const std::vector<modal::MeasuredChannel>& measured,
-                const std::vector<Channel>& channels, const std::string& file, Run& run) {
-  Matched result;
-  std::vector<bool> used(measured.size(), false);
-  for (const auto& channel : channels) {
-    const auto same = [&](const modal::MeasuredChannel& one) {
-      return one.name == channel.name || (channel.node && one.node == channel.node);
-    };
-    const auto found = std::find_if(measured.begin(), measured.end(), same);
-    if (found == measured.end()) {
-      run.talk().note("\"" + channel.name + "\" was not measured: " + file +
-                      " has no such channel");
-      continue;
-    }
-    result.of_file.push_back(found - measured.begin());
-    result.channel.push_back(&channel);
-    used[static_cast<std::size_t>(found - measured.begin())] = true;
-  }
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (used[i]) continue;
-    run.talk().warn(file + ": \"" + measured[i].name +
-                    "\" is no channel of the study; its responses are left out");
-  }
-  return result;
+std::vector<Eigen::Index> places_of(const std::vector<MatchedChannel>& matched) {
+  std::vector<Eigen::Index> places;
+  for (const auto& one : matched) places.push_back(one.of_file);
+  return places;
 }
 
-// Names, directions and places as the study has them.
+// The matched part of the set, along the study's directions.
+modal::FrfSet part_of(const modal::FrfSet& set, const std::vector<MatchedChannel>& outputs,
+                      const std::vector<MatchedChannel>& inputs) {
+  auto part = modal::part(set, places_of(outputs), places_of(inputs));
+  for (auto& line : part.value) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      if (outputs[i].turned) line.row(static_cast<Eigen::Index>(i)) *= -1.0;
+    }
+    for (std::size_t j = 0; j < inputs.size(); ++j) {
+      if (inputs[j].turned) line.col(static_cast<Eigen::Index>(j)) *= -1.0;
+    }
+  }
+  return part;
+}
+
+// Names, directions and places as the study has them; signs are turned by now.
 void rename(modal::MeasuredChannel& one, const Channel& channel) {
   one.name = channel.name;
   one.direction = channel.direction;
@@ -141,18 +131,18 @@ MeasuredFrfs measured_frfs(const Study& study, Run& run) {
   const auto& path = plan.frf.empty() ? plan.time : plan.frf;
   auto set =
       plan.frf.empty() ? estimated_responses(study, path, run) : read_responses(study, path, run);
-  const auto outputs = matched(set.outputs, study.sensors, path.string(), run);
-  const auto inputs = matched(set.inputs, study.actuators, path.string(), run);
-  require(!outputs.channel.empty() && !inputs.channel.empty(),
+  const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), run);
+  const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), run);
+  require(!outputs.empty() && !inputs.empty(),
           path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
               set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");
-  MeasuredFrfs result{path.string(), modal::part(set, outputs.of_file, inputs.of_file), {}, {}};
-  for (std::size_t i = 0; i < outputs.channel.size(); ++i) {
-    set_kind(result.all.outputs[i], *outputs.channel[i], result.file);
-    rename(result.all.outputs[i], *outputs.channel[i]);
+  MeasuredFrfs result{path.string(), part_of(set, outputs, inputs), {}, {}};
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    set_kind(result.all.outputs[i], *outputs[i].channel, result.file);
+    rename(result.all.outputs[i], *outputs[i].channel);
   }
-  for (std::size_t j = 0; j < inputs.channel.size(); ++j) {
-    rename(result.all.inputs[j], *inputs.channel[j]);
+  for (std::size_t j = 0; j < inputs.size(); ++j) {
+    rename(result.all.inputs[j], *inputs[j].channel);
   }
   result.all = without_paths(study, std::move(result.all));
   result.outputs = seen(result.all.outputs, plan.hold_out);
