@@ -5,9 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstdint>
-#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
@@ -17,10 +15,6 @@ namespace chladni::simulators {
 namespace {
 
 using Eigen::Index;
-using std::numbers::pi;
-using Complex = std::complex<double>;
-
-constexpr double kDamping = 5e-3;
 
 Recipe believed(int degree) {
   Recipe recipe;
@@ -37,109 +31,6 @@ Recipe believed(int degree) {
   recipe.output_mix = Eigen::MatrixXd::Identity(p, p);
   recipe.input_mix = Eigen::MatrixXd::Identity(q, q);
   return recipe;
-}
-
-// A plate that is longer by as much as it is wider loses what the first one lost, stretched with
-// it; one of another shape has losses of its own.
-RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays) {
-  const auto& first = believed_table(recipe.body.degree);
-  const auto& owner = stays && same_shape(plate.body, first.body) ? first : plate;
-  const double ratio = kDamping * recipe.damping_factor;
-  auto damping = recipe.hysteretic
-                     ? hysteretic_damping(owner, ratio)
-                     : modal_damping(owner, ratio, recipe.damping_exponent, first.frequency_hz(6));
-  const auto count = std::min(recipe.damping_spread.size(), plate.mode_count());
-  for (auto* losses : {&damping.viscous, &damping.loss}) {
-    if (losses->size() > 0) losses->diagonal().head(count).array() *= recipe.damping_spread.array();
-  }
-  return &owner == &plate ? damping : carried_over(damping, owner, plate);
-}
-
-Complex passed(const ChannelFilter& filter, double omega) {
-  const Complex s(0.0, omega);
-  Complex value = filter.gain * std::exp(-s * filter.delay_s) * std::pow(s, filter.power);
-  if (filter.corner_hz > 0.0) value /= 1.0 + s / (2.0 * pi * filter.corner_hz);
-  if (filter.notch_hz > 0.0) {
-    const double own = 2.0 * pi * filter.notch_hz;
-    const Complex through = s * s + own * own;
-    value *= through / (through + 2.0 * filter.notch_damping * own * s);
-  }
-  return value;
-}
-
-// From what the plate does to what is recorded, on one line.
-Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, double omega) {
-  Eigen::MatrixXcd seen = plate;
-  if (recipe.foreign_hz > 0.0) {
-    const double own = 2.0 * pi * recipe.foreign_hz;
-    const Complex dynamic(own * own - omega * omega, 2.0 * recipe.foreign_damping * own * omega);
-    seen += (recipe.foreign_outputs * recipe.foreign_inputs.transpose()).cast<Complex>() / dynamic;
-  }
-  Eigen::MatrixXcd value(seen.rows(), seen.cols());
-  for (Index i = 0; i < value.rows(); ++i) {
-    for (Index j = 0; j < value.cols(); ++j) {
-      const auto row = static_cast<std::size_t>(i);
-      const auto col = static_cast<std::size_t>(j);
-      value(i, j) = passed(recipe.outputs[row], omega) * passed(recipe.inputs[col], omega) *
-                    seen(recipe.output_of[row], recipe.input_of[col]);
-    }
-  }
-  return recipe.output_mix * value * recipe.input_mix;
-}
-
-// Those that a diagnosis has no coordinates for.
-void soften_above(RitzModes& plate, double more) {
-  constexpr Index kCoordinates = 64;
-  const Index above = plate.mode_count() - kCoordinates;
-  if (more != 0.0 && above > 0) plate.frequency_hz.tail(above) /= std::sqrt(1.0 + more);
-}
-
-// By its three rigid-body modes, all alike.
-void hold(RitzStage& stage, const Recipe& recipe) {
-  if (recipe.held_hz <= 0.0) return;
-  stage.plate.frequency_hz.head(3).setConstant(recipe.held_hz);
-  stage.damping.viscous.diagonal().head(3).setConstant(4.0 * pi * recipe.held_damping *
-                                                       recipe.held_hz);
-}
-
-// Column by column where the plate is another one for each: its frequencies go as the root of its
-// stiffness, its shapes stay.
-std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Recipe& recipe,
-                                              const Eigen::VectorXd& hz) {
-  const auto& outputs = recipe.channels.outputs;
-  const auto& inputs = recipe.channels.inputs;
-  if (recipe.stiffening.size() == 0) return ritz_receptance(stage, {outputs, inputs, hz});
-  std::vector<Eigen::MatrixXcd> value(static_cast<std::size_t>(hz.size()),
-                                      Eigen::MatrixXcd(outputs.rows(), inputs.rows()));
-  for (Index j = 0; j < inputs.rows(); ++j) {
-    RitzStage then = stage;
-    then.plate.frequency_hz *= std::sqrt(1.0 + recipe.stiffening(j));
-    const auto column = ritz_receptance(then, {outputs, inputs.row(j), hz});
-    for (std::size_t k = 0; k < value.size(); ++k) value[k].col(j) = column[k];
-  }
-  return value;
-}
-
-std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::VectorXd& hz,
-                                        bool damping_stays) {
-  RitzStage stage{recipe.same_body ? believed_table(recipe.body.degree) : ritz_modes(recipe.body),
-                  {},
-                  {},
-                  {},
-                  {},
-                  {}};
-  stage.damping = damping_of(recipe, stage.plate, damping_stays);
-  stage.points = recipe.points;
-  stage.resonators = recipe.resonators;
-  stage.pads = recipe.pads;
-  stage.frame = recipe.frame;
-  hold(stage, recipe);
-  soften_above(stage.plate, recipe.yielding);
-  auto value = plate_responses(stage, recipe, hz);
-  for (std::size_t k = 0; k < value.size(); ++k) {
-    value[k] = recorded(recipe, value[k], 2.0 * pi * hz(static_cast<Index>(k)));
-  }
-  return value;
 }
 
 // As the paper of the test says: the channels as they are meant to be.
@@ -181,6 +72,16 @@ void measure(HiddenCase& made, const HiddenOptions& options, Dice& dice) {
   }
 }
 
+const std::vector<HiddenKind>& all_hidden_kinds() {
+  static const auto kinds = [] {
+    auto all = body_kinds();
+    all.insert(all.end(), channel_kinds().begin(), channel_kinds().end());
+    all.insert(all.end(), kinds_outside().begin(), kinds_outside().end());
+    return all;
+  }();
+  return kinds;
+}
+
 const HiddenKind& kind_of(const std::string& name) {
   for (const auto& kind : all_hidden_kinds()) {
     if (kind.name == name) return kind;
@@ -194,35 +95,6 @@ std::vector<std::string> names_of(bool outside) {
     if (kind.outside == outside) names.push_back(kind.name);
   }
   return names;
-}
-
-// Within what everybody tolerates.
-void deviate(Recipe& recipe, Dice& dice, double times) {
-  if (times == 0.0) return;
-  const auto draw = [&](double deviation) { return times * deviation * dice.normal(); };
-  for (auto* filters : {&recipe.outputs, &recipe.inputs}) {
-    for (auto& filter : *filters) filter.gain *= 1.0 + draw(5e-3);
-  }
-  const double late = draw(1e-6);
-  for (auto& filter : recipe.outputs) filter.delay_s += late;
-  recipe.channels.outputs += times * 5e-4 * dice.normal(4, 2);
-  recipe.channels.inputs += times * 5e-4 * dice.normal(13, 2);
-  auto& body = recipe.body;
-  const double stiffer = 1.0 + draw(5e-3);
-  for (double* q : {&body.stiffness.q11, &body.stiffness.q12, &body.stiffness.q22,
-                    &body.stiffness.q66, &body.stiffness.shear}) {
-    *q *= stiffer;
-  }
-  body.stiffness.q11 *= 1.0 + draw(5e-3);
-  body.density *= 1.0 + draw(3e-3);
-  const double mean = body.thickness(0, 0);
-  body.thickness = Eigen::MatrixXd::Zero(3, 3);
-  body.thickness(0, 0) = mean;
-  for (Index i = 0; i < 3; ++i) {
-    for (Index j = 0; i + j < 3; ++j) body.thickness(i, j) += mean * draw(1.5e-3);
-  }
-  recipe.damping_spread = (times * 0.2 * dice.normal(120, 1)).array().exp();
-  recipe.same_body = false;
 }
 
 // One seed does not draw alike for all kinds (FNV-1a).

@@ -13,7 +13,7 @@
 
 namespace chladni::simulators {
 
-/// What is true. The names of `size` are those of the kind's table (hidden_kinds.cpp), in SI.
+/// What is true. The names of `size` are those of the kind's table (hidden_..._kinds.cpp), in SI.
 struct HiddenEffect {
   std::string kind;
   std::map<std::string, double> size;

@@ -31,7 +31,7 @@ struct Recipe {
   bool hysteretic = false;
   double yielding = 0.0;  ///< of the modes above those of a diagnosis: how much more, relative
   double held_hz = 0.0, held_damping = 0.0;  ///< of all rigid-body modes
-  Eigen::VectorXd stiffening;  ///< q: of the plate while an input is used, relative; or empty
+  Eigen::VectorXd stiffening;      ///< q: of the plate while an input is used, relative; or empty
   Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is
   TableChannels channels;
   std::vector<Eigen::Index> output_of, input_of;  ///< which one a record shows
@@ -41,6 +41,15 @@ struct Recipe {
   double foreign_hz = 0.0, foreign_damping = 0.0;
   Eigen::VectorXd foreign_outputs, foreign_inputs;  ///< [kg^-1/2]
 };
+
+/// [k], p×q: what is recorded of it.
+/// @param damping_stays  as HiddenOptions
+[[nodiscard]] std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe,
+                                                      const Eigen::VectorXd& hz,
+                                                      bool damping_stays);
+
+/// Within what everybody tolerates, `times` over (HiddenOptions::deviation).
+void deviate(Recipe& recipe, Dice& dice, double times);
 
 /// What a kind draws: sizes within its range, and where.
 struct Drawn {
@@ -63,6 +72,9 @@ struct HiddenKind {
   bool outside = false;
   HiddenEffect (*hide)(Recipe&, Drawn&);
 };
-[[nodiscard]] const std::vector<HiddenKind>& all_hidden_kinds();
+/// Of the body and what it carries; of the channels; those that no catalogue has.
+[[nodiscard]] const std::vector<HiddenKind>& body_kinds();
+[[nodiscard]] const std::vector<HiddenKind>& channel_kinds();
+[[nodiscard]] const std::vector<HiddenKind>& kinds_outside();
 
 }  // namespace chladni::simulators

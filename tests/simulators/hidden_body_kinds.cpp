@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulators/hidden_recipe.h"
+
+namespace chladni::simulators {
+namespace {
+
+using Eigen::Index;
+using std::numbers::pi;
+
+HiddenEffect of_body(Recipe& recipe, std::map<std::string, double> size) {
+  recipe.same_body = false;
+  return {"", std::move(size), {}, {}};
+}
+
+HiddenEffect modulus(Recipe& recipe, Drawn& drawn) {
+  const double e = drawn.sign() * drawn.size(2e-4, 0.15);
+  auto& q = recipe.body.stiffness;
+  for (double* value : {&q.q11, &q.q12, &q.q22, &q.q66, &q.shear}) *value *= 1.0 + e;
+  return of_body(recipe, {{"relative", e}});
+}
+
+HiddenEffect density(Recipe& recipe, Drawn& drawn) {
+  const double r = drawn.sign() * drawn.size(2e-4, 0.15);
+  recipe.body.density *= 1.0 + r;
+  return of_body(recipe, {{"relative", r}});
+}
+
+HiddenEffect thickness(Recipe& recipe, Drawn& drawn) {
+  const double t = drawn.sign() * drawn.size(1e-4, 0.08);
+  recipe.body.thickness *= 1.0 + t;
+  return of_body(recipe, {{"relative", t}});
+}
+
+HiddenEffect taper(Recipe& recipe, Drawn& drawn) {
+  const double slope = drawn.size(5e-4, 0.08);
+  const double angle = drawn.dice.between(0.0, 2.0 * pi);
+  const Index rows = std::max<Index>(2, recipe.body.thickness.rows());
+  const Index cols = std::max<Index>(2, recipe.body.thickness.cols());
+  Eigen::MatrixXd field = Eigen::MatrixXd::Zero(rows, cols);
+  field.topLeftCorner(recipe.body.thickness.rows(), recipe.body.thickness.cols()) =
+      recipe.body.thickness;
+  field(1, 0) += field(0, 0) * slope * std::cos(angle);
+  field(0, 1) += field(0, 0) * slope * std::sin(angle);
+  recipe.body.thickness = field;
+  return of_body(recipe, {{"u1", slope * std::cos(angle)}, {"v1", slope * std::sin(angle)}});
+}
+
+HiddenEffect orthotropy(Recipe& recipe, Drawn& drawn) {
+  const double e = drawn.sign() * drawn.size(5e-4, 0.2);
+  recipe.body.stiffness.q11 *= 1.0 + e;
+  return of_body(recipe, {{"along_u", e}});
+}
+
+HiddenEffect patch(Recipe& recipe, Drawn& drawn, double change) {
+  const double radius = drawn.dice.between(0.03, 0.07);
+  const Eigen::Vector2d place = drawn.place(0.03);
+  recipe.body.discs.push_back({place, radius, 1.0 + change, 1.0});
+  auto effect = of_body(recipe, {{"factor", change}, {"radius", radius}});
+  effect.place = place;
+  return effect;
+}
+HiddenEffect softening(Recipe& recipe, Drawn& drawn) {
+  return patch(recipe, drawn, -drawn.size(0.01, 0.9));
+}
+HiddenEffect stiffening(Recipe& recipe, Drawn& drawn) {
+  return patch(recipe, drawn, drawn.size(0.01, 1.5));
+}
+
+HiddenEffect at_point(Recipe& recipe, Drawn& drawn, RitzPoint point,
+                      std::map<std::string, double> size) {
+  point.place = drawn.place();
+  recipe.points.push_back(point);
+  return {"", std::move(size), point.place, {}};
+}
+HiddenEffect point_mass(Recipe& recipe, Drawn& drawn) {
+  const double m = drawn.size(2e-3, 2.0);
+  return at_point(recipe, drawn, {{}, m, 0.0, 0.0, 0.0}, {{"mass", m}});
+}
+HiddenEffect mass_with_inertia(Recipe& recipe, Drawn& drawn) {
+  const double m = drawn.size(0.02, 2.0);
+  const double radius = drawn.dice.between(0.025, 0.06);
+  return at_point(recipe, drawn, {{}, m, m * radius * radius, 0.0, 0.0},
+                  {{"mass", m}, {"radius_of_gyration", radius}});
+}
+HiddenEffect ground_spring(Recipe& recipe, Drawn& drawn) {
+  const double k = drawn.size(300.0, 1e6);
+  return at_point(recipe, drawn, {{}, 0.0, 0.0, k, 0.0}, {{"stiffness", k}});
+}
+HiddenEffect ground_damper(Recipe& recipe, Drawn& drawn) {
+  const double c = drawn.size(0.2, 200.0);
+  return at_point(recipe, drawn, {{}, 0.0, 0.0, 0.0, c}, {{"damping", c}});
+}
+
+HiddenEffect resonator(Recipe& recipe, Drawn& drawn) {
+  RitzResonator one;
+  one.mass = drawn.size(1e-3, 0.5);
+  one.frequency_hz = 60.0 * std::pow(800.0 / 60.0, drawn.dice.uniform());
+  one.damping_ratio = drawn.dice.between(0.005, 0.03);
+  one.place = drawn.place();
+  recipe.resonators.push_back(one);
+  return {
+      "",
+      {{"mass", one.mass}, {"frequency", one.frequency_hz}, {"damping_ratio", one.damping_ratio}},
+      one.place,
+      {}};
+}
+
+HiddenEffect frame(Recipe& recipe, Drawn& drawn) {
+  RitzFrame one;
+  one.mass = 2e4 / drawn.size(1.0, 1000.0);
+  one.frequency_hz = 25.0 * std::pow(300.0 / 25.0, drawn.dice.uniform());
+  one.damping_ratio = drawn.dice.between(0.01, 0.04);
+  recipe.frame = one;
+  return {
+      "",
+      {{"mass", one.mass}, {"frequency", one.frequency_hz}, {"damping_ratio", one.damping_ratio}},
+      {},
+      {}};
+}
+
+HiddenEffect modal_damping_level(Recipe& recipe, Drawn& drawn) {
+  const double factor = std::exp(drawn.sign() * drawn.size(0.01, 1.2));
+  recipe.damping_factor *= factor;
+  return {"", {{"factor", factor}}, {}, {}};
+}
+HiddenEffect hysteretic(Recipe& recipe, Drawn& /*drawn*/) {
+  recipe.hysteretic = true;
+  return {"", {{"share", 1.0}}, {}, {}};
+}
+
+HiddenEffect size_error(Recipe& recipe, Drawn& drawn) {
+  const double s = drawn.sign() * drawn.size(2e-4, 0.03);
+  recipe.body.length *= 1.0 + s;
+  recipe.body.width *= 1.0 + s;
+  return of_body(recipe, {{"relative", s}});
+}
+HiddenEffect yielding_above(Recipe& recipe, Drawn& drawn) {
+  recipe.yielding = drawn.size(0.05, 8.0);
+  return {"", {{"relative", recipe.yielding}}, {}, {}};
+}
+HiddenEffect suspension(Recipe& recipe, Drawn& drawn) {
+  recipe.held_hz = drawn.size(1.5, 60.0);
+  recipe.held_damping = drawn.dice.between(0.02, 0.3);
+  return {"", {{"frequency", recipe.held_hz}, {"damping_ratio", recipe.held_damping}}, {}, {}};
+}
+HiddenEffect drift(Recipe& recipe, Drawn& drawn) {
+  const double by = drawn.sign() * drawn.size(2e-4, 0.01);
+  const Index q = recipe.channels.inputs.rows();
+  recipe.stiffening = Eigen::VectorXd::LinSpaced(q, -0.5 * by, 0.5 * by);
+  return {"", {{"first_to_last", by}}, {}, {}};
+}
+
+}  // namespace
+
+const std::vector<HiddenKind>& body_kinds() {
+  static const std::vector<HiddenKind> kinds = {
+      {"youngs_modulus", false, modulus},
+      {"density", false, density},
+      {"thickness", false, thickness},
+      {"taper", false, taper},
+      {"orthotropy", false, orthotropy},
+      {"local_softening", false, softening},
+      {"local_stiffening", false, stiffening},
+      {"point_mass", false, point_mass},
+      {"mass_with_inertia", false, mass_with_inertia},
+      {"ground_spring", false, ground_spring},
+      {"ground_damper", false, ground_damper},
+      {"resonator", false, resonator},
+      {"frame", false, frame},
+      {"modal_damping", false, modal_damping_level},
+      {"hysteretic_damping", false, hysteretic},
+      {"size_error", false, size_error},
+      {"modes_above", false, yielding_above},
+      {"suspension", false, suspension},
+      {"drift", false, drift},
+  };
+  return kinds;
+}
+
+}  // namespace chladni::simulators
