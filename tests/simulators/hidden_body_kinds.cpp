@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "simulators/hidden_recipe.h"
 
@@ -8,7 +7,6 @@ namespace chladni::simulators {
 namespace {
 
 using Eigen::Index;
-using std::numbers::pi;
 
 HiddenEffect of_body(Recipe& recipe, std::map<std::string, double> size) {
   recipe.same_body = false;
@@ -36,16 +34,24 @@ HiddenEffect thickness(Recipe& recipe, Drawn& drawn) {
 
 HiddenEffect taper(Recipe& recipe, Drawn& drawn) {
   const double slope = drawn.size(5e-4, 0.08);
-  const double angle = drawn.dice.between(0.0, 2.0 * pi);
+  const Eigen::Vector2d toward = drawn.direction();
   const Index rows = std::max<Index>(2, recipe.body.thickness.rows());
   const Index cols = std::max<Index>(2, recipe.body.thickness.cols());
   Eigen::MatrixXd field = Eigen::MatrixXd::Zero(rows, cols);
   field.topLeftCorner(recipe.body.thickness.rows(), recipe.body.thickness.cols()) =
       recipe.body.thickness;
-  field(1, 0) += field(0, 0) * slope * std::cos(angle);
-  field(0, 1) += field(0, 0) * slope * std::sin(angle);
+  field(1, 0) += field(0, 0) * slope * toward.x();
+  field(0, 1) += field(0, 0) * slope * toward.y();
   recipe.body.thickness = field;
-  return of_body(recipe, {{"u1", slope * std::cos(angle)}, {"v1", slope * std::sin(angle)}});
+  return of_body(recipe, {{"u1", slope * toward.x()}, {"v1", slope * toward.y()}});
+}
+
+HiddenEffect modulus_field(Recipe& recipe, Drawn& drawn) {
+  const double slope = drawn.size(2e-3, 0.3);
+  const Eigen::Vector2d toward = slope * drawn.direction();
+  recipe.body.modulus = Eigen::MatrixXd::Zero(2, 2);
+  recipe.body.modulus << 1.0, toward.y(), toward.x(), 0.0;
+  return of_body(recipe, {{"u1", toward.x()}, {"v1", toward.y()}});
 }
 
 HiddenEffect orthotropy(Recipe& recipe, Drawn& drawn) {
@@ -55,7 +61,7 @@ HiddenEffect orthotropy(Recipe& recipe, Drawn& drawn) {
 }
 
 HiddenEffect patch(Recipe& recipe, Drawn& drawn, double change) {
-  const double radius = drawn.dice.between(0.03, 0.07);
+  const double radius = drawn.scale.length * drawn.dice.between(0.03, 0.07);
   const Eigen::Vector2d place = drawn.place(0.03);
   recipe.body.discs.push_back({place, radius, 1.0 + change, 1.0});
   auto effect = of_body(recipe, {{"factor", change}, {"radius", radius}});
@@ -76,28 +82,28 @@ HiddenEffect at_point(Recipe& recipe, Drawn& drawn, RitzPoint point,
   return {"", std::move(size), point.place, {}};
 }
 HiddenEffect point_mass(Recipe& recipe, Drawn& drawn) {
-  const double m = drawn.size(2e-3, 2.0);
+  const double m = drawn.scale.mass * drawn.size(2e-3, 2.0);
   return at_point(recipe, drawn, {{}, m, 0.0, 0.0, 0.0}, {{"mass", m}});
 }
 HiddenEffect mass_with_inertia(Recipe& recipe, Drawn& drawn) {
-  const double m = drawn.size(0.02, 2.0);
-  const double radius = drawn.dice.between(0.025, 0.06);
+  const double m = drawn.scale.mass * drawn.size(0.02, 2.0);
+  const double radius = drawn.scale.length * drawn.dice.between(0.025, 0.06);
   return at_point(recipe, drawn, {{}, m, m * radius * radius, 0.0, 0.0},
                   {{"mass", m}, {"radius_of_gyration", radius}});
 }
 HiddenEffect ground_spring(Recipe& recipe, Drawn& drawn) {
-  const double k = drawn.size(300.0, 1e6);
+  const double k = drawn.scale.stiffness() * drawn.size(300.0, 1e6);
   return at_point(recipe, drawn, {{}, 0.0, 0.0, k, 0.0}, {{"stiffness", k}});
 }
 HiddenEffect ground_damper(Recipe& recipe, Drawn& drawn) {
-  const double c = drawn.size(0.2, 200.0);
+  const double c = drawn.scale.damping() * drawn.size(0.2, 200.0);
   return at_point(recipe, drawn, {{}, 0.0, 0.0, 0.0, c}, {{"damping", c}});
 }
 
 HiddenEffect resonator(Recipe& recipe, Drawn& drawn) {
   RitzResonator one;
-  one.mass = drawn.size(1e-3, 0.5);
-  one.frequency_hz = 60.0 * std::pow(800.0 / 60.0, drawn.dice.uniform());
+  one.mass = drawn.scale.mass * drawn.size(1e-3, 0.5);
+  one.frequency_hz = drawn.scale.frequency * 60.0 * std::pow(800.0 / 60.0, drawn.dice.uniform());
   one.damping_ratio = drawn.dice.between(0.005, 0.03);
   one.place = drawn.place();
   recipe.resonators.push_back(one);
@@ -110,8 +116,8 @@ HiddenEffect resonator(Recipe& recipe, Drawn& drawn) {
 
 HiddenEffect frame(Recipe& recipe, Drawn& drawn) {
   RitzFrame one;
-  one.mass = 2e4 / drawn.size(1.0, 1000.0);
-  one.frequency_hz = 25.0 * std::pow(300.0 / 25.0, drawn.dice.uniform());
+  one.mass = drawn.scale.mass * 2e4 / drawn.size(1.0, 1000.0);
+  one.frequency_hz = drawn.scale.frequency * 25.0 * std::pow(300.0 / 25.0, drawn.dice.uniform());
   one.damping_ratio = drawn.dice.between(0.01, 0.04);
   recipe.frame = one;
   return {
@@ -161,6 +167,7 @@ const std::vector<HiddenKind>& body_kinds() {
       {"density", false, density},
       {"thickness", false, thickness},
       {"taper", false, taper},
+      {"modulus_field", false, modulus_field},
       {"orthotropy", false, orthotropy},
       {"local_softening", false, softening},
       {"local_stiffening", false, stiffening},

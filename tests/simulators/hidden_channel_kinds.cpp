@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "simulators/hidden_recipe.h"
 
@@ -8,7 +6,6 @@ namespace chladni::simulators {
 namespace {
 
 using Eigen::Index;
-using std::numbers::pi;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -18,19 +15,22 @@ struct Side {
   const std::vector<std::string>& names;
   Eigen::MatrixX2d& places;
   std::vector<Index>& of;
+  Eigen::MatrixX2d& tilts;
 };
 Side sensors(Recipe& recipe) {
-  return {recipe.outputs, recipe.channels.output_names, recipe.channels.outputs, recipe.output_of};
+  return {recipe.outputs, recipe.channels.output_names, recipe.channels.outputs, recipe.output_of,
+          recipe.output_tilts};
 }
 Side actuators(Recipe& recipe) {
-  return {recipe.inputs, recipe.channels.input_names, recipe.channels.inputs, recipe.input_of};
+  return {recipe.inputs, recipe.channels.input_names, recipe.channels.inputs, recipe.input_of,
+          recipe.input_tilts};
 }
 using OfSide = Side (*)(Recipe&);
 
 template <OfSide side>
 HiddenEffect carried(Recipe& recipe, Drawn& drawn) {
   const auto& places = side(recipe).places;
-  const double m = drawn.size(0.02, 2.0) / static_cast<double>(places.rows());
+  const double m = drawn.scale.mass * drawn.size(0.02, 2.0) / static_cast<double>(places.rows());
   for (const auto place : places.rowwise()) {
     recipe.points.push_back({place.transpose(), m, 0.0, 0.0, 0.0});
   }
@@ -55,11 +55,19 @@ template <OfSide side>
 HiddenEffect moved(Recipe& recipe, Drawn& drawn) {
   const Side all = side(recipe);
   const Index i = drawn.channel(all.names);
-  const double by = drawn.size(2e-4, 0.03);
-  const double angle = drawn.dice.between(0.0, 2.0 * pi);
-  const Eigen::RowVector2d step(by * std::cos(angle), by * std::sin(angle));
+  const double by = drawn.scale.length * drawn.size(2e-4, 0.03);
+  const Eigen::RowVector2d step = by * drawn.direction().transpose();
   all.places.row(i) += step;
   return {"", {{"u", step(0)}, {"v", step(1)}}, {}, {all.names[at(i)]}};
+}
+template <OfSide side>
+HiddenEffect tilted(Recipe& recipe, Drawn& drawn) {
+  const Side all = side(recipe);
+  const Index i = drawn.channel(all.names);
+  const double by = drawn.size(0.02, 0.2);
+  const Eigen::RowVector2d toward = by * drawn.direction().transpose();
+  all.tilts.row(i) += toward;
+  return {"", {{"toward_u", toward(0)}, {"toward_v", toward(1)}}, {}, {all.names[at(i)]}};
 }
 template <OfSide side>
 HiddenEffect swapped(Recipe& recipe, Drawn& drawn) {
@@ -74,12 +82,12 @@ template <OfSide side>
 HiddenEffect late(Recipe& recipe, Drawn& drawn) {
   const Side all = side(recipe);
   const Index i = drawn.channel(all.names);
-  const double delay = drawn.size(5e-7, 2e-4);
+  const double delay = drawn.size(5e-7, 2e-4) / drawn.scale.frequency;
   all.filters[at(i)].delay_s += delay;
   return {"", {{"delay", delay}}, {}, {all.names[at(i)]}};
 }
 HiddenEffect all_late(Recipe& recipe, Drawn& drawn) {
-  const double delay = drawn.size(2e-7, 2e-4);
+  const double delay = drawn.size(2e-7, 2e-4) / drawn.scale.frequency;
   for (auto& filter : recipe.outputs) filter.delay_s += delay;
   return {"", {{"delay", delay}}, {}, {}};
 }
@@ -87,9 +95,19 @@ template <OfSide side>
 HiddenEffect low_pass(Recipe& recipe, Drawn& drawn) {
   const Side all = side(recipe);
   const Index i = drawn.channel(all.names);
-  const double corner = 2e8 / drawn.size(1e3, 5e5);
+  const double corner = drawn.scale.frequency * 2e8 / drawn.size(1e3, 5e5);
   all.filters[at(i)].corner_hz = corner;
   return {"", {{"frequency", corner}}, {}, {all.names[at(i)]}};
+}
+HiddenEffect all_low_pass(Recipe& recipe, Drawn& drawn) {
+  const double corner = drawn.scale.frequency * 2e8 / drawn.size(1e3, 5e5);
+  for (auto& filter : recipe.outputs) filter.corner_hz = corner;
+  return {"", {{"frequency", corner}}, {}, {}};
+}
+HiddenEffect all_gains(Recipe& recipe, Drawn& drawn) {
+  const double g = drawn.sign() * drawn.size(1e-3, 0.4);
+  for (auto& filter : recipe.outputs) filter.gain *= 1.0 + g;
+  return {"", {{"relative", g}}, {}, {}};
 }
 
 HiddenEffect quantity(Recipe& recipe, Drawn& drawn) {
@@ -126,8 +144,11 @@ const std::vector<HiddenKind>& channel_kinds() {
       {"actuator_masses", false, carried<actuators>},
       {"sensor_gain", false, gain<sensors>},
       {"actuator_gain", false, gain<actuators>},
+      {"overall_gain", false, all_gains},
       {"sensor_position", false, moved<sensors>},
       {"actuator_position", false, moved<actuators>},
+      {"sensor_direction", false, tilted<sensors>},
+      {"actuator_direction", false, tilted<actuators>},
       {"sensor_sign", false, turned<sensors>},
       {"actuator_sign", false, turned<actuators>},
       {"swapped_sensors", false, swapped<sensors>},
@@ -135,6 +156,7 @@ const std::vector<HiddenKind>& channel_kinds() {
       {"delay", false, all_late},
       {"sensor_delay", false, late<sensors>},
       {"actuator_delay", false, late<actuators>},
+      {"low_pass", false, all_low_pass},
       {"sensor_low_pass", false, low_pass<sensors>},
       {"actuator_low_pass", false, low_pass<actuators>},
       {"sensor_quantity", false, quantity},

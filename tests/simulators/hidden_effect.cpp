@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
@@ -16,10 +17,15 @@ namespace {
 
 using Eigen::Index;
 
-Recipe believed(int degree) {
+Recipe believed(const HiddenOptions& options) {
   Recipe recipe;
-  recipe.body = believed_table(degree).body;
-  recipe.channels = table_channels();
+  recipe.rig = rig_named(options.rig, options.degree);
+  recipe.degree = options.degree;
+  recipe.above_hz = options.above_hz;
+  recipe.body = recipe.rig.body;
+  recipe.channels = recipe.rig.channels;
+  recipe.output_tilts = Eigen::MatrixX2d::Zero(recipe.channels.outputs.rows(), 2);
+  recipe.input_tilts = Eigen::MatrixX2d::Zero(recipe.channels.inputs.rows(), 2);
   const auto p = recipe.channels.outputs.rows();
   const auto q = recipe.channels.inputs.rows();
   recipe.output_of.resize(static_cast<std::size_t>(p));
@@ -108,11 +114,32 @@ unsigned seed_of(const std::vector<std::string>& kinds, unsigned seed) {
   return hash;
 }
 
+// A channel of height z that is tilted by θ sees w − θ z ∂w where the body does not shear.
+std::vector<Eigen::MatrixXcd> moved_instead(Recipe recipe, const Eigen::VectorXd& hz,
+                                            const HiddenOptions& options) {
+  if (recipe.output_tilts.isZero(0.0) && recipe.input_tilts.isZero(0.0)) return {};
+  const auto cost = [&](std::vector<ChannelFilter>& filters, const Eigen::MatrixX2d& tilts) {
+    for (Index i = 0; options.deviation > 0.0 && i < tilts.rows(); ++i) {
+      filters[static_cast<std::size_t>(i)].gain /= std::sqrt(1.0 + tilts.row(i).squaredNorm());
+    }
+  };
+  cost(recipe.outputs, recipe.output_tilts);
+  cost(recipe.inputs, recipe.input_tilts);
+  const double top = 0.5 * recipe.rig.body.thickness(0, 0);
+  recipe.channels.outputs -= top * recipe.output_tilts;
+  recipe.channels.inputs -= (recipe.rig.driven_from_below ? -top : top) * recipe.input_tilts;
+  recipe.output_tilts.setZero();
+  recipe.input_tilts.setZero();
+  return responses(recipe, hz, options.damping_stays);
+}
+
 // What is hidden, in the recipe and in the record of the truth.
 void hide(Recipe& recipe, HiddenCase& made, const std::vector<std::string>& kinds, Drawn& drawn,
           double severity) {
   for (const auto& name : kinds) {
     const auto& kind = kind_of(name);
+    require(recipe.rig.has(name),
+            fmt::format("{} cannot be hidden in the rig '{}'", name, recipe.rig.name));
     const double own = drawn.dice.uniform();
     drawn.severity = severity < 0.0 ? own : severity;
     auto effect = kind.hide(recipe, drawn);
@@ -131,13 +158,20 @@ double Drawn::size(double low, double high) { return low * std::pow(high / low, 
 
 Eigen::Vector2d Drawn::place(double margin) {
   for (int attempt = 0;; ++attempt) {
-    const double x = dice.between(margin - 0.3, 0.3 - margin);
-    const double y = dice.between(margin - 0.3, 0.3 - margin);
-    const Eigen::Vector2d found(x, y);
-    const bool free = std::none_of(taken_places.begin(), taken_places.end(),
-                                   [&](const auto& one) { return (one - found).norm() < 0.12; });
+    const double rim = margin * scale.length;
+    const double x = dice.between(rim - half.x(), half.x() - rim);
+    const double y = dice.between(rim - half.y(), half.y() - rim);
+    const Eigen::Vector2d found(x, slender ? 0.0 : y);
+    const bool free = std::ranges::none_of(
+        taken_places, [&](const auto& one) { return (one - found).norm() < 0.12 * scale.length; });
     if (free || attempt > 200) return found;
   }
+}
+
+Eigen::Vector2d Drawn::direction() {
+  const double angle = dice.between(0.0, 2.0 * std::numbers::pi);
+  if (slender) return {angle < std::numbers::pi ? 1.0 : -1.0, 0.0};
+  return {std::cos(angle), std::sin(angle)};
 }
 
 Index Drawn::channel(const std::vector<std::string>& names) {
@@ -181,34 +215,49 @@ std::vector<std::string> hidden_pair(unsigned seed) {
   return {first, second};
 }
 
-const RitzModes& believed_table(int degree) {
-  static std::map<int, RitzModes> kept;
-  auto found = kept.find(degree);
+const RitzModes& believed_modes(const std::string& rig, int degree) {
+  static std::map<std::pair<std::string, int>, RitzModes> kept;
+  const auto key = std::pair(rig, degree);
+  auto found = kept.find(key);
   if (found == kept.end()) {
-    found = kept.emplace(degree, ritz_modes(aluminium_table(degree))).first;
+    found = kept.emplace(key, ritz_modes(rig_named(rig, degree).body)).first;
   }
   return found->second;
 }
 
+const RitzModes& believed_table(int degree) { return believed_modes("table", degree); }
+
 HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
                        const HiddenOptions& options) {
-  require(options.lines > 1 && options.low_hz > 0.0 && options.high_hz > options.low_hz,
-          "two lines or more above 0 Hz are expected");
-  auto recipe = believed(options.degree);
+  auto recipe = believed(options);
+  const auto& rig = recipe.rig;
+  const double low_hz = options.low_hz > 0.0 ? options.low_hz : rig.low_hz;
+  const double high_hz = options.high_hz > 0.0 ? options.high_hz : rig.high_hz;
+  require(options.lines > 1 && high_hz > low_hz,
+          fmt::format("{} lines from {} to {} Hz: two or more, ascending, are expected",
+                      options.lines, low_hz, high_hz));
   HiddenCase made;
   auto& measured = made.measured;
   measured.outputs = channels(recipe.channels.output_names, recipe.channels.outputs, "m");
   measured.inputs = channels(recipe.channels.input_names, recipe.channels.inputs, "N");
-  measured.frequency_hz =
-      Eigen::VectorXd::LinSpaced(options.lines, options.low_hz, options.high_hz);
+  measured.frequency_hz = Eigen::VectorXd::LinSpaced(options.lines, low_hz, high_hz);
   const auto nominal = responses(recipe, measured.frequency_hz, true);
-  Drawn drawn{Dice(seed_of(kinds, seed)), 0.0, {}, {}};
-  Dice built(seed + 0x51ed270bU);
-  deviate(recipe, built, options.deviation);
+  Drawn drawn{Dice(seed_of(kinds, seed)),
+              0.0,
+              rig.scale,
+              0.5 * Eigen::Vector2d(rig.body.length, rig.body.width),
+              rig.is_slender(),
+              {},
+              {}};
+  // By other laws each case is of a rig of its own.
+  const bool one_rig = options.law == DeviationLaw::normal;
+  Dice built((one_rig ? seed : seed_of(kinds, seed)) + 0x51ed270bU);
+  deviate(recipe, built, options);
   hide(recipe, made, kinds, drawn, options.severity);
   const bool as_believed = kinds.empty() && options.deviation == 0.0;
   made.exact =
       as_believed ? nominal : responses(recipe, measured.frequency_hz, options.damping_stays);
+  made.moved_instead = moved_instead(recipe, measured.frequency_hz, options);
   measure(made, options, drawn.dice);
   for (std::size_t k = 0; k < nominal.size(); ++k) {
     made.evidence_there +=

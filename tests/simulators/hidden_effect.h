@@ -1,4 +1,4 @@
-// Measurements of a wafer table in which something is hidden. A seed determines what, where and how
+// Measurements of a rig in which something is hidden. A seed determines what, where and how
 // much; a diagnosis is given `measured` and nothing else.
 #pragma once
 
@@ -21,9 +21,17 @@ struct HiddenEffect {
   std::vector<std::string> channels;
 };
 
+/// Of what no two rigs have alike; each of variance 1 but for Student's.
+enum class DeviationLaw {
+  normal,
+  uniform,
+  student,  ///< t of four degrees of freedom: variance 2, one in 90 beyond 3.7
+};
+
 struct HiddenOptions {
+  std::string rig = "table";  ///< rig_names()
   int lines = 500;
-  double low_hz = 20.0, high_hz = 900.0;
+  double low_hz = 0.0, high_hz = 0.0;  ///< 0: the rig's
   double relative_noise = 0.01;  ///< circular, E|n|² = σ², of |G| of the same line and response
   double floor_noise = 1e-3;     ///< of the median |G| over all; squares add
   int degree = 14;               ///< of the plates' polynomials
@@ -33,10 +41,20 @@ struct HiddenOptions {
   /// The damping is a matrix that does not change when the plate does; false: the changed plate's
   /// modes are damped as the nominal one's.
   bool damping_stays = true;
-  /// What no two tables have alike, in multiples of: gain of each channel 0.5 %, its place 0.5 mm
+  /// What no two rigs have alike, in multiples of: gain of each channel 0.5 %, its place 0.5 mm
   /// along each axis, delay 1 µs, modulus 0.5 %, density 0.3 %, thickness 0.15 % in each of six
   /// smooth waves, stiffness along x 0.5 %, damping of each mode 20 %.
   double deviation = 0.0;
+  /// Of another law than the normal one the thickness varies in 21 waves up to the fifth order, 0.3
+  /// % over 2 + i + j each: no diagnosis has these.
+  DeviationLaw law = DeviationLaw::normal;
+  /// Part of the variance that all gains, all places of a side along an axis and all dampings
+  /// share.
+  double correlation = 0.0;
+  double own_delay_s = 0.0;  ///< of each channel beside the common one
+  double fixtures = 0.0;     ///< of what is fixed to the body: masses and springs, relative
+  /// The modes that `modes_above` lets yield begin here; 0: after 64.
+  double above_hz = 0.0;
 };
 
 struct HiddenCase {
@@ -44,6 +62,9 @@ struct HiddenCase {
   std::vector<HiddenEffect> truth;
   bool outside = false;  ///< the truth has a kind that no catalogue of physical causes has
   std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: without noise
+  /// Likewise, with tilted channels moved as far as nearly does the same (where gains deviate, with
+  /// the gain that a tilt costs); empty: none is tilted.
+  std::vector<Eigen::MatrixXcd> moved_instead;
   /// Σ |exact − nominal|² / σ²: the logarithm of the likelihood ratio that an effect known
   /// beforehand would have.
   double evidence_there = 0.0;
@@ -56,13 +77,14 @@ struct HiddenCase {
 /// Two kinds of hidden_kinds() that can be told apart when they act together.
 [[nodiscard]] std::vector<std::string> hidden_pair(unsigned seed);
 
-/// The table as everybody believes it to be: aluminium_table, channels of models/oat/minimal,
-/// modes 0.5 % damped. Kept between calls.
+/// The rig's modes as everybody believes them to be. Kept between calls.
+[[nodiscard]] const RitzModes& believed_modes(const std::string& rig, int degree = 14);
+/// Of the wafer table: aluminium_table.
 [[nodiscard]] const RitzModes& believed_table(int degree = 14);
 
 /// Cost: 0.3 to 1.5 s for 500 lines and degree 14.
 /// @param kinds  none, one or several; several act on different channels and places
-/// @throws InvalidInput  an unknown kind
+/// @throws InvalidInput  an unknown kind or rig, a kind that the rig cannot have
 [[nodiscard]] HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
                                      const HiddenOptions& options = {});
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "simulators/table_channels.h"
+#include "simulators/rig.h"
 
 namespace chladni::simulators {
 namespace {
@@ -61,6 +61,66 @@ TEST(HiddenEffect, DeviatesAsTablesDo) {
   EXPECT_NE(one.exact[5], other.exact[5]);
   built.deviation = 0.1;
   EXPECT_LT(hidden_case({}, 3, built).evidence_there, 0.1 * one.evidence_there);
+}
+
+// Whatever the law, a deviation is drawn once per seed; heavy tails and shared parts change it.
+TEST(HiddenEffect, DeviatesByOtherLawsThanTheDiagnosisHas) {
+  auto built = quick();
+  built.deviation = 1.0;
+  const auto normal = hidden_case({}, 3, built);
+  for (const auto law : {DeviationLaw::uniform, DeviationLaw::student}) {
+    built.law = law;
+    const auto one = hidden_case({}, 3, built);
+    EXPECT_GT(one.evidence_there, 1e3);
+    EXPECT_NE(one.exact[5], normal.exact[5]);
+    EXPECT_EQ(one.exact[5], hidden_case({}, 3, built).exact[5]);
+  }
+  built.correlation = 0.9;
+  EXPECT_NE(hidden_case({}, 3, built).exact[5], hidden_case({}, 4, built).exact[5]);
+  built.own_delay_s = 1e-5;
+  EXPECT_GT(hidden_case({}, 3, built).evidence_there, 1e3);
+}
+
+// A position is a tilt's twin where the plate hardly shears and gains are not known better: what
+// parts them is little.
+TEST(HiddenEffect, ATiltIsNearlyAPlace) {
+  for (const auto& rig : rig_names()) {
+    auto options = quick(1.0);
+    options.rig = rig;
+    options.deviation = 1e-9;
+    for (const auto* kind : {"sensor_direction", "actuator_direction"}) {
+      const auto made = hidden_case({kind}, 5, options);
+      ASSERT_EQ(made.moved_instead.size(), made.exact.size());
+      double apart = 0.0;
+      for (std::size_t k = 0; k < made.exact.size(); ++k) {
+        apart += ((made.exact[k] - made.moved_instead[k]).cwiseAbs2().array() /
+                  made.measured.variance[k].array())
+                     .sum();
+      }
+      EXPECT_LT(apart, 0.01 * made.evidence_there) << rig << " " << kind;
+    }
+  }
+}
+
+TEST(HiddenEffect, EveryKindOfEveryRigShows) {
+  for (const auto* rig : {"table_few", "strip"}) {
+    auto options = quick(1.0);
+    options.rig = rig;
+    options.degree = 6;
+    options.lines = 15;
+    const auto believed = rig_named(rig, options.degree);
+    options.above_hz = 1.5 * believed.high_hz;
+    for (const auto& kind : hidden_kinds()) {
+      if (!believed.has(kind)) {
+        EXPECT_THROW((void)hidden_case({kind}, 5, options), InvalidInput) << rig << " " << kind;
+        continue;
+      }
+      EXPECT_GT(hidden_case({kind}, 5, options).evidence_there, 30.0) << rig << " " << kind;
+    }
+  }
+  auto options = quick();
+  options.rig = "boat";
+  EXPECT_THROW((void)hidden_case({}, 1, options), InvalidInput);
 }
 
 TEST(HiddenEffect, EveryKindShowsAndGrows) {

@@ -13,7 +13,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 HiddenEffect pad(Recipe& recipe, Drawn& drawn) {
   RitzPad one;
-  one.stiffness = drawn.size(2e4, 4e6);
+  one.stiffness = drawn.scale.stiffness() * drawn.size(2e4, 4e6);
   one.radius = drawn.dice.between(0.08, 0.15);
   one.centre = drawn.place(0.05);
   recipe.pads.push_back(one);
@@ -22,7 +22,7 @@ HiddenEffect pad(Recipe& recipe, Drawn& drawn) {
 HiddenEffect notch(Recipe& recipe, Drawn& drawn) {
   const Index i = drawn.channel(recipe.channels.output_names);
   auto& filter = recipe.outputs[at(i)];
-  filter.notch_hz = drawn.dice.between(150.0, 700.0);
+  filter.notch_hz = drawn.scale.frequency * drawn.dice.between(150.0, 700.0);
   filter.notch_damping = drawn.size(0.01, 0.5);
   return {"",
           {{"frequency", filter.notch_hz}, {"damping_ratio", filter.notch_damping}},
@@ -57,7 +57,7 @@ HiddenEffect crack(Recipe& recipe, Drawn& drawn) {
   return {"", {{"length", length}}, middle, {}};
 }
 HiddenEffect six_masses(Recipe& recipe, Drawn& drawn) {
-  const double total = drawn.size(0.1, 3.0);
+  const double total = drawn.scale.mass * drawn.size(0.1, 3.0);
   for (int i = 0; i < 6; ++i) {
     const double m = total / 6.0 * drawn.dice.between(0.4, 1.6);
     const Eigen::Vector2d place = drawn.place();
@@ -82,12 +82,13 @@ HiddenEffect other_plate(Recipe& recipe, Drawn& drawn) {
   return {"", {{"length", body.length}, {"width", body.width}}, {}, {}};
 }
 HiddenEffect in_plane_mode(Recipe& recipe, Drawn& drawn) {
-  recipe.foreign_hz = drawn.dice.between(150.0, 750.0);
+  recipe.foreign_hz = drawn.scale.frequency * drawn.dice.between(150.0, 750.0);
   recipe.foreign_damping = 0.005;
-  const double size = 0.22 * drawn.size(0.02, 0.5);  // of the plate's own shapes
-  recipe.foreign_outputs = size * drawn.dice.normal(4, 1);
-  recipe.foreign_inputs = size * drawn.dice.normal(13, 1);
-  return {"", {{"frequency", recipe.foreign_hz}, {"relative", size / 0.22}}, {}, {}};
+  const double relative = drawn.size(0.02, 0.5);
+  const double size = 0.22 * relative / std::sqrt(drawn.scale.mass);  // 0.22: the body's own shapes
+  recipe.foreign_outputs = size * drawn.dice.normal(recipe.channels.outputs.rows(), 1);
+  recipe.foreign_inputs = size * drawn.dice.normal(recipe.channels.inputs.rows(), 1);
+  return {"", {{"frequency", recipe.foreign_hz}, {"relative", relative}}, {}, {}};
 }
 
 }  // namespace

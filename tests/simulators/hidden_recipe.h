@@ -1,4 +1,4 @@
-// How a table differs from what is believed: filled in by kinds of effects, one after the other.
+// How a rig differs from what is believed: filled in by kinds of effects, one after the other.
 #pragma once
 
 #include <map>
@@ -7,8 +7,8 @@
 
 #include "simulators/hidden_effect.h"
 #include "simulators/portable_random.h"
+#include "simulators/rig.h"
 #include "simulators/ritz_response.h"
-#include "simulators/table_channels.h"
 
 namespace chladni::simulators {
 
@@ -21,6 +21,8 @@ struct ChannelFilter {
 };
 
 struct Recipe {
+  Rig rig;          ///< as it is believed to be
+  int degree = 14;  ///< of rig_named
   RitzBody body;
   bool same_body = true;
   std::vector<RitzPoint> points;
@@ -30,10 +32,12 @@ struct Recipe {
   double damping_factor = 1.0, damping_exponent = 0.0;
   bool hysteretic = false;
   double yielding = 0.0;  ///< of the modes above those of a diagnosis: how much more, relative
+  double above_hz = 0.0;  ///< where these begin; 0: after 64
   double held_hz = 0.0, held_damping = 0.0;  ///< of all rigid-body modes
   Eigen::VectorXd stiffening;      ///< q: of the plate while an input is used, relative; or empty
   Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is
   TableChannels channels;
+  Eigen::MatrixX2d output_tilts, input_tilts;     ///< of the channels, toward x and y [rad]
   std::vector<Eigen::Index> output_of, input_of;  ///< which one a record shows
   std::vector<ChannelFilter> outputs, inputs;     ///< of the records
   Eigen::MatrixXd output_mix, input_mix;          ///< (1 + Y) G (1 + X)
@@ -48,21 +52,27 @@ struct Recipe {
                                                       const Eigen::VectorXd& hz,
                                                       bool damping_stays);
 
-/// Within what everybody tolerates, `times` over (HiddenOptions::deviation).
-void deviate(Recipe& recipe, Dice& dice, double times);
+/// Within what everybody tolerates, as HiddenOptions says.
+void deviate(Recipe& recipe, Dice& dice, const HiddenOptions& options);
 
 /// What a kind draws: sizes within its range, and where.
 struct Drawn {
   Dice dice;
   double severity;  ///< in [0, 1]
+  RigScale scale;
+  Eigen::Vector2d half;  ///< sides of the body [m]
+  bool slender = false;
   std::vector<Eigen::Vector2d> taken_places;
   std::vector<std::string> taken_channels;
 
   /// low (high / low)^severity.
   double size(double low, double high);
   double sign() { return dice.uniform() < 0.5 ? -1.0 : 1.0; }
-  /// Off the rim by `margin` and 120 mm off others.
+  /// Off the rim by `margin` and 120 mm off others, on the table; on the middle line of what is
+  /// slender.
   Eigen::Vector2d place(double margin = 0.01);
+  /// A unit vector; of what is slender, along it.
+  Eigen::Vector2d direction();
   /// One that nothing else was done to.
   Eigen::Index channel(const std::vector<std::string>& names);
 };

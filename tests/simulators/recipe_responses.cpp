@@ -13,17 +13,15 @@ using Eigen::Index;
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-constexpr double kDamping = 5e-3;
-
 // A plate that is longer by as much as it is wider loses what the first one lost, stretched with
 // it; one of another shape has losses of its own.
-RitzDamping damping_of(const Recipe& recipe, const RitzModes& plate, bool stays) {
-  const auto& first = believed_table(recipe.body.degree);
-  const auto& owner = stays && same_shape(plate.body, first.body) ? first : plate;
-  const double ratio = kDamping * recipe.damping_factor;
-  auto damping = recipe.hysteretic
-                     ? hysteretic_damping(owner, ratio)
-                     : modal_damping(owner, ratio, recipe.damping_exponent, first.frequency_hz(6));
+RitzDamping damping_of(const Recipe& recipe, const RitzModes& nominal, const RitzModes& plate,
+                       bool stays) {
+  const auto& owner = stays && same_shape(plate.body, nominal.body) ? nominal : plate;
+  const double ratio = recipe.rig.damping_ratio * recipe.damping_factor;
+  auto damping = recipe.hysteretic ? hysteretic_damping(owner, ratio)
+                                   : modal_damping(owner, ratio, recipe.damping_exponent,
+                                                   nominal.frequency_hz(6));
   const auto count = std::min(recipe.damping_spread.size(), plate.mode_count());
   for (auto* losses : {&damping.viscous, &damping.loss}) {
     if (losses->size() > 0) losses->diagonal().head(count).array() *= recipe.damping_spread.array();
@@ -64,9 +62,10 @@ Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, d
 }
 
 // Those that a diagnosis has no coordinates for.
-void soften_above(RitzModes& plate, double more) {
+void soften_above(RitzModes& plate, double more, double above_hz) {
   constexpr Index kCoordinates = 64;
-  const Index above = plate.mode_count() - kCoordinates;
+  const Index above = above_hz > 0.0 ? (plate.frequency_hz.array() > above_hz).count()
+                                     : plate.mode_count() - kCoordinates;
   if (more != 0.0 && above > 0) plate.frequency_hz.tail(above) /= std::sqrt(1.0 + more);
 }
 
@@ -78,19 +77,43 @@ void hold(RitzStage& stage, const Recipe& recipe) {
                                                        recipe.held_hz);
 }
 
-// Column by column where the plate is another one for each: its frequencies go as the root of its
-// stiffness, its shapes stay.
+RitzGrid grid_of(const Recipe& recipe, const Eigen::VectorXd& hz) {
+  const double top = 0.5 * recipe.rig.body.thickness(0, 0);
+  RitzGrid grid{recipe.channels.outputs, recipe.channels.inputs, hz};
+  grid.output_tilts = recipe.output_tilts;
+  grid.input_tilts = recipe.input_tilts;
+  grid.output_height = top;
+  grid.input_height = recipe.rig.driven_from_below ? -top : top;
+  return grid;
+}
+
+// The body alone is stiffer, what is fixed to it stays; a bare plate's shapes stay, too.
+RitzStage stiffened(const RitzStage& stage, double by) {
+  RitzStage then = stage;
+  if (stage.plate.body.fixtures.empty()) {
+    then.plate.frequency_hz *= std::sqrt(1.0 + by);
+    return then;
+  }
+  auto body = stage.plate.body;
+  auto& q = body.stiffness;
+  for (double* value : {&q.q11, &q.q12, &q.q22, &q.q66, &q.shear}) *value *= 1.0 + by;
+  then.plate = ritz_modes(body);
+  then.damping = carried_over(stage.damping, stage.plate, then.plate);
+  return then;
+}
+
+// Column by column where the body is another one for each.
 std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Recipe& recipe,
                                               const Eigen::VectorXd& hz) {
-  const auto& outputs = recipe.channels.outputs;
-  const auto& inputs = recipe.channels.inputs;
-  if (recipe.stiffening.size() == 0) return ritz_receptance(stage, {outputs, inputs, hz});
+  const auto grid = grid_of(recipe, hz);
+  if (recipe.stiffening.size() == 0) return ritz_receptance(stage, grid);
   std::vector<Eigen::MatrixXcd> value(static_cast<std::size_t>(hz.size()),
-                                      Eigen::MatrixXcd(outputs.rows(), inputs.rows()));
-  for (Index j = 0; j < inputs.rows(); ++j) {
-    RitzStage then = stage;
-    then.plate.frequency_hz *= std::sqrt(1.0 + recipe.stiffening(j));
-    const auto column = ritz_receptance(then, {outputs, inputs.row(j), hz});
+                                      Eigen::MatrixXcd(grid.outputs.rows(), grid.inputs.rows()));
+  for (Index j = 0; j < grid.inputs.rows(); ++j) {
+    auto one = grid;
+    one.inputs = grid.inputs.row(j);
+    one.input_tilts = grid.input_tilts.row(j);
+    const auto column = ritz_receptance(stiffened(stage, recipe.stiffening(j)), one);
     for (std::size_t k = 0; k < value.size(); ++k) value[k].col(j) = column[k];
   }
   return value;
@@ -100,19 +123,15 @@ std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Reci
 
 std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::VectorXd& hz,
                                         bool damping_stays) {
-  RitzStage stage{recipe.same_body ? believed_table(recipe.body.degree) : ritz_modes(recipe.body),
-                  {},
-                  {},
-                  {},
-                  {},
-                  {}};
-  stage.damping = damping_of(recipe, stage.plate, damping_stays);
+  const auto& nominal = believed_modes(recipe.rig.name, recipe.degree);
+  RitzStage stage{recipe.same_body ? nominal : ritz_modes(recipe.body), {}, {}, {}, {}, {}};
+  stage.damping = damping_of(recipe, nominal, stage.plate, damping_stays);
   stage.points = recipe.points;
   stage.resonators = recipe.resonators;
   stage.pads = recipe.pads;
   stage.frame = recipe.frame;
   hold(stage, recipe);
-  soften_above(stage.plate, recipe.yielding);
+  soften_above(stage.plate, recipe.yielding, recipe.above_hz);
   auto value = plate_responses(stage, recipe, hz);
   for (std::size_t k = 0; k < value.size(); ++k) {
     value[k] = recorded(recipe, value[k], 2.0 * pi * hz(static_cast<Index>(k)));

@@ -39,19 +39,20 @@ Legendre legendre(int degree, double xi) {
   return p;
 }
 
-// The products at k places: values and derivatives along x and y, each k×(degree + 1)².
+// The products at k places: values and derivatives along x and y, each k×n/3.
 struct Products {
   Eigen::MatrixXd value, by_x, by_y;
 };
 
 Products products(const RitzBody& body, const Eigen::MatrixX2d& places) {
-  const Index m = body.degree + 1;
+  const Index m = body.degree_along_y() + 1;
+  const Index all = (body.degree + 1) * m;
   const Index k = places.rows();
-  Products at{Eigen::MatrixXd(k, m * m), Eigen::MatrixXd(k, m * m), Eigen::MatrixXd(k, m * m)};
+  Products at{Eigen::MatrixXd(k, all), Eigen::MatrixXd(k, all), Eigen::MatrixXd(k, all)};
   for (Index row = 0; row < k; ++row) {
     const auto x = legendre(body.degree, 2.0 * places(row, 0) / body.length);
-    const auto y = legendre(body.degree, 2.0 * places(row, 1) / body.width);
-    for (Index i = 0; i < m; ++i) {
+    const auto y = legendre(body.degree_along_y(), 2.0 * places(row, 1) / body.width);
+    for (Index i = 0; i <= body.degree; ++i) {
       at.value.row(row).segment(i * m, m) = x.value(i) * y.value.transpose();
       at.by_x.row(row).segment(i * m, m) = 2.0 / body.length * x.slope(i) * y.value.transpose();
       at.by_y.row(row).segment(i * m, m) = 2.0 / body.width * x.value(i) * y.slope.transpose();
@@ -60,20 +61,30 @@ Products products(const RitzBody& body, const Eigen::MatrixX2d& places) {
   return at;
 }
 
-double thickness_at(const RitzBody& body, double x, double y) {
-  const Index rows = body.thickness.rows();
-  const Index cols = body.thickness.cols();
+// Thickness or modulus at a place.
+double field_at(const RitzBody& body, const Eigen::MatrixXd& field, double x, double y) {
+  const Index rows = field.rows();
+  const Index cols = field.cols();
   const auto p = legendre(static_cast<int>(rows) - 1, 2.0 * x / body.length);
   const auto q = legendre(static_cast<int>(cols) - 1, 2.0 * y / body.width);
-  double t = 0.0;
+  double sum = 0.0;
   for (Index i = 0; i < rows; ++i) {
     for (Index j = 0; j < cols; ++j) {
       const double scale =
           std::sqrt((2.0 * static_cast<double>(i) + 1.0) * (2.0 * static_cast<double>(j) + 1.0));
-      t += body.thickness(i, j) * p.value(i) * q.value(j) / scale;
+      sum += field(i, j) * p.value(i) * q.value(j) / scale;
     }
   }
-  return t;
+  return sum;
+}
+
+// A factor of all stiffnesses.
+double modulus_at(const RitzBody& body, double x, double y) {
+  if (body.modulus.size() == 0) return 1.0;
+  const double factor = field_at(body, body.modulus, x, y);
+  require(factor > 0.0, fmt::format("modulus {} times its mean at ({}, {}) m, expected more than 0",
+                                    factor, x, y));
+  return factor;
 }
 
 // Places with what an area there carries: bending [N m] and shear [N/m] stiffness, mass [kg/m²],
@@ -101,11 +112,12 @@ Carried carried(const RitzBody& body, const AreaRule& rule, StiffnessPart part) 
   const Eigen::Matrix3d plane = plane_matrix(body.stiffness, part);
   const bool shears = part == StiffnessPart::all || part == StiffnessPart::shear;
   for (Index i = 0; i < k; ++i) {
-    const double t = thickness_at(body, rule.places(i, 0), rule.places(i, 1));
+    const double t = field_at(body, body.thickness, rule.places(i, 0), rule.places(i, 1));
+    const double e = modulus_at(body, rule.places(i, 0), rule.places(i, 1));
     require(t > 0.0, fmt::format("thickness {} m at ({}, {}) m, expected more than 0", t,
                                  rule.places(i, 0), rule.places(i, 1)));
-    all.bending.emplace_back(plane * (t * t * t / 12.0 * rule.area(i)));
-    all.shear(i) = shears ? 5.0 / 6.0 * body.stiffness.shear * t * rule.area(i) : 0.0;
+    all.bending.emplace_back(plane * (e * t * t * t / 12.0 * rule.area(i)));
+    all.shear(i) = shears ? 5.0 / 6.0 * body.stiffness.shear * e * t * rule.area(i) : 0.0;
     all.mass(i) = body.density * t * rule.area(i);
     all.rotary(i) = body.density * t * t * t / 12.0 * rule.area(i);
   }
@@ -165,8 +177,11 @@ void add(RitzMatrices& sum, const RitzBody& body, const Carried& all) {
 }
 
 int points_for(const RitzBody& body) {
-  const auto waves = std::max(body.thickness.rows(), body.thickness.cols()) - 1;
-  return body.degree + 1 + static_cast<int>(3 * waves + 1) / 2;
+  const auto waves = [](const Eigen::MatrixXd& field) {
+    return static_cast<int>(std::max<Index>(1, std::max(field.rows(), field.cols()))) - 1;
+  };
+  return std::max(body.degree, body.degree_along_y()) + 1 +
+         (3 * waves(body.thickness) + waves(body.modulus) + 1) / 2;
 }
 
 void add_disc(RitzMatrices& sum, const RitzBody& body, const RitzDisc& disc) {
@@ -203,6 +218,34 @@ void add_crack(RitzMatrices& sum, const RitzBody& body, const RitzCrack& crack) 
   add(sum, body, all);
 }
 
+// Symmetric outer product of a row over (w, ψx, ψy) that is of w alone.
+void add_outer(Eigen::MatrixXd& matrix, const Eigen::RowVectorXd& row, double factor) {
+  if (factor == 0.0) return;
+  matrix.topLeftCorner(row.size(), row.size()) += factor * row.transpose() * row;
+}
+
+void add_fixture(RitzMatrices& sum, const RitzBody& body, const RitzFixture& one) {
+  const Eigen::Vector2d half(0.5 * body.length, 0.5 * body.width);
+  require((one.place.cwiseAbs().array() <= half.array()).all(), "a fixture off the plate");
+  require(one.footprint >= 0.0 && one.mass >= 0.0 && one.inertia_x >= 0.0 && one.inertia_y >= 0.0 &&
+              one.stiffness >= 0.0 && one.turning_x >= 0.0 && one.turning_y >= 0.0,
+          "a fixture of less than 0");
+  constexpr int kPoints = 6;
+  AreaRule rule{one.place.transpose(), Eigen::VectorXd::Ones(1)};
+  if (one.footprint > 0.0) rule = disc_rule(one.place, 0.5 * one.footprint, half, kPoints);
+  const auto at = products(body, rule.places);
+  const Eigen::RowVectorXd share = rule.area.transpose() / rule.area.sum();
+  const Eigen::RowVectorXd moves = share * at.value;
+  const Eigen::RowVectorXd slope_x = share * at.by_x;
+  const Eigen::RowVectorXd slope_y = share * at.by_y;
+  add_outer(sum.mass, moves, one.mass);
+  add_outer(sum.mass, slope_x, one.inertia_x);
+  add_outer(sum.mass, slope_y, one.inertia_y);
+  add_outer(sum.stiffness, moves, one.stiffness);
+  add_outer(sum.stiffness, slope_x, one.turning_x);
+  add_outer(sum.stiffness, slope_y, one.turning_y);
+}
+
 void check(const RitzBody& body) {
   require(body.length > 0.0 && body.width > 0.0 && body.density > 0.0 && body.degree >= 2,
           "a plate needs a length, a width, a density and a degree of 2 or more");
@@ -225,6 +268,19 @@ PlaneStiffness isotropic_plane(double youngs_modulus, double poisson) {
   return {q, poisson * q, q, g, g};
 }
 
+Index RitzBody::rigid_count() const {
+  Eigen::Vector3d held = Eigen::Vector3d::Zero();  // lifting, turning along x, along y
+  for (const auto& one : fixtures) {
+    const auto springs = [](double constant) { return constant > 0.0 ? 1.0 : 0.0; };
+    held += Eigen::Vector3d(springs(one.stiffness), springs(one.turning_x), springs(one.turning_y));
+  }
+  if (held.isZero(0.0)) return 3;
+  require((held.array() > 0.0).all(),
+          "a plate that is held in part only: expected springs "
+          "against lifting and against turning about both axes");
+  return 0;
+}
+
 RitzBody aluminium_table(int degree) {
   RitzBody body;
   body.length = body.width = 0.6;
@@ -237,12 +293,13 @@ RitzBody aluminium_table(int degree) {
 
 RitzMatrices ritz_matrices(const RitzBody& body) {
   check(body);
-  const Index n = 3 * (body.degree + 1) * (body.degree + 1);
+  const Index n = 3 * (body.degree + 1) * (body.degree_along_y() + 1);
   const Eigen::Vector2d half(0.5 * body.length, 0.5 * body.width);
   RitzMatrices sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
   add(sum, body, carried(body, rectangle_rule(-half, half, points_for(body)), StiffnessPart::all));
   for (const auto& disc : body.discs) add_disc(sum, body, disc);
   for (const auto& crack : body.cracks) add_crack(sum, body, crack);
+  for (const auto& fixture : body.fixtures) add_fixture(sum, body, fixture);
   return sum;
 }
 
@@ -283,12 +340,13 @@ RitzModes ritz_modes(const RitzBody& body) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrices.stiffness,
                                                                          matrices.mass);
   const Eigen::VectorXd lambda = solver.eigenvalues();
+  const Index rigid = body.rigid_count();
   require(solver.info() == Eigen::Success && lambda(0) > -1e-9 * lambda(lambda.size() - 1) &&
-              lambda(3) > 0.0,
+              lambda(rigid) > 0.0,
           "the plate's stiffness is not definite");
   RitzModes modes{body, (lambda.cwiseMax(0.0).cwiseSqrt() / (2.0 * pi)).eval(),
                   solver.eigenvectors()};
-  modes.frequency_hz.head(3).setZero();
+  modes.frequency_hz.head(rigid).setZero();
   return modes;
 }
 

@@ -31,15 +31,34 @@ struct RitzCrack {
   double loss = 0.0;
 };
 
+/// What the body is believed to carry and to hang on: a flexure, a coil. It follows the mean
+/// deflection and the mean slopes of the surface within its footprint.
+struct RitzFixture {
+  Eigen::Vector2d place;
+  double footprint = 0.0;                   ///< [m], diameter; 0: a point
+  double mass = 0.0;                        ///< [kg]
+  double inertia_x = 0.0, inertia_y = 0.0;  ///< [kg m²], of the slopes along x and along y
+  double stiffness = 0.0;                   ///< [N/m], to the ground
+  double turning_x = 0.0, turning_y = 0.0;  ///< [N m/rad], against the slopes along x and along y
+};
+
 /// About the origin, sides along x and y. Defaults: nothing; see aluminium_table().
 struct RitzBody {
   double length = 0.0, width = 0.0;  ///< along x and y [m]
   PlaneStiffness stiffness;
   double density = 0.0;       ///< [kg/m³]
   Eigen::MatrixXd thickness;  ///< [m]: entry (i, j) times P_i(2x/length) P_j(2y/width), Legendre's
+  Eigen::MatrixXd modulus;    ///< likewise, a factor of `stiffness`; 0×0: 1 everywhere
   std::vector<RitzDisc> discs;
   std::vector<RitzCrack> cracks;
-  int degree = 14;  ///< of the polynomials for w, ψx and ψy along each side
+  std::vector<RitzFixture> fixtures;
+  int degree = 14;        ///< of the polynomials for w, ψx and ψy along each side
+  int degree_across = 0;  ///< along y, where that is another one; 0: the same
+
+  [[nodiscard]] int degree_along_y() const { return degree_across > 0 ? degree_across : degree; }
+  /// 3, or 0 where fixtures hold it against lifting and against turning about both axes.
+  /// @throws InvalidInput  they hold it against a part of these
+  [[nodiscard]] Eigen::Index rigid_count() const;
 };
 
 /// 600×600×20 mm, 70 GPa, ν = 0.33, 2700 kg/m³: 19.44 kg.
@@ -48,17 +67,19 @@ struct RitzBody {
 /// One is the other, larger by as much in length and in width.
 [[nodiscard]] bool same_shape(const RitzBody& a, const RitzBody& b);
 
-/// Of n = 3 (degree + 1)² coefficients of w, ψx, ψy: mean-square-one Legendre polynomials.
+/// Of n = 3 (degree + 1) (degree_along_y + 1) coefficients of w, ψx, ψy: mean-square-one Legendre
+/// polynomials.
 struct RitzMatrices {
   Eigen::MatrixXd stiffness, mass;
 };
-/// Exact for polynomial thickness; discs and cracks by Gauss' rule on themselves. Cost: 0.1 s.
-/// @throws InvalidInput  a size that is not positive, a thickness that is not positive, a
-///                       disc whose centre is off the plate, a stiffness that is not definite
+/// Exact for polynomial thickness and modulus; discs, cracks and footprints by Gauss' rule on
+/// themselves. Cost: 0.1 s.
+/// @throws InvalidInput  a size, a thickness or a modulus that is not positive, a disc or a fixture
+///                       whose centre is off the plate, a stiffness that is not definite
 [[nodiscard]] RitzMatrices ritz_matrices(const RitzBody& body);
 
-/// All n modes of the body: three rigid-body modes at exactly 0 Hz, the others ascending. The
-/// upper half of them is of the basis, not of the plate.
+/// All n modes of the body with its fixtures: rigid_count() rigid-body modes at exactly 0 Hz, the
+/// others ascending. The upper half of them is of the basis, not of the plate.
 struct RitzModes {
   RitzBody body;
   Eigen::VectorXd frequency_hz;  ///< n

@@ -192,6 +192,70 @@ TEST(RitzPlate, CellsAndPartsSumToTheWhole) {
   EXPECT_LT((parts - lambda).norm(), 1e-9 * lambda.norm());
 }
 
+// A modulus that rises along x, against elements that share nothing with it.
+TEST(RitzPlate, AModulusMayVary) {
+  auto body = thin_square(2e-3, 10);
+  const PlateGrid grid{1.0, 1.0, 32, 32};
+  auto plate = uniform_plate(grid, {1.0, 1.0, 1.0, 1.0}, 2700.0 * 2e-3);
+  for (Eigen::Index c = 0; c < grid.cell_count(); ++c) {
+    const double by = (1.0 + 0.3 * 2.0 * grid.centre(c).x()) * 8e-9 / 12.0;
+    const auto& q = body.stiffness;
+    plate.bending[static_cast<std::size_t>(c)] = {q.q11 * by, q.q12 * by, q.q22 * by, q.q66 * by};
+  }
+  body.modulus = Eigen::MatrixXd::Zero(2, 1);
+  body.modulus << 1.0, 0.3;
+  const Eigen::VectorXd hz = ritz_modes(body).frequency_hz;
+  const Eigen::VectorXd other = plate_modes(plate, 8).frequency_hz;
+  for (Eigen::Index i = 3; i < 11; ++i) EXPECT_NEAR(hz(i), other(i), 5e-4 * other(i)) << i;
+  body.modulus = Eigen::MatrixXd::Constant(1, 1, 1.21);
+  const Eigen::VectorXd stiff = ritz_modes(body).frequency_hz;
+  const Eigen::VectorXd even = ritz_modes(thin_square(2e-3, 10)).frequency_hz;
+  EXPECT_LT((stiff - 1.1 * even).head(40).norm(), 1e-6 * even.head(40).norm());
+}
+
+RitzBody steel_strip(int degree) {
+  RitzBody body;
+  body.length = 0.5;
+  body.width = 0.02;
+  body.stiffness = isotropic_plane(210e9, 0.3);
+  body.density = 7850.0;
+  body.thickness = Eigen::MatrixXd::Constant(1, 1, 2e-3);
+  body.degree = degree;
+  body.degree_across = 5;
+  return body;
+}
+
+// Euler and Bernoulli: narrow against its waves it bends with E, not with E/(1 - ν²).
+TEST(RitzPlate, AStripBendsAsABeam) {
+  const Eigen::VectorXd hz = ritz_modes(steel_strip(20)).frequency_hz;
+  const double root = std::sqrt(210e9 * 4e-6 / 12.0 / 7850.0) / (2.0 * pi * 0.25);
+  const double known[] = {4.730041, 7.853205, 10.995608};
+  for (int i = 0; i < 3; ++i) {
+    const double beam = known[i] * known[i] * root;
+    EXPECT_NEAR(hz(3 + i), beam, 4e-3 * beam) << i;
+  }
+}
+
+// models/beam: 0.157 kg on 19.586 N/m and 0.50404 N m/rad at each end come to 2.5 and 5 Hz.
+TEST(RitzPlate, AStripSwaysAndTurnsOnItsFlexures) {
+  auto body = steel_strip(20);
+  for (const double x : {-0.24, 0.24}) {
+    RitzFixture one;
+    one.place = {x, 0.0};
+    one.footprint = 6e-3;
+    one.stiffness = 19.586;
+    one.turning_x = 0.50404;
+    one.turning_y = 20.0;
+    body.fixtures.push_back(one);
+  }
+  const Eigen::VectorXd hz = ritz_modes(body).frequency_hz;
+  EXPECT_EQ(body.rigid_count(), 0);
+  EXPECT_NEAR(hz(0), 2.5, 2.5e-3);
+  EXPECT_NEAR(hz(1), 5.0, 5e-3);
+  body.fixtures.front().turning_y = body.fixtures.back().turning_y = 0.0;
+  EXPECT_THROW((void)ritz_modes(body), InvalidInput);  // it rolls
+}
+
 TEST(RitzPlate, SlopesAreDerivatives) {
   const auto body = aluminium_table(9);
   constexpr double kStep = 1e-6;

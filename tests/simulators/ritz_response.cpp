@@ -99,8 +99,20 @@ void add_frame(Assembled& all, const RitzFrame& frame, Index dof) {
   all.inputs.row(dof).setConstant(-1.0);
 }
 
-Assembled assembled(const RitzStage& stage, const Eigen::MatrixX2d& outputs,
-                    const Eigen::MatrixX2d& inputs) {
+// Rows of the channels of one side: at the height z the plate moves by z ψx and z ψy along it.
+Eigen::MatrixXd channel_rows(const RitzModes& plate, const Eigen::MatrixX2d& places,
+                             const Eigen::MatrixX2d& tilts, double height) {
+  const auto rows = modal_rows(plate, places);
+  if (tilts.rows() == 0) return rows.deflection;
+  require(tilts.rows() == places.rows(), "a tilt for each channel is expected");
+  const Eigen::VectorXd upright =
+      (1.0 + tilts.rowwise().squaredNorm().array()).sqrt().inverse().matrix();
+  return upright.asDiagonal() *
+         (rows.deflection + height * (tilts.col(0).asDiagonal() * rows.turn_x +
+                                      tilts.col(1).asDiagonal() * rows.turn_y));
+}
+
+Assembled assembled(const RitzStage& stage, const RitzGrid& grid) {
   check(stage);
   const Index n = stage.plate.mode_count();
   const Index size =
@@ -117,10 +129,12 @@ Assembled assembled(const RitzStage& stage, const Eigen::MatrixX2d& outputs,
   all.viscous = grown(stage.damping.viscous);
   all.loss = grown(stage.damping.loss);
   all.dampers.resize(size, 0);
-  all.outputs = Eigen::MatrixXd::Zero(outputs.rows(), size);
-  all.outputs.leftCols(n) = modal_rows(stage.plate, outputs).deflection;
-  all.inputs = Eigen::MatrixXd::Zero(size, inputs.rows());
-  all.inputs.topRows(n) = modal_rows(stage.plate, inputs).deflection.transpose();
+  all.outputs = Eigen::MatrixXd::Zero(grid.outputs.rows(), size);
+  all.outputs.leftCols(n) =
+      channel_rows(stage.plate, grid.outputs, grid.output_tilts, grid.output_height);
+  all.inputs = Eigen::MatrixXd::Zero(size, grid.inputs.rows());
+  all.inputs.topRows(n) =
+      channel_rows(stage.plate, grid.inputs, grid.input_tilts, grid.input_height).transpose();
   for (const auto& point : stage.points) add_point(all, stage.plate, point);
   Index dof = n;
   for (const auto& one : stage.resonators) add_resonator(all, stage.plate, one, dof++);
@@ -245,7 +259,9 @@ RitzDamping hysteretic_damping(const RitzModes& modes, double ratio) {
 
 RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
                          const RitzModes& modes) {
-  require(from.body.degree == modes.body.degree && same_shape(from.body, modes.body),
+  require(from.body.degree == modes.body.degree &&
+              from.body.degree_along_y() == modes.body.degree_along_y() &&
+              same_shape(from.body, modes.body),
           "plates of two bases");
   // The same deflection on a larger plate turns it less.
   Eigen::MatrixXd stretched = modes.coefficients;
@@ -258,8 +274,7 @@ RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
 
 std::vector<Eigen::MatrixXcd> ritz_receptance(const RitzStage& stage, const RitzGrid& grid) {
   check_lines(grid);
-  const auto modes =
-      solved(assembled(stage, grid.outputs, grid.inputs), grid.frequency_hz.maxCoeff());
+  const auto modes = solved(assembled(stage, grid), grid.frequency_hz.maxCoeff());
   const auto lines = static_cast<std::size_t>(grid.frequency_hz.size());
   std::vector<Eigen::MatrixXcd> value(lines);
   parallel_ranges(lines, [&](std::size_t begin, std::size_t end) {
@@ -272,7 +287,7 @@ std::vector<Eigen::MatrixXcd> ritz_receptance(const RitzStage& stage, const Ritz
 
 std::vector<Eigen::MatrixXcd> direct_receptance(const RitzStage& stage, const RitzGrid& grid) {
   check_lines(grid);
-  const auto all = assembled(stage, grid.outputs, grid.inputs);
+  const auto all = assembled(stage, grid);
   const Complex j(0.0, 1.0);
   std::vector<Eigen::MatrixXcd> value;
   for (const double hz : grid.frequency_hz) {
@@ -287,7 +302,8 @@ std::vector<Eigen::MatrixXcd> direct_receptance(const RitzStage& stage, const Ri
 }
 
 Eigen::VectorXd stage_frequencies_hz(const RitzStage& stage) {
-  const auto all = assembled(stage, Eigen::MatrixX2d::Zero(1, 2), Eigen::MatrixX2d::Zero(1, 2));
+  const auto all =
+      assembled(stage, {Eigen::MatrixX2d::Zero(1, 2), Eigen::MatrixX2d::Zero(1, 2), {}});
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(all.stiffness, all.mass,
                                                                          Eigen::EigenvaluesOnly);
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt() / (2.0 * pi);

@@ -64,6 +64,9 @@ struct RitzStage {
 struct RitzGrid {
   Eigen::MatrixX2d outputs, inputs;
   Eigen::VectorXd frequency_hz;
+  /// p×2, q×2: of the channels, from upright toward x and y [rad]; 0×2: none.
+  Eigen::MatrixX2d output_tilts = Eigen::MatrixX2d(0, 2), input_tilts = Eigen::MatrixX2d(0, 2);
+  double output_height = 0.0, input_height = 0.0;  ///< above the mid-surface [m]
 };
 
 /// [k], each p×q [m/N]: everything assembled to one mass and one stiffness matrix, solved for its

@@ -55,6 +55,43 @@ TEST(RitzResponse, IsTheInverseOfTheWholeDynamicStiffness) {
             2e-5);
 }
 
+// What is fixed to the body from the start is as good as what is hung on it.
+TEST(RitzResponse, AFixtureIsAPointThatWasThereBefore) {
+  auto hung = stage();
+  hung.points = {{{0.1, 0.05}, 0.4, 1e-3, 0.0, 0.0}};
+  RitzFixture one;
+  one.place = {0.1, 0.05};
+  one.mass = 0.4;
+  one.inertia_x = one.inertia_y = 1e-3;
+  auto body = aluminium_table(8);
+  body.fixtures = {one};
+  const Eigen::VectorXd fixed = ritz_modes(body).frequency_hz;
+  const Eigen::VectorXd other = stage_frequencies_hz(hung);
+  EXPECT_LT((fixed - other).segment(3, 40).norm(), 1e-7 * other.segment(3, 40).norm());
+}
+
+// Below all flexible modes the plate is a rigid body: pushed at x it lifts and turns, and a sensor
+// of height z that is tilted toward x sees less of it by tilt times z times the turn.
+TEST(RitzResponse, ATiltedChannelSeesTheMotionAlongThePlate) {
+  auto one = grid();
+  one.outputs = Eigen::RowVector2d(0.2, 0.0);
+  one.inputs = Eigen::RowVector2d(0.25, 0.0);
+  one.frequency_hz = Eigen::VectorXd::Constant(1, 0.05);
+  one.output_tilts = Eigen::RowVector2d(0.3, 0.0);
+  one.input_tilts = Eigen::RowVector2d(0.0, 0.0);
+  one.output_height = 0.01;
+  const double m = 19.44;
+  const double turning = m * (0.36 + 4e-4) / 12.0;
+  const double omega2 = std::pow(2.0 * pi * 0.05, 2);
+  const double lift = 1.0 / m + 0.2 * 0.25 / turning;
+  const double expected = -(lift - 0.3 * 0.01 * 0.25 / turning) / std::sqrt(1.09) / omega2;
+  EXPECT_NEAR(ritz_receptance(stage(), one)[0](0, 0).real(), expected, 1e-4 * std::abs(expected));
+  std::swap(one.outputs, one.inputs);
+  std::swap(one.output_tilts, one.input_tilts);
+  std::swap(one.output_height, one.input_height);
+  EXPECT_NEAR(ritz_receptance(stage(), one)[0](0, 0).real(), expected, 1e-4 * std::abs(expected));
+}
+
 TEST(RitzResponse, IsReciprocal) {
   for (const auto& g : ritz_receptance(everything(), grid())) {
     EXPECT_NEAR(std::abs(g(0, 1) - g(1, 0)), 0.0, 1e-9 * std::abs(g(0, 1)));

@@ -37,7 +37,19 @@ Eigen::VectorXd weights(const HiddenCase& made, const HiddenEffect& effect) {
   return sum;
 }
 
+// Channels that are moved instead of tilted.
+double moved_apart(const HiddenCase& made) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < made.moved_instead.size(); ++k) {
+    sum += ((made.exact[k] - made.moved_instead[k]).cwiseAbs2().array() /
+            made.measured.variance[k].array())
+               .sum();
+  }
+  return sum;
+}
+
 double apart(const HiddenCase& made, const HiddenEffect& effect) {
+  if (effect.kind.ends_with("direction")) return moved_apart(made);
   const bool delay = effect.kind.ends_with("delay");
   if (!delay && !effect.kind.ends_with("low_pass")) return std::numeric_limits<double>::infinity();
   const double seconds =
