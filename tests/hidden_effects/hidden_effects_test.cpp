@@ -112,7 +112,7 @@ TEST_P(OutsideEffects, AreNotGivenAName) {
   const auto made = hidden({GetParam()}, 1, 0.7);
   const auto diagnosis = told(made);
   const auto score = simulators::scored(made, diagnosis);
-  EXPECT_FALSE(score.confidently_wrong) << score.told;
+  EXPECT_FALSE(score.confidently_wrong()) << score.told;
   EXPECT_TRUE(diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial ||
               diagnosis.verdict == Verdict::ambiguous)
       << score.told;

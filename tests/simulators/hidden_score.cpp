@@ -1,9 +1,13 @@
 #include "simulators/hidden_score.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include "simulators/twins.h"
 
 namespace chladni::simulators {
 namespace {
@@ -11,15 +15,37 @@ namespace {
 constexpr std::array<std::string_view, 5> kVerdicts{"nothing", "named", "ambiguous", "partial",
                                                     "unexplained"};
 
-bool same_channels(std::vector<std::string> a, std::vector<std::string> b) {
-  std::ranges::sort(a);
-  std::ranges::sort(b);
+// Of a swap both are alike; of crosstalk the first is the one that is spoilt.
+bool same_channels(const std::string& effect, std::vector<std::string> a,
+                   std::vector<std::string> b) {
+  if (effect.starts_with("swapped_")) {
+    std::ranges::sort(a);
+    std::ranges::sort(b);
+  }
   return a == b;
 }
 
+bool is(const diagnosis::Cause& cause, const std::string& effect, const HiddenEffect& hidden) {
+  return cause.effect == effect && same_channels(effect, cause.channels, hidden.channels);
+}
 bool is(const diagnosis::Cause& cause, const HiddenEffect& effect) {
-  return cause.effect == effect_of_kind(effect.kind) &&
-         same_channels(cause.channels, effect.channels);
+  return is(cause, effect_of_kind(effect.kind), effect);
+}
+
+// The effect that does nearly the same on the same channels; empty: none.
+std::string twin_of(const std::string& kind) {
+  const auto exchanged = [&](std::string_view from, std::string_view to) -> std::string {
+    if (!kind.ends_with(from)) return "";
+    return kind.substr(0, kind.size() - from.size()) + std::string(to);
+  };
+  for (const auto& [from, to] :
+       {std::pair{"low_pass", "delay"}, {"delay", "low_pass"}, {"direction", "position"}}) {
+    if (auto twin = exchanged(from, to); !twin.empty()) return twin;
+  }
+  return "";
+}
+bool is_or_twin(const diagnosis::Cause& cause, const HiddenEffect& effect) {
+  return is(cause, effect) || is(cause, twin_of(effect.kind), effect);
 }
 
 const diagnosis::CauseParameter* parameter(const diagnosis::Cause& cause, const std::string& name) {
@@ -67,41 +93,54 @@ EffectScore scored(const HiddenEffect& effect, const diagnosis::Explanation& bes
   return score;
 }
 
-bool of_truth(const diagnosis::Cause& cause, const HiddenCase& hidden) {
-  return std::ranges::any_of(hidden.truth, [&](const auto& one) { return is(cause, one); });
+using IsOf = bool (*)(const diagnosis::Cause&, const HiddenEffect&);
+
+bool of_truth(const diagnosis::Cause& cause, const HiddenCase& hidden, IsOf is_of) {
+  return std::ranges::any_of(hidden.truth, [&](const auto& one) { return is_of(cause, one); });
 }
 
 // Every effect of the truth and nothing else.
-bool is_truth(const HiddenCase& hidden, const diagnosis::Explanation& told) {
+bool is_truth(const HiddenCase& hidden, const diagnosis::Explanation& told, IsOf is_of) {
   return told.causes.size() == hidden.truth.size() &&
          std::ranges::all_of(told.causes,
-                             [&](const auto& cause) { return of_truth(cause, hidden); });
+                             [&](const auto& cause) { return of_truth(cause, hidden, is_of); }) &&
+         std::ranges::all_of(hidden.truth, [&](const auto& one) {
+           return std::ranges::any_of(told.causes,
+                                      [&](const auto& cause) { return is_of(cause, one); });
+         });
+}
+
+// Among the rivals that are called so.
+bool is_rival(const HiddenCase& hidden, const diagnosis::Diagnosis& told) {
+  return std::ranges::any_of(told.rivals, [&](const auto& one) {
+    return told.best.log_evidence - one.log_evidence < 5.0 && is_truth(hidden, one, is);
+  });
 }
 
 Outcome outcome_of(const CaseScore& score, const HiddenCase& hidden,
-                   const diagnosis::Diagnosis& told) {
+                   const diagnosis::Diagnosis& told, bool twins) {
   using diagnosis::Verdict;
   const auto found = static_cast<std::size_t>(
       std::ranges::count_if(score.effects, [](const EffectScore& one) { return one.named; }));
   if (told.verdict == Verdict::no_discrepancy) {
     return score.effects.empty() ? Outcome::right : Outcome::missed;
   }
-  if (hidden.outside && told.verdict != Verdict::named) return Outcome::right;
-  if (told.verdict == Verdict::named && is_truth(hidden, told.best)) return Outcome::right;
-  const bool rival =
-      told.verdict == Verdict::ambiguous && std::ranges::any_of(told.rivals, [&](const auto& one) {
-        return told.best.log_evidence - one.log_evidence < 5.0 && is_truth(hidden, one);
-      });
-  if (rival || (found > 0 && found == score.effects.size())) return Outcome::among;
-  if (found > 0) return Outcome::half;
+  if (hidden.outside) return told.verdict == Verdict::named ? Outcome::wrong : Outcome::right;
+  const bool sure = told.verdict == Verdict::named;
+  const bool unsure = told.verdict == Verdict::ambiguous;
+  if (sure && is_truth(hidden, told.best, is)) return Outcome::right;
+  if (twins && (sure || unsure) && is_truth(hidden, told.best, is_or_twin)) return Outcome::twin;
+  if (unsure && (is_truth(hidden, told.best, is) || is_rival(hidden, told))) return Outcome::among;
+  if (is_truth(hidden, told.best, is)) return Outcome::open;
+  if (found > 0) return found == score.effects.size() ? Outcome::phantom : Outcome::half;
   return told.verdict == Verdict::unexplained ? Outcome::unexplained : Outcome::wrong;
 }
 
 }  // namespace
 
 std::string_view name(Outcome outcome) {
-  constexpr std::array<std::string_view, 6> kNames{"right", "among",  "half",
-                                                   "wrong", "missed", "unexplained"};
+  constexpr std::array<std::string_view, 9> kNames{
+      "right", "twin", "open", "phantom", "among", "half", "wrong", "missed", "unexplained"};
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
@@ -116,15 +155,20 @@ std::string effect_of_kind(const std::string& kind) {
 CaseScore scored(const HiddenCase& hidden, const diagnosis::Diagnosis& told) {
   CaseScore score;
   for (const auto& effect : hidden.truth) score.effects.push_back(scored(effect, told.best));
-  score.outcome = outcome_of(score, hidden, told);
+  const bool twins = evidence_apart(hidden) < 5.0;
+  score.outcome = outcome_of(score, hidden, told, twins);
   score.told = kVerdicts[static_cast<std::size_t>(told.verdict)];
   score.told += ":";
   for (const auto& cause : told.best.causes) {
     score.told += " " + cause.effect;
     for (const auto& channel : cause.channels) score.told += "," + channel;
-    score.confidently_wrong =
-        score.confidently_wrong || (told.verdict == diagnosis::Verdict::named &&
-                                    cause.probability > 0.9 && !of_truth(cause, hidden));
+    score.told += fmt::format(" {:.2f}", cause.probability);
+    if (of_truth(cause, hidden, twins ? is_or_twin : IsOf{is})) continue;
+    score.surest_phantom = std::max(score.surest_phantom, cause.probability);
+    score.phantoms += (score.phantoms.empty() ? "" : ", ") + cause.effect;
+    for (const auto& one : cause.parameters) {
+      score.phantoms += fmt::format(" {}={:.3g}", one.name, one.value);
+    }
   }
   return score;
 }

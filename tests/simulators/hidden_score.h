@@ -28,11 +28,14 @@ struct EffectScore {
 };
 
 enum class Outcome {
-  right,   ///< every cause and no other; "nothing" where there is nothing
-  among,   ///< ambiguous, partial or with more causes, and the truth is among them
-  half,    ///< of several, some
-  wrong,   ///< another name
-  missed,  ///< nothing was seen
+  right,    ///< every cause and no other, named; "nothing" where there is nothing
+  twin,     ///< named or ambiguous as what nobody could tell from the truth (evidence_apart < 5)
+  open,     ///< every cause and no other, but partial: something is left
+  phantom,  ///< every cause and one more that is not there
+  among,    ///< ambiguous, and the truth is among the rivals or first
+  half,     ///< of several, some
+  wrong,    ///< another name
+  missed,   ///< nothing was seen
   unexplained,
 };
 [[nodiscard]] std::string_view name(Outcome outcome);
@@ -40,9 +43,13 @@ enum class Outcome {
 struct CaseScore {
   Outcome outcome = Outcome::missed;
   std::vector<EffectScore> effects;
-  std::string told;  ///< "named: point_mass", for a table
-  /// Called named, with a cause of probability above 0.9 that is not of the truth.
-  bool confidently_wrong = false;
+  std::string told;      ///< "named: point_mass 0.99", for a table
+  std::string phantoms;  ///< what is not of the truth, with its numbers: "point_mass mass=0.0012"
+  /// The highest probability of a cause that is not of the truth, whatever the verdict; 0: none.
+  /// What nobody could tell from the truth counts as of it.
+  double surest_phantom = 0.0;
+
+  [[nodiscard]] bool confidently_wrong() const { return surest_phantom > 0.9; }
 };
 
 [[nodiscard]] CaseScore scored(const HiddenCase& hidden, const diagnosis::Diagnosis& told);

@@ -1,0 +1,42 @@
+// Tetrahedra against the plates of tests/simulators: the same rigs by two laws.
+#include "hidden_effects/shipped_structure.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "simulators/hidden_effect.h"
+
+namespace chladni::hidden_effects {
+namespace {
+
+// Of the modes that the sensors see.
+std::vector<double> seen_frequencies(const diagnosis::Structure& structure, double high_hz) {
+  const double most = structure.outputs.shapes.cwiseAbs().maxCoeff();
+  std::vector<double> all;
+  for (Eigen::Index k = structure.rigid_count; k < structure.mode_count(); ++k) {
+    const bool seen = structure.outputs.shapes.col(k).cwiseAbs().maxCoeff() > 0.02 * most;
+    if (seen && structure.frequency_hz(k) < high_hz) all.push_back(structure.frequency_hz(k));
+  }
+  return all;
+}
+
+class ShippedStructure : public testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedStructure, HasTheModesOfTheTruth) {
+  const auto rig = simulators::rig_named(GetParam());
+  const auto made = shipped(rig);
+  const auto& truth = simulators::believed_modes(GetParam());
+  const auto frequencies = seen_frequencies(made.structure, rig.high_hz);
+  EXPECT_GE(frequencies.size(), 5U);
+  for (const double hz : frequencies) {
+    const double nearest = (truth.frequency_hz.array() - hz).abs().minCoeff();
+    EXPECT_LT(nearest, 2e-3 * hz) << hz;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, ShippedStructure, testing::Values("table_few", "strip"),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace chladni::hidden_effects
