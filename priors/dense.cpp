@@ -1,5 +1,7 @@
 #include "priors/dense.h"
 
+#include <mutex>
+
 #include "priors/exponential.h"
 
 // The Fortran interfaces, declared here: no header of a BLAS is needed.
@@ -84,13 +86,26 @@ void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, E
   dgemm_("N", "N", &m, &n, &k, &s, a.data(), &m, b.data(), &k, &kOne, c.data(), &m);
 }
 
+namespace {
+
+// Those that live, and the number of threads before the first of them.
+std::mutex counting;
+int alive = 0;
+int before = 1;
+
+}  // namespace
+
 OneThread::OneThread() {
-  if (openblas_get_num_threads != nullptr) before_ = openblas_get_num_threads();
+  const std::scoped_lock lock(counting);
+  if (alive++ > 0) return;
+  if (openblas_get_num_threads != nullptr) before = openblas_get_num_threads();
   if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
 }
 
 OneThread::~OneThread() {
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(before_);
+  const std::scoped_lock lock(counting);
+  if (--alive > 0) return;
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(before);
 }
 
 }  // namespace chladni::priors::dense
