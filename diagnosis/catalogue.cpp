@@ -84,6 +84,10 @@ const Effect& effect(std::string_view name) {
   throw InvalidInput(fmt::format("no effect '{}'; there are {}", name, known));
 }
 
+Choice choice_of(const Effect& effect, Eigen::Index option) {
+  return effect.choice == nullptr ? Choice{} : effect.choice(option);
+}
+
 double Parameter::value(double x) const {
   if (scale == Scale::logarithmic) return std::exp(x);
   if (scale == Scale::relative) return std::expm1(x);

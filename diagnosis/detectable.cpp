@@ -97,6 +97,7 @@ Detectable described(const Structure& structure, const Effect& effect, const Pro
   told.unit = size.unit;
   told.channels = effect.channels(structure, probe.option);
   told.place = place_of({&effect, probe.option, probe.x}, structure);
+  told.option = choice_of(effect, probe.option).text;
   for (Index i = 0; i < probe.x.size(); ++i) {
     const auto& one = parameters[at(i)];
     if (i != probe.size && one.unit == "Hz") told.frequency_hz = one.value(probe.x(i));
@@ -113,6 +114,7 @@ Detectable described(const Structure& structure, const Effect& effect, Index opt
   told.effect = effect.name;
   told.channels = effect.channels(structure, option);
   told.size = std::numeric_limits<double>::quiet_NaN();
+  told.option = choice_of(effect, option).text;
   told.log_evidence = log_evidence;
   return told;
 }

@@ -20,6 +20,7 @@ struct Detectable {
   std::string_view of;                   ///< "worst", "median", "best"
   std::string parameter, unit;           ///< that is its size; empty for effects without numbers
   std::vector<std::string> channels;     ///< it acts on; empty for the body
+  std::string option;                    ///< Choice::text, as Cause::option
   std::optional<Eigen::Vector2d> place;  ///< on the chart [m]
   std::optional<double> frequency_hz;    ///< of an effect that has one
   /// [unit]; of a factor the factor. Infinite: never found. NaN for effects without numbers.

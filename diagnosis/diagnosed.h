@@ -25,7 +25,9 @@ struct CauseParameter {
 struct Cause {
   std::string effect;                 ///< as effects() names it
   std::vector<std::string> channels;  ///< it acts on; empty for the body
+  std::string option;                 ///< Choice::text: "g taken for m/s^2"; or empty
   std::vector<CauseParameter> parameters;
+  std::vector<CauseParameter> fixed;  ///< what the option fixes, of std 0: "factor", "derivative"
   std::optional<Eigen::Vector2d> place;  ///< on the chart [m]: parameters "u" and "v"
   double log_evidence_gain = 0.0;        ///< ln Z lost when it alone is left out
   double probability = 0.0;              ///< that this, and no rival, is behind the data

@@ -39,6 +39,14 @@ struct EffectStart {
   Eigen::VectorXd x;  ///< coordinates of the parameters
 };
 
+/// What a choice says beside its channels: a unit, a quantity. Two that differ in it are not of one
+/// name.
+struct Choice {
+  std::string text;         ///< "g taken for m/s^2"; or empty
+  std::string_view number;  ///< the name of what it fixes: "factor", "derivative"; or empty
+  double value = 0.0;       ///< [1], of that number
+};
+
 class Scene;  // diagnosis/scene.h
 
 /// An effect: some numbers, and perhaps a choice (which channel). With all its sizes at 0 (or at
@@ -64,7 +72,14 @@ struct Effect {
   /// How far off, relative, what it does to the responses may be: what could mend as much beside it
   /// is not believed, and what it leaves is no reason for more (error_of). 0: it is exact.
   double error = 0.0;
+  /// What its choices say beside the channels; or none.
+  Choice (*choice)(Eigen::Index option) = nullptr;
+  /// A number that follows from its own, of the name that a simpler effect has for it; or none.
+  std::optional<double> (*implied)(std::string_view name, const Eigen::VectorXd& x) = nullptr;
 };
+
+/// Empty for an effect whose choices are its channels, or that has none.
+[[nodiscard]] Choice choice_of(const Effect& effect, Eigen::Index option);
 
 /// All effects, in the order in which equals are told.
 [[nodiscard]] std::span<const Effect* const> effects();

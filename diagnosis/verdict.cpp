@@ -20,6 +20,11 @@ Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index 
   Cause cause;
   cause.effect = supposed.effect->name;
   cause.channels = supposed.effect->channels(problem.structure, supposed.option);
+  const auto choice = choice_of(*supposed.effect, supposed.option);
+  cause.option = choice.text;
+  if (!choice.number.empty()) {
+    cause.fixed.push_back({std::string(choice.number), "1", choice.value, 0.0});
+  }
   cause.place = place_of(supposed, problem.structure);
   Index i = 0;
   for (const auto& parameter : supposed.effect->parameters(problem.structure)) {
@@ -46,7 +51,7 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
 }
 
 bool same_name(const Cause& a, const Cause& b) {
-  return a.effect == b.effect && a.channels == b.channels;
+  return a.effect == b.effect && a.channels == b.channels && a.option == b.option;
 }
 
 // What stands in `other` for each cause of `simple`, which is it or what it is simpler than; none

@@ -11,12 +11,42 @@ using Eigen::Index;
 
 std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
 
-// Powers of s between what is recorded and what it is called.
-constexpr std::array<double, 4> kPowers{1.0, 2.0, -1.0, -2.0};
-// Units that are taken for another: g for m/s², mm for m, inch for mm, rad/s for Hz, and back.
-constexpr std::array<double, 10> kFactors{
-    9.80665,           1.0 / 9.80665,          1e3, 1e-3, 1e6, 1e-6, 25.4, 1.0 / 25.4,
-    6.283185307179586, 1.0 / 6.283185307179586};
+// What the record of a sensor is, and by what it is off for it: a power of s, or a factor.
+struct Mistaken {
+  std::string_view text;
+  double by;
+};
+
+// What is recorded, and what it is called: each is one or two derivatives of the other.
+constexpr std::array<Mistaken, 4> kPowers{{
+    {"velocity taken for displacement (or acceleration for velocity)", 1.0},
+    {"acceleration taken for displacement", 2.0},
+    {"displacement taken for velocity (or velocity for acceleration)", -1.0},
+    {"displacement taken for acceleration", -2.0},
+}};
+// Numbers in the first unit, read as if they were in the second.
+constexpr double kGravity = 9.80665;
+constexpr double kTurn = 6.283185307179586;
+constexpr std::array<Mistaken, 10> kFactors{{
+    {"m/s^2 taken for g", kGravity},
+    {"g taken for m/s^2", 1.0 / kGravity},
+    {"mm taken for m (or um for mm)", 1e3},
+    {"m taken for mm (or mm for um)", 1e-3},
+    {"um taken for m", 1e6},
+    {"m taken for um", 1e-6},
+    {"mm taken for inch", 25.4},
+    {"inch taken for mm", 1.0 / 25.4},
+    {"rad/s taken for Hz", kTurn},
+    {"Hz taken for rad/s", 1.0 / kTurn},
+}};
+
+template <const auto& kinds>
+Choice chosen(Index option, std::string_view number) {
+  const auto& kind = kinds[static_cast<std::size_t>(option) % kinds.size()];
+  return {std::string(kind.text), number, kind.by};
+}
+Choice quantity(Index option) { return chosen<kPowers>(option, "derivative"); }
+Choice unit(Index option) { return chosen<kFactors>(option, "factor"); }
 
 // Every sensor by itself, then all of them together.
 Index sensors_and_all(const Structure& structure) {
@@ -47,13 +77,13 @@ void on_paths(State& state, Index option, Change change) {
 
 void differentiate(State& state, const Structure& /*structure*/, Index option,
                    const Eigen::VectorXd& /*x*/) {
-  on_paths<kPowers.size()>(state, option,
-                           [](Path& path, std::size_t kind) { path.derivative += kPowers[kind]; });
+  on_paths<kPowers.size()>(
+      state, option, [](Path& path, std::size_t kind) { path.derivative += kPowers[kind].by; });
 }
 void rescale(State& state, const Structure& /*structure*/, Index option,
              const Eigen::VectorXd& /*x*/) {
   on_paths<kFactors.size()>(state, option,
-                            [](Path& path, std::size_t kind) { path.gain *= kFactors[kind]; });
+                            [](Path& path, std::size_t kind) { path.gain *= kFactors[kind].by; });
 }
 
 // Only where the scale of a row is off by a factor of two or more.
@@ -89,7 +119,10 @@ const Effect sensor_quantity{"sensor_quantity",
                              choices<kPowers.size()>,
                              whose<kPowers.size()>,
                              differentiate,
-                             powers};
+                             powers,
+                             nullptr,
+                             0.0,
+                             quantity};
 const Effect sensor_unit{"sensor_unit",
                          "a unit taken for another: g for m/s^2, mm for m, inch for mm",
                          "a row times one of the factors between units",
@@ -98,6 +131,9 @@ const Effect sensor_unit{"sensor_unit",
                          choices<kFactors.size()>,
                          whose<kFactors.size()>,
                          rescale,
-                         units};
+                         units,
+                         nullptr,
+                         0.0,
+                         unit};
 
 }  // namespace chladni::diagnosis

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "diagnosis/body_fields.h"
@@ -109,6 +112,33 @@ TEST_P(Effects, HaveSlopesThatAreDifferences) {
     const MatrixXcd difference = (responses(plus, omega) - responses(minus, omega)) / (2.0 * h);
     const MatrixXcd found = slope(here, now, minus, plus, 2.0 * h);
     const bool placed = parameters[static_cast<std::size_t>(i)].is_place();
+// Else a choice cannot be told, or two that do different things count as one.
+TEST_P(Effects, HaveChoicesOfDifferentNames) {
+  std::set<std::pair<std::vector<std::string>, std::string>> names;
+  for (Index option = 0; option < effect().options(small_plate()); ++option) {
+    const auto channels = effect().channels(small_plate(), option);
+    EXPECT_TRUE(names.insert({channels, choice_of(effect(), option).text}).second) << option;
+  }
+}
+
+// The number that a choice says is the one that it applies.
+TEST_P(Effects, DoWhatTheirChoicesSay) {
+  for (Index option = 0; option < effect().options(small_plate()); ++option) {
+    const auto choice = choice_of(effect(), option);
+    EXPECT_EQ(choice.text.empty(), choice.number.empty()) << option;
+    if (choice.number.empty()) continue;
+    const auto& path = with(effect(), option, VectorXd(0)).output_paths;
+    const bool all = effect().channels(small_plate(), option).size() > 1;
+    const auto i = all ? 0
+                       : std::ranges::find(small_plate().outputs.names,
+                                           effect().channels(small_plate(), option).front()) -
+                             small_plate().outputs.names.begin();
+    const auto& one = path[static_cast<std::size_t>(i)];
+    ASSERT_TRUE(choice.number == "factor" || choice.number == "derivative") << choice.number;
+    EXPECT_DOUBLE_EQ(choice.number == "factor" ? one.gain : one.derivative, choice.value);
+  }
+}
+
     // Of a place the modes far above are left out of the slope.
     EXPECT_LT((found - difference).norm(), (placed ? 0.05 : 2e-3) * difference.norm() + 1e-20)
         << parameters[static_cast<std::size_t>(i)].name;

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +14,7 @@
 namespace chladni::diagnosis {
 namespace {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 
 // Twenty thousand numbers, of which nothing but their count and their power is asked: 1e6.
@@ -131,6 +135,33 @@ TEST_F(Explanations, PutTheSimplerOfTwoThatExplainAsWellFirst) {
   ASSERT_EQ(told.front().causes.size(), 2U);
   EXPECT_EQ(told.front().causes.back().effect, "point_mass");
   EXPECT_EQ(judged(problem_, found, told, {}), Verdict::named);
+}
+
+// Two units of one sensor are two causes, and each says which it is.
+TEST_F(Explanations, SayWhichUnitWasTakenForWhich) {
+  const auto& unit = effect("sensor_unit");
+  const auto taken = [&](std::string_view text) {
+    Index option = 0;
+    while (unit.channels(plate_, option) != std::vector<std::string>{"s3"} ||
+           choice_of(unit, option).text != text) {
+      ++option;
+    }
+    return Supposed{&unit, option, VectorXd(0)};
+  };
+  const Supposed truth = taken("g taken for m/s^2");
+  measure({truth});
+  const Found found = found_of({fit_of({truth}), fit_of({taken("Hz taken for rad/s")})});
+  const auto told = explanations(problem_, found, 5.0);
+  const Cause& best = told.front().causes.front();
+  EXPECT_EQ(best.option, "g taken for m/s^2");
+  EXPECT_TRUE(best.parameters.empty());
+  ASSERT_EQ(best.fixed.size(), 1U);
+  EXPECT_EQ(best.fixed.front().name, "factor");
+  EXPECT_DOUBLE_EQ(best.fixed.front().value, 1.0 / 9.80665);
+  const auto other = [](const Explanation& one) {
+    return one.causes.size() == 1 && one.causes.front().option == "Hz taken for rad/s";
+  };
+  EXPECT_TRUE(std::ranges::any_of(told, other));  // it is not the same as the best
 }
 
 // A place and a tilt do the same in bending; what is thought of either beforehand is no evidence.
