@@ -11,6 +11,7 @@
 #include "app/study_parts.h"
 #include "app/upper_face.h"
 #include "base/error.h"
+#include "fem/field_matrices.h"
 
 namespace chladni::app {
 namespace {
@@ -121,6 +122,19 @@ diagnosis::Directional directional_of(const Model& model, const modal::Modes& mo
   return {doubled(u, u, 0, 0), doubled(v, v, 1, 1), doubled(u, v, 0, 1), doubled(s, s, 2, 2)};
 }
 
+// What the modes hold beside the body: their own stiffness and mass less the body's.
+void add_attached(const Model& model, const modal::Modes& modes, diagnosis::Structure& structure) {
+  if (model.attachments.empty()) return;
+  const Eigen::MatrixXd everywhere = Eigen::MatrixXd::Ones(model.body.tet_count(), 1);
+  auto body =
+      fem::field_matrices(model.body, model.materials, modes.shapes, everywhere, everywhere);
+  const Eigen::VectorXd omega = 2.0 * std::numbers::pi * modes.frequency_hz;
+  structure.springs = -unstrained(std::move(body.stiffness.front()), modes.frequency_hz);
+  structure.springs.diagonal() += omega.cwiseAbs2();
+  structure.masses = -0.5 * (body.mass.front() + body.mass.front().transpose());
+  structure.masses.diagonal().array() += 1.0;
+}
+
 }  // namespace
 
 Study with_modes_for_diagnosis(Study study) {
@@ -144,9 +158,13 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   structure.frequency_hz = reduced.frequency_hz;
   structure.damping_ratio = reduced.damping_ratio;
   structure.rigid_count = reduced.rigid_count;
+  if (solution.frequency_error.size() > 0) {
+    structure.frequency_error = solution.frequency_error.head(count).cwiseAbs();
+  }
   if (reduced.damper_count() > 0) {
     structure.dashpots = reduced.dampers.shapes.transpose() * reduced.dampers.shapes;
   }
+  add_attached(model, modes, structure);
   structure.outputs = side_of(study.sensors, model.sensors, finder, chart, modes);
   structure.inputs = side_of(study.actuators, model.actuators, finder, chart, modes);
   structure.outputs.upper = upper_rows(study.sensors, model.sensors, beyond);

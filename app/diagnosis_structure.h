@@ -14,7 +14,8 @@ namespace chladni::app {
 
 /// The solution's modes up to three times `high_hz` (the 12 lowest flexible ones at least, no
 /// repeated one cut; infinite: all), with what the others leave statically at the channels. What
-/// the study attaches to its body is in them.
+/// the study attaches to its body is in them; Structure::springs and masses say how much of their
+/// stiffness and mass that is. What the mesh leaves of each frequency is the solution's estimate.
 ///
 /// The chart is the plane of the body's two longest sides, seen from the side that the third of its
 /// axes points to: for a plate its top, u = x and v = y of the body's own frame. Where several

@@ -86,6 +86,15 @@ void add_entry(Eigen::MatrixXd State::*matrix, Index i, Index j, double by, std:
                  }});
 }
 
+// Of the modes i and j together: what their own mesh leaves comes on top of what any may. Nothing
+// where frequencies are known exactly.
+double frequency_tolerance(const Structure& structure, const Tolerances& tolerances, Index i,
+                           Index j) {
+  const auto& error = structure.frequency_error;
+  if (tolerances.frequency <= 0.0 || error.size() == 0) return tolerances.frequency;
+  return std::hypot(tolerances.frequency, std::sqrt(error(i) * error(j)));
+}
+
 void add_modes(const Structure& structure, const Tolerances& tolerances, double high_hz,
                std::vector<Deviation>& all) {
   for (const auto& [first, size] : clusters(structure, 1.5 * high_hz)) {
@@ -93,7 +102,8 @@ void add_modes(const Structure& structure, const Tolerances& tolerances, double 
       for (Index j = i; j < first + size; ++j) {
         const auto of = fmt::format("{} {:.4g} Hz", i == j ? "of the mode at" : "between modes at",
                                     structure.frequency_hz(i));
-        add_entry(&State::stiffness, i, j, 2.0 * tolerances.frequency, "frequency " + of, all);
+        add_entry(&State::stiffness, i, j, 2.0 * frequency_tolerance(structure, tolerances, i, j),
+                  "frequency " + of, all);
         add_entry(&State::damping, i, j, tolerances.damping, "damping " + of, all);
       }
     }
@@ -109,14 +119,14 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
   }
   if (tolerances.density > 0.0) {
     all.push_back({"density", [t = tolerances.density](State& state, double eta) {
-                     state.mass *= std::exp(t * eta);
+                     scale_mass(state, std::exp(t * eta));
                    }});
   }
   for (const auto* side : {&structure.outputs, &structure.inputs}) {
     if (tolerances.mass <= 0.0) break;
     const MatrixXd by = tolerances.mass * side->shapes.transpose() * side->shapes;
     all.push_back({side == &structure.outputs ? "mass of every sensor" : "mass of every actuator",
-                   [by](State& state, double eta) { state.mass += eta * by; }});
+                   [by](State& state, double eta) { attach_mass(state, eta * by); }});
   }
   if (tolerances.orthotropy > 0.0 && structure.directional.along_u.size() > 0) {
     const auto add = [&](const char* what, const MatrixXd& matrix) {

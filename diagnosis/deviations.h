@@ -18,7 +18,8 @@ struct Deviation {
 
 /// In the order in which they act; before any effect. Modes up to 1.5 times `high_hz` have their
 /// own frequency and damping; neighbours nearer than two half-power bandwidths have a
-/// symmetric block of both.
+/// symmetric block of both. A frequency may be off by the tolerance and by what its own mesh leaves
+/// (Structure::frequency_error), squares added.
 /// The structure must outlive them. Deviations of zero are left out.
 [[nodiscard]] std::vector<Deviation> deviations(const Structure& structure,
                                                 const Tolerances& tolerances, double high_hz);

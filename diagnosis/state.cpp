@@ -10,6 +10,25 @@
 
 namespace chladni::diagnosis {
 
+namespace {
+
+// A matrix of which `apart` keeps its size.
+void scale(Eigen::MatrixXd& matrix, const Eigen::MatrixXd& apart, double factor) {
+  matrix *= factor;
+  if (apart.size() > 0) matrix += (1.0 - factor) * apart;
+}
+
+void attach(Eigen::MatrixXd& matrix, Eigen::MatrixXd& apart, const Eigen::MatrixXd& more) {
+  matrix += more;
+  if (apart.size() == 0) {
+    apart = more;
+  } else {
+    apart += more;
+  }
+}
+
+}  // namespace
+
 State state_of(const Structure& structure) {
   const Eigen::Index r = structure.mode_count();
   const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
@@ -17,8 +36,10 @@ State state_of(const Structure& structure) {
   state.stiffness = omega.cwiseAbs2().asDiagonal();
   state.loss = Eigen::MatrixXd::Zero(r, r);
   state.damping = (2.0 * structure.damping_ratio.cwiseProduct(omega)).asDiagonal();
-  if (structure.dashpots.size() > 0) state.damping += structure.dashpots;
+  if (structure.dashpots.size() > 0) attach_damping(state, structure.dashpots);
   state.mass = Eigen::MatrixXd::Identity(r, r);
+  state.springs = structure.springs;
+  state.masses = structure.masses;
   state.outputs = structure.outputs.shapes;
   state.inputs = structure.inputs.shapes.transpose();
   state.residual = structure.residual;
@@ -64,8 +85,25 @@ void scale_residual(State& state, double factor) {
 }
 
 void scale_stiffness(State& state, double factor) {
-  state.stiffness *= factor;
+  scale(state.stiffness, state.springs, factor);
   scale_residual(state, 1.0 / factor);
+}
+
+void scale_mass(State& state, double factor) { scale(state.mass, state.masses, factor); }
+
+void scale_damping(State& state, double factor) {
+  scale(state.damping, state.dashpots, factor);
+  state.loss *= factor;
+}
+
+void attach_stiffness(State& state, const Eigen::MatrixXd& springs) {
+  attach(state.stiffness, state.springs, springs);
+}
+void attach_damping(State& state, const Eigen::MatrixXd& dashpots) {
+  attach(state.damping, state.dashpots, dashpots);
+}
+void attach_mass(State& state, const Eigen::MatrixXd& masses) {
+  attach(state.mass, state.masses, masses);
 }
 
 }  // namespace chladni::diagnosis

@@ -36,9 +36,11 @@ struct Path {
 /// effect and every tolerance is a change of one of these.
 struct State {
   Eigen::MatrixXd stiffness, loss, damping, mass;  ///< r×r [s^-2], [s^-2], [1/s], [1]
-  Eigen::MatrixXd outputs, inputs;                 ///< p×r, r×q [kg^-1/2]
-  Eigen::MatrixXd residual;                        ///< p×q [m/N]
-  Eigen::MatrixXd output_upper, input_upper;       ///< p×u, q×u: ChannelSide::upper
+  /// What in stiffness, damping and mass is not the body's own: r×r, or 0×0 for nothing.
+  Eigen::MatrixXd springs, dashpots, masses;
+  Eigen::MatrixXd outputs, inputs;            ///< p×r, r×q [kg^-1/2]
+  Eigen::MatrixXd residual;                   ///< p×q [m/N]
+  Eigen::MatrixXd output_upper, input_upper;  ///< p×u, q×u: ChannelSide::upper
   std::vector<Attached> attached;
   std::vector<Frame> frames;
   std::vector<Path> output_paths, input_paths;  ///< p, q
@@ -65,7 +67,16 @@ void add_stiffness(State& state, const Eigen::MatrixXd& change);
 /// What the modes above those in use yield, by a factor.
 void scale_residual(State& state, double factor);
 
-/// The whole body by a factor, what its modes above the band yield included.
+/// The whole body by a factor, what its modes above the band yield included; what is attached to it
+/// (State::springs) keeps its stiffness.
 void scale_stiffness(State& state, double factor);
 
 }  // namespace chladni::diagnosis
+/// The same of its mass and of the losses of its modes.
+void scale_mass(State& state, double factor);
+void scale_damping(State& state, double factor);
+
+/// Something that is not the body: it stays when the body is scaled. r×r each.
+void attach_stiffness(State& state, const Eigen::MatrixXd& springs);
+void attach_damping(State& state, const Eigen::MatrixXd& dashpots);
+void attach_mass(State& state, const Eigen::MatrixXd& masses);

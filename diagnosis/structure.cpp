@@ -72,6 +72,14 @@ void check(const Structure& structure) {
               (structure.frequency_hz.tail(r - structure.rigid_count).array() > 0.0).all(),
           "rigid-body modes come first, at exactly 0 Hz");
   if (structure.dashpots.size() > 0) fits(structure.dashpots, r, r, "dashpots");
+  if (structure.frequency_error.size() > 0) {
+    fits(structure.frequency_error, r, 1, "errors of the frequencies");
+    require(structure.frequency_error.minCoeff() >= 0.0,
+            "errors of the frequencies: one is below 0");
+  }
+  for (const auto* attached : {&structure.dashpots, &structure.springs, &structure.masses}) {
+    if (attached->size() > 0) fits(*attached, r, r, "what is attached to the body");
+  }
   check_side(structure.outputs, r, "sensors");
   check_side(structure.inputs, r, "actuators");
   fits(structure.residual, structure.output_count(), structure.input_count(), "residual");

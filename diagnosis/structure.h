@@ -99,7 +99,12 @@ struct Directional {
 struct Structure {
   Eigen::VectorXd frequency_hz;   ///< r, ascending; rigid-body modes exactly 0
   Eigen::VectorXd damping_ratio;  ///< r
+  /// r, or empty for none: how far, relative, mesh and solver may have left each frequency.
+  Eigen::VectorXd frequency_error;
   Eigen::MatrixXd dashpots;  ///< r×r Φᵀ C Φ [1/s] of known dampers, beside the ratios; or 0×0
+  /// What the study attaches to the body, within diag(ω²) [s^-2] and 1: r×r, or 0×0 for nothing.
+  /// What scales the body leaves it as it is.
+  Eigen::MatrixXd springs, masses;
   Eigen::Index rigid_count = 0;
   ChannelSide outputs, inputs;  ///< p displacements, q forces
   Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out

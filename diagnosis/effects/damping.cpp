@@ -16,8 +16,7 @@ std::vector<Parameter> level(const Structure& /*structure*/) {
 
 void scale(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
            const VectorXd& x) {
-  state.damping *= std::exp(x(0));
-  state.loss *= std::exp(x(0));
+  scale_damping(state, std::exp(x(0)));
 }
 
 std::vector<EffectStart> levels(const Scene& /*scene*/) {
@@ -33,13 +32,16 @@ std::vector<Parameter> hysteresis(const Structure& /*structure*/) {
           {"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.3, 1e-4}};
 }
 
-// Part of each mode's losses follows its displacement instead of its speed: 2ζω², not 2ζωs.
+// Part of each mode's losses follows its displacement instead of its speed: 2ζω², not 2ζωs. What
+// is attached keeps its dashpots.
 void relax(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
   const Eigen::VectorXd root = omega.cwiseSqrt();
   const double factor = std::exp(x(1));
-  state.loss += x(0) * factor * (root.asDiagonal() * state.damping * root.asDiagonal());
-  state.damping *= (1.0 - x(0)) * factor;
+  Eigen::MatrixXd own = state.damping;
+  if (state.dashpots.size() > 0) own -= state.dashpots;
+  scale_damping(state, (1.0 - x(0)) * factor);
+  state.loss += x(0) * factor * (root.asDiagonal() * own * root.asDiagonal());
 }
 
 std::vector<EffectStart> shares(const Scene& /*scene*/) {

@@ -49,7 +49,7 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
           outputs = moved(structure, structure.outputs, longer),
           inputs = moved(structure, structure.inputs, longer)](State& state) {
     scale_stiffness(state, 1.0 / area);
-    state.mass *= area;
+    scale_mass(state, area);
     state.stiffness += shear;
     state.mass += turning;
     state.outputs += outputs;

@@ -20,10 +20,10 @@ Index is_free(const Structure& structure) { return structure.rigid_count > 0 ? 1
 
 void hold(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
   const double omega = 2.0 * std::numbers::pi * std::exp(x(0));
-  for (Index i = 0; i < structure.rigid_count; ++i) {
-    state.stiffness(i, i) += omega * omega;
-    state.damping(i, i) += 2.0 * std::exp(x(1)) * omega;
-  }
+  VectorXd rigid = VectorXd::Zero(structure.mode_count());
+  rigid.head(structure.rigid_count).setOnes();
+  attach_stiffness(state, (omega * omega * rigid).asDiagonal());
+  attach_damping(state, (2.0 * std::exp(x(1)) * omega * rigid).asDiagonal());
 }
 
 // Effect::error: it holds mass by mass, which nothing that is built does. On a table whose

@@ -19,7 +19,7 @@ void stiffen(State& state, const Structure& /*structure*/, Eigen::Index /*option
 }
 void weigh(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
            const VectorXd& x) {
-  state.mass *= std::exp(x(0));
+  scale_mass(state, std::exp(x(0)));
 }
 std::function<void(State&)> thickening(const Structure& structure, Eigen::Index /*option*/,
                                        const VectorXd& x) {
@@ -31,7 +31,7 @@ std::function<void(State&)> thickening(const Structure& structure, Eigen::Index 
                         other.stiffness, other.mass);
   return [=](State& state) {
     scale_stiffness(state, powered);
-    state.mass *= t;
+    scale_mass(state, t);
     state.stiffness += other.stiffness;
     state.mass += other.mass;
   };
@@ -40,7 +40,9 @@ std::function<void(State&)> thickening(const Structure& structure, Eigen::Index 
 // Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
 // matrices that are not diagonal are costly, and what is left to find by then is small.
 std::vector<EffectStart> steps(const Scene& scene, double power) {
-  const bool cheap = scene.state().stiffness.isDiagonal(0.0) && scene.state().mass.isDiagonal(0.0);
+  const auto& state = scene.state();
+  const bool cheap = state.stiffness.isDiagonal(0.0) && state.mass.isDiagonal(0.0) &&
+                     state.springs.size() == 0 && state.masses.size() == 0;
   const double step = scene.frequency_step() / power;
   std::vector<EffectStart> starts{{0, VectorXd::Zero(1)}};
   const double most = 0.3 / power;
