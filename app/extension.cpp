@@ -37,9 +37,11 @@ std::string with_unit(const TomlNode& value, const Written& parts) {
 }
 
 const diagnosis::CauseParameter* find(const diagnosis::Cause& cause, std::string_view name) {
-  const auto found = std::find_if(cause.parameters.begin(), cause.parameters.end(),
-                                  [&](const auto& one) { return one.name == name; });
-  return found == cause.parameters.end() ? nullptr : &*found;
+  for (const auto* numbers : {&cause.parameters, &cause.fixed}) {
+    const auto found = std::ranges::find(*numbers, name, &diagnosis::CauseParameter::name);
+    if (found != numbers->end()) return &*found;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -53,7 +55,7 @@ double Extension::number(std::string_view name) const {
 bool Extension::has(std::string_view name) const { return find(cause, name) != nullptr; }
 
 std::string Extension::comment(std::string_view before) const {
-  std::string numbers;
+  std::string numbers = cause.option;
   for (const auto& one : cause.parameters) {
     numbers += fmt::format("{}{} = {:.4g} \u00b1 {:.2g}{}", numbers.empty() ? "" : ", ", one.name,
                            one.value, one.std, one.unit == "1" ? "" : " " + one.unit);

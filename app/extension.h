@@ -17,6 +17,7 @@ struct Extension {
   const diagnosis::Surface& chart;  ///< of the cause's u and v
   const diagnosis::Cause& cause;
 
+  /// A number that was fitted, or that the cause's option fixes.
   /// @throws InvalidInput  the cause has no number of that name
   [[nodiscard]] double number(std::string_view name) const;
   [[nodiscard]] bool has(std::string_view name) const;

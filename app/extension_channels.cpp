@@ -1,6 +1,7 @@
 // Causes between the channels and their records.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -153,26 +154,71 @@ std::string swap(const Extension& by) {
   return {};
 }
 
+bool names(const diagnosis::Cause& cause, const std::string& channel) {
+  return std::ranges::find(cause.channels, channel) != cause.channels.end();
+}
+
+// Whether the cause is of all sensors that a fit saw.
+bool of_all(const Extension& by) {
+  return std::ranges::all_of(by.study.sensors, [&](const Channel& sensor) {
+    const auto held_out = by.study.measurement.value_or(MeasurementPlan{}).hold_out;
+    return names(by.cause, sensor.name) ||
+           std::ranges::find(held_out, sensor.name) != held_out.end();
+  });
+}
+
+// What all sensors share those that were held out share, too.
+std::vector<Found> sensors_of(const Extension& by) {
+  if (of_all(by)) return all_sensors(by);
+  std::vector<Found> some;
+  for (const auto& name : by.cause.channels) some.push_back(find(by, Side::sensors, name));
+  return some;
+}
+
+// "mm" differentiated twice is "mm/s^2"; empty where that has no name: "g" once less.
+std::string differentiated(std::string unit, long times) {
+  constexpr std::array<std::string_view, 3> kPer{"", "/s", "/s^2"};
+  long has = 0;
+  for (long k = 1; k < 3; ++k) {
+    if (unit.ends_with(kPer[static_cast<std::size_t>(k)])) has = k;
+  }
+  const long wanted = has + times;
+  if (wanted < 0 || wanted > 2) return "";
+  unit.resize(unit.size() - kPer[static_cast<std::size_t>(has)].size());
+  return unit + std::string(kPer[static_cast<std::size_t>(wanted)]);
+}
+
+// `[identification] unit` is of all sensors and of one quantity.
+std::string differentiate_unit(const Extension& by, long times) {
+  const auto* table = member(by.edit.tree(), "identification");
+  const auto* unit = table == nullptr ? nullptr : member(*table, "unit");
+  if (unit == nullptr || unit->text.empty()) return {};
+  if (!of_all(by)) {
+    return "identification.unit is that of all sensors: state each sensor's unit in the file of "
+           "the responses";
+  }
+  const auto other = differentiated(unit->text, times);
+  if (other.empty()) return "a response in " + unit->text + " has no such unit";
+  by.edit.replace(*unit, toml_text(other), by.comment(by.edit.written(*unit)));
+  return {};
+}
+
 std::string quantity(const Extension& by) {
-  if (!by.has("derivative")) return "which quantity was recorded is not said";
   constexpr std::array<const char*, 3> kQuantities{"displacement", "velocity", "acceleration"};
-  for (const auto& name : by.cause.channels) {
-    const auto found = find(by, Side::sensors, name);
-    long kind = std::lround(by.number("derivative"));
+  const long times = std::lround(by.number("derivative"));
+  for (const auto& found : sensors_of(by)) {
+    long kind = times;
     for (std::size_t k = 0; k < 3; ++k) {
       if (found.channel.quantity == kQuantities[k]) kind += static_cast<long>(k);
     }
     if (kind < 0 || kind > 2) return "a sensor measures displacement, velocity or acceleration";
     set(by, found, "quantity", toml_text(kQuantities[static_cast<std::size_t>(kind)]));
   }
-  return {};
+  return differentiate_unit(by, times);
 }
 
 std::string unit(const Extension& by) {
-  if (!by.has("factor")) return "which unit was recorded is not said";
-  for (const auto& name : by.cause.channels) {
-    multiply_gain(by, find(by, Side::sensors, name), by.number("factor"));
-  }
+  for (const auto& found : sensors_of(by)) multiply_gain(by, found, by.number("factor"));
   return {};
 }
 

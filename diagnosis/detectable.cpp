@@ -96,6 +96,7 @@ Detectable described(const Structure& structure, const Effect& effect, const Pro
   told.parameter = size.name;
   told.unit = size.unit;
   told.channels = effect.channels(structure, probe.option);
+  told.option = choice_of(effect, probe.option).text;
   told.place = place_of({&effect, probe.option, probe.x}, structure);
   told.option = choice_of(effect, probe.option).text;
   for (Index i = 0; i < probe.x.size(); ++i) {
@@ -113,6 +114,7 @@ Detectable described(const Structure& structure, const Effect& effect, Index opt
   Detectable told;
   told.effect = effect.name;
   told.channels = effect.channels(structure, option);
+  told.option = choice_of(effect, option).text;
   told.size = std::numeric_limits<double>::quiet_NaN();
   told.option = choice_of(effect, option).text;
   told.log_evidence = log_evidence;
