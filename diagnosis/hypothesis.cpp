@@ -1,0 +1,78 @@
+#include "diagnosis/hypothesis.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "base/error.h"
+#include "diagnosis/responses.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+Eigen::VectorXd coordinates(const Cause& cause, const Effect& effect, const Structure& structure) {
+  const auto parameters = effect.parameters(structure);
+  Eigen::VectorXd x(static_cast<Index>(parameters.size()));
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
+    const auto told =
+        std::ranges::find(cause.parameters, parameters[n].name, &CauseParameter::name);
+    require(told != cause.parameters.end(),
+            fmt::format("the cause {} has no number \"{}\"", cause.effect, parameters[n].name));
+    x(static_cast<Index>(n)) = parameters[n].coordinate(told->value);
+  }
+  return x;
+}
+
+// The choice that acts on these channels in the cause's way; −1: there is none.
+Index option_of(const Cause& cause, const Effect& effect, const Structure& structure,
+                const std::vector<std::string>& channels) {
+  const Index options = effect.options(structure);
+  for (Index option = 0; option < options; ++option) {
+    if (choice_of(effect, option).text != cause.option) continue;
+    if (effect.channels(structure, option) == channels) return option;
+  }
+  return -1;
+}
+
+}  // namespace
+
+std::vector<Supposed> supposed_of(const Cause& cause, const Structure& structure) {
+  const auto& effect = diagnosis::effect(cause.effect);
+  const auto x = coordinates(cause, effect, structure);
+  if (const Index option = option_of(cause, effect, structure, cause.channels); option >= 0) {
+    return {{&effect, option, x}};
+  }
+  std::vector<Supposed> each;
+  for (const auto& channel : cause.channels) {
+    const Index option = option_of(cause, effect, structure, {channel});
+    if (option >= 0) each.push_back({&effect, option, x});
+  }
+  require(!each.empty() && each.size() == cause.channels.size(),
+          fmt::format("the cause {} of \"{}\" {} is none of this structure", cause.effect,
+                      fmt::join(cause.channels, ", "), cause.option));
+  return each;
+}
+
+std::vector<Eigen::MatrixXcd> predicted(const Structure& structure,
+                                        const std::vector<Cause>& causes,
+                                        const Eigen::VectorXd& frequency_hz) {
+  auto state = state_of(structure);
+  for (const auto& cause : causes) {
+    for (const auto& supposed : supposed_of(cause, structure)) {
+      change_of(supposed, structure)(state);
+    }
+  }
+  const Eigen::MatrixXcd all = responses(state, 2.0 * std::numbers::pi * frequency_hz);
+  std::vector<Eigen::MatrixXcd> value;
+  for (Index k = 0; k < frequency_hz.size(); ++k) {
+    value.emplace_back(
+        all.row(k).transpose().reshaped(structure.output_count(), structure.input_count()));
+  }
+  return value;
+}
+
+}  // namespace chladni::diagnosis
