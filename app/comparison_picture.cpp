@@ -88,11 +88,16 @@ std::vector<std::string> frequencies(const std::vector<double>& hz) {
   return names;
 }
 
+std::string response_label(const modal::MeasuredChannel& output) {
+  return output.unit.empty() ? "|response|" : "|response| [" + output.unit + "/N]";
+}
+
 }  // namespace
 
 void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measured,
                     const std::vector<Eigen::MatrixXcd>& before,
-                    const std::vector<Eigen::MatrixXcd>& after) {
+                    const std::vector<Eigen::MatrixXcd>& after,
+                    const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen) {
   require(before.size() == measured.value.size() &&
               (after.empty() || after.size() == measured.value.size()),
           "responses over each other: measured and simulated lines differ in number");
@@ -104,13 +109,15 @@ void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measu
     const auto j = e % measured.input_count();
     io::PlotPanel panel;
     panel.title = measured.outputs[static_cast<std::size_t>(i)].name + " by " +
-                  measured.inputs[static_cast<std::size_t>(j)].name;
+                  measured.inputs[static_cast<std::size_t>(j)].name +
+                  (seen && !seen(i, j) ? ", held out" : "");
     panel.x = {.label = "frequency [Hz]", .logarithmic = wide};
-    panel.y = {.label = "response", .logarithmic = true};
+    panel.y = {.label = response_label(measured.outputs[static_cast<std::size_t>(i)]),
+               .logarithmic = true};
     add_measured(measured, i, j, panel);
     panel.series.push_back(line("simulated", f, response(before, i, j).cwiseAbs(), kVermilion));
     if (!after.empty()) {
-      panel.series.push_back(line("extended", f, response(after, i, j).cwiseAbs(), kBlue));
+      panel.series.push_back(line("with the causes", f, response(after, i, j).cwiseAbs(), kBlue));
     }
     plot.panels.push_back(std::move(panel));
   }

@@ -14,38 +14,38 @@ using diagnosis::Comparison;
 using diagnosis::ModeComparison;
 using diagnosis::ResponseComparison;
 
-std::string modes_text(const ModeComparison& modes) {
-  if (modes.pairs.empty()) return {};
-  std::string text = fmt::format("{:>12} {:>24} {:>20} {:>10} {:>22} {:>7}\n", "simulated Hz",
-                                 "measured Hz", "difference", "damping", "measured", "MAC");
-  for (const auto& pair : modes.pairs) {
-    text += fmt::format(
-        "{:>12.3f} {:>24} {:>20} {:>10.5f} {:>22} {:>7.3f}\n", pair.simulated_hz,
-        fmt::format("{:.4f} +- {:.2g}", pair.measured_hz, pair.measured_std_hz),
-        fmt::format("{:+.3f} +- {:.1g} %", 100.0 * pair.change, 100.0 * pair.change_std),
-        pair.simulated_damping,
-        fmt::format("{:.6f} +- {:.1g}", pair.measured_damping, pair.measured_damping_std),
-        pair.mac);
-  }
-  return text + "\n";
+std::string row(const diagnosis::ModeDifference& pair) {
+  return fmt::format(
+      "{:>12.3f} {:>24} {:>20} {:>10.5f} {:>22} {:>7.3f} {}\n", pair.simulated_hz,
+      fmt::format("{:.4f} +- {:.2g}", pair.measured_hz, pair.measured_std_hz),
+      fmt::format("{:+.3f} +- {:.1g} %", 100.0 * pair.change, 100.0 * pair.change_std),
+      pair.simulated_damping,
+      fmt::format("{:.6f} +- {:.1g}", pair.measured_damping, pair.measured_damping_std), pair.mac,
+      pair.by_shape ? "shape" : "frequency");
 }
 
-std::string numbers(const std::vector<Eigen::Index>& modes) {
+std::string modes_text(const ModeComparison& modes) {
   std::string text;
-  for (const auto mode : modes) text += fmt::format("{}{}", text.empty() ? "" : ", ", mode + 1);
+  if (modes.pairs.empty()) return text;
+  text = fmt::format("{:>12} {:>24} {:>20} {:>10} {:>22} {:>7} {}\n", "simulated Hz", "measured Hz",
+                     "difference", "damping", "measured", "MAC", "paired by");
+  for (const auto& pair : modes.pairs) text += row(pair);
+  return text;
+}
+
+std::string frequencies_of(const std::vector<diagnosis::ModeAlone>& modes) {
+  std::string text;
+  for (const auto& mode : modes) {
+    text += fmt::format("{}{:.5g} Hz", text.empty() ? "" : ", ", mode.frequency_hz);
+    if (!mode.why.empty()) text += " (" + mode.why + ")";
+  }
   return text;
 }
 
 std::string alone_text(const ModeComparison& modes) {
   std::string text;
-  if (!modes.simulated_alone.empty()) {
-    text += fmt::format("simulated and not measured: mode {}\n", numbers(modes.simulated_alone));
-  }
-  if (!modes.measured_alone.empty()) {
-    text += fmt::format("measured and not simulated: mode {} of the fit\n",
-                        numbers(modes.measured_alone));
-  }
-  return text;
+  for (const auto& line : unpaired_lines(modes)) text += line + "\n";
+  return text.empty() ? text : text + "\n";
 }
 
 // Of a row or column: the error of all its responses together is not kept, their mean is.
@@ -141,7 +141,8 @@ io::Json modes_json(const ModeComparison& modes) {
                                    {"simulated_damping", pair.simulated_damping},
                                    {"measured_damping", pair.measured_damping},
                                    {"measured_damping_std", pair.measured_damping_std},
-                                   {"mac", pair.mac}});
+                                   {"mac", pair.mac},
+                                   {"paired_by", pair.by_shape ? "shape" : "frequency"}});
   }
   return pairs;
 }
@@ -149,6 +150,17 @@ io::Json modes_json(const ModeComparison& modes) {
 io::Json list(const std::vector<Eigen::Index>& modes) {
   io::JsonArray array;
   for (const auto mode : modes) array.emplace_back(static_cast<long long>(mode + 1));
+  return array;
+}
+
+io::Json alone_json(const std::vector<diagnosis::ModeAlone>& modes) {
+  io::JsonArray array;
+  for (const auto& mode : modes) {
+    io::JsonObject json{{"mode", static_cast<long long>(mode.column + 1)},
+                        {"frequency_hz", mode.frequency_hz}};
+    if (!mode.why.empty()) json.emplace_back("why", mode.why);
+    array.emplace_back(std::move(json));
+  }
   return array;
 }
 
@@ -218,6 +230,24 @@ io::Json reciprocity_json(const Comparison& comparison) {
 
 }  // namespace
 
+std::vector<std::string> unpaired_lines(const ModeComparison& modes) {
+  std::vector<std::string> lines;
+  const auto add = [&](const char* what, const std::vector<diagnosis::ModeAlone>& alone) {
+    if (!alone.empty()) lines.push_back(what + frequencies_of(alone));
+  };
+  add("simulated within the band, without a measured partner: ", modes.simulated_alone);
+  add("simulated within the band, hardly seen by these channels: ", modes.simulated_unseen);
+  add("measured, without a simulated partner: ", modes.measured_alone);
+  add("poles of the fit that are no modes of the band: ", modes.no_modes);
+  if (!modes.shapes_tell) {
+    lines.push_back(fmt::format(
+        "these channels do not tell the shapes apart (MAC between different simulated modes {:.2g} "
+        "in the mean): modes are paired by frequency alone",
+        modes.confusion));
+  }
+  return lines;
+}
+
 std::string comparison_table(const Comparison& comparison) {
   const auto& r = comparison.responses;
   std::string text = modes_text(comparison.modes) + alone_text(comparison.modes);
@@ -231,8 +261,12 @@ io::JsonObject comparison_json(const Comparison& comparison) {
   const auto& r = comparison.responses;
   const auto& modes = comparison.modes;
   return {{"modes", modes_json(modes)},
-          {"simulated_alone", list(modes.simulated_alone)},
-          {"measured_alone", list(modes.measured_alone)},
+          {"band_hz", io::Json(Eigen::VectorXd(Eigen::Vector2d(modes.low_hz, modes.high_hz)))},
+          {"shapes_tell", modes.shapes_tell},
+          {"simulated_alone", alone_json(modes.simulated_alone)},
+          {"simulated_unseen", alone_json(modes.simulated_unseen)},
+          {"measured_alone", alone_json(modes.measured_alone)},
+          {"no_modes", alone_json(modes.no_modes)},
           {"mac", io::JsonObject{{"simulated_modes", list(modes.simulated_modes)},
                                  {"measured_modes", list(modes.measured_modes)},
                                  {"value", io::Json::rows(modes.mac)}}},

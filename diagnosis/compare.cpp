@@ -180,7 +180,12 @@ Comparison compared(const Structure& structure, const modal::FrfSet& measured,
   const auto simulated = modal::frf(model, seen.frequency_hz);
   Comparison result;
   result.responses = compared(seen, simulated.value, options);
-  if (fit != nullptr) result.modes = compared(model, part(*fit, rows, columns), options);
+  if (fit != nullptr) {
+    auto measured_band = options;
+    measured_band.low_hz = seen.frequency_hz(0);
+    measured_band.high_hz = seen.frequency_hz(seen.line_count() - 1);
+    result.modes = compared(model, part(*fit, rows, columns), measured_band);
+  }
   result.reciprocity = reciprocity(seen, model, options);
   result.swaps = swaps(seen, simulated.value, options);
   return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -19,12 +20,29 @@ struct ModeDifference {
   double change = 0.0, change_std = 0.0;  ///< of frequency, relative to the simulated one
   double simulated_damping = 0.0, measured_damping = 0.0, measured_damping_std = 0.0;
   double mac = 0.0;  ///< over sensors and actuators; of repeated modes with their whole subspace
+  /// The shape alone would have chosen this partner: no other simulated mode near enough in
+  /// frequency is nearly as much alike. False: the frequency decided.
+  bool by_shape = true;
+};
+
+/// A mode without a partner, or a pole of the fit that is no mode.
+struct ModeAlone {
+  Eigen::Index column = 0;  ///< of its model
+  double frequency_hz = 0.0;
+  std::string why;  ///< "damping ratio 0.6: no resonance"; empty where there is nothing to say
 };
 
 struct ModeComparison {
-  std::vector<ModeDifference> pairs;                          ///< ascending in the simulated modes
-  std::vector<Eigen::Index> simulated_alone;                  ///< within the measured modes' band
-  std::vector<Eigen::Index> measured_alone;                   ///< columns without a partner
+  std::vector<ModeDifference> pairs;   ///< ascending in the simulated modes
+  double low_hz = NAN, high_hz = NAN;  ///< the band that was measured; NaN: nothing was compared
+  std::vector<ModeAlone> simulated_alone;   ///< within the band
+  std::vector<ModeAlone> simulated_unseen;  ///< within the band; the channels hardly see them
+  std::vector<ModeAlone> measured_alone;
+  std::vector<ModeAlone> no_modes;  ///< poles beside the band, or that the data do not support
+  /// Mean of the MAC between different simulated modes at these channels, 1 where one channel sees
+  /// all alike; above 0.5 shapes say nothing and the frequency alone decides (`shapes_tell` false).
+  double confusion = 0.0;
+  bool shapes_tell = true;
   std::vector<Eigen::Index> simulated_modes, measured_modes;  ///< rows and columns of `mac`
   std::vector<double> simulated_hz, measured_hz;              ///< of these
   Eigen::MatrixXd mac;  ///< MAC at the sensors times MAC at the actuators
@@ -88,7 +106,9 @@ struct Comparison {
 struct ComparisonOptions {
   double low_hz = 0.0, high_hz = std::numeric_limits<double>::infinity();
   int bands = 8;
-  double least_mac = 0.3;      ///< of a pair, less ln² of the ratio of its frequencies
+  double least_mac = 0.3;      ///< of a pair, less (ln of its frequencies' ratio / apart)²
+  double apart = 0.3;          ///< shapes that are equal pair up to e^±0.25 in frequency
+  double apart_alone = 0.1;    ///< the same where shapes say nothing
   double repeated_gap = 5e-3;  ///< relative; nearer modes are compared by their subspace
 };
 
@@ -101,8 +121,14 @@ struct ComparisonOptions {
                                           const std::vector<Eigen::MatrixXcd>& simulated,
                                           const ComparisonOptions& options = {});
 
-/// Rigid-body modes are left out. Channels of `fit` are those of the simulation, in its order; what
-/// was not measured (its shape's deviation is infinite) takes no part.
+/// Simulated flexible modes and measured ones of least total cost (modal::assigned): 1 − MAC at
+/// sensors and actuators, and the square of how far apart the frequencies are. Poles of the fit
+/// beside the band (`low_hz` to `high_hz` of the options) and poles that the data do not support
+/// are no modes: damping ratio of a half or more, a frequency less sure than the resonance is wide
+/// (or 1
+/// %), shapes within three deviations of zero on one side, deviations that are not known. Channels
+/// of `fit` are those of the simulation, in its order; what was not measured (its shape's deviation
+/// is infinite) takes no part.
 /// @throws InvalidInput  the channels differ in number
 [[nodiscard]] ModeComparison compared(const modal::ReducedModel& simulated,
                                       const identification::ModalFit& fit,

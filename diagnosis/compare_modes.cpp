@@ -1,7 +1,10 @@
 // Simulated modes beside identified ones.
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "diagnosis/compare.h"
@@ -15,46 +18,197 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 
 constexpr double kInView = 1e-4;      // of the largest shape at the channels of one side
-constexpr double kBeyondLast = 1.05;  // of the last measured mode
+constexpr double kBeyondLast = 1.05;  // of the last measured mode, where no band is said
+constexpr double kReach = 1.3;        // of the band: simulated modes beyond it may be partners
+constexpr double kNoResonance = 0.5;  // damping ratio of a resonance as wide as its frequency
+constexpr double kUnsure = 0.01;      // of a frequency: deviation that a sharp resonance may have
+constexpr double kSupported = 3.0;    // deviations of a shape
+constexpr double kClear = 0.2;        // of MAC, by which a shape chooses its partner
+constexpr double kConfused = 0.5;
 
-/// Flexible modes at the channels that were measured, on one side and the other.
+/// Flexible modes at the channels that were measured, ascending in frequency.
 struct Seen {
   Indices column;  // in the model
   Eigen::VectorXd frequency_hz;
   Eigen::MatrixXd outputs, inputs;  // rows that were measured × modes
 };
 
+struct Channels {
+  Indices outputs, inputs;
+};
+
 Indices finite_rows(const Eigen::MatrixXd& deviation) {
   Indices rows;
   for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
-    if (deviation.row(i).allFinite()) rows.push_back(i);
+    if ((deviation.row(i).array() < HUGE_VAL).any()) rows.push_back(i);
   }
   return rows;
 }
 
-Seen seen(const modal::ReducedModel& model, const Indices& outputs, const Indices& inputs,
-          double high_hz) {
-  const Eigen::MatrixXd at_outputs = model.output_shapes(outputs, Eigen::all);
-  const Eigen::MatrixXd at_inputs = model.input_shapes.transpose()(inputs, Eigen::all);
-  const auto flexible = model.mode_count() - model.rigid_count;
-  Seen result;
-  if (flexible == 0) return result;
-  const double most_out = at_outputs.rightCols(flexible).colwise().norm().maxCoeff();
-  const double most_in = at_inputs.rightCols(flexible).colwise().norm().maxCoeff();
-  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
-    if (model.frequency_hz(m) > high_hz) continue;
-    if (!(at_outputs.col(m).norm() > kInView * most_out)) continue;
-    if (!(at_inputs.col(m).norm() > kInView * most_in)) continue;
-    result.column.push_back(m);
+Indices flexible(const modal::ReducedModel& model) {
+  Indices columns(static_cast<std::size_t>(model.mode_count() - model.rigid_count));
+  std::iota(columns.begin(), columns.end(), model.rigid_count);
+  std::ranges::stable_sort(columns, {}, [&](Eigen::Index m) { return model.frequency_hz(m); });
+  return columns;
+}
+
+// Whether the channels of each side see a mode, beside the largest of all flexible ones.
+std::vector<bool> in_view(const modal::ReducedModel& model, const Channels& channels,
+                          const Indices& columns) {
+  const Eigen::VectorXd out = model.output_shapes(channels.outputs, columns).colwise().norm();
+  const Eigen::VectorXd in = model.input_shapes(columns, channels.inputs).rowwise().norm();
+  std::vector<bool> seen;
+  for (Eigen::Index k = 0; k < out.size(); ++k) {
+    seen.push_back(out(k) > kInView * out.maxCoeff() && in(k) > kInView * in.maxCoeff());
   }
-  result.frequency_hz = model.frequency_hz(result.column);
-  result.outputs = at_outputs(Eigen::all, result.column);
-  result.inputs = at_inputs(Eigen::all, result.column);
-  return result;
+  return seen;
+}
+
+Seen seen(const modal::ReducedModel& model, const Channels& channels, const Indices& columns) {
+  return {columns, model.frequency_hz(columns), model.output_shapes(channels.outputs, columns),
+          model.input_shapes(columns, channels.inputs).transpose()};
+}
+
+// The largest of values over their deviations; NaN is none.
+double sureness(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) {
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const double sure = std::abs(values(i)) / deviations(i);
+    if (sure > most) most = sure;
+  }
+  return most;
+}
+
+// Why a pole of the fit is no mode; empty: it is one.
+std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
+                        const Channels& channels, const ComparisonOptions& options) {
+  const double f = fit.model.frequency_hz(m);
+  const double damping = fit.model.damping_ratio(m);
+  const double deviation = fit.frequency_std_hz(m);
+  if (f < options.low_hz || f > options.high_hz) return "beside the band";
+  if (!(damping < kNoResonance)) return fmt::format("damping ratio {:.2g}: no resonance", damping);
+  if (!(deviation <= std::max(damping, kUnsure) * f)) {
+    return fmt::format("its frequency is known to {:.2g} Hz only", deviation);
+  }
+  const Eigen::VectorXd out = fit.model.output_shapes.col(m)(channels.outputs);
+  const Eigen::VectorXd in = fit.model.input_shapes.row(m).transpose()(channels.inputs);
+  const Eigen::VectorXd out_std = fit.output_std.col(m)(channels.outputs);
+  const Eigen::VectorXd in_std = fit.input_std.row(m).transpose()(channels.inputs);
+  const bool supported = sureness(out, out_std) > kSupported && sureness(in, in_std) > kSupported;
+  return supported ? "" : "its shape is within three deviations of zero";
+}
+
+Seen measured_modes(const identification::ModalFit& fit, const Channels& channels,
+                    const ComparisonOptions& options, ModeComparison& result) {
+  const auto columns = flexible(fit.model);
+  const auto view = in_view(fit.model, channels, columns);
+  Indices kept;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    auto why = why_no_mode(fit, columns[k], channels, options);
+    if (why.empty() && !view[k]) why = "no channel sees it";
+    if (why.empty()) {
+      kept.push_back(columns[k]);
+    } else {
+      result.no_modes.push_back({columns[k], fit.model.frequency_hz(columns[k]), std::move(why)});
+    }
+  }
+  return seen(fit.model, channels, kept);
+}
+
+// Those that may be partners of what was measured in the band.
+Seen simulated_modes(const modal::ReducedModel& model, const Channels& channels,
+                     ModeComparison& result) {
+  const auto columns = flexible(model);
+  const auto view = in_view(model, channels, columns);
+  Indices kept;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const double f = model.frequency_hz(columns[k]);
+    if (f < result.low_hz / kReach || f > result.high_hz * kReach) continue;
+    if (view[k]) {
+      kept.push_back(columns[k]);
+    } else if (f >= result.low_hz && f <= result.high_hz) {
+      result.simulated_unseen.push_back({columns[k], f, {}});
+    }
+  }
+  return seen(model, channels, kept);
 }
 
 modal::Modes as_modes(const Seen& of, const Eigen::MatrixXd& shapes) {
   return {of.frequency_hz, Eigen::VectorXd::Zero(of.frequency_hz.size()), shapes, 0};
+}
+
+// MAC at the sensors times MAC at the actuators, of repeated modes with their subspace.
+Eigen::MatrixXd likeness(const Seen& a, const Seen& b, double gap) {
+  return modal::alike(as_modes(a, a.outputs), as_modes(b, b.outputs), gap)
+      .cwiseProduct(modal::alike(as_modes(a, a.inputs), as_modes(b, b.inputs), gap));
+}
+
+// Of each mode the number of its group of repeated ones.
+Indices group_of(const Eigen::VectorXd& frequency_hz, double gap) {
+  Indices number;
+  for (const auto& group : modal::groups(frequency_hz, gap)) {
+    number.insert(number.end(), static_cast<std::size_t>(group.size), group.first);
+  }
+  return number;
+}
+
+double confusion(const Seen& a, double gap) {
+  const auto groups = group_of(a.frequency_hz, gap);
+  const Eigen::MatrixXd alike = likeness(a, a, gap);
+  double sum = 0.0;
+  double count = 0.0;
+  for (Eigen::Index i = 0; i < alike.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (groups[static_cast<std::size_t>(i)] == groups[static_cast<std::size_t>(j)]) continue;
+      sum += alike(i, j);
+      count += 1.0;
+    }
+  }
+  // Of one mode alone: what shapes that have nothing in common are alike by at so many channels.
+  const auto responses = static_cast<double>(a.outputs.rows() * a.inputs.rows());
+  return count > 0.0 ? sum / count : 1.0 / responses;
+}
+
+/// What pairs modes of a and b, both ascending.
+struct Likeness {
+  Eigen::MatrixXd mac, apart;  // apart: |ln of the frequencies' ratio|
+};
+
+Likeness likeness_of(const Seen& a, const Seen& b, double gap) {
+  Likeness result{likeness(a, b, gap), {}};
+  result.apart = (b.frequency_hz.array().log().transpose().replicate(a.frequency_hz.size(), 1) -
+                  a.frequency_hz.array().log().replicate(1, b.frequency_hz.size()))
+                     .abs();
+  return result;
+}
+
+modal::Pairing paired(const Likeness& like, bool shapes_tell, const ComparisonOptions& options) {
+  const double apart = shapes_tell ? options.apart : options.apart_alone;
+  Eigen::MatrixXd cost = (like.apart.array() / apart).square();
+  if (shapes_tell) cost.array() += 1.0 - like.mac.array();
+  // Among equals (repeated modes) the order is kept: the term is convex in i − j.
+  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      cost(i, j) += 1e-9 * std::pow(static_cast<double>(i - j), 2);
+    }
+  }
+  modal::Pairing pairing;
+  for (const auto& [i, j] : modal::assigned(cost, shapes_tell ? 1.0 - options.least_mac : 1.0)) {
+    pairing.pairs.push_back({.a = i, .b = j, .mac = like.mac(i, j)});
+  }
+  return pairing;
+}
+
+// Whether no other simulated mode that the frequency would allow is nearly as much alike.
+bool by_shape(const Likeness& like, const Indices& group, const modal::ModePair& pair,
+              double apart) {
+  for (Eigen::Index i = 0; i < like.mac.rows(); ++i) {
+    const bool repeated =
+        group[static_cast<std::size_t>(i)] == group[static_cast<std::size_t>(pair.a)];
+    if (repeated || like.apart(i, pair.b) >= apart) continue;
+    if (like.mac(i, pair.b) > pair.mac - kClear) return false;
+  }
+  return true;
 }
 
 ModeDifference difference(const modal::ReducedModel& simulated, const identification::ModalFit& fit,
@@ -94,40 +248,45 @@ Eigen::VectorXd comac(const modal::Pairing& pairing, const Eigen::VectorXd& freq
   return modal::comac(a, b);
 }
 
-// Pairs that are alike for modes so far apart: with few channels, shapes resemble each other.
-modal::Pairing paired(const Seen& a, const Seen& b, const ComparisonOptions& options) {
-  const double gap = options.repeated_gap;
-  const auto out_a = as_modes(a, a.outputs);
-  const auto out_b = as_modes(b, b.outputs);
-  const Eigen::MatrixXd at_inputs = modal::alike(as_modes(a, a.inputs), as_modes(b, b.inputs), gap);
-  auto pairing = modal::pairing_by(modal::alike(out_a, out_b, gap).cwiseProduct(at_inputs), out_a,
-                                   out_b, {.repeated_gap = gap, .least_mac = options.least_mac});
-  std::erase_if(pairing.pairs, [&](const modal::ModePair& pair) {
-    const double apart = std::log1p(pair.frequency_change);
-    if (pair.mac - apart * apart >= options.least_mac) return false;
-    pairing.alone_a.push_back(pair.a);
-    pairing.alone_b.push_back(pair.b);
-    return true;
-  });
-  std::sort(pairing.alone_a.begin(), pairing.alone_a.end());
-  std::sort(pairing.alone_b.begin(), pairing.alone_b.end());
-  return pairing;
+void set_pairs(const modal::Pairing& pairing, const Likeness& like, const Seen& a, const Seen& b,
+               const modal::ReducedModel& simulated, const identification::ModalFit& fit,
+               const ComparisonOptions& options, ModeComparison& result) {
+  const auto group = group_of(a.frequency_hz, options.repeated_gap);
+  std::vector<bool> paired_a(a.column.size(), false);
+  std::vector<bool> paired_b(b.column.size(), false);
+  for (const auto& pair : pairing.pairs) {
+    const auto i = static_cast<std::size_t>(pair.a);
+    const auto j = static_cast<std::size_t>(pair.b);
+    paired_a[i] = paired_b[j] = true;
+    result.pairs.push_back(difference(simulated, fit, a.column[i], b.column[j], pair.mac));
+    result.pairs.back().by_shape = result.shapes_tell && by_shape(like, group, pair, options.apart);
+  }
+  for (std::size_t i = 0; i < paired_a.size(); ++i) {
+    const double f = simulated.frequency_hz(a.column[i]);
+    const bool inside = f >= result.low_hz && f <= result.high_hz;
+    if (!paired_a[i] && inside) result.simulated_alone.push_back({a.column[i], f, {}});
+    if (paired_a[i] || inside) result.simulated_modes.push_back(static_cast<Eigen::Index>(i));
+  }
+  for (std::size_t j = 0; j < paired_b.size(); ++j) {
+    if (paired_b[j]) continue;
+    result.measured_alone.push_back({b.column[j], fit.model.frequency_hz(b.column[j]), {}});
+  }
 }
 
-void set_pairs(const modal::Pairing& pairing, const modal::ReducedModel& simulated,
-               const identification::ModalFit& fit, ModeComparison& result) {
-  const auto of_a = [&](Eigen::Index k) {
-    return result.simulated_modes[static_cast<std::size_t>(k)];
-  };
-  const auto of_b = [&](Eigen::Index k) {
-    return result.measured_modes[static_cast<std::size_t>(k)];
-  };
-  for (const auto& pair : pairing.pairs) {
-    result.pairs.push_back(difference(simulated, fit, of_a(pair.a), of_b(pair.b), pair.mac));
+// `simulated_modes` come as rows of a and leave as columns of the model.
+void set_mac(const Seen& a, const Seen& b, ModeComparison& result) {
+  const Indices rows = result.simulated_modes;
+  result.simulated_hz.clear();
+  for (auto& mode : result.simulated_modes) {
+    result.simulated_hz.push_back(a.frequency_hz(mode));
+    mode = a.column[static_cast<std::size_t>(mode)];
   }
-  for (const auto k : pairing.alone_a) result.simulated_alone.push_back(of_a(k));
-  result.measured_alone.clear();
-  for (const auto k : pairing.alone_b) result.measured_alone.push_back(of_b(k));
+  result.measured_modes = b.column;
+  result.measured_hz = {b.frequency_hz.begin(), b.frequency_hz.end()};
+  if (rows.empty() || b.column.empty()) return;
+  const Eigen::MatrixXd outputs = a.outputs(Eigen::all, rows);
+  const Eigen::MatrixXd inputs = a.inputs(Eigen::all, rows);
+  result.mac = modal::mac(outputs, b.outputs).cwiseProduct(modal::mac(inputs, b.inputs));
 }
 
 void spread(const Eigen::VectorXd& values, const Indices& rows, Eigen::VectorXd& all) {
@@ -142,31 +301,33 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   const auto q = simulated.input_count();
   require(fit.model.output_count() == p && fit.model.input_count() == q,
           "comparison: the identified model has other channels than the simulation");
-  const Indices outputs = finite_rows(fit.output_std);
-  const Indices inputs = finite_rows(fit.input_std.transpose());
+  const Channels channels{finite_rows(fit.output_std), finite_rows(fit.input_std.transpose())};
   ModeComparison result;
   result.output_comac = Eigen::VectorXd::Constant(p, NAN);
   result.input_comac = Eigen::VectorXd::Constant(q, NAN);
-  const Seen b = seen(fit.model, outputs, inputs, HUGE_VAL);
-  if (b.column.empty()) return result;
-  const double last = kBeyondLast * b.frequency_hz.maxCoeff();
-  const Seen a = seen(simulated, outputs, inputs, 2.0 * last);
-  result.simulated_modes = a.column;
-  result.measured_modes = b.column;
-  result.simulated_hz = {a.frequency_hz.begin(), a.frequency_hz.end()};
-  result.measured_hz = {b.frequency_hz.begin(), b.frequency_hz.end()};
-  result.measured_alone = b.column;
-  if (a.column.empty()) return result;
-  const auto pairing = paired(a, b, options);
-  set_pairs(pairing, simulated, fit, result);
-  std::erase_if(result.simulated_alone, [&](Eigen::Index k) {
-    const double f = simulated.frequency_hz(k);
-    return f < options.low_hz || f > std::min(options.high_hz, last);
-  });
-  result.mac = modal::mac(a.outputs, b.outputs).cwiseProduct(modal::mac(a.inputs, b.inputs));
+  if (channels.outputs.empty() || channels.inputs.empty()) return result;
+  const Seen b = measured_modes(fit, channels, options, result);
+  const double last = b.column.empty() ? 0.0 : kBeyondLast * b.frequency_hz.maxCoeff();
+  result.low_hz = options.low_hz;
+  result.high_hz = std::isfinite(options.high_hz) ? options.high_hz : last;
+  const Seen a = simulated_modes(simulated, channels, result);
+  if (a.column.empty()) {
+    for (const auto m : b.column) {
+      result.measured_alone.push_back({m, fit.model.frequency_hz(m), {}});
+    }
+    return result;
+  }
   const double gap = options.repeated_gap;
-  spread(comac(pairing, a.frequency_hz, a.outputs, b.outputs, gap), outputs, result.output_comac);
-  spread(comac(pairing, a.frequency_hz, a.inputs, b.inputs, gap), inputs, result.input_comac);
+  result.confusion = confusion(a, gap);
+  result.shapes_tell = result.confusion <= kConfused;
+  const Likeness like = likeness_of(a, b, gap);
+  const auto pairing = paired(like, result.shapes_tell, options);
+  set_pairs(pairing, like, a, b, simulated, fit, options, result);
+  set_mac(a, b, result);
+  spread(comac(pairing, a.frequency_hz, a.outputs, b.outputs, gap), channels.outputs,
+         result.output_comac);
+  spread(comac(pairing, a.frequency_hz, a.inputs, b.inputs, gap), channels.inputs,
+         result.input_comac);
   return result;
 }
 

@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "modal/mac.h"
 
 namespace chladni::modal {
@@ -163,16 +162,24 @@ Eigen::MatrixXd alike(const Modes& a, const Modes& b, double repeated_gap) {
       .cwiseMax(share_in_groups(b, a.shapes, repeated_gap).transpose());
 }
 
-Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
-  return pairing_by(alike(a, b, options.repeated_gap), a, b, options);
+std::vector<std::pair<Eigen::Index, Eigen::Index>> assigned(const Eigen::MatrixXd& cost,
+                                                            double alone) {
+  const Eigen::MatrixXd capped = cost.cwiseMin(alone);
+  const bool wide = cost.rows() <= cost.cols();
+  const auto partner = assigned_columns(wide ? capped : Eigen::MatrixXd(capped.transpose()));
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
+  for (std::size_t k = 0; k < partner.size(); ++k) {
+    const auto own = static_cast<Eigen::Index>(k);
+    const auto i = wide ? own : partner[k];
+    const auto j = wide ? partner[k] : own;
+    if (cost(i, j) < alone) pairs.emplace_back(i, j);
+  }
+  std::ranges::sort(pairs);
+  return pairs;
 }
 
-Pairing pairing_by(const Eigen::MatrixXd& alike, const Modes& a, const Modes& b,
-                   const PairingOptions& options) {
-  require(alike.rows() == a.mode_count() && alike.cols() == b.mode_count(),
-          "pairing: likeness of " + fmt::to_string(alike.rows()) + " x " +
-              fmt::to_string(alike.cols()) + " modes, expected " + fmt::to_string(a.mode_count()) +
-              " x " + fmt::to_string(b.mode_count()));
+Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
+  const Eigen::MatrixXd alike = modal::alike(a, b, options.repeated_gap);
   const auto cost = costs(a, b, alike, options.frequency_weight);
   const bool wide = cost.rows() <= cost.cols();
   const auto partner = assigned_columns(wide ? cost : Eigen::MatrixXd(cost.transpose()));

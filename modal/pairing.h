@@ -1,6 +1,7 @@
 // Which mode of one set is which of another.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "modal/modes.h"
@@ -37,9 +38,11 @@ struct Pairing {
 /// same order. Cost: cubic in the modes, milliseconds for a hundred.
 /// @throws InvalidInput  the places differ in number, or a shape is zero or not finite
 [[nodiscard]] Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options = {});
-/// The same of modes that are as much alike as `alike` says, m_a×m_b in [0, 1]; shapes are not
-/// read.
-[[nodiscard]] Pairing pairing_by(const Eigen::MatrixXd& alike, const Modes& a, const Modes& b,
-                                 const PairingOptions& options = {});
+/// Rows and columns, each in one pair at most, of least total cost where a row or column without a
+/// partner costs nothing and a pair saves `alone` less its cost: one that costs `alone` or more is
+/// never made, and does not keep others apart (Hungarian method). Ascending in the rows.
+/// @param cost  n×m; of equal sums any
+[[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> assigned(
+    const Eigen::MatrixXd& cost, double alone);
 
 }  // namespace chladni::modal

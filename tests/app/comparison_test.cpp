@@ -55,12 +55,38 @@ TEST(ComparisonTable, TellsWhatStandsOut) {
   }
 }
 
+// Modes without a partner by their frequencies, poles that are none with the reason.
+TEST(ComparisonTable, ListsWhatHasNoPartner) {
+  diagnosis::ModeComparison modes;
+  modes.simulated_alone = {{6, 264.06, {}}, {8, 463.1, {}}};
+  modes.measured_alone = {{4, 300.0, {}}};
+  modes.no_modes = {{9, 1499.0, "beside the band"}, {3, 50.0, "damping ratio 0.6: no resonance"}};
+  modes.shapes_tell = false;
+  modes.confusion = 0.8;
+  const auto lines = unpaired_lines(modes);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[0], "simulated within the band, without a measured partner: 264.06 Hz, 463.1 Hz");
+  EXPECT_EQ(lines[1], "measured, without a simulated partner: 300 Hz");
+  EXPECT_EQ(lines[2],
+            "poles of the fit that are no modes of the band: 1499 Hz (beside the band), 50 Hz "
+            "(damping ratio 0.6: no resonance)");
+  EXPECT_NE(lines[3].find("paired by frequency alone"), std::string::npos);
+  diagnosis::Comparison all = comparison();
+  all.modes = modes;
+  EXPECT_NE(comparison_table(all).find(lines[0]), std::string::npos);
+  const io::Json json = comparison_json(all);
+  EXPECT_EQ(json.at("simulated_alone").array()[1].at("mode").number(), 9.0);
+  EXPECT_EQ(json.at("simulated_alone").array()[1].at("frequency_hz").number(), 463.1);
+  EXPECT_EQ(json.at("no_modes").array()[0].at("why").string(), "beside the band");
+}
+
 TEST(ComparisonJson, HasANumberForEach) {
   const io::Json json = comparison_json(comparison());
   EXPECT_EQ(json.at("modes").array().size(), 17U);
   const auto& first = json.at("modes").array().front();
   EXPECT_NEAR(first.at("change").number(), 1.0 / 1.01 - 1.0, 1e-12);
   EXPECT_NEAR(first.at("mac").number(), 1.0, 1e-9);
+  EXPECT_EQ(first.at("paired_by").string(), "shape");
   EXPECT_EQ(json.at("per_channel").array().size(), 52U);
   EXPECT_EQ(json.at("per_channel").array()[1].at("sensor").string(), "y2");
   EXPECT_EQ(json.at("sensors").array().size(), 4U);
