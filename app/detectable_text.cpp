@@ -38,7 +38,9 @@ std::string size_text(const Detectable& one) {
 }
 
 std::string where_text(const Detectable& one) {
-  std::string text = fmt::format("{}", fmt::join(one.channels, ", "));
+  std::string text =
+      fmt::format("{}{}{}", fmt::join(one.channels, ", "),
+                  one.channels.empty() || one.option.empty() ? "" : ": ", one.option);
   if (one.place) {
     text = fmt::format("({:.0f}, {:.0f}) mm", 1e3 * one.place->x(), 1e3 * one.place->y());
   }
@@ -47,8 +49,7 @@ std::string where_text(const Detectable& one) {
 }
 
 // Of effects that are there or not, what might be there and stay unseen.
-std::string unseen(const std::vector<Range>& each) {
-  const double enough = diagnosis::DetectableOptions{}.least_evidence;
+std::string unseen(const std::vector<Range>& each, double enough) {
   std::string text;
   for (const auto& one : each) {
     if (has_size(one) || one.worst->log_evidence >= enough) continue;
@@ -60,7 +61,7 @@ std::string unseen(const std::vector<Range>& each) {
 
 }  // namespace
 
-std::string detectable_sentence(const std::vector<Detectable>& all) {
+std::string detectable_sentence(const std::vector<Detectable>& all, double least_evidence) {
   constexpr std::array<std::string_view, 6> kAsked{"point_mass",      "ground_spring",
                                                    "local_stiffness", "sensor_gain",
                                                    "sensor_position", "youngs_modulus"};
@@ -77,12 +78,12 @@ std::string detectable_sentence(const std::vector<Detectable>& all) {
   }
   if (text.empty()) return "";
   text = "This experiment finds, 99 times in 100: " + text + ".";
-  const auto missed = unseen(each);
+  const auto missed = unseen(each, least_evidence);
   return missed.empty() ? text : text + " It may miss: " + missed + ".";
 }
 
-std::string detectable_table(const std::vector<Detectable>& all) {
-  std::string text = detectable_sentence(all);
+std::string detectable_table(const std::vector<Detectable>& all, double least_evidence) {
+  std::string text = detectable_sentence(all, least_evidence);
   if (text.empty()) return text;
   text += "\n  smallest sizes                      best         median       worst\n";
   for (const auto& one : ranges(all)) {
@@ -116,6 +117,7 @@ io::JsonArray detectable_json(const std::vector<Detectable>& all) {
                         {"of", std::string(one.of)},
                         {"channels", io::Json::texts(one.channels)},
                         {"log_evidence", one.log_evidence}};
+    if (!one.option.empty()) json.emplace_back("option", one.option);
     if (!one.parameter.empty()) {
       json.emplace_back("parameter", one.parameter);
       json.emplace_back("size", one.size);

@@ -4,13 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <exception>
 #include <limits>
+#include <new>
+#include <numbers>
 
 #include "app/channel_paths.h"
 #include "app/diagnosis_structure.h"
 #include "app/study_parts.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "diagnosis/hypothesis.h"
+#include "diagnosis/observed.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 
@@ -66,11 +72,6 @@ MeasuredFrfs measured_within(const Study& study, const DiagnosisPlan& plan, doub
   return measured;
 }
 
-bool line_held_out(const DiagnosisPlan& plan, double frequency_hz) {
-  return plan.hold_out_high_hz > 0.0 && frequency_hz >= plan.hold_out_low_hz &&
-         frequency_hz <= plan.hold_out_high_hz;
-}
-
 // Without held-out channels and lines.
 modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
   const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
@@ -92,73 +93,43 @@ modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
   return below;
 }
 
-// What a study predicts where something was measured, as the records of `recorder` have it.
+// How often the record of a sensor is differentiated.
+Index derivatives(const Study& study, const std::string& sensor) {
+  const auto at = index_of(study.sensors, sensor);
+  if (at < 0) return 0;
+  const auto& quantity = study.sensors[static_cast<std::size_t>(at)].quantity;
+  return quantity == "acceleration" ? 2 : quantity == "velocity" ? 1 : 0;
+}
+
+std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
+                          const std::vector<std::string>& names) {
+  std::vector<Index> rows;
+  for (const auto& channel : channels) {
+    rows.push_back(std::ranges::find(names, channel.name) - names.begin());
+  }
+  return rows;
+}
+
+// What a study predicts where something was measured, as the records of `recorder` have it: of a
+// sensor whose quantity differs, times a power of s.
 std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Structure& structure,
                                         const Study& recorder, const modal::FrfSet& measured) {
   const auto model = diagnosis::reduced_model(structure);
   const auto simulated = modal::frf(model, measured.frequency_hz);
   modal::FrfSet set = measured;
-  const auto rows_of = [](const std::vector<modal::MeasuredChannel>& channels,
-                          const std::vector<std::string>& names) {
-    std::vector<Index> rows;
-    for (const auto& channel : channels) {
-      rows.push_back(std::ranges::find(names, channel.name) - names.begin());
+  const auto rows = places(measured.outputs, structure.outputs.names);
+  const auto cols = places(measured.inputs, structure.inputs.names);
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k] = simulated.value[k](rows, cols);
+    const std::complex<double> s(
+        0.0, 2.0 * std::numbers::pi * measured.frequency_hz(static_cast<Index>(k)));
+    for (std::size_t i = 0; i < measured.outputs.size(); ++i) {
+      const auto& sensor = measured.outputs[i].name;
+      const auto more = derivatives(study, sensor) - derivatives(recorder, sensor);
+      if (more != 0) set.value[k].row(static_cast<Index>(i)) *= std::pow(s, more);
     }
-    return rows;
-  };
-  const auto rows = rows_of(measured.outputs, structure.outputs.names);
-  const auto cols = rows_of(measured.inputs, structure.inputs.names);
-  for (std::size_t k = 0; k < set.value.size(); ++k) set.value[k] = simulated.value[k](rows, cols);
+  }
   return without_paths(recorder, recorded(study, std::move(set))).value;
-}
-
-// Sums over some responses and lines.
-struct Sums {
-  double error = 0.0, size = 0.0, noise = 0.0;
-  [[nodiscard]] double relative() const { return size > 0.0 ? std::sqrt(error / size) : kNone; }
-  [[nodiscard]] double floor() const { return size > 0.0 ? std::sqrt(noise / size) : kNone; }
-};
-
-Sums sums_of(const Diagnosed& one, const std::vector<Eigen::MatrixXcd>& response,
-             const Study& study, bool held_out) {
-  const auto& measured = one.measured.all;
-  Sums sums;
-  for (std::size_t k = 0; k < response.size(); ++k) {
-    const bool line = line_held_out(plan_of(study), measured.frequency_hz(static_cast<Index>(k)));
-    for (Index j = 0; j < response[k].cols(); ++j) {
-      for (Index i = 0; i < response[k].rows(); ++i) {
-        const bool seen = !line && std::ranges::binary_search(one.measured.outputs, i) &&
-                          std::ranges::binary_search(one.measured.inputs, j);
-        const auto value = measured.value[k](i, j);
-        if (seen == held_out || !std::isfinite(std::abs(value))) continue;
-        sums.error += std::norm(value - response[k](i, j));
-        sums.size += std::norm(value);
-        sums.noise += measured.variance[k](i, j);
-      }
-    }
-  }
-  return sums;
-}
-
-Gain gain_of(const Diagnosed& one, const Study& study) {
-  Gain gain;
-  const auto& after = one.response_after.empty() ? one.response_before : one.response_after;
-  const auto seen = sums_of(one, one.response_before, study, false);
-  const auto held = sums_of(one, one.response_before, study, true);
-  gain.fit_before = seen.relative();
-  gain.noise_floor = seen.floor();
-  gain.held_out_before = held.relative();
-  gain.held_out_noise = held.floor();
-  gain.fit_after = sums_of(one, after, study, false).relative();
-  gain.held_out_after = sums_of(one, after, study, true).relative();
-  for (const auto& name : study.measurement->hold_out) gain.held_out.push_back(name);
-  const auto plan = plan_of(study);
-  if (plan.hold_out_high_hz > 0.0) {
-    gain.held_out.push_back(
-        fmt::format("{:.6g} to {:.6g} Hz", plan.hold_out_low_hz, plan.hold_out_high_hz));
-  }
-  gain.pays = !std::isfinite(gain.held_out_before) || gain.held_out_after < gain.held_out_before;
-  return gain;
 }
 
 // Modes of what was measured, for the comparison; none where they cannot be identified.
@@ -213,29 +184,115 @@ bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
   return true;
 }
 
-// The extended study, solved in full; not made where nothing was named.
-void extend(const Study& study, double band_hz, Diagnosed& one, Run& run) {
-  if (one.result.best.causes.empty() || one.result.verdict == diagnosis::Verdict::unexplained) {
-    return;
-  }
+// Where the extended study's files lie.
+std::vector<std::filesystem::path> allowed_for(const Study& study, const Run& run) {
   auto allowed = run.options().allowed;
-  allowed.push_back(std::filesystem::absolute(study.file).parent_path());  // its data stay there
-  auto extension = extended_study(read_whole(study.file), study.file, one.structure.surface,
-                                  one.result.best.causes, run / "", allowed);
+  allowed.push_back(std::filesystem::absolute(study.file).parent_path());
+  return allowed;
+}
+
+// The extended study, solved in full where a cause changed it.
+void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one, Run& run) {
+  const auto& causes = one.result.best.causes;
+  const auto allowed = allowed_for(study, run);
+  one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface, causes,
+                                run / "", allowed);
+  if (one.extended->unexpressed.size() == causes.size()) return;
   const auto part = run.part("extended: ");
   const Study extended =
-      with_modes_for_diagnosis(parse_study(extension.text, run / "extended.toml", allowed));
-  one.after = solved(extended, run);
-  one.response_after =
+      with_modes_for_diagnosis(parse_study(one.extended->text, run / "extended.toml", allowed));
+  one.after = solve(extended, run);
+  one.predictions.extended =
       predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
-  one.extended = std::move(extension);
+}
+
+// A unit or quantity of all sensors that were seen is that of those held out, too.
+std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> causes,
+                                              const diagnosis::Structure& seen,
+                                              const diagnosis::Structure& all) {
+  for (auto& cause : causes) {
+    if (!cause.option.empty() && cause.channels == seen.outputs.names) {
+      cause.channels = all.outputs.names;
+    }
+  }
+  return causes;
+}
+
+// The reduced model with all causes: what a fit saw as it was fitted, the rest as the same causes
+// change the structure with all its channels.
+std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
+  const auto& set = one.measured.all;
+  const auto& causes = one.result.best.causes;
+  const auto own = diagnosis::seen(one.structure, one.seen, HUGE_VAL).structure;
+  const auto seen = diagnosis::predicted(own, causes, set.frequency_hz);
+  const auto all = diagnosis::predicted(one.structure, of_all_channels(causes, own, one.structure),
+                                        set.frequency_hz);
+  const auto rows = places(set.outputs, one.structure.outputs.names);
+  const auto cols = places(set.inputs, one.structure.inputs.names);
+  const auto own_rows = places(one.seen.outputs, own.outputs.names);
+  const auto own_cols = places(one.seen.inputs, own.inputs.names);
+  std::vector<Eigen::MatrixXcd> value;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    value.emplace_back(all[k](rows, cols));
+    value.back()(one.measured.outputs, one.measured.inputs) = seen[k](own_rows, own_cols);
+  }
+  return value;
+}
+
+// Does a step that may fail: what fails is told and kept, and the diagnosis stands without it.
+// Whether it did not.
+template <typename Step>
+bool attempted(const char* what, Diagnosed& one, Run& run, Step step) {
+  const auto note = [&](const std::exception& e) {
+    one.result.notes.push_back(fmt::format("{}: {}", what, e.what()));
+    run.talk().warn(one.result.notes.back());
+  };
+  try {
+    step();
+    return true;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const InvalidInput& e) {
+    note(e);
+  } catch (const NumericalFailure& e) {
+    note(e);
+  } catch (const std::bad_alloc& e) {
+    note(e);
+  }
+  return false;
+}
+
+// On top of the file itself.
+void comment_on(const std::string& comment, Diagnosed& one) {
+  if (one.extended) one.extended->text = "# " + comment + "\n" + one.extended->text;
+}
+
+void add_gain(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+              Run& run) {
+  const bool named =
+      !one.result.best.causes.empty() && one.result.verdict != diagnosis::Verdict::unexplained;
+  if (named) {
+    const bool is_solved = attempted("the extended study cannot be solved", one, run,
+                                     [&] { extend(study, band_hz, solve, one, run); });
+    if (!is_solved) comment_on("This study could not be solved.", one);
+    if (one.predictions.extended.empty() || !one.extended->unexpressed.empty()) {
+      attempted("the fitted model cannot predict", one, run,
+                [&] { one.predictions.fitted = fitted_model(one); });
+    }
+  }
+  one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions);
+  const auto advice = advice_against(one.gain);
+  if (advice.empty()) return;
+  run.talk().warn(advice);
+  if (one.gain.pays) comment_on(advice, one);
 }
 
 }  // namespace
 
-Diagnosed diagnosed(const Study& study, Run& run) {
+Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
   Diagnosed one;
+  one.least_evidence = plan.least_evidence;
   one.before = solved(with_modes_for_diagnosis(study), run);
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
@@ -253,17 +310,14 @@ Diagnosed diagnosed(const Study& study, Run& run) {
                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
   one.detectable = run.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
-  one.response_before = predicted(study, one.structure, study, one.measured.all);
-  try {
-    extend(study, band_hz, one, run);
-  } catch (const InvalidInput& e) {
-    run.talk().warn(std::string("the extended study cannot be: ") + e.what());
-  }
-  one.gain = gain_of(one, study);
-  if (one.gain.pays) return one;
-  run.talk().warn("the extension does not pay on what was held out: it is not made");
-  one.extended.reset();
+  one.predictions.before = predicted(study, one.structure, study, one.measured.all);
+  add_gain(study, band_hz, solve_extended, one, run);
   return one;
+}
+
+Diagnosed diagnosed(const Study& study, Run& run) {
+  return diagnosed(study, run,
+                   [](const Study& extended, Run& its_run) { return solved(extended, its_run); });
 }
 
 }  // namespace chladni::app

@@ -1,10 +1,12 @@
 // What a study's simulation gets wrong, why, and what naming it gains.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/diagnosis_gain.h"
 #include "app/extended_study.h"
 #include "app/identification.h"
 #include "app/solution.h"
@@ -15,16 +17,6 @@
 
 namespace chladni::app {
 
-/// Relative errors |G − Ĝ| over |G|, over all responses and lines of a set; NaN where there is
-/// nothing to compare.
-struct Gain {
-  double fit_before = 0.0, fit_after = 0.0;            ///< on what the diagnosis saw
-  double held_out_before = 0.0, held_out_after = 0.0;  ///< on channels and lines that it did not
-  double noise_floor = 0.0, held_out_noise = 0.0;
-  std::vector<std::string> held_out;  ///< what was held out, in words
-  bool pays = true;                   ///< the extension is better on what was held out
-};
-
 struct Diagnosed {
   MeasuredFrfs measured;  ///< receptances within the band, all channels of the study
   modal::FrfSet seen;     ///< without what was held out
@@ -33,21 +25,30 @@ struct Diagnosed {
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
   std::vector<diagnosis::Detectable> detectable;  ///< that the same experiment would find
+  double least_evidence = 0.0;                    ///< DiagnosisPlan's
   std::optional<ExtendedStudy> extended;          ///< where a cause was named
   std::optional<Solution> after;                  ///< the extended study, solved in full
-  std::vector<Eigen::MatrixXcd> response_before, response_after;  ///< [k], on `measured`
+  Predictions predictions;                        ///< on `measured`
   Gain gain;
 };
 
 /// The measured responses, the study's structure, the comparison, the diagnosis, the extended study
-/// solved again, the gain.
-/// @throws as its steps
+/// solved again, the gain. Of causes that no study can express the gain is that of the reduced
+/// model; an extended study that does not change, or cannot be solved, costs a note and no more.
+/// @throws as its steps, but for those of the extended study
 [[nodiscard]] Diagnosed diagnosed(const Study& study, Run& run);
+/// The same with another way to solve the extended study.
+using SolveStudy = std::function<Solution(const Study& study, Run& run)>;
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extended);
 
 [[nodiscard]] std::string diagnosis_table(const Diagnosed& diagnosed);
 [[nodiscard]] io::JsonObject diagnosis_json(const Diagnosed& diagnosed);
+/// What not to act on and why, where it is so; then the verdict.
+[[nodiscard]] std::string verdict_text(const Diagnosed& diagnosed);
 /// The verdict in a sentence.
 [[nodiscard]] std::string verdict_text(const diagnosis::Diagnosis& result);
+/// Where the responses after come from, a line each.
+[[nodiscard]] std::vector<std::string> gain_lines(const Gain& gain);
 /// "point_mass: 0.2518 +- 0.0001 kg at (127.8, -289.9) mm"
 [[nodiscard]] std::string cause_text(const diagnosis::Cause& cause);
 

@@ -107,7 +107,13 @@ void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool ma
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
   if (!run.options().pictures) return;
-  draw_responses(run / "prediction.png", one.measured.all, one.response_before, one.response_after);
+  const auto& after =
+      one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
+  const auto seen = [&](Index i, Index j) {
+    return std::ranges::binary_search(one.measured.outputs, i) &&
+           std::ranges::binary_search(one.measured.inputs, j);
+  };
+  draw_responses(run / "prediction.png", one.measured.all, one.predictions.before, after, seen);
   draw_mac(run / "mac.png", one.comparison);
 }
 

@@ -1,9 +1,12 @@
 // The diagnosis as a section of the report.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cctype>
 #include <cmath>
 #include <utility>
 
+#include "app/comparison.h"
 #include "app/detectable_text.h"
 #include "app/diagnosis.h"
 #include "app/percent.h"
@@ -27,27 +30,47 @@ io::Table gain_table(const Gain& gain) {
   io::Table table{"Relative error of the predicted responses [%]",
                   {{"", false}, {"before"}, {"after"}, {"noise"}},
                   {}};
-  table.rows.push_back({{"seen by the fit", percent_cell(gain.fit_before),
-                         percent_cell(gain.fit_after), percent_cell(gain.noise_floor)}});
+  const auto add = [&](const std::string& what, double before, double after, double noise) {
+    const bool changed = gain.from != GainFrom::nothing;
+    table.rows.push_back({{what, percent_cell(before), percent_cell(changed ? after : Gain::kNone),
+                           percent_cell(noise)}});
+  };
+  add("fitted: " + words(gain.fitted), gain.fit_before, gain.fit_after, gain.noise_floor);
   if (!gain.held_out.empty()) {
-    table.rows.push_back({{fmt::format("held out: {}", fmt::join(gain.held_out, ", ")),
-                           percent_cell(gain.held_out_before), percent_cell(gain.held_out_after),
-                           percent_cell(gain.held_out_noise)}});
+    add(fmt::format("held out: {}", fmt::join(gain.held_out, ", ")), gain.held_out_before,
+        gain.held_out_after, gain.held_out_noise);
   }
   return table;
 }
 
 io::Table modes_table(const diagnosis::ModeComparison& modes) {
   io::Table table{"Simulated and measured modes",
-                  {{"simulated [Hz]"}, {"measured [Hz]"}, {"+-"}, {"change [%]"}, {"MAC"}},
+                  {{"simulated [Hz]"},
+                   {"measured [Hz]"},
+                   {"+-"},
+                   {"change [%]"},
+                   {"MAC"},
+                   {"paired by", false}},
                   {}};
   for (const auto& pair : modes.pairs) {
     table.rows.push_back(
         {{fmt::format("{:.2f}", pair.simulated_hz), fmt::format("{:.3f}", pair.measured_hz),
           fmt::format("{:.2g}", pair.measured_std_hz), fmt::format("{:+.3f}", 100.0 * pair.change),
-          fmt::format("{:.3f}", pair.mac)}});
+          fmt::format("{:.3f}", pair.mac), pair.by_shape ? "shape" : "frequency"}});
   }
   return table;
+}
+
+std::string sentence(std::string line) {
+  line.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(line.front())));
+  return line + ".";
+}
+
+void add_modes(io::Section& section, const diagnosis::ModeComparison& modes) {
+  if (!modes.pairs.empty()) section.blocks.emplace_back(modes_table(modes));
+  for (const auto& line : unpaired_lines(modes)) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(line)});
+  }
 }
 
 void add_picture(io::Section& section, const Run& run, const char* file, const char* caption) {
@@ -63,6 +86,9 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
   const auto verdict = one.result.verdict;
   const bool settled =
       verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
+  if (auto advice = advice_against(one.gain); !advice.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
+  }
   section.blocks.emplace_back(
       io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
   if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
@@ -75,14 +101,18 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
                 "How much of the difference one thing in one place would explain.");
   }
   section.blocks.emplace_back(gain_table(one.gain));
+  for (auto line : gain_lines(one.gain)) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
+  }
   add_picture(section, run, "prediction.png",
               "Measured responses, the simulation, and the simulation with the cause.");
-  if (!one.comparison.modes.pairs.empty()) {
-    section.blocks.emplace_back(modes_table(one.comparison.modes));
-  }
-  if (auto sentence = detectable_sentence(one.detectable); !sentence.empty()) {
+  add_modes(section, one.comparison.modes);
+  if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));
+  }
+  for (const auto& note : one.result.notes) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(note)});
   }
   for (const auto& breach : one.result.breaches) {
     section.blocks.emplace_back(

@@ -1,0 +1,50 @@
+// What an experiment would find, as people read it.
+#include "app/detectable_text.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace chladni::app {
+namespace {
+
+// A mass that is found, and a sign that brings so much evidence.
+std::vector<diagnosis::Detectable> sizes(double log_evidence) {
+  std::vector<diagnosis::Detectable> all;
+  for (const auto* of : {"worst", "median", "best"}) {
+    diagnosis::Detectable mass;
+    mass.effect = "point_mass";
+    mass.of = of;
+    mass.parameter = "mass";
+    mass.unit = "kg";
+    mass.size = 0.01;
+    all.push_back(mass);
+  }
+  diagnosis::Detectable unit;
+  unit.effect = "sensor_unit";
+  unit.of = "worst";
+  unit.channels = {"s2"};
+  unit.option = "inch taken for mm";
+  unit.size = std::nan("");
+  unit.log_evidence = log_evidence;
+  all.push_back(unit);
+  return all;
+}
+
+TEST(DetectableSentence, SaysWhatTheStudysOwnThresholdMisses) {
+  const auto between = sizes(12.0);
+  EXPECT_EQ(detectable_sentence(between, 8.0).find("miss"), std::string::npos);
+  EXPECT_NE(
+      detectable_sentence(between, 20.0).find("It may miss: sensor_unit (s2: inch taken for mm)."),
+      std::string::npos)
+      << detectable_sentence(between, 20.0);
+  EXPECT_NE(detectable_table(between, 20.0).find("It may miss"), std::string::npos);
+}
+
+TEST(DetectableJson, SaysWhichUnit) {
+  const io::Json json = detectable_json(sizes(12.0));
+  EXPECT_EQ(json.array().back().at("option").string(), "inch taken for mm");
+}
+
+}  // namespace
+}  // namespace chladni::app
