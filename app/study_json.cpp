@@ -256,20 +256,24 @@ io::Json identification_json(const IdentificationPlan& plan) {
   for (const auto& [sensor, actuator] : plan.pairs) {
     pairs.push_back(io::JsonObject{{"sensor", sensor}, {"actuator", actuator}});
   }
-  return io::JsonObject{{"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
-                        {"method", plan.method},
-                        {"damping", plan.damping},
-                        {"weighting", plan.weighting},
-                        {"modes", plan.modes},
-                        {"rigid_body_modes", plan.rigid_body_modes},
-                        {"delay", plan.delay},
-                        {"delay_of", plan.delay_of},
-                        {"residual", plan.residual},
-                        {"unit", plan.unit},
-                        {"pairs", pairs},
-                        {"pairs_within_m", plan.pairs_within},
-                        {"gain", plan.gain},
-                        {"gain_errors", plan.gain_errors}};
+  return io::JsonObject{
+      {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
+      {"method", plan.method},
+      {"damping", plan.damping},
+      {"weighting", plan.weighting},
+      {"cut_off_db", plan.cut_off_db},
+      {"model_error", plan.model_error ? io::Json(*plan.model_error) : io::Json()},
+      {"modes", plan.modes},
+      {"rigid_body_modes", plan.rigid_body_modes},
+      {"delay", plan.delay},
+      {"delay_of", plan.delay_of},
+      {"residual", plan.residual},
+      {"unit", plan.unit},
+      {"pairs", pairs},
+      {"pairs_within_m", plan.pairs_within},
+      {"gain", plan.gain},
+      {"gain_errors", plan.gain_errors},
+      {"stabilisation", plan.stabilisation}};
 }
 
 io::Json interpolation_json(const InterpolationPlan& plan) {

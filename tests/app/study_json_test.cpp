@@ -1,0 +1,48 @@
+// study.json tells every key that a study says.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "app/solution.h"
+
+namespace chladni::app {
+namespace {
+
+const std::string kBody = R"(
+geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+[[sensor]]
+name = "s1"
+at = ["-250 mm", "250 mm"]
+direction = "z"
+[[actuator]]
+name = "a1"
+at = ["-200 mm", "200 mm"]
+direction = "z"
+)";
+
+std::string told(const std::string& part, const std::string& key) {
+  const auto study = parse_study(kBody + "[" + part + "]\n" + key + "\n", "bench/study.toml");
+  return io::text(io::Json(study_json(study, {})).at(part));
+}
+
+TEST(StudyJson, TellsEachKeyOfTheIdentification) {
+  for (const auto* key :
+       {"band = [\"20 Hz\", \"90 Hz\"]", "method = \"thesis\"", "damping = \"general\"",
+        "weighting = \"inverse_magnitude\"", "cut_off_db = 60", "model_error = 0.02", "modes = 4",
+        "rigid_body_modes = 3", "delay = false", "delay_of = \"sensors\"", "residual = false",
+        "unit = \"mm\"", "pairs_within = \"2 mm\"", "gain = \"thesis\"",
+        "gain_errors = \"sensors\"", "stabilisation = 30"}) {
+    EXPECT_NE(told("identification", key), told("identification", "")) << key;
+  }
+}
+
+TEST(StudyJson, TellsEachKeyOfTheDiagnosis) {
+  for (const auto* key : {"band = [\"20 Hz\", \"90 Hz\"]", "hold_out_band = [\"70 Hz\", \"90 Hz\"]",
+                          "effects = [\"point_mass\"]", "most_causes = 2", "least_evidence = 10",
+                          "rival_within = 4", "lines = 200", "tolerances = { gain = 0.02 }"}) {
+    EXPECT_NE(told("diagnosis", key), told("diagnosis", "")) << key;
+  }
+}
+
+}  // namespace
+}  // namespace chladni::app
