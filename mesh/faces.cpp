@@ -51,4 +51,14 @@ std::vector<char> chosen_patches(const TetMesh& mesh, const std::vector<std::str
   return chosen;
 }
 
+std::vector<char> faces_of_patches(const TetMesh& mesh, const std::vector<std::string>& names,
+                                   const std::string& what) {
+  const auto chosen = chosen_patches(mesh, names, what);
+  std::vector<char> faces;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    faces.push_back(chosen[static_cast<std::size_t>(mesh.face_patch(f))]);
+  }
+  return faces;
+}
+
 }  // namespace chladni::mesh

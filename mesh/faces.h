@@ -25,4 +25,10 @@ namespace chladni::mesh {
                                                const std::vector<std::string>& names,
                                                const std::string& what);
 
+/// Per boundary face 1 where its patch is one of these; of all where there are no names.
+/// @throws InvalidInput  as patch_number
+[[nodiscard]] std::vector<char> faces_of_patches(const TetMesh& mesh,
+                                                 const std::vector<std::string>& names,
+                                                 const std::string& what);
+
 }  // namespace chladni::mesh

@@ -1,7 +1,5 @@
 #include "modal/pairing.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
