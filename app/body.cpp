@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "io/read.h"
 #include "mesh/check.h"
+#include "mesh/patches.h"
 #include "mesh/tetrahedralize.h"
 
 namespace chladni::app {
@@ -91,12 +92,14 @@ mesh::TetMesh shell_of(const mesh::Surface& surface) {
   return shell;
 }
 
-Outline outline_of_surface(mesh::Surface surface, const MeshPlan& plan,
+/// @param nameless  its patches are found by angle
+Outline outline_of_surface(mesh::Surface surface, const MeshPlan& plan, bool nameless,
                            std::vector<std::string> notes) {
   Outline outline;
   outline.notes = std::move(notes);
   const auto report = check_and_repair(surface, {.fill_holes = plan.fill_holes});
   require(report.fit(), report.text());
+  if (nameless) mesh::name_patches(surface);
   for (const auto& finding : report.findings) outline.notes.push_back(finding.what);
   outline.volume = report.volume;
   outline.shell = shell_of(surface);
@@ -123,11 +126,12 @@ Outline outline_of(const Study& study, const Progress& progress) {
     if (auto* tets = std::get_if<mesh::TetMesh>(&geometry.body)) {
       return outline_of_tets(std::move(*tets), std::move(geometry.notes));
     }
-    return outline_of_surface(std::move(std::get<mesh::Surface>(geometry.body)), study.mesh,
-                              std::move(geometry.notes));
+    auto& surface = std::get<mesh::Surface>(geometry.body);
+    const bool nameless = surface.patch_names.size() < 2;  // one solid, or none that is named
+    return outline_of_surface(std::move(surface), study.mesh, nameless, std::move(geometry.notes));
   }
   return outline_of_surface(parametric_surface(study.geometry, study.mesh.edge_length), study.mesh,
-                            {});
+                            false, {});
 }
 
 mesh::TetMesh body_of(const Study& study, const Outline& outline, const Progress& progress) {

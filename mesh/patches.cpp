@@ -1,6 +1,8 @@
-// Names for the parts of a boundary that came without any.
+#include "mesh/patches.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -9,14 +11,18 @@
 #include "base/error.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/numbering.h"
-#include "mesh/surface.h"
-#include "mesh/tet_mesh.h"
 
 namespace chladni::mesh {
 namespace {
 
+// Triangles of any order, outward.
+struct Boundary {
+  const Points& points;
+  const Cells& faces;
+};
+
 // Twice the area times the unit normal, per face (corners).
-Points area_vectors(const TetMesh& mesh) {
+Points area_vectors(const Boundary& mesh) {
   Points vectors(mesh.faces.rows(), 3);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     const Eigen::Vector3d a = mesh.points.row(mesh.faces(f, 0));
@@ -28,7 +34,7 @@ Points area_vectors(const TetMesh& mesh) {
 }
 
 // Faces joined across edges less sharp than `angle_degrees`; one smooth piece each.
-DisjointSets smooth_pieces(const TetMesh& mesh, const Points& vectors, double angle_degrees) {
+DisjointSets smooth_pieces(const Boundary& mesh, const Points& vectors, double angle_degrees) {
   std::vector<Key> keys;
   for (const auto face : mesh.faces.rowwise()) {
     for (const auto& [a, b] : kTriangleEdges) keys.push_back(edge_key(face(a), face(b)));
@@ -51,51 +57,30 @@ DisjointSets smooth_pieces(const TetMesh& mesh, const Points& vectors, double an
 struct Piece {
   Eigen::AlignedBox3d box;
   double area = 0.0;  // [m^2]
-  std::string name;
 };
 
-// "top" for a flat piece at the highest z, and so on; empty for one that is neither.
-std::string name_of_extreme(const Eigen::AlignedBox3d& piece, const Eigen::AlignedBox3d& body) {
-  constexpr std::array<const char*, 6> kNames{"x_min", "x_max", "y_min", "y_max", "bottom", "top"};
+// The names, in the order of the patches.
+constexpr std::array<const char*, 6> kExtremes{"top", "bottom", "x_min", "x_max", "y_min", "y_max"};
+
+// Which of them a flat piece at the highest z and so on is; -1 for one that is none.
+int extreme_of(const Eigen::AlignedBox3d& piece, const Eigen::AlignedBox3d& body) {
+  constexpr std::array<int, 6> kLowAndHigh{2, 3, 4, 5, 1, 0};  // x, y, z
   const double tolerance = 1e-6 * body.diagonal().norm();
   for (const Eigen::Index axis : {2, 0, 1}) {
     if (piece.max()(axis) - piece.min()(axis) > tolerance) continue;
     if (std::abs(piece.max()(axis) - body.max()(axis)) < tolerance) {
-      return kNames[static_cast<std::size_t>(2 * axis + 1)];
+      return kLowAndHigh[static_cast<std::size_t>(2 * axis + 1)];
     }
     if (std::abs(piece.min()(axis) - body.min()(axis)) < tolerance) {
-      return kNames[static_cast<std::size_t>(2 * axis)];
+      return kLowAndHigh[static_cast<std::size_t>(2 * axis)];
     }
   }
-  return {};
+  return -1;
 }
 
-std::vector<Piece> named(std::vector<Piece> pieces) {
-  Eigen::AlignedBox3d body;
-  for (const Piece& piece : pieces) body.extend(piece.box);
-  std::vector<std::size_t> nameless;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    pieces[i].name = name_of_extreme(pieces[i].box, body);
-    if (pieces[i].name.empty()) nameless.push_back(i);
-  }
-  std::stable_sort(nameless.begin(), nameless.end(),
-                   [&](std::size_t a, std::size_t b) { return pieces[a].area > pieces[b].area; });
-  for (std::size_t i = 0; i < nameless.size(); ++i) {
-    pieces[nameless[i]].name = "side_" + std::to_string(i + 1);
-  }
-  return pieces;
-}
-
-}  // namespace
-
-void name_patches(TetMesh& mesh, double angle_degrees) {
-  require(angle_degrees > 0.0 && angle_degrees < 180.0, "name_patches: angle is " +
-                                                            std::to_string(angle_degrees) +
-                                                            " degrees, expected between 0 and 180");
-  const Points vectors = area_vectors(mesh);
-  DisjointSets sets = smooth_pieces(mesh, vectors, angle_degrees);
+std::vector<Piece> pieces_of(const Boundary& mesh, const Points& vectors,
+                             const std::vector<std::int32_t>& piece_of) {
   std::vector<Piece> pieces;
-  const std::vector<std::int32_t> piece_of = sets.numbers();
   for (std::size_t f = 0; f < piece_of.size(); ++f) {
     const auto p = static_cast<std::size_t>(piece_of[f]);
     if (p == pieces.size()) pieces.emplace_back();
@@ -105,26 +90,70 @@ void name_patches(TetMesh& mesh, double angle_degrees) {
       pieces[p].box.extend(mesh.points.row(mesh.faces(row, a)).transpose());
     }
   }
-  pieces = named(std::move(pieces));
-  mesh.patch_names.clear();
-  for (const char* first : {"top", "bottom", "x_min", "x_max", "y_min", "y_max"}) {
-    if (std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.name == first; }))
-      mesh.patch_names.emplace_back(first);
+  return pieces;
+}
+
+struct Patches {
+  std::vector<std::string> names;
+  std::vector<int> of_piece;
+};
+
+Patches named(const std::vector<Piece>& pieces) {
+  Eigen::AlignedBox3d body;
+  for (const Piece& piece : pieces) body.extend(piece.box);
+  std::vector<int> extreme;
+  for (const Piece& piece : pieces) extreme.push_back(extreme_of(piece.box, body));
+  Patches patches;
+  std::array<int, kExtremes.size()> number{};
+  for (std::size_t k = 0; k < kExtremes.size(); ++k) {
+    if (std::find(extreme.begin(), extreme.end(), static_cast<int>(k)) == extreme.end()) continue;
+    number[k] = static_cast<int>(patches.names.size());
+    patches.names.emplace_back(kExtremes[k]);
   }
-  for (std::size_t side = 1;; ++side) {
-    const std::string name = "side_" + std::to_string(side);
-    if (std::none_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.name == name; }))
-      break;
-    mesh.patch_names.push_back(name);
+  std::vector<std::size_t> sides;
+  patches.of_piece.resize(pieces.size());
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (extreme[i] < 0) {
+      sides.push_back(i);
+    } else {
+      patches.of_piece[i] = number[static_cast<std::size_t>(extreme[i])];
+    }
   }
-  mesh.face_patch.resize(mesh.faces.rows());
+  std::stable_sort(sides.begin(), sides.end(),
+                   [&](std::size_t a, std::size_t b) { return pieces[a].area > pieces[b].area; });
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    patches.of_piece[sides[i]] = static_cast<int>(patches.names.size());
+    patches.names.push_back("side_" + std::to_string(i + 1));
+  }
+  return patches;
+}
+
+// Per face its patch.
+std::vector<std::string> split(const Boundary& mesh, double angle_degrees,
+                               Eigen::VectorXi& face_patch) {
+  require(angle_degrees > 0.0 && angle_degrees < 180.0, "name_patches: angle is " +
+                                                            std::to_string(angle_degrees) +
+                                                            " degrees, expected between 0 and 180");
+  const Points vectors = area_vectors(mesh);
+  DisjointSets sets = smooth_pieces(mesh, vectors, angle_degrees);
+  const std::vector<std::int32_t> piece_of = sets.numbers();
+  Patches patches = named(pieces_of(mesh, vectors, piece_of));
+  face_patch.resize(mesh.faces.rows());
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    const std::string& name =
-        pieces[static_cast<std::size_t>(piece_of[static_cast<std::size_t>(f)])].name;
-    mesh.face_patch(f) =
-        static_cast<int>(std::find(mesh.patch_names.begin(), mesh.patch_names.end(), name) -
-                         mesh.patch_names.begin());
+    const auto piece = static_cast<std::size_t>(piece_of[static_cast<std::size_t>(f)]);
+    face_patch(f) = patches.of_piece[piece];
   }
+  return std::move(patches.names);
+}
+
+}  // namespace
+
+void name_patches(TetMesh& mesh, double angle_degrees) {
+  mesh.patch_names = split({mesh.points, mesh.faces}, angle_degrees, mesh.face_patch);
+}
+
+void name_patches(Surface& surface, double angle_degrees) {
+  surface.patch_names = split({surface.points, surface.triangles}, angle_degrees, surface.patch);
 }
 
 }  // namespace chladni::mesh

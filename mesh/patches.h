@@ -1,0 +1,13 @@
+// Names for the parts of a boundary that came without any.
+#pragma once
+
+#include "mesh/surface.h"
+#include "mesh/tet_mesh.h"
+
+namespace chladni::mesh {
+
+/// The patches of a surface without names, as `name_patches` of a TetMesh finds them
+/// (mesh/tet_mesh.h). Cost: n log n. @throws InvalidInput  the angle is not between 0 and 180
+void name_patches(Surface& surface, double angle_degrees = 40.0);
+
+}  // namespace chladni::mesh
