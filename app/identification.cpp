@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/faces.h"
 #include "app/interpolation.h"
 #include "app/placement.h"
 #include "base/error.h"
@@ -204,12 +205,14 @@ std::optional<identification::RigidGeometry> rigid_geometry(const IdentifiedMode
 // What the simulation says of the scale between sensors and actuators where no pair does.
 identification::GainPrior gain_prior(const Study& study, const Solution& solution,
                                      const IdentifiedModel& model) {
-  const placement::Sampler sampler(solution.model.body, solution.modes, {std::nullopt, 0.0});
-  const auto on = study.interpolation ? study.interpolation->on : std::vector<std::string>{};
-  const auto surface = sampler.surface(patches_of(solution.model.body, on, "interpolation.on"));
+  const auto on = study.interpolation ? study.interpolation->on : FacePlan{};
+  const auto faces = faces_of(study, solution.model.body, on, "interpolation.on");
+  const placement::Sampler sampler(solution.model.body, solution.modes, {faces.direction, 0.0});
+  const auto surface = surface_on(sampler, faces);
   priors::Simulation simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {surface.sites.position, surface.sites.normal, surface.sites.shapes};
+  simulation.surface = {surface.sites.position, directions_on(surface.sites, faces.direction),
+                        surface.sites.shapes};
   simulation.area = surface.sites.area;
   const auto sites = channel_sites(study, solution.model);
   const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "app/corrections.h"
-#include "app/placement.h"
+#include "app/faces.h"
 #include "base/error.h"
 #include "modal/frf.h"
 #include "placement/interpolation.h"
@@ -57,10 +57,7 @@ void add_simulation(const Study& study, const Solution& solution, const Interpol
   const auto& sites = result.surface.sites;
   auto& simulation = result.simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {sites.position, sites.normal, sites.shapes};
-  if (plan.direction) {
-    simulation.surface.direction = plan.direction->transpose().replicate(sites.position.rows(), 1);
-  }
+  simulation.surface = {sites.position, directions_on(sites, plan.direction), sites.shapes};
   simulation.area = sites.area;
   if (wants(plan, "dynamic_residual")) simulation.corrections = corrections(solution);
   if (wants(plan, "ensemble")) simulation.similar = similar_models(study, solution, seed);
@@ -203,14 +200,32 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
   return one;
 }
 
+// Of the usual methods the first takes any places; what another one cannot take is said.
+void add_method(const std::string& name, bool asked_for, Interpolated& result, Run& run) {
+  tell(run.talk().progress(), "interpolating: " + name);
+  run.timed("interpolate: " + name, [&] {
+    try {
+      result.methods.push_back(interpolation_by(priors::interpolator(name), result));
+    } catch (const InvalidInput& e) {
+      if (asked_for || result.methods.empty()) throw;
+      run.talk().note(name + " is left out: " + e.what());
+    }
+    return 0;
+  });
+}
+
 }  // namespace
 
 Interpolated interpolated(const Study& study, const Solution& solution, Run& run) {
-  const auto plan = plan_of(study);
+  auto plan = plan_of(study);
   const auto& body = solution.model.body;
+  const auto faces = faces_of(study, body, plan.on, "interpolation.on");
+  for (const auto& note : faces.notes) run.talk().note(note);
+  plan.direction = direction_on(faces, plan);
   const placement::Sampler sampler(body, solution.modes, {plan.direction, 0.0});
   Interpolated result;
-  result.surface = sampler.surface(patches_of(body, plan.on, "interpolation.on"));
+  result.direction = plan.direction;
+  result.surface = surface_on(sampler, faces);
   add_simulation(study, solution, plan, run.seed(), result);
   result.measured = measured(study, solution, result.simulation, result.harmonics, run);
   add_points(study, plan, solution, sampler.finder(), result);
@@ -219,13 +234,8 @@ Interpolated interpolated(const Study& study, const Solution& solution, Run& run
   if (result.measured.shapes.places.count() > 0) {
     result.expected_error = expected_before(result, noise);
   }
-  for (const auto& name : plan.methods) {
-    tell(run.talk().progress(), "interpolating: " + name);
-    run.timed("interpolate: " + name, [&] {
-      result.methods.push_back(interpolation_by(priors::interpolator(name), result));
-      return 0;
-    });
-  }
+  const bool asked_for = study.interpolation && !study.interpolation->methods.empty();
+  for (const auto& name : plan.methods) add_method(name, asked_for, result, run);
   return result;
 }
 

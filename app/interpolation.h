@@ -45,6 +45,7 @@ struct Interpolation {
 
 struct Interpolated {
   placement::Surface surface;
+  std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normals
   priors::Simulation simulation;
   fem::LaplaceSpectrum harmonics;  ///< of the body; empty where no method needs them
   Measured measured;

@@ -98,7 +98,7 @@ void leave_table(const Interpolated& result, const Solution& solution,
   Points directions(static_cast<Eigen::Index>(sites.size()), 3);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     directions.row(static_cast<Eigen::Index>(k)) =
-        plan.direction.value_or(sites[k].normal).transpose();
+        result.direction.value_or(sites[k].normal).transpose();
   }
   const auto places = places_at(sites, directions, solution.modes, result.harmonics);
   const auto field = result.methods.front().field->at(places);

@@ -96,18 +96,21 @@ void add_maps(const Views& views, const PlacementPlan& plan, Placed& placed) {
 }  // namespace
 
 Placed placed(const Study& study, const Solution& solution, Run& run) {
-  const PlacementPlan plan = placement_plan(study);
+  PlacementPlan plan = placement_plan(study);
   const auto& body = solution.model.body;
   const auto progress = run.talk().progress();
   tell(progress, "looking at the surface");
-  const placement::Sampler sampler(body, solution.modes, device_of(plan));
   Placed placed;
+  placed.faces = faces_of(study, body, plan.on, "placement.on");
+  placed.notes = placed.faces.notes;
+  plan.direction = direction_on(placed.faces, plan);
+  const placement::Sampler sampler(body, solution.modes, device_of(plan));
   run.timed("surface", [&] {
-    placed.surface = sampler.surface(patches_of(body, plan.on, "placement.on"));
+    placed.surface = surface_on(sampler, placed.faces);
     return 0;
   });
   placed.wanted = wanted_modes(study, solution, plan, placed.surface, placed.notes);
-  placed.rules = rules_of(study, solution, plan);
+  placed.rules = rules_of(study, solution, plan, placed.faces);
   placed.forbidden = placement::forbidden_by(placed.surface.sites, placed.rules);
   tell(progress, "scoring pairs");
   std::vector<Member> members;

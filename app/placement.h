@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/ensemble.h"
+#include "app/faces.h"
 #include "app/solution.h"
 #include "placement/determinant.h"
 #include "placement/heat_map.h"
@@ -52,6 +53,7 @@ struct Optimum {
 };
 
 struct Placed {
+  Faces faces;  ///< that devices may be on
   placement::Surface surface;
   WantedModes wanted;
   const placement::Criterion* criterion = nullptr;
@@ -65,12 +67,6 @@ struct Placed {
   std::vector<Optimum> optima;  ///< the asked one first
   std::vector<std::string> notes;
 };
-
-/// The named patches; without names the top, or all where the body has none.
-/// @param key  of the study that names them, for messages
-[[nodiscard]] std::vector<std::string> patches_of(const mesh::TetMesh& body,
-                                                  const std::vector<std::string>& on,
-                                                  const std::string& key);
 
 /// @throws InvalidInput  modes that are not there, no admissible site, more devices than sites, a
 ///                       patch or channel that does not exist

@@ -46,17 +46,8 @@ Points places_there(const Study& study, const Solution& solution, const Placemen
 
 }  // namespace
 
-std::vector<std::string> patches_of(const mesh::TetMesh& body, const std::vector<std::string>& on,
-                                    const std::string& key) {
-  for (const auto& name : on) (void)mesh::patch_number(body, name, key);
-  if (!on.empty()) return on;
-  const auto& names = body.patch_names;
-  const bool has_top = std::find(names.begin(), names.end(), "top") != names.end();
-  return has_top ? std::vector<std::string>{"top"} : std::vector<std::string>{};
-}
-
 std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
-                                      const PlacementPlan& plan) {
+                                      const PlacementPlan& plan, const Faces& faces) {
   const auto& body = solution.model.body;
   std::vector<placement::Rule> rules;
   for (const auto& zone : plan.keep_out) rules.push_back(rule_of(zone, body));
@@ -66,9 +57,8 @@ std::vector<placement::Rule> rules_of(const Study& study, const Solution& soluti
          placement::WholeFootprints{}});
   }
   if (plan.edge_distance > 0.0) {
-    rules.push_back(
-        {fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
-         placement::edges_of(body, patches_of(body, plan.on, "placement.on"), plan.edge_distance)});
+    rules.push_back({fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
+                     edges_on(body, faces, plan.edge_distance)});
   }
   const Points there = places_there(study, solution, plan);
   const double apart = std::max({plan.spacing, plan.footprint, 1e-4});

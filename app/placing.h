@@ -18,7 +18,8 @@ namespace chladni::app {
 
 /// @throws InvalidInput  a rule names a patch that is not there
 [[nodiscard]] std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
-                                                    const PlacementPlan& plan);
+                                                    const PlacementPlan& plan,
+                                                    const Faces& faces);
 
 /// The study's collocated sensors and actuators, by their numbers: on one line, at most 1 mm beside
 /// it and a twentieth of the body's diagonal apart along it.

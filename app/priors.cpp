@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/faces.h"
 #include "app/interpolation.h"
-#include "app/placement.h"
 #include "base/error.h"
 #include "priors/dynamic_residual.h"
 #include "priors/simulated_lengths.h"
@@ -90,10 +90,8 @@ LearnedAt learned_at(const LearnedPriors& result, Eigen::Index samples, unsigned
 }
 
 // Where the study has channels that look along the surface's own direction.
-void add_matched(const Study& study, const Solution& solution, LearnedPriors& result) {
-  if (study.sensors.size() + study.actuators.size() < 2 || result.kernel.parameter_count() != 1)
-    return;
-  const auto places = places_at(channel_sites(study, solution.model), solution.modes);
+void add_matched(const Solution& solution, const priors::Places& places, LearnedPriors& result) {
+  if (places.count() < 2 || result.kernel.parameter_count() != 1) return;
   const auto& surface = result.surface.sites;
   const auto rows = priors::spread_points(surface.position, kMatchedOn);
   priors::Task task;
@@ -180,13 +178,16 @@ void run(const Study& study, Run& run) {
 }  // namespace
 
 LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run) {
-  const PriorsPlan plan = study.priors.value_or(PriorsPlan{});
+  PriorsPlan plan = study.priors.value_or(PriorsPlan{});
+  const auto faces = faces_of(study, solution.model.body, plan.on, "priors.on");
+  plan.direction = direction_on(faces, plan);
   const auto scales = plan.per_axis ? priors::Scales::per_axis : priors::Scales::isotropic;
   LearnedPriors result(plan, priors::Kernel(priors::kernel_family(plan.kernel), scales));
   const auto progress = run.talk().progress();
   tell(progress, "looking at the surface");
   const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
-  result.surface = sampler.surface(patches_of(solution.model.body, plan.on, "priors.on"));
+  result.surface = surface_on(sampler, faces);
+  result.notes = faces.notes;
   choose_modes(study, solution, result);
   run.timed("learning", [&] {
     for (const int samples : plan.samples) {
@@ -199,8 +200,9 @@ LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& 
           fmt::format("the surface has {} points that differ; {} samples cannot be had",
                       result.last().samples, samples));
     }
-    add_matched(study, solution, result);
-    add_channel_errors(study, solution, result);
+    const auto places = channels_on_surface(study, solution, result);
+    add_matched(solution, places, result);
+    add_channel_errors(solution, places, result);
     return 0;
   });
   result.most_complex = most_complex_of(result);

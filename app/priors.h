@@ -7,6 +7,7 @@
 
 #include "app/solution.h"
 #include "placement/sites.h"
+#include "priors/interpolator.h"
 #include "priors/learning.h"
 
 namespace chladni::app {
@@ -21,7 +22,7 @@ struct LearnedAt {
   Eigen::VectorXd noise_dependence;
   /// Per mode: squared error over the shape's square, over the surface, of the mode interpolated
   /// with these hyper-parameters from its noise-free values at the study's channels; empty where
-  /// there are fewer than three.
+  /// fewer than three of them look along the surface's direction.
   Eigen::VectorXd channel_error;
 };
 
@@ -50,9 +51,17 @@ struct LearnedPriors {
 ///                       moves the surface
 [[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run);
 
-/// The step of `learned_priors` that tries what was learned at the study's channels.
-/// @throws InvalidInput  channels of different directions, several in one place
-void add_channel_errors(const Study& study, const Solution& solution, LearnedPriors& result);
+/// The study's channels that look along the surface's direction or against it (within 2.6 degrees),
+/// all turned to look along it. Of the others there is a note: what was learned says nothing of
+/// them.
+[[nodiscard]] priors::Places channels_on_surface(const Study& study, const Solution& solution,
+                                                 LearnedPriors& result);
+
+/// The step of `learned_priors` that tries what was learned at these places; nothing where there
+/// are fewer than three. Splines that cannot be used there (a surface of several directions, places
+/// on one another) are left out with a note.
+void add_channel_errors(const Solution& solution, const priors::Places& places,
+                        LearnedPriors& result);
 
 [[nodiscard]] std::string priors_table(const Solution& solution, const LearnedPriors& result);
 [[nodiscard]] io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result);

@@ -1,15 +1,19 @@
 // What learned hyper-parameters are worth at the study's own channels: figure 5.12 of the thesis.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "app/faces.h"
 #include "app/interpolation.h"
 #include "app/priors.h"
+#include "base/error.h"
 #include "priors/interpolator.h"
 
 namespace chladni::app {
 namespace {
 
 constexpr double kNoNoise = 1e-6;  // of a shape's root mean square: samples of a simulation
+constexpr double kAlong = 0.999;   // cosine
 constexpr std::array kSplines{"thin_plate_spline", "thin_plate_spline_gcv",
                               "thin_plate_spline_leave_one_out"};
 
@@ -25,11 +29,45 @@ double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
   return priors::squared_error(process.at(sites.position, values).mean, truth, sites.area)(0);
 }
 
+// Of a channel: cosine between its direction and that of the surface's nearest point.
+double cosine(const ChannelSite& channel, const placement::Sites& sites, const Points& directions) {
+  Eigen::Index nearest = 0;
+  (sites.position.rowwise() - channel.site.position.transpose())
+      .rowwise()
+      .squaredNorm()
+      .minCoeff(&nearest);
+  return directions.row(nearest).dot(channel.direction.transpose());
+}
+
 }  // namespace
 
-void add_channel_errors(const Study& study, const Solution& solution, LearnedPriors& result) {
-  if (study.sensors.size() + study.actuators.size() < 3) return;
-  const auto places = places_at(channel_sites(study, solution.model), solution.modes);
+priors::Places channels_on_surface(const Study& study, const Solution& solution,
+                                   LearnedPriors& result) {
+  const auto& sites = result.surface.sites;
+  const auto directions = directions_on(sites, result.plan.direction);
+  std::vector<ChannelSite> along;
+  std::string others;
+  for (auto channel : channel_sites(study, solution.model)) {
+    const double c = cosine(channel, sites, directions);
+    if (std::abs(c) > kAlong) {
+      if (c < 0.0) channel.direction *= -1.0;
+      along.push_back(channel);
+    } else {
+      others += (others.empty() ? "" : ", ") + channel.name;
+    }
+  }
+  if (!others.empty()) {
+    result.notes.push_back(
+        "not along the surface's direction, and so no part of the columns at the "
+        "channels: " +
+        others);
+  }
+  return places_at(along, solution.modes);
+}
+
+void add_channel_errors(const Solution& solution, const priors::Places& places,
+                        LearnedPriors& result) {
+  if (places.count() < 3) return;
   const auto& sites = result.surface.sites;
   const Eigen::MatrixXd values = places.shapes(Eigen::all, result.columns);
   const Eigen::MatrixXd truth = sites.shapes(Eigen::all, result.columns);
@@ -43,16 +81,20 @@ void add_channel_errors(const Study& study, const Solution& solution, LearnedPri
   }
   priors::Simulation simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {sites.position, sites.normal, sites.shapes};
+  simulation.surface = {sites.position, directions_on(sites, result.plan.direction), sites.shapes};
   simulation.area = sites.area;
   const Eigen::MatrixXd noise =
       kNoNoise * Eigen::VectorXd::Ones(values.rows()) * result.rms.transpose();
   const priors::MeasuredShapes measured{places, solution.modes.frequency_hz(result.columns), values,
                                         noise};
   for (const auto* name : kSplines) {
-    const auto field = priors::mode_field(priors::interpolator(name), measured, simulation)
-                           ->at(simulation.surface);
-    result.spline_error.emplace_back(name, priors::squared_error(field.mean, truth, sites.area));
+    try {
+      const auto field = priors::mode_field(priors::interpolator(name), measured, simulation)
+                             ->at(simulation.surface);
+      result.spline_error.emplace_back(name, priors::squared_error(field.mean, truth, sites.area));
+    } catch (const InvalidInput& e) {
+      result.notes.push_back(std::string(name) + " is left out at the channels: " + e.what());
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/blind_spots.h"
+#include "app/faces.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/memory.h"
@@ -95,6 +96,7 @@ Introduction introduced(const Study& study, Run& run) {
   introduction.warnings = study.warnings;
   for (const auto& warning : study.warnings) run.talk().warn(warning);
   introduction.outline = outline_of(study, run.talk().progress());
+  require_faces(study, introduction.outline.shell);
   introduction.body = understood(study, introduction.outline);
   introduction.cost = forecast(study, introduction.outline);
   run.show(introduction.body.line() + "\n");

@@ -87,6 +87,7 @@ struct KeepOut {
   Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();  ///< [m]
   double diameter = 0.0;                                                         ///< [m]
   std::string patch;
+  int line = 0, column = 0;  ///< of the study, for messages
 };
 
 /// Places that can be had: a mounting grid seen from above.
@@ -106,10 +107,12 @@ struct UncertaintyPlan {
 
 struct PlacementPlan {
   std::vector<int> modes;  ///< flexible ones, counted from 1
-  double up_to_hz = 0.0;   ///< all below this instead; 0: `modes` rules
+  int modes_line = 0, modes_column = 0;
+  double up_to_hz = 0.0;  ///< all below this instead; 0: `modes` rules
   std::string criterion = "weakest_mode";
-  std::optional<Eigen::Vector3d> direction;  ///< of the pair; none: the surface's normal
-  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
+  std::optional<Eigen::Vector3d> direction;  ///< of the pair; none: as `faces_of` says
+  bool along_normal = false;                 ///< the surface's normal was asked for
+  FacePlan on;
   std::vector<KeepOut> keep_out;
   double edge_distance = 0.0;  ///< [m]
   double footprint = 0.0;      ///< [m], diameter
@@ -188,9 +191,10 @@ struct PointPlan {
 };
 
 struct InterpolationPlan {
-  std::vector<std::string> methods;          ///< names; empty: the default and the thesis' two
-  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
-  std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normal
+  std::vector<std::string> methods;  ///< names; empty: the default and the thesis' two
+  FacePlan on;
+  std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: as `faces_of` says
+  bool along_normal = false;                 ///< the surface's normal was asked for
   std::vector<PointPlan> points;
   double table_pitch = 0.0;                 ///< [m] of the lookup table; 0: none
   int polynomial_degree = 0;                ///< in x and y; 0: none
@@ -202,12 +206,14 @@ struct PriorsPlan {
   std::string kernel = "squared_exponential";
   bool per_axis = false;  ///< a length scale for each axis
   std::string by = "marginal_likelihood";
-  int modes = 0;                                       ///< flexible ones; 0: the first 12
+  int modes = 0;  ///< flexible ones; 0: the first 12
+  int modes_line = 0, modes_column = 0;
   std::vector<int> samples = {25, 50, 100, 200, 400};  ///< ascending
   double noise_ratio = 1e-8;  ///< variance of the noise over that of the prior
   bool learn_noise = false;
-  std::vector<std::string> on;               ///< patches; empty: "top" where there is one, else all
-  std::optional<Eigen::Vector3d> direction;  ///< none: the surface's normal
+  FacePlan on;
+  std::optional<Eigen::Vector3d> direction;  ///< none: as `faces_of` says
+  bool along_normal = false;                 ///< the surface's normal was asked for
 };
 
 struct Expectation {
@@ -217,6 +223,13 @@ struct Expectation {
   double within = 0.0;     ///< half width of the band, in `unit`
   std::string as_written;  ///< "183.8 Hz within 1 %"
   int line = 0;
+};
+
+/// A file of data that the study names.
+struct DataFile {
+  std::string key;  ///< "measurement.frf"
+  std::filesystem::path path;
+  int line = 0, column = 0;  ///< of the study
 };
 
 struct Study {
@@ -230,6 +243,7 @@ struct Study {
   MeshPlan mesh;
   ModesPlan modes;
   std::vector<fem::Support> supports;
+  std::vector<int> support_lines;  ///< of the file, per support
   std::vector<AttachmentPlan> attachments;
   std::vector<VariationPlan> variations;
   std::vector<Channel> sensors, actuators;
@@ -241,6 +255,7 @@ struct Study {
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
   std::optional<DiagnosisPlan> diagnosis;
+  std::vector<DataFile> files;  ///< that [measurement] reads
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< plausibility: "<file>:<line>:<column>: ..."
 };

@@ -187,6 +187,7 @@ void read_supports(TableReader& root, Study& study) {
     support.z = axes.find('z') != std::string::npos;
     table.refuse_unknown();
     study.supports.push_back(support);
+    study.support_lines.push_back(table.line());
   }
 }
 

@@ -36,6 +36,13 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   plan.time = read_path(*table, folder, "time");
   plan.shapes = read_path(*table, folder, "shapes");
   plan.truth = read_path(*table, folder, "truth");
+  for (const auto& [key, path] :
+       {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
+        std::pair("truth", plan.truth)}) {
+    if (path.empty()) continue;
+    const TomlNode& node = *table->find(key);
+    study.files.push_back({table->name(key), path, node.line, node.column});
+  }
   if (!table->has("frf") && !table->has("time") && !table->has("shapes") && !table->has("truth")) {
     table->missing("frf",
                    "frf = \"measured.uff\", time = \"recorded.csv\", shapes = \"shapes.csv\" or "
@@ -57,11 +64,8 @@ void read_interpolation(TableReader& root, Study& study) {
   auto& plan = study.interpolation.emplace();
   plan.methods = table->texts("methods");
   refuse_strangers(*table, "methods", "method", plan.methods, method_names());
-  plan.on = table->texts("on");
-  const TomlNode* direction = table->find("direction");
-  if (direction != nullptr && direction->text != "normal") {
-    plan.direction = table->direction("direction");
-  }
+  plan.on = read_faces(*table, "on");
+  read_motion(*table, plan.direction, plan.along_normal);
   Names names("point");
   for (auto& point : table->tables("point")) {
     plan.points.push_back({point.required_text("name"), read_place(point, "at")});

@@ -155,6 +155,11 @@ io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
   return array;
 }
 
+io::Json faces_json(const FacePlan& on) {
+  if (on.facing) return io::JsonObject{{"facing", vector(*on.facing)}};
+  return io::Json::texts(on.patches);
+}
+
 io::Json placement_plan_json(const PlacementPlan& plan) {
   io::JsonArray modes;
   for (const int mode : plan.modes) modes.emplace_back(mode);
@@ -173,7 +178,7 @@ io::Json placement_plan_json(const PlacementPlan& plan) {
       {"up_to_hz", plan.up_to_hz},
       {"criterion", plan.criterion},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
-      {"on", io::Json::texts(plan.on)},
+      {"on", faces_json(plan.on)},
       {"keep_out", zones},
       {"edge_distance_m", plan.edge_distance},
       {"footprint_m", plan.footprint},
@@ -214,7 +219,7 @@ io::Json priors_plan_json(const PriorsPlan& plan) {
       {"modes", plan.modes},
       {"samples", samples},
       {"noise_ratio", plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio)},
-      {"on", io::Json::texts(plan.on)},
+      {"on", faces_json(plan.on)},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
 }
 
@@ -283,7 +288,7 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
   }
   return io::JsonObject{
       {"methods", io::Json::texts(plan.methods)},
-      {"on", io::Json::texts(plan.on)},
+      {"on", faces_json(plan.on)},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
       {"points", points},
       {"table_pitch_m", plan.table_pitch},

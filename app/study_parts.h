@@ -44,6 +44,12 @@ void read_expectations(TableReader& root, Study& study);
 /// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);
 
+/// "on": names of patches or { facing = "z" }. Wrong is a problem.
+[[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
+
+/// "direction": "z", ... or "normal".
+void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);
+
 inline constexpr int kMostModes = 5000;
 
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);

@@ -12,6 +12,8 @@ void read_wanted_modes(TableReader& table, PlacementPlan& plan) {
   const TomlNode* node = table.find("modes");
   plan.up_to_hz = table.quantity("up_to", "Hz", Sign::positive).value_or(0.0);
   if (node == nullptr) return;
+  plan.modes_line = node->line;
+  plan.modes_column = node->column;
   if (table.has("up_to")) {
     table.wrong(*node, table.path() + " has modes and up_to; expected one of them");
   } else if (node->kind == TomlNode::Kind::table) {
@@ -54,6 +56,8 @@ KeepOut keep_out_of(TableReader& table) {
   } else if (const auto patch = table.text("patch")) {
     zone.shape = "patch";
     zone.patch = *patch;
+    zone.line = table.find("patch")->line;
+    zone.column = table.find("patch")->column;
   } else {
     table.missing("box", "box = { from, to }, disc = { at, diameter } or patch = \"name\"");
   }
@@ -73,8 +77,11 @@ void read_keep_out(TableReader& placement, PlacementPlan& plan) {
       std::all_of(node->elements.begin(), node->elements.end(),
                   [](const TomlNode& element) { return element.kind == TomlNode::Kind::text; });
   if (names_only) {
-    for (const auto& patch : placement.texts("keep_out")) {
-      plan.keep_out.push_back({.shape = "patch", .patch = patch});
+    for (const auto& element : node->elements) {
+      plan.keep_out.push_back({.shape = "patch",
+                               .patch = element.text,
+                               .line = element.line,
+                               .column = element.column});
     }
     return;
   }
@@ -144,11 +151,8 @@ void read_noise(TableReader& table, PlacementPlan& plan) {
 }
 
 void read_places(TableReader& table, const Study& study, PlacementPlan& plan) {
-  if (table.has("direction") && !(table.find("direction")->kind == TomlNode::Kind::text &&
-                                  table.find("direction")->text == "normal")) {
-    plan.direction = table.direction("direction");
-  }
-  plan.on = table.texts("on");
+  read_motion(table, plan.direction, plan.along_normal);
+  plan.on = read_faces(table, "on");
   read_keep_out(table, plan);
   plan.edge_distance = table.quantity("edge_distance", "m", Sign::not_negative).value_or(0.0);
   plan.footprint = table.quantity("footprint", "m", Sign::not_negative).value_or(0.0);

@@ -43,6 +43,10 @@ void read_priors(TableReader& root, Study& study) {
   plan.per_axis = table->choice("axes", {"isotropic", "per_axis"}).value_or("") == "per_axis";
   plan.by = table->choice("by", {"marginal_likelihood", "leave_one_out"}).value_or(plan.by);
   plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
+  if (const TomlNode* node = table->find("modes")) {
+    plan.modes_line = node->line;
+    plan.modes_column = node->column;
+  }
   read_samples(*table, plan);
   const TomlNode* ratio = table->find("noise_ratio");
   if (ratio != nullptr && ratio->text == "learned") {
@@ -55,11 +59,8 @@ void read_priors(TableReader& root, Study& study) {
                                " is outside 1e-8 to 1; below, rounding would choose the length");
     }
   }
-  plan.on = table->texts("on");
-  const TomlNode* direction = table->find("direction");
-  if (direction != nullptr && direction->text != "normal") {
-    plan.direction = table->direction("direction");
-  }
+  plan.on = read_faces(*table, "on");
+  read_motion(*table, plan.direction, plan.along_normal);
   table->refuse_unknown();
 }
 

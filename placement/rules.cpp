@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "mesh/faces.h"
 
 namespace chladni::placement {
 namespace {
@@ -88,20 +89,21 @@ std::vector<Eigen::Index> admissible(const Eigen::VectorXi& forbidden,
 
 KeepFromEdges edges_of(const mesh::TetMesh& body, const std::vector<std::string>& patches,
                        double distance) {
-  const auto is_wanted = [&](int patch) {
-    const auto& name = body.patch_names[static_cast<std::size_t>(patch)];
-    return patches.empty() || std::find(patches.begin(), patches.end(), name) != patches.end();
-  };
+  return edges_around(body, mesh::faces_of_patches(body, patches, "placement"), true, distance);
+}
+
+KeepFromEdges edges_around(const mesh::TetMesh& body, const std::vector<char>& faces,
+                           bool between_patches, double distance) {
   struct Use {
     int patch, wanted, others;
   };
   std::map<std::pair<int, int>, Use> uses;
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
-    const int patch = body.face_patch(f);
+    const int patch = between_patches ? body.face_patch(f) : 0;
     for (const auto& [a, b] : mesh::kTriangleEdges) {
       const auto key = std::minmax({body.faces(f, a), body.faces(f, b)});
       Use& use = uses.try_emplace(key, Use{patch, 0, 0}).first->second;
-      ++(is_wanted(patch) ? use.wanted : use.others);
+      ++(faces[static_cast<std::size_t>(f)] != 0 ? use.wanted : use.others);
       if (use.patch != patch) ++use.others;
     }
   }

@@ -55,4 +55,9 @@ struct Rule {
 [[nodiscard]] KeepFromEdges edges_of(const mesh::TetMesh& body,
                                      const std::vector<std::string>& patches, double distance);
 
+/// The edges at which the marked boundary faces end; with `between_patches` also those between two
+/// patches of them. Cost: as above.
+[[nodiscard]] KeepFromEdges edges_around(const mesh::TetMesh& body, const std::vector<char>& faces,
+                                         bool between_patches, double distance);
+
 }  // namespace chladni::placement

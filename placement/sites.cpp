@@ -16,25 +16,23 @@
 namespace chladni::placement {
 namespace {
 
-// Points per node and patch, and the triangles between them.
-void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, Surface& surface) {
-  std::map<std::pair<int, int>, int> number;
-  std::vector<std::pair<int, int>> points;  // node, patch
-  std::vector<Eigen::RowVector3i> triangles;
+enum class PointsPer { node, node_and_patch };
+
+// Per patch how many of the wanted faces it has.
+std::vector<int> face_counts(const mesh::TetMesh& body, const std::vector<char>& wanted) {
+  std::vector<int> counts(body.patch_names.size(), 0);
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
-    const int patch = body.face_patch(f);
-    if (wanted[static_cast<std::size_t>(patch)] == 0) continue;
-    for (const auto& corners : mesh::face_triangles(body.order())) {
-      Eigen::RowVector3i row;
-      for (int k = 0; k < 3; ++k) {
-        const std::pair key(body.faces(f, corners[static_cast<std::size_t>(k)]), patch);
-        const auto [known, is_new] = number.try_emplace(key, static_cast<int>(points.size()));
-        if (is_new) points.push_back(key);
-        row(k) = known->second;
-      }
-      triangles.push_back(row);
+    if (wanted[static_cast<std::size_t>(f)] != 0) {
+      ++counts[static_cast<std::size_t>(body.face_patch(f))];
     }
   }
+  return counts;
+}
+
+using NodeAndPatch = std::pair<int, int>;
+
+void put(const mesh::TetMesh& body, const std::vector<NodeAndPatch>& points,
+         const std::vector<Eigen::RowVector3i>& triangles, Surface& surface) {
   const auto count = static_cast<Eigen::Index>(points.size());
   surface.node.resize(count);
   surface.sites.patch.resize(count);
@@ -49,6 +47,35 @@ void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, Surface
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     surface.triangles.row(static_cast<Eigen::Index>(t)) = triangles[t];
   }
+}
+
+// Points per node (and patch), and the triangles between them. A node on the border of two patches
+// is of the smaller one.
+void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, PointsPer per,
+             Surface& surface) {
+  const auto size = face_counts(body, wanted);
+  std::map<NodeAndPatch, int> number;
+  std::vector<NodeAndPatch> points;
+  std::vector<Eigen::RowVector3i> triangles;
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    if (wanted[static_cast<std::size_t>(f)] == 0) continue;
+    const int patch = body.face_patch(f);
+    for (const auto& corners : mesh::face_triangles(body.order())) {
+      Eigen::RowVector3i row;
+      for (int k = 0; k < 3; ++k) {
+        const int node = body.faces(f, corners[static_cast<std::size_t>(k)]);
+        const NodeAndPatch key(node, per == PointsPer::node ? -1 : patch);
+        const auto [known, is_new] = number.try_emplace(key, static_cast<int>(points.size()));
+        if (is_new) points.emplace_back(node, patch);
+        row(k) = known->second;
+        int& own = points[static_cast<std::size_t>(row(k))].second;
+        const auto count_of = [&](int p) { return size[static_cast<std::size_t>(p)]; };
+        if (count_of(patch) < count_of(own)) own = patch;
+      }
+      triangles.push_back(row);
+    }
+  }
+  put(body, points, triangles, surface);
 }
 
 void add_areas_and_normals(Surface& surface) {
@@ -160,7 +187,21 @@ void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal
 
 Surface Sampler::surface(const std::vector<std::string>& patches) const {
   Surface surface;
-  lay_out(body_, mesh::chosen_patches(body_, patches, "placement"), surface);
+  lay_out(body_, mesh::faces_of_patches(body_, patches, "placement"), PointsPer::node_and_patch,
+          surface);
+  return sampled(std::move(surface));
+}
+
+Surface Sampler::smooth_surface(const std::vector<char>& faces) const {
+  require(std::ssize(faces) == body_.faces.rows(), "placement: " + std::to_string(faces.size()) +
+                                                       " faces are marked, the body has " +
+                                                       std::to_string(body_.faces.rows()));
+  Surface surface;
+  lay_out(body_, faces, PointsPer::node, surface);
+  return sampled(std::move(surface));
+}
+
+Surface Sampler::sampled(Surface surface) const {
   add_areas_and_normals(surface);
   auto& sites = surface.sites;
   resize(sites, sites.count(), modes_.mode_count());

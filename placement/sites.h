@@ -35,7 +35,7 @@ struct Sites {
 
 /// A surface as points and the triangles between them, for maps.
 struct Surface {
-  Sites sites;           ///< one per node and patch: at a sharp edge a node is there twice
+  Sites sites;  ///< one per node and patch (at a sharp edge a node is there twice), or node
   Eigen::VectorXi node;  ///< n, of the mesh
   Cells triangles;       ///< t×3, rows of `sites`, outward
 };
@@ -53,6 +53,12 @@ class Sampler {
   /// @throws InvalidInput  there is no patch of a name (lists those there are)
   [[nodiscard]] Surface surface(const std::vector<std::string>& patches) const;
 
+  /// Every node of the marked boundary faces once, whatever patches meet there: for faces without
+  /// sharp edges between them. A node on the border of two patches is of the smaller one.
+  /// @param faces  1 where wanted, per boundary face
+  /// @throws InvalidInput  not one mark per face
+  [[nodiscard]] Surface smooth_surface(const std::vector<char>& faces) const;
+
   /// Places found before, each standing for the same area.
   [[nodiscard]] Sites at(const std::vector<mesh::Site>& places) const;
 
@@ -60,6 +66,7 @@ class Sampler {
   [[nodiscard]] const mesh::TetMesh& body() const { return body_; }
 
  private:
+  [[nodiscard]] Surface sampled(Surface surface) const;
   void see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, Eigen::Index row,
            Sites& sites) const;
   [[nodiscard]] Eigen::RowVectorXd value(const mesh::Site& site,
