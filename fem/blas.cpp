@@ -3,17 +3,47 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <mutex>
 #include <string_view>
 
 // Declared here and weak, so that another BLAS still links.
 extern "C" {
 char* openblas_get_corename() __attribute__((weak));
 void openblas_set_num_threads(int) __attribute__((weak));
+int openblas_get_num_threads() __attribute__((weak));
 }
 
 namespace chladni::fem {
+namespace {
+
+constexpr auto kVariable = "OPENBLAS_CORETYPE";
+
+// Whether kernel `now` is as fast as any that this processor can run.
+bool is_as_good(const std::string& now, const std::string& best) {
+  // For a processor with AVX2 but no AVX-512.
+  constexpr std::array<std::string_view, 4> with_avx2{"Haswell", "Zen", "Excavator", "SkylakeX"};
+  if (now == "unknown" || best.empty() || now == best || now == "Cooperlake" ||
+      now == "Sapphirerapids") {
+    return true;
+  }
+  return best == "Haswell" && std::find(with_avx2.begin(), with_avx2.end(), now) != with_avx2.end();
+}
+
+// How many OneBlasThreads live, and what there was before the first.
+struct Holders {
+  std::mutex mutex;
+  int count = 0;
+  int before = 0;
+};
+Holders& holders() {
+  static Holders all;
+  return all;
+}
+
+}  // namespace
 
 std::string blas_kernel() {
   return openblas_get_corename == nullptr ? "unknown" : openblas_get_corename();
@@ -30,26 +60,38 @@ std::string best_blas_kernel() {
 }
 
 void use_best_blas_kernel(char** argv) {
-  constexpr auto variable = "OPENBLAS_CORETYPE";
-  // Kernels as good as the best for a processor with AVX2 but no AVX-512.
-  constexpr std::array<std::string_view, 4> as_good{"Haswell", "Zen", "Excavator", "SkylakeX"};
-  const std::string now = blas_kernel();
   const std::string best = best_blas_kernel();
-  if (now == "unknown" || best.empty() || now == best || now == "Cooperlake" ||
-      now == "Sapphirerapids" || std::getenv(variable) != nullptr) {
-    return;
-  }
-  if (best == "Haswell") {
-    for (const auto kernel : as_good) {
-      if (now == kernel) return;
-    }
-  }
-  setenv(variable, best.c_str(), 1);
+  if (is_as_good(blas_kernel(), best) || std::getenv(kVariable) != nullptr) return;
+  setenv(kVariable, best.c_str(), 1);
   execv("/proc/self/exe", argv);  // returns only where that failed: then the slow kernel must do
 }
 
+std::string slow_blas_kernel() {
+  const std::string now = blas_kernel();
+  const std::string best = best_blas_kernel();
+  if (is_as_good(now, best) || std::getenv(kVariable) != nullptr) return "";
+  return "OpenBLAS runs its kernel \"" + now + "\", which is up to five times slower here than \"" +
+         best + "\": set " + kVariable + "=" + best + " before the program starts";
+}
+
+int blas_threads() { return openblas_get_num_threads == nullptr ? 0 : openblas_get_num_threads(); }
+
 void set_blas_threads(int count) {
   if (openblas_set_num_threads != nullptr) openblas_set_num_threads(count);
+}
+
+OneBlasThread::OneBlasThread() {
+  auto& all = holders();
+  const std::lock_guard lock(all.mutex);
+  if (all.count++ > 0) return;
+  all.before = blas_threads();
+  set_blas_threads(1);
+}
+
+OneBlasThread::~OneBlasThread() {
+  auto& all = holders();
+  const std::lock_guard lock(all.mutex);
+  if (--all.count == 0 && all.before > 0) set_blas_threads(all.before);
 }
 
 }  // namespace chladni::fem

@@ -18,7 +18,22 @@ namespace chladni::fem {
 /// starts the program again, once. Returns when the kernel is right or was chosen by the user.
 void use_best_blas_kernel(char** argv);
 
-/// Threads inside BLAS calls; one where our own loops are parallel.
+/// Empty where the kernel is as fast as this processor allows or cannot be known; else a sentence
+/// that says which one runs and how to choose the better one. For programs that are not ours.
+[[nodiscard]] std::string slow_blas_kernel();
+
+/// Threads inside BLAS calls of this process; 0 where it cannot be known.
+[[nodiscard]] int blas_threads();
 void set_blas_threads(int count);
+
+/// While one of these lives, in whatever thread, BLAS works on one thread: our own loops are
+/// parallel, and their bits depend on it. The last one that goes puts back what there was.
+class OneBlasThread {
+ public:
+  OneBlasThread();
+  ~OneBlasThread();
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+};
 
 }  // namespace chladni::fem

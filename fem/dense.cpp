@@ -9,8 +9,6 @@ extern "C" {
 void dpotrf_(const char*, const int*, double*, const int*, int*);
 void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*,
             const double*, const double*, const int*, double*, const int*);
-void dsyrk_(const char*, const char*, const int*, const int*, const double*, const double*,
-            const int*, const double*, double*, const int*);
 void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
             const double*, const int*, const double*, const int*, const double*, double*,
             const int*);
@@ -47,26 +45,23 @@ void gemm(const char* ta, const char* tb, long inner, Block a, Block b, Block c,
   dgemm_(ta, tb, &m, &n, &k, &alpha, a.data, &lda, b.data, &ldb, &beta, c.data, &ldc);
 }
 
-// LDLᵀ of a small block, column by column, left-looking.
-double ldlt_unblocked(Block a) {
-  double smallest = 1.0;
-  std::vector<double> scaled(static_cast<std::size_t>(a.rows));
+// LDLᵀ of a small square block, column by column, left-looking.
+bool ldlt_unblocked(Block a, double* largest) {
+  std::vector<double> scaled(static_cast<std::size_t>(a.columns));
   for (long j = 0; j < a.columns; ++j) {
     double* column = &a(j, j);
-    double before = 0.0;
-    for (long i = 0; i < a.rows - j; ++i) before = std::max(before, std::abs(column[i]));
     for (long k = 0; k < j; ++k) scaled[static_cast<std::size_t>(k)] = a(j, k) * a(k, k);
     for (long k = 0; k < j; ++k) {
       const double f = scaled[static_cast<std::size_t>(k)];
       const double* from = &a(j, k);
-      for (long i = 0; i < a.rows - j; ++i) column[i] -= f * from[i];
+      for (long i = 0; i < a.columns - j; ++i) column[i] -= f * from[i];
     }
     const double pivot = column[0];
-    if (pivot == 0.0 || !std::isfinite(pivot)) return 0.0;
-    smallest = std::min(smallest, std::abs(pivot) / std::max(before, std::abs(pivot)));
-    for (long i = 1; i < a.rows - j; ++i) column[i] /= pivot;
+    for (long i = 0; i < a.columns - j; ++i) largest[j] = std::max(largest[j], std::abs(column[i]));
+    if (pivot == 0.0 || !std::isfinite(pivot)) return false;
+    for (long i = 1; i < a.columns - j; ++i) column[i] /= pivot;
   }
-  return smallest;
+  return true;
 }
 
 }  // namespace
@@ -79,45 +74,37 @@ bool cholesky(Block a) {
   return info == 0;
 }
 
-double ldlt(Block a) {
-  double smallest = 1.0;
+bool ldlt(Block a, double* largest) {
+  std::fill_n(largest, a.columns, 0.0);
   std::vector<double> scaled;
   for (long j = 0; j < a.columns; j += kPanel) {
     const long width = std::min(kPanel, a.columns - j);
     const long below = a.columns - j - width;
     const Block diagonal = a.part(j, j, width, width);
-    smallest = std::min(smallest, ldlt_unblocked(diagonal));
-    if (smallest == 0.0) return 0.0;
+    if (!ldlt_unblocked(diagonal, largest + j)) return false;
     if (below == 0) break;
     const Block under = a.part(j + width, j, below, width);
-    solve_right(diagonal, under, true);  // now L D
     scaled.resize(static_cast<std::size_t>(below * width));
     const Block with_d{scaled.data(), below, width, below};
-    for (long k = 0; k < width; ++k) {
-      const double d = diagonal(k, k);
-      for (long i = 0; i < below; ++i) {
-        with_d(i, k) = under(i, k);
-        under(i, k) /= d;
-      }
-    }
+    eliminate_below(diagonal, under, with_d, largest + j);
     subtract_symmetric(with_d, under, a.part(j + width, j + width, below, below));
   }
-  return smallest;
+  return true;
+}
+
+void eliminate_below(Block diagonal, Block b, Block with_d, double* largest) {
+  solve_right(diagonal, b, true);
+  for (long k = 0; k < b.columns; ++k) {
+    const double d = diagonal(k, k);
+    for (long i = 0; i < b.rows; ++i) {
+      largest[k] = std::max(largest[k], std::abs(b(i, k)));
+      with_d(i, k) = b(i, k);
+      b(i, k) /= d;
+    }
+  }
 }
 
 void solve_right(Block l, Block b, bool unit) { trsm("R", "T", unit ? "U" : "N", l, b); }
-void solve_left(Block l, Block b) { trsm("L", "N", "N", l, b); }
-void solve_left_transposed(Block l, Block b) { trsm("L", "T", "N", l, b); }
-
-void subtract_square(Block a, Block c) {
-  if (c.rows == 0 || a.columns == 0) return;
-  const int n = narrow(c.rows);
-  const int k = narrow(a.columns);
-  const int lda = narrow(a.stride);
-  const int ldc = narrow(c.stride);
-  dsyrk_("L", "N", &n, &k, &kMinusOne, a.data, &lda, &kOne, c.data, &ldc);
-}
-
 void subtract_symmetric(Block a, Block b, Block c) {
   for (long j = 0; j < c.columns; j += kColumnBlock) {
     const long width = std::min(kColumnBlock, c.columns - j);

@@ -23,17 +23,17 @@ struct Block {
 /// A = LLᵀ in place, lower triangle. False where a pivot is not positive.
 [[nodiscard]] bool cholesky(Block a);
 
-/// A = LDLᵀ in place without pivoting: unit L below the diagonal, D on it. Returns the smallest
-/// |d| / max |entry of its column before elimination|, 0 where a pivot is 0.
-[[nodiscard]] double ldlt(Block a);
+/// A = LDLᵀ in place without exchanges: unit L below the diagonal, D on it.
+/// @param largest  per column: the largest entry on and below its pivot when it is eliminated
+/// @return  false where a pivot is 0 or not finite; what is left then means nothing
+[[nodiscard]] bool ldlt(Block a, double* largest);
+
+/// Rows below a block that `ldlt` eliminated: B becomes those of L, `with_d` those of L D.
+/// @param largest  per column, raised to the largest entry of L D here
+void eliminate_below(Block diagonal, Block b, Block with_d, double* largest);
 
 /// B := B L⁻ᵀ, L lower (unit diagonal where `unit`).
 void solve_right(Block l, Block b, bool unit);
-/// B := L⁻¹ B, B := L⁻ᵀ B.
-void solve_left(Block l, Block b);
-void solve_left_transposed(Block l, Block b);
-/// C := C − A Aᵀ, lower triangle only.
-void subtract_square(Block a, Block c);
 /// C := C − A Bᵀ, lower triangle only (A Bᵀ is symmetric).
 void subtract_symmetric(Block a, Block b, Block c);
 /// C := C − A B; C := C − Aᵀ B; C := C − A Bᵀ.

@@ -1,5 +1,7 @@
 #include "fem/element.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
@@ -200,7 +202,7 @@ const Element& element(int order) {
     case 4:
       return tet35();
     default:
-      throw InvalidInput("element: order is " + std::to_string(order) + ", expected 1, 2 or 3");
+      throw InvalidInput("element: order is " + fmt::to_string(order) + ", expected 1, 2 or 3");
   }
 }
 

@@ -58,11 +58,27 @@ class Factorization {
 
 /// How the eigenvalues of A + s B lie about zero, by Sylvester's law from the signs of the pivots
 /// of LDLᵀ; the factor is not kept.
+///
+/// Without exchanges of rows the signs are those of a matrix A + s B + E with |e_ij| of the order
+/// of 1e-16 (g_i g_j)^½, where g_i = Σ_k l_ik² |d_k| is a_ii where no pivot is negative and grows
+/// without bounds where a small pivot stands before large entries (Higham 2002, Accuracy and
+/// Stability of Numerical Algorithms, section 11.1). The two figures below say how far that went.
 struct Inertia {
   Eigen::Index negative = 0, positive = 0;
-  double smallest_pivot = 0.0;  ///< |d| relative to its row's largest entry: near 1e-15 means that
-                                ///< the shift is an eigenvalue and the count is not to be trusted
+  double smallest_pivot = 0.0;  ///< |d| relative to the largest entry of its row in A, s B, beside,
+                                ///< below and before it; 0: the elimination stopped there
+  double growth = 0.0;          ///< the largest g_i relative to the largest entry of row i
+
+  /// Whether the signs can be those of A + s B itself: no pivot is rounding, and the rounding is
+  /// less than 1e-10 of the entries. Bodies reach 3e-11 (a plate 3000 times as long as thick) and
+  /// 5e3.
+  [[nodiscard]] bool trusted() const {
+    return smallest_pivot > kLeastPivot && growth < kMostGrowth;
+  }
+  static constexpr double kLeastPivot = 1e-12;
+  static constexpr double kMostGrowth = 1e6;
 };
+/// Cost: that of a factorisation. @throws Interrupted
 [[nodiscard]] Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s,
                               const SparseMatrix& b);
 

@@ -1,8 +1,7 @@
 #include "fem/field_matrices.h"
 
-#include <algorithm>
-
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
 #include "fem/dense.h"
@@ -11,7 +10,8 @@
 namespace chladni::fem {
 namespace {
 
-constexpr Eigen::Index kChunk = 512;  // cells summed in one go, whatever the number of threads
+// Sums that are kept, of cells one after the other: as many whatever the number of threads.
+constexpr Eigen::Index kParts = 32;
 
 Eigen::MatrixXd on_cell(const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
                         Eigen::Index tet) {
@@ -85,20 +85,22 @@ FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Materi
   const FieldMatrices empty{
       std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(stiffness_fields.cols()), zero),
       std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(mass_fields.cols()), zero)};
-  const Eigen::Index chunks = (body.tet_count() + kChunk - 1) / kChunk;
-  std::vector<FieldMatrices> parts(static_cast<std::size_t>(chunks), empty);
-  set_blas_threads(1);
+  const auto first_cell = [&](std::size_t part) {
+    return static_cast<Eigen::Index>(part) * body.tet_count() / kParts;
+  };
+  std::vector<FieldMatrices> parts(static_cast<std::size_t>(kParts), empty);
+  const OneBlasThread one_thread;
   parallel_ranges(parts.size(), [&](std::size_t begin, std::size_t end) {
     ElementIntegrator integrator(body, materials);
     Full full;
     Reduced stiffness, mass;
-    for (std::size_t chunk = begin; chunk < end; ++chunk) {
-      const auto first = static_cast<Eigen::Index>(chunk) * kChunk;
-      for (Eigen::Index tet = first; tet < std::min(first + kChunk, body.tet_count()); ++tet) {
+    for (std::size_t part = begin; part < end; ++part) {
+      for (Eigen::Index tet = first_cell(part); tet < first_cell(part + 1); ++tet) {
+        if (tet % 256 == 0) throw_if_interrupted();
         unpack(integrator.matrices(tet), body.tets.cols(), full);
         const Eigen::MatrixXd local = on_cell(body, shapes, tet);
-        stiffness.add(stiffness_fields.row(tet), full.stiffness, local, parts[chunk].stiffness);
-        mass.add(mass_fields.row(tet), full.mass, local, parts[chunk].mass);
+        stiffness.add(stiffness_fields.row(tet), full.stiffness, local, parts[part].stiffness);
+        mass.add(mass_fields.row(tet), full.mass, local, parts[part].mass);
       }
     }
   });

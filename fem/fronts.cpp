@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "base/interrupt.h"
+#include "base/parallel.h"
+
 namespace chladni::fem {
 namespace {
 
@@ -93,18 +96,73 @@ std::int64_t update_size(const Supernode& node) {
   return r * r;
 }
 
+// Calls work(i) for all i < count, each answering Ctrl-C first; `flops` is what they cost together.
+template <typename Work>
+void each_block(Team team, long count, double flops, const Work& work) {
+  constexpr double kWorthThreads = 2e7;  // a thread costs about 30 µs to start
+  const auto step = [&](std::size_t i) {
+    throw_if_interrupted();
+    work(static_cast<long>(i));
+  };
+  if (team == Team::all && flops > kWorthThreads) return parallel_tasks(at(count), step);
+  for (long i = 0; i < count; ++i) step(at(i));
+}
+
+long blocks_in(long size, long block) { return (size + block - 1) / block; }
+
+// Calls work(block of rows, its number) for the rows of `below`.
+constexpr long kRows = 512;
+template <typename Work>
+void each_row_block(Team team, Block below, const Work& work) {
+  const double flops = double(below.rows) * double(below.columns) * double(below.columns);
+  each_block(team, blocks_in(below.rows, kRows), flops, [&](long k) {
+    const long first = k * kRows;
+    work(below.part(first, 0, std::min(kRows, below.rows - first), below.columns), k);
+  });
+}
+
 // Takes what strip p eliminated out of the strips after it and out of the update block: `left` is
 // below itself or below times D.
-void spread(const Supernode& node, double* panel, long p, Block left, Block below, Block update) {
-  for (long q = p + 1; q < strip_count(node); ++q) {
-    const Block later = strip(node, panel, q);
-    const long from = (q - p - 1) * kStripWidth;
-    dense::subtract_product_transposed(left.part(from, 0, later.rows, left.columns),
-                                       below.part(from, 0, later.columns, below.columns), later);
-  }
+void spread_strip(const Supernode& node, double* panel, long p, Block left, Block below,
+                  Block update, Team team) {
+  constexpr long kColumns = 192;
+  const long strips = strip_count(node) - p - 1;
   const long from = below.rows - update.rows;
-  dense::subtract_symmetric(left.part(from, 0, update.rows, left.columns),
-                            below.part(from, 0, update.rows, below.columns), update);
+  const double flops = double(below.rows) * double(below.rows) * double(below.columns);
+  each_block(team, strips + blocks_in(update.rows, kColumns), flops, [&](long k) {
+    if (k < strips) {
+      const Block later = strip(node, panel, p + 1 + k);
+      const long row = k * kStripWidth;
+      return dense::subtract_product_transposed(left.part(row, 0, later.rows, left.columns),
+                                                below.part(row, 0, later.columns, below.columns),
+                                                later);
+    }
+    const long column = (k - strips) * kColumns;
+    const long width = std::min(kColumns, update.rows - column);
+    dense::subtract_product_transposed(
+        left.part(from + column, 0, update.rows - column, left.columns),
+        below.part(from + column, 0, width, below.columns),
+        update.part(column, column, update.rows - column, width));
+  });
+}
+
+// The row, in the order of elimination, of row i of a front.
+std::size_t row_of(const Supernode& node, long i) {
+  return at(i < node.width ? node.first + i : node.rows[at(i - node.width)]);
+}
+
+// l²|d| of the negative pivots of strip p, on the rows of its front from `row` on.
+void note_spread(const Supernode& node, Block own, long row, std::vector<double>& spread) {
+  for (long k = 0; k < own.columns; ++k) {
+    const double d = own(k, k);
+    if (!(d < 0.0)) continue;
+    auto& diagonal = spread[row_of(node, row + k)];
+    diagonal = std::max(diagonal, -d);
+    for (long i = k + 1; i < own.rows; ++i) {
+      auto& on_row = spread[row_of(node, row + i)];
+      on_row = std::max(on_row, -d * own(i, k) * own(i, k));
+    }
+  }
 }
 
 }  // namespace
@@ -189,39 +247,42 @@ Block Fronts::assemble(std::int32_t s, double* panel, Worker& worker) {
   return update;
 }
 
-bool eliminate(const Supernode& node, double* panel, Block update) {
+bool eliminate(const Supernode& node, double* panel, Block update, Team team) {
   for (long p = 0; p < strip_count(node); ++p) {
     const Block own = strip(node, panel, p);
     const Block top = own.part(0, 0, own.columns, own.columns);
     const Block below = own.part(own.columns, 0, own.rows - own.columns, own.columns);
     if (!dense::cholesky(top)) return false;
-    dense::solve_right(top, below, false);
-    spread(node, panel, p, below, below, update);
+    each_row_block(team, below, [&](Block rows, long) { dense::solve_right(top, rows, false); });
+    spread_strip(node, panel, p, below, below, update, team);
   }
   return true;
 }
 
-Pivots eliminate_indefinite(const Supernode& node, double* panel, Block update, double* scaled) {
-  Pivots pivots;
+bool eliminate_indefinite(const Supernode& node, double* panel, Block update, double* scaled,
+                          Team team, Pivots& pivots, std::vector<double>& spread) {
+  std::vector<double> largest;  // per block of rows
   for (long p = 0; p < strip_count(node); ++p) {
     const Block own = strip(node, panel, p);
     const Block top = own.part(0, 0, own.columns, own.columns);
     const Block below = own.part(own.columns, 0, own.rows - own.columns, own.columns);
-    pivots.smallest = std::min(pivots.smallest, dense::ldlt(top));
-    if (pivots.smallest == 0.0) return pivots;
-    dense::solve_right(top, below, true);  // L D
     const Block with_d{scaled, below.rows, below.columns, std::max(below.rows, 1L)};
-    for (long j = 0; j < own.columns; ++j) {
-      const double d = top(j, j);
-      if (d < 0.0) ++pivots.negative;
-      for (long i = 0; i < below.rows; ++i) {
-        with_d(i, j) = below(i, j);
-        below(i, j) /= d;
-      }
+    const auto first = at(node.first + p * kStripWidth);
+    if (!dense::ldlt(top, &pivots.largest[first])) return false;
+    largest.assign(at(blocks_in(below.rows, kRows) * own.columns), 0.0);
+    each_row_block(team, below, [&](Block rows, long k) {
+      dense::eliminate_below(top, rows, with_d.part(k * kRows, 0, rows.rows, rows.columns),
+                             &largest[at(k * own.columns)]);
+    });
+    for (std::size_t k = 0; k < largest.size(); ++k) {
+      auto& of_column = pivots.largest[first + k % at(own.columns)];
+      of_column = std::max(of_column, largest[k]);
     }
-    spread(node, panel, p, with_d, below, update);
+    for (long k = 0; k < own.columns; ++k) pivots.value[first + at(k)] = top(k, k);
+    note_spread(node, own, p * kStripWidth, spread);
+    spread_strip(node, panel, p, with_d, below, update, team);
   }
-  return pivots;
+  return true;
 }
 
 }  // namespace chladni::fem

@@ -54,17 +54,30 @@ class Fronts {
   std::vector<Storage> detached_;
 };
 
-/// Eliminates the node's columns by Cholesky: `panel` becomes those of L, `update` what is left for
-/// the parent. False where a pivot is not positive.
-[[nodiscard]] bool eliminate(const Supernode& node, double* panel, dense::Block update);
+/// Who works on one front.
+enum class Team {
+  one,  ///< this thread
+  all   ///< all threads, on blocks that do not depend on how many there are
+};
 
+/// Eliminates the node's columns by Cholesky: `panel` becomes those of L, `update` what is left for
+/// the parent. False where a pivot is not positive. Ctrl-C is answered between blocks.
+/// @throws Interrupted
+[[nodiscard]] bool eliminate(const Supernode& node, double* panel, dense::Block update, Team team);
+
+/// What LDLᵀ met, by rows in the order of elimination.
 struct Pivots {
-  std::int64_t negative = 0;
-  double smallest = 1.0;  ///< relative to the largest entry of its column
+  explicit Pivots(std::size_t rows) : value(rows), largest(rows) {}
+  std::vector<double> value;    ///< D; 0 where the elimination stopped
+  std::vector<double> largest;  ///< entry of the column on and below the pivot
 };
 /// The same by LDLᵀ without exchanges, for the signs of the pivots.
 /// @param scaled  room for (width + rows)·kStripWidth doubles
-[[nodiscard]] Pivots eliminate_indefinite(const Supernode& node, double* panel, dense::Block update,
-                                          double* scaled);
+/// @param pivots  the node's own are filled in
+/// @param spread  rows; raised to the largest l²|d| that a negative pivot d adds to its diagonal
+/// @return  false where it met a pivot of 0 or one that is not finite
+[[nodiscard]] bool eliminate_indefinite(const Supernode& node, double* panel, dense::Block update,
+                                        double* scaled, Team team, Pivots& pivots,
+                                        std::vector<double>& spread);
 
 }  // namespace chladni::fem

@@ -1,5 +1,7 @@
 #include "fem/laplace_spectrum.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -32,8 +34,8 @@ LaplaceSpectrum laplace_spectrum(const mesh::Laplacian& laplacian, int count) {
   system.positions = laplacian.positions;
   const auto pieces = static_cast<int>(system.rigid.cols());
   require(count > 0 && count <= laplacian.mass.rows(),
-          "spectrum: " + std::to_string(count) + " functions of " +
-              std::to_string(laplacian.mass.rows()) + " points; expected 1 to as many");
+          "spectrum: " + fmt::to_string(count) + " functions of " +
+              fmt::to_string(laplacian.mass.rows()) + " points; expected 1 to as many");
   const double across =
       (laplacian.positions.colwise().maxCoeff() - laplacian.positions.colwise().minCoeff()).norm();
   system.frequency_scale_hz = 0.5 / across;  // μ = (π / across)² as the square of 2π times this
@@ -55,7 +57,7 @@ Eigen::MatrixXd functions_at(const LaplaceSpectrum& spectrum,
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const auto& site = sites[k];
     require(site.nodes.maxCoeff() < spectrum.functions.rows() && site.nodes.minCoeff() >= 0,
-            "spectrum: a site's node is not below " + std::to_string(spectrum.functions.rows()));
+            "spectrum: a site's node is not below " + fmt::to_string(spectrum.functions.rows()));
     values.row(static_cast<Eigen::Index>(k)) =
         site.weights.transpose() * spectrum.functions(site.nodes, Eigen::all);
   }

@@ -1,5 +1,7 @@
 #include "fem/material.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
@@ -84,7 +86,7 @@ Material orthotropic(const Orthotropic& constants, double density) {
   const auto& g = constants.shear_modulus;
   const std::array<const char*, 3> shear_names{"G23", "G13", "G12"};
   for (int i = 0; i < 3; ++i) {
-    require_positive(e(i), "Young's modulus E" + std::to_string(i + 1), "Pa");
+    require_positive(e(i), "Young's modulus E" + fmt::to_string(i + 1), "Pa");
     require_positive(g(i), std::string("shear modulus ") + shear_names[static_cast<std::size_t>(i)],
                      "Pa");
   }

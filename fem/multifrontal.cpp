@@ -1,14 +1,17 @@
 // Multifrontal factorisation (Duff and Reid 1983) on the elimination tree: each node assembles a
 // dense front from the matrix and its children's update blocks, eliminates its columns with BLAS,
-// and hands its own update block up. Subtrees run on both cores; sums are in a fixed order, so the
-// bits do not depend on which core does what.
+// and hands its own update block up. Subtrees run on all cores, then all cores on the blocks of one
+// front at a time; BLAS itself stays on one thread. Sums are in a fixed order, so the bits do not
+// depend on which core does what.
 #include "fem/multifrontal.h"
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "fem/blas.h"
 #include "fem/fronts.h"
 
 namespace chladni::fem {
@@ -17,25 +20,65 @@ namespace {
 using Tree = Symbolic::Tree;
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-// Calls work(node, worker) for every node after its children: the subtrees on all threads, then
-// the nodes above them with threads inside BLAS.
+// Calls work(node, thread, team) for every node after its children: the subtrees on all threads,
+// then the nodes above them, all threads on one node.
 template <typename NodeWork>
 void walk_up(const Tree& tree, const NodeWork& work) {
-  std::vector<Worker> workers;
-  for (int i = 0; i < tree.threads; ++i) workers.emplace_back(tree);
+  const OneBlasThread one_thread;
   each_subtree(tree, [&](std::size_t k, std::size_t thread) {
     const auto root = tree.subtrees[k];
     for (auto s = first_descendant(tree, root); s <= root; ++s) {
       throw_if_interrupted();
-      work(s, workers[thread]);
+      work(s, thread, Team::one);
     }
   });
-  set_blas_threads(tree.threads);
   for (const auto s : tree.top) {
     throw_if_interrupted();
-    work(s, workers.front());
+    work(s, std::size_t{0}, Team::all);
   }
-  set_blas_threads(1);
+}
+
+std::vector<Worker> workers_for(const Tree& tree) {
+  std::vector<Worker> workers;
+  for (int i = 0; i < tree.threads; ++i) workers.emplace_back(tree);
+  return workers;
+}
+
+// Per row in the order of elimination the largest entry that A or s B have in it.
+std::vector<double> largest_entries(const Tree& tree, const SparseMatrix& a, double s,
+                                    const SparseMatrix& b) {
+  std::vector<double> largest(tree.order.size(), 0.0);
+  const auto note = [&](const SparseMatrix& matrix, double factor) {
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+      auto& on_column = largest[at(tree.position[at(c)])];
+      for (SparseMatrix::InnerIterator entry(matrix, c); entry; ++entry) {
+        auto& on_row = largest[at(tree.position[at(entry.row())])];
+        const double size = std::abs(factor * entry.value());
+        on_row = std::max(on_row, size);
+        on_column = std::max(on_column, size);
+      }
+    }
+  };
+  note(a, 1.0);
+  note(b, s);
+  return largest;
+}
+
+// The counts, and how far the elimination can be trusted.
+Inertia told_by(const Pivots& pivots, const std::vector<std::vector<double>>& spread,
+                const std::vector<double>& entries) {
+  Inertia result{.smallest_pivot = 1.0, .growth = 1.0};
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    double diagonal = entries[i];
+    for (const auto& of_thread : spread) diagonal = std::max(diagonal, of_thread[i]);
+    if (diagonal == 0.0) diagonal = 1.0;  // an empty row: its pivot is 0
+    const double d = pivots.value[i];
+    const double largest = std::max({std::abs(d), pivots.largest[i], diagonal});
+    ++(d < 0.0 ? result.negative : result.positive);
+    result.smallest_pivot = std::min(result.smallest_pivot, std::abs(d) / largest);
+    result.growth = std::max(result.growth, diagonal / std::max(entries[i], 1e-300));
+  }
+  return result;
 }
 
 }  // namespace
@@ -43,12 +86,13 @@ void walk_up(const Tree& tree, const NodeWork& work) {
 void Factorization::Numeric::factorize(const SparseMatrix& a, double s, const SparseMatrix* b) {
   const auto matrix = permuted(tree, a, s, b);
   Fronts fronts(tree, matrix);
+  auto workers = workers_for(tree);
   std::atomic<bool> definite{true};
-  walk_up(tree, [&](std::int32_t k, Worker& worker) {
+  walk_up(tree, [&](std::int32_t k, std::size_t thread, Team team) {
     if (!definite) return;
     const auto& node = tree.nodes[at(k)];
-    const auto update = fronts.assemble(k, panel(node), worker);
-    if (!eliminate(node, panel(node), update)) definite = false;
+    const auto update = fronts.assemble(k, panel(node), workers[thread]);
+    if (!eliminate(node, panel(node), update, team)) definite = false;
   });
   if (!definite) throw NumericalFailure("factorization: the matrix is not positive definite");
 }
@@ -72,23 +116,27 @@ Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s, const
   const auto& tree = symbolic.tree();
   const auto matrix = permuted(tree, a, s, &b);
   Fronts fronts(tree, matrix);
-  std::vector<Pivots> pivots(tree.nodes.size());
-  walk_up(tree, [&](std::int32_t k, Worker& worker) {
+  auto workers = workers_for(tree);
+  Pivots pivots(tree.order.size());
+  std::vector<std::vector<double>> spread(workers.size(), std::vector<double>(tree.order.size()));
+  std::atomic<bool> sound{true};
+  walk_up(tree, [&](std::int32_t k, std::size_t thread, Team team) {
+    if (!sound) return;
     const auto& node = tree.nodes[at(k)];
+    auto& worker = workers[thread];
     if (worker.panel.data() == nullptr) {
       worker.panel = Storage(tree.largest_panel);
       worker.scaled = Storage(tree.tallest_front * kStripWidth);
     }
     std::fill_n(worker.panel.data(), panel_size(node), 0.0);
     const auto update = fronts.assemble(k, worker.panel.data(), worker);
-    pivots[at(k)] = eliminate_indefinite(node, worker.panel.data(), update, worker.scaled.data());
+    if (!eliminate_indefinite(node, worker.panel.data(), update, worker.scaled.data(), team, pivots,
+                              spread[thread])) {
+      sound = false;
+    }
   });
-  Inertia result{.smallest_pivot = 1.0};
-  for (const auto& p : pivots) {
-    result.negative += p.negative;
-    result.smallest_pivot = std::min(result.smallest_pivot, p.smallest);
-  }
-  result.positive = static_cast<Eigen::Index>(tree.order.size()) - result.negative;
+  auto result = told_by(pivots, spread, largest_entries(tree, a, s, b));
+  if (!sound) result.smallest_pivot = 0.0;
   return result;
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "fem/blas.h"
 #include "fem/elimination_tree.h"
 #include "fem/storage.h"
 
@@ -31,7 +30,6 @@ struct Factorization::Numeric {
 template <typename Work>
 void each_subtree(const Symbolic::Tree& tree, const Work& work) {
   std::atomic<std::size_t> next{0};
-  set_blas_threads(1);
   parallel_ranges(static_cast<std::size_t>(tree.threads), [&](std::size_t begin, std::size_t end) {
     for (auto thread = begin; thread < end; ++thread) {
       for (auto k = next++; k < tree.subtrees.size(); k = next++) work(k, thread);

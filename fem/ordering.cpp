@@ -1,4 +1,6 @@
 // The only file that knows METIS.
+#include <fmt/format.h>
+
 #include <metis.h>
 
 #include <algorithm>
@@ -87,8 +89,8 @@ std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph) {
   const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
                                   order.data(), position.data());
   if (status != METIS_OK) {
-    throw OutOfResources("ordering: METIS failed with status " + std::to_string(status) + " on " +
-                         std::to_string(count) + " nodes");
+    throw OutOfResources("ordering: METIS failed with status " + fmt::to_string(status) + " on " +
+                         fmt::to_string(count) + " nodes");
   }
   return order;
 }

@@ -1,5 +1,7 @@
 #include "fem/reduced.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,9 +22,9 @@ void require_fit(const System& system, const modal::Modes& modes, const SparseMa
                  const char* name) {
   const auto n = system.stiffness.rows();
   require(modes.dof_count() == n && forces.rows() == n,
-          "reduced: the system has " + std::to_string(n) + " degrees of freedom, the modes " +
-              std::to_string(modes.dof_count()) + ", the " + name + " " +
-              std::to_string(forces.rows()) + "; expected one number");
+          "reduced: the system has " + fmt::to_string(n) + " degrees of freedom, the modes " +
+              fmt::to_string(modes.dof_count()) + ", the " + name + " " +
+              fmt::to_string(forces.rows()) + "; expected one number");
 }
 
 // M Φ; all that is needed to take a field's part in the modes away.
@@ -85,8 +87,8 @@ SparseMatrix columns_on_free(const DofMap& dofs,
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t j = 0; j < rows.size(); ++j) {
     require(rows[j].size() <= dofs.free_dof.size(),
-            "reduced: the row of a channel has " + std::to_string(rows[j].size()) +
-                " degrees of freedom, the body " + std::to_string(dofs.free_dof.size()));
+            "reduced: the row of a channel has " + fmt::to_string(rows[j].size()) +
+                " degrees of freedom, the body " + fmt::to_string(dofs.free_dof.size()));
     for (Eigen::SparseVector<double>::InnerIterator entry(rows[j]); entry; ++entry) {
       const int free = dofs.free_dof(entry.index());
       if (free >= 0) entries.emplace_back(free, static_cast<int>(j), entry.value());

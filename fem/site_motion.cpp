@@ -1,5 +1,7 @@
 #include "fem/site_motion.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -296,7 +298,7 @@ SiteMotion footprint_motion(const mesh::TetMesh& body, const mesh::Site& site, d
   found << " and takes in " << nodes << " nodes of the mesh";
   require(nodes > 0, found.str() + "; the site's normal does not fit its face");
   require(nodes <= kMostNodes, found.str() + ", which would all be coupled; expected at most " +
-                                   std::to_string(kMostNodes) +
+                                   fmt::to_string(kMostNodes) +
                                    ": use several attachments with smaller footprints");
   return nearest_rigid_motion(body, samples, local);
 }

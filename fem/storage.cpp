@@ -1,5 +1,7 @@
 #include "fem/storage.h"
 
+#include <fmt/format.h>
+
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 
 namespace chladni::fem {
 
@@ -14,11 +17,16 @@ Storage::Storage(std::int64_t doubles, bool resident)
     : bytes_(std::max<std::size_t>(static_cast<std::size_t>(doubles) * sizeof(double), 1)) {
   void* p = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) {
-    throw OutOfResources("factorization: no " + std::to_string(bytes_ >> 20U) + " MiB to be had");
+    throw OutOfResources("factorization: no " + fmt::to_string(bytes_ >> 20U) + " MiB to be had");
   }
   data_ = static_cast<double*>(p);
 #ifdef MADV_POPULATE_WRITE
-  if (resident) madvise(p, bytes_, MADV_POPULATE_WRITE);  // where the kernel has it (5.14)
+  constexpr std::size_t piece = std::size_t{1} << 28U;  // a tenth of a second
+  for (std::size_t done = 0; resident && done < bytes_; done += piece) {
+    if (interrupted()) break;  // answered by the first step of work on it
+    // Where the kernel has it (5.14).
+    madvise(static_cast<char*>(p) + done, std::min(piece, bytes_ - done), MADV_POPULATE_WRITE);
+  }
 #else
   (void)resident;
 #endif

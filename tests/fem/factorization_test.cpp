@@ -1,12 +1,26 @@
 #include "fem/factorization.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <Eigen/Dense>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <fstream>
 #include <random>
+#include <string>
+#include <thread>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
+#include "fem/assemble.h"
+#include "fem/blas.h"
+#include "fem/elimination_tree.h"
+#include "fem/modes.h"
+#include "mesh/bodies.h"
 
 namespace chladni::fem {
 namespace {
@@ -39,6 +53,11 @@ Eigen::MatrixXd right_hand_sides(Eigen::Index n, Eigen::Index columns) {
       n, columns, [](auto i, auto j) { return std::sin(1.0 + double(i) * 0.37 + double(j)); });
 }
 
+System plate(double edge = 0.03) {
+  const auto body = mesh::with_order(mesh::layered(mesh::Plate{0.3, 0.2, 0.01}, edge, 1), 2);
+  return assemble(body, {isotropic(70e9, 0.33, 2700.0)});
+}
+
 TEST(Factorization, SolvesWhatADenseSolverSolves) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const int n = 1 + static_cast<int>(seed) * 15;
@@ -53,17 +72,100 @@ TEST(Factorization, RefusesAnIndefiniteMatrix) {
   EXPECT_THROW(Factorization(random_matrix(50, 0.0, 3)), NumericalFailure);
 }
 
-TEST(Factorization, GivesTheSameBitsOnOneCoreAndOnTwo) {
-  const auto a = random_matrix(400, 8.0, 5);
-  const auto b = right_hand_sides(400, 4);
+// What holds: the same bits for the same number of threads, with an order and a tree of their own
+// each time; for another number the same signs, figures of the pivots and digits but not bits.
+TEST(Factorization, GivesTheSameBitsForTheSameNumberOfThreads) {
+  const auto system = plate();
+  const auto& k = system.stiffness;
+  const auto b = right_hand_sides(k.rows(), 4);
+  const int before = thread_count();
+  const auto solved = [&](int threads) {
+    set_thread_count(threads);
+    const Symbolic symbolic(k, system.mass);
+    return Factorization(symbolic, k, 1e7, system.mass).solve(b);
+  };
+  const auto counted = [&](int threads) {
+    set_thread_count(threads);
+    return inertia(Symbolic(k, system.mass), k, -4e8, system.mass);
+  };
+  const auto one = solved(1);
+  const auto pivots = counted(1);
+  for (const int threads : {1, 2, 3}) {
+    const auto first = solved(threads);
+    for (int run = 0; run < 3; ++run) EXPECT_TRUE(first == solved(threads)) << threads;
+    EXPECT_LT((first - one).norm(), 1e-9 * one.norm()) << threads;
+    const auto again = counted(threads);
+    EXPECT_EQ(again.negative, pivots.negative);
+    EXPECT_EQ(again.smallest_pivot, pivots.smallest_pivot);
+    EXPECT_EQ(again.growth, pivots.growth);
+  }
+  set_thread_count(before);
+}
+
+// Two at once in one process, each with loops of its own.
+TEST(Factorization, GivesTheSameBitsBesideAnotherOne) {
+  const auto system = plate();
+  const auto b = right_hand_sides(system.stiffness.rows(), 4);
+  const Symbolic symbolic(system.stiffness, system.mass);
+  const auto solved = [&] {
+    return Factorization(symbolic, system.stiffness, 1e7, system.mass).solve(b);
+  };
+  const auto alone = solved();
+  std::vector<Eigen::MatrixXd> found(4);
+  std::vector<std::thread> threads;
+  for (auto& one : found) threads.emplace_back([&] { one = solved(); });
+  for (auto& thread : threads) thread.join();
+  for (const auto& one : found) EXPECT_TRUE(one == alone);
+}
+
+TEST(Factorization, LeavesTheThreadsOfBlasAsTheyWere) {
+  if (blas_threads() == 0) GTEST_SKIP() << "not OpenBLAS";
+  const int before = blas_threads();
+  const auto a = random_matrix(100, 8.0, 3);
+  for (const int threads : {1, 2, 3}) {
+    set_blas_threads(threads);
+    const Factorization factor(a);
+    EXPECT_EQ(blas_threads(), threads);
+    SparseMatrix b(100, 100);
+    b.setIdentity();
+    (void)inertia(Symbolic(a), a, 0.5, b);
+    EXPECT_EQ(blas_threads(), threads);
+    EXPECT_THROW(Factorization(random_matrix(50, 0.0, 3)), NumericalFailure);
+    EXPECT_EQ(blas_threads(), threads);
+    {
+      const OneBlasThread outer;
+      const OneBlasThread inner;
+      EXPECT_EQ(blas_threads(), 1);
+    }
+    EXPECT_EQ(blas_threads(), threads);
+  }
+  set_blas_threads(before);
+}
+
+// One front that is the whole matrix: Ctrl-C is answered within it.
+TEST(Factorization, AnswersCtrlCWithinOneFront) {
+  constexpr int n = 3000;
+  Eigen::MatrixXd full = Eigen::MatrixXd::Constant(n, n, 1.0);
+  full.diagonal().array() += 2.0 * n;
+  const SparseMatrix a = Eigen::MatrixXd(full.triangularView<Eigen::Lower>()).sparseView();
+  SparseMatrix b(n, n);
+  b.setIdentity();
   const Symbolic symbolic(a);
-  const SparseMatrix none(400, 400);
-  set_thread_count(1);
-  const auto one = Factorization(symbolic, a, 0.0, none).solve(b);
-  set_thread_count(2);
-  const auto two = Factorization(symbolic, a, 0.0, none).solve(b);
-  EXPECT_LT((one - two).norm(), 1e-13 * one.norm());
-  EXPECT_EQ((two - Factorization(symbolic, a, 0.0, none).solve(b)).norm(), 0.0);
+  ASSERT_EQ(symbolic.tree().nodes.size(), 1U);
+  for (const bool definite : {true, false}) {
+    catch_interrupts();
+    std::thread person([] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(40));
+      std::raise(SIGINT);
+    });
+    const auto work = [&] {
+      if (definite) (void)Factorization(symbolic, a, 0.0, b);
+      if (!definite) (void)inertia(symbolic, a, -1.0, b);
+    };
+    EXPECT_THROW(work(), Interrupted);
+    person.join();
+  }
+  catch_interrupts();
 }
 
 TEST(Inertia, CountsWhatADenseSolverCounts) {
@@ -84,8 +186,69 @@ TEST(Symbolic, ForecastsAtLeastTheMatrixItself) {
   const auto a = random_matrix(300, 8.0, 1);
   const auto forecast = Symbolic(a).forecast();
   EXPECT_GE(forecast.entries, static_cast<double>(a.nonZeros()));
-  EXPECT_EQ(forecast.factor_bytes, 8.0 * forecast.entries);
   EXPECT_GT(forecast.flops, 0.0);
+}
+
+// What L of a dense solver holds, and not much more: strips store some zeros.
+TEST(Symbolic, ForecastsTheEntriesOfTheFactor) {
+  const auto system = plate(0.06);
+  const auto n = static_cast<int>(system.stiffness.rows());
+  const Symbolic symbolic(system.stiffness);
+  const auto& order = symbolic.tree().order;
+  Eigen::PermutationMatrix<Eigen::Dynamic> permutation(n);
+  for (int i = 0; i < n; ++i) permutation.indices()(order[static_cast<std::size_t>(i)]) = i;
+  Eigen::MatrixXd a = dense(system.stiffness) + 1e7 * dense(system.mass);
+  a = permutation * a * permutation.transpose();
+  const Eigen::MatrixXd l = a.llt().matrixL();
+  const auto exact = static_cast<double>((l.array() != 0.0).count());
+  EXPECT_GE(symbolic.forecast().entries, exact);
+  EXPECT_LT(symbolic.forecast().entries, 1.5 * exact);
+}
+
+// The peak of a process of its own, from what it held before, against what was forecast.
+struct Peak {
+  double forecast = 0.0, used = 0.0;  // bytes
+};
+
+double status(const char* key) {
+  std::ifstream in("/proc/self/status");
+  for (std::string word; in >> word;) {
+    double kib = 0.0;
+    if (word == key && in >> kib) return 1024.0 * kib;
+  }
+  return 0.0;
+}
+
+Peak peak_of_modes(const System& system, const ModesOptions& options) {
+  std::array<int, 2> pipe_ends{};
+  if (pipe(pipe_ends.data()) != 0) return {};
+  const pid_t child = fork();
+  if (child == 0) {
+    std::ofstream("/proc/self/clear_refs") << "5";  // the peak counts from here
+    Peak peak;
+    const double before = status("VmRSS:");
+    peak.forecast = modes(system, options).summary.forecast_bytes;
+    peak.used = status("VmHWM:") - before;
+    _exit(write(pipe_ends[1], &peak, sizeof peak) == ssize_t{sizeof peak} ? 0 : 1);
+  }
+  Peak peak;
+  const auto got = read(pipe_ends[0], &peak, sizeof peak);
+  int ended = 0;
+  waitpid(child, &ended, 0);
+  for (const int end : pipe_ends) close(end);
+  return got == ssize_t{sizeof peak} && ended == 0 ? peak : Peak{};
+}
+
+TEST(Modes, TakeTheMemoryThatTheyForecast) {
+  const auto system = plate(0.012);
+  for (const int count : {5, 60}) {
+    const auto peak = peak_of_modes(system, {.count = count});
+    ASSERT_GT(peak.used, 0.0);
+    EXPECT_LT(peak.used, 1.1 * peak.forecast + 8e6) << count;  // libraries and small vectors
+    EXPECT_GT(peak.used, 0.6 * peak.forecast) << count;
+    RecordProperty("used_over_forecast_" + std::to_string(count),
+                   std::to_string(peak.used / peak.forecast));
+  }
 }
 
 }  // namespace
