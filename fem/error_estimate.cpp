@@ -15,6 +15,7 @@ namespace chladni::fem {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
+using ShapeColumns = Eigen::Ref<const Matrix>;
 
 // For each cell's face (4·cell + face) the same face of the cell behind it, −1 on the boundary.
 std::vector<std::int64_t> twins(const mesh::TetMesh& body) {
@@ -59,65 +60,63 @@ class Estimate {
     }
   }
 
-  // Energy of the error of each mode; shapes on all nodes, 3·nodes×modes.
-  Eigen::VectorXd energy(const Matrix& shapes, const Eigen::VectorXd& lambda) {
-    const auto modes = shapes.cols();
-    const auto points = bubbles_.face_weights().size();
-    // Force per point, axis and mode on each face, outward.
-    tractions_.resize(3 * points * modes, 4 * body_.tet_count());
-    parallel_ranges(static_cast<std::size_t>(body_.tet_count()), [&](auto begin, auto end) {
-      for (auto t = begin; t < end; ++t) find_tractions(static_cast<Eigen::Index>(t), shapes);
-    });
-    throw_if_interrupted();
-    Matrix per_cell(modes, body_.tet_count());
-    parallel_ranges(static_cast<std::size_t>(body_.tet_count()), [&](auto begin, auto end) {
-      for (auto t = begin; t < end; ++t) {
-        const auto tet = static_cast<Eigen::Index>(t);
-        per_cell.col(tet) = cell_energy(tet, shapes, lambda);
+  // Energy of the error of each mode; shapes on the free degrees of freedom, n×modes. Summed in
+  // parts that do not depend on the number of threads.
+  Eigen::VectorXd energy(const ShapeColumns& shapes, const Eigen::VectorXd& lambda) const {
+    constexpr Eigen::Index kParts = 256;
+    Matrix sums = Matrix::Zero(shapes.cols(), kParts);
+    parallel_ranges(static_cast<std::size_t>(kParts), [&](std::size_t begin, std::size_t end) {
+      for (auto part = static_cast<Eigen::Index>(begin); part < static_cast<Eigen::Index>(end);
+           ++part) {
+        const auto last = (part + 1) * body_.tet_count() / kParts;
+        for (auto tet = part * body_.tet_count() / kParts; tet < last; ++tet) {
+          if (tet % 64 == 0) throw_if_interrupted();
+          sums.col(part) += cell_energy(tet, shapes, lambda);
+        }
       }
     });
-    return per_cell.rowwise().sum();
+    return sums.rowwise().sum();
   }
 
  private:
-  // n×3·modes: column 3·mode + axis.
-  [[nodiscard]] Matrix displacements(Eigen::Index tet, const Matrix& shapes) const {
+  // n×3·modes: column 3·mode + axis; 0 where the body is held.
+  [[nodiscard]] Matrix displacements(Eigen::Index tet, const ShapeColumns& shapes) const {
     Matrix u(bubbles_.own().nodes, 3 * shapes.cols());
     for (Eigen::Index a = 0; a < u.rows(); ++a) {
-      const Eigen::Index row = 3 * Eigen::Index{body_.tets(tet, a)};
-      for (Eigen::Index mode = 0; mode < shapes.cols(); ++mode) {
-        for (Eigen::Index axis = 0; axis < 3; ++axis) {
-          u(a, 3 * mode + axis) = shapes(row + axis, mode);
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const int row = dofs_.free_dof(3 * Eigen::Index{body_.tets(tet, a)} + axis);
+        for (Eigen::Index mode = 0; mode < shapes.cols(); ++mode) {
+          u(a, 3 * mode + axis) = row >= 0 ? shapes(row, mode) : 0.0;
         }
       }
     }
     return u;
   }
 
-  void find_tractions(Eigen::Index tet, const Matrix& shapes) {
+  // Force per point, axis and mode on face f of a cell that moves as `u`, outward.
+  [[nodiscard]] Eigen::VectorXd tractions(Eigen::Index tet, std::size_t f, const Matrix& u) const {
     const auto& c = materials_[static_cast<std::size_t>(body_.region(tet))].stiffness;
-    const Matrix u = displacements(tet, shapes);
-    for (std::size_t f = 0; f < 4; ++f) {
-      const Matrix slopes = bubbles_.on_face(body_, tet, f).gradients * u;  // 3q×3·modes, by ξ
-      const auto face = bubbles_.geometry(body_, tet, f, is_straight_cell(tet));
-      Eigen::Index row = 0;
-      auto to = tractions_.col(4 * tet + static_cast<Eigen::Index>(f));
-      for (std::size_t q = 0; q < face.area.size(); ++q) {
-        const Eigen::Vector3d& n = face.area[q];
-        for (Eigen::Index mode = 0; mode < shapes.cols(); ++mode, row += 3) {
-          const Eigen::Matrix3d h =  // ∂u_i/∂x_k at row i
-              slopes.block<3, 3>(3 * static_cast<Eigen::Index>(q), 3 * mode).transpose() *
-              face.gradient[q];
-          Eigen::Matrix<double, 6, 1> strain;
-          strain << h(0, 0), h(1, 1), h(2, 2), h(1, 2) + h(2, 1), h(0, 2) + h(2, 0),
-              h(0, 1) + h(1, 0);
-          const Eigen::Matrix<double, 6, 1> s = c * strain;
-          to(row) = s(0) * n(0) + s(5) * n(1) + s(4) * n(2);
-          to(row + 1) = s(5) * n(0) + s(1) * n(1) + s(3) * n(2);
-          to(row + 2) = s(4) * n(0) + s(3) * n(1) + s(2) * n(2);
-        }
+    const auto modes = u.cols() / 3;
+    const Matrix slopes = bubbles_.on_face(body_, tet, f).gradients * u;  // 3q×3·modes, by ξ
+    const auto face = bubbles_.geometry(body_, tet, f, is_straight_cell(tet));
+    Eigen::VectorXd to(static_cast<Eigen::Index>(face.area.size()) * 3 * modes);
+    Eigen::Index row = 0;
+    for (std::size_t q = 0; q < face.area.size(); ++q) {
+      const Eigen::Vector3d& n = face.area[q];
+      for (Eigen::Index mode = 0; mode < modes; ++mode, row += 3) {
+        const Eigen::Matrix3d h =  // ∂u_i/∂x_k at row i
+            slopes.block<3, 3>(3 * static_cast<Eigen::Index>(q), 3 * mode).transpose() *
+            face.gradient[q];
+        Eigen::Matrix<double, 6, 1> strain;
+        strain << h(0, 0), h(1, 1), h(2, 2), h(1, 2) + h(2, 1), h(0, 2) + h(2, 0),
+            h(0, 1) + h(1, 0);
+        const Eigen::Matrix<double, 6, 1> s = c * strain;
+        to(row) = s(0) * n(0) + s(5) * n(1) + s(4) * n(2);
+        to(row + 1) = s(5) * n(0) + s(1) * n(1) + s(3) * n(2);
+        to(row + 2) = s(4) * n(0) + s(3) * n(1) + s(2) * n(2);
       }
     }
+    return to;
   }
 
   [[nodiscard]] bool is_straight_cell(Eigen::Index tet) const {
@@ -130,35 +129,42 @@ class Estimate {
     });
   }
 
-  // Adds ∫ t·v over the faces: the mean of both sides' tractions; none on a free surface, the
-  // cell's own where a support pushes back.
-  void add_faces(Eigen::Index tet, Eigen::Index modes, Matrix& residual) const {
+  // The mean of both sides' tractions on face f (the outward normals are opposite): none on a free
+  // surface, the cell's own where a support pushes back.
+  [[nodiscard]] Eigen::VectorXd force_on(Eigen::Index tet, std::size_t f, const Matrix& u,
+                                         const ShapeColumns& shapes) const {
+    const auto twin = twin_[static_cast<std::size_t>(4 * tet) + f];
+    Eigen::VectorXd force = tractions(tet, f, u);
+    if (twin >= 0) {
+      const auto behind = static_cast<Eigen::Index>(twin / 4);
+      return 0.5 * (force - tractions(behind, static_cast<std::size_t>(twin % 4),
+                                      displacements(behind, shapes)));
+    }
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (is_held(tet, f, axis)) continue;
+      for (Eigen::Index row = axis; row < force.size(); row += 3) force(row) = 0.0;
+    }
+    return force;
+  }
+
+  // Adds ∫ t·v over the faces.
+  void add_faces(Eigen::Index tet, const Matrix& u, const ShapeColumns& shapes,
+                 Matrix& residual) const {
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto place = 4 * tet + static_cast<Eigen::Index>(f);
-      const auto twin = twin_[static_cast<std::size_t>(place)];
       const auto& on_face = bubbles_.on_face(body_, tet, f);
-      std::array<double, 3> own_part{0.5, 0.5, 0.5};
-      if (twin < 0) {
-        for (Eigen::Index axis = 0; axis < 3; ++axis) {
-          own_part[static_cast<std::size_t>(axis)] = is_held(tet, f, axis) ? 1.0 : 0.0;
-        }
-      }
+      const Eigen::VectorXd force = force_on(tet, f, u, shapes);
       Eigen::Index row = 0;
       for (Eigen::Index q = 0; q < bubbles_.face_weights().size(); ++q) {
-        for (Eigen::Index mode = 0; mode < modes; ++mode) {
-          for (Eigen::Index axis = 0; axis < 3; ++axis, ++row) {
-            double t = own_part[static_cast<std::size_t>(axis)] * tractions_(row, place);
-            if (twin >= 0) t -= 0.5 * tractions_(row, twin);
-            if (t == 0.0) continue;
-            residual.col(3 * mode + axis) +=
-                (bubbles_.face_weights()(q) * t) * on_face.bubbles.row(q).transpose();
-          }
+        for (Eigen::Index column = 0; column < u.cols(); ++column, ++row) {
+          if (force(row) == 0.0) continue;
+          residual.col(column) +=
+              (bubbles_.face_weights()(q) * force(row)) * on_face.bubbles.row(q).transpose();
         }
       }
     }
   }
 
-  [[nodiscard]] Eigen::VectorXd cell_energy(Eigen::Index tet, const Matrix& shapes,
+  [[nodiscard]] Eigen::VectorXd cell_energy(Eigen::Index tet, const ShapeColumns& shapes,
                                             const Eigen::VectorXd& lambda) const {
     const auto region = static_cast<std::size_t>(body_.region(tet));
     const auto cell = bubbles_.integrals(body_, tet, is_straight_cell(tet), materials_[region],
@@ -181,7 +187,7 @@ class Estimate {
         }
       }
     }
-    add_faces(tet, modes, residual);
+    add_faces(tet, u, shapes, residual);
     return solved(cell.stiffness, residual, modes);
   }
 
@@ -213,7 +219,6 @@ class Estimate {
   std::vector<std::int64_t> twin_;
   std::vector<char> straight_;
   std::vector<Eigen::Matrix<double, 9, 9>> elasticity_;
-  Matrix tractions_;
 };
 
 }  // namespace
@@ -226,17 +231,9 @@ Eigen::VectorXd frequency_error(const mesh::TetMesh& body, const std::vector<Mat
   if (flexible == 0) return error;
   const Eigen::VectorXd lambda =
       (2.0 * std::numbers::pi * modes.frequency_hz.tail(flexible)).array().square();
-  Estimate estimate(body, materials, system.dofs);
-  // Tractions of all faces are kept: a few modes at a time, up to about 200 MB.
-  const double bytes_per_mode = 8.0 * 3.0 * 12.0 * 4.0 * static_cast<double>(body.tet_count());
-  const auto at_once =
-      std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2e8 / bytes_per_mode), 1, flexible);
-  for (Eigen::Index first = 0; first < flexible; first += at_once) {
-    const auto count = std::min(at_once, flexible - first);
-    const Matrix shapes = on_nodes(system.dofs, modes.shapes.middleCols(rigid + first, count));
-    const Eigen::VectorXd energy = estimate.energy(shapes, lambda.segment(first, count));
-    error.segment(rigid + first, count) = 0.5 * energy.cwiseQuotient(lambda.segment(first, count));
-  }
+  const Eigen::VectorXd energy =
+      Estimate(body, materials, system.dofs).energy(modes.shapes.rightCols(flexible), lambda);
+  error.tail(flexible) = 0.5 * energy.cwiseQuotient(lambda);
   return error;
 }
 
