@@ -140,6 +140,7 @@ Solution solved(const Study& study, Introduction introduction, Run& run) {
     return fem::frequency_error(model.body, model.materials, system, result.modes);
   });
   solution.summary = result.summary;
+  warn(solution.summary.warnings, solution, run);
   solution.modes = std::move(result.modes);
   solution.extra_shapes =
       solution.modes.shapes(system.dofs.free_dof.tail(system.dofs.extra_count()), Eigen::all);

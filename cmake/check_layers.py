@@ -35,6 +35,10 @@ DOORS = {
     r"toml": ["app/study*.cpp"],
     r"CLI/": ["app/main.cpp"],
 }
+# std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,
+# where fmt is not linked or was not yet.
+NO_STD_TO_STRING = ["base", "modal", "mesh", "fem"]
+WHOLE_NUMBERS_ONLY = ["base/atomic_file.cpp", "base/worker.cpp", "mesh/mesher/*", "mesh/patches.cpp"]
 NO_SUCH_NAME = re.compile(r"util|helper|manager|common|misc|stuff")
 INCLUDE = re.compile(r'#\s*include [<"]([^>"]+)')
 
@@ -46,6 +50,9 @@ def faults_of(root):
             if NO_SUCH_NAME.search(here.stem):
                 yield f"{here}: name it after what it holds"
             for number, line in enumerate(file.read_text().splitlines(), 1):
+                if "std::to_string(" in line and room in NO_STD_TO_STRING:
+                    if not any(here.match(f) for f in WHOLE_NUMBERS_ONLY):
+                        yield f"{here}:{number}: std::to_string hides small numbers, use fmt"
                 if not (m := INCLUDE.match(line)):
                     continue
                 target = m[1].split("/")[0]

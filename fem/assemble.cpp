@@ -1,11 +1,14 @@
 #include "fem/assemble.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "fem/element_matrices.h"
 #include "fem/rigid_body.h"
@@ -91,7 +94,7 @@ struct Pattern {
 };
 
 SparseMatrix empty_compressed(Eigen::Index size, std::int64_t entries) {
-  require(entries < (std::int64_t{1} << 31), "assemble: the matrix has " + std::to_string(entries) +
+  require(entries < (std::int64_t{1} << 31), "assemble: the matrix has " + fmt::to_string(entries) +
                                                  " entries, more than 2^31; use a coarser mesh");
   SparseMatrix matrix(size, size);
   matrix.resizeNonZeros(static_cast<Eigen::Index>(entries));
@@ -198,6 +201,7 @@ void sum_cells(const mesh::TetMesh& body, const std::vector<Material>& materials
         for (auto t = begin; t < static_cast<std::size_t>(body.tet_count()); ++t) {
           const auto* nodes = body.tets.data() + t * static_cast<std::size_t>(count);
           if (t >= end && std::none_of(nodes, nodes + count, mine)) continue;
+          if (t % 1024 == 0) throw_if_interrupted();
           scatter.add(nodes, count, integrator.matrices(static_cast<Eigen::Index>(t)), mine);
         }
       });
@@ -274,8 +278,8 @@ SparseMatrix free_part(const SparseMatrix& all, const DofMap& map,
 void check_input(const mesh::TetMesh& body, const std::vector<Material>& materials) {
   require(body.tet_count() > 0, "assemble: the body has no tetrahedra");
   require(materials.size() >= body.region_names.size(),
-          "assemble: the body has " + std::to_string(body.region_names.size()) + " regions but " +
-              std::to_string(materials.size()) + " materials were given");
+          "assemble: the body has " + fmt::to_string(body.region_names.size()) + " regions but " +
+              fmt::to_string(materials.size()) + " materials were given");
   require(body.region.size() == body.tet_count() && body.region.minCoeff() >= 0 &&
               body.region.maxCoeff() < static_cast<int>(materials.size()),
           "assemble: a cell belongs to a region without a material");

@@ -15,8 +15,11 @@ namespace chladni::fem {
 /// threads. Cost: linear; about 0.3 CPU s for 10^5 degrees of freedom of tet10.
 ///
 /// @param materials    one per region of the body
-/// @throws InvalidInput  a region has no material, a patch of a support does not exist, a mass or
+/// @throws InvalidInput  a region has no material, a cell is inverted or flat at a point where it
+/// is
+///                       integrated (says which), a patch of a support does not exist, a mass or
 ///                       stiffness is negative or not finite
+/// @throws Interrupted
 [[nodiscard]] System assemble(const mesh::TetMesh& body, const std::vector<Material>& materials,
                               const std::vector<Support>& supports = {},
                               const std::vector<Attachment>& attachments = {});

@@ -173,6 +173,7 @@ class Adder {
   }
 
   void add_spring(const Row& row, double stiffness, double damping) const {
+    if (stiffness > 0.0) to_.springs.push_back({{row.begin(), row.end()}, stiffness});
     add_square(to_.stiffness, stiffness, row);
     add_square(to_.damping, damping, row);
   }

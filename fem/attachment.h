@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCore>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -62,6 +63,12 @@ struct AttachmentTerms {
     Eigen::Vector3d position;   ///< [m], for the rigid-body motions
     Eigen::Vector3d direction;  ///< unit
   };
+  /// What one spring stretches by: a linear form on the displacements.
+  struct Spring {
+    std::vector<std::pair<Eigen::Index, double>> stretch;  ///< degree of freedom, factor
+    double stiffness = 0.0;                                ///< [N/m] or [N m/rad], more than 0
+  };
+  std::vector<Spring> springs;                    ///< whose sum `stiffness` is
   std::vector<Eigen::Triplet<double>> stiffness;  ///< [N/m]
   std::vector<Eigen::Triplet<double>> mass;       ///< [kg]
   std::vector<Eigen::Triplet<double>> damping;    ///< [N s/m]

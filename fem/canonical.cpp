@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "modal/repeated.h"
+
 namespace chladni::fem {
 namespace {
 
@@ -102,7 +104,7 @@ std::vector<Cluster> runs(const Eigen::VectorXd& lambda, Eigen::Index first, dou
 
 std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
                             Eigen::Index rigid) {
-  auto repeated = runs(lambda, rigid, kRepeatedTolerance);
+  auto repeated = runs(lambda, rigid, modal::kEqualToTheSolver);
   for (const auto& cluster : repeated) {
     refine(system, shapes.middleCols(cluster.first, cluster.size), 0);
     lambda.segment(cluster.first, cluster.size)
@@ -113,7 +115,7 @@ std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen
 }
 
 std::vector<Cluster> clusters(const Eigen::VectorXd& lambda, Eigen::Index rigid) {
-  return runs(lambda, rigid, 2.0 * kClusterTolerance);
+  return runs(lambda, rigid, 2.0 * modal::kSplitByMesh);
 }
 
 }  // namespace chladni::fem

@@ -9,24 +9,17 @@
 
 namespace chladni::fem {
 
-/// Relative difference of neighbouring frequencies below which modes count as one cluster: what a
-/// mesh may split a true pair by.
-inline constexpr double kClusterTolerance = 1e-3;
-
-/// Relative difference of λ below which modes are repeated to the solver's accuracy and their basis
-/// is arbitrary; above it each shape is itself.
-inline constexpr double kRepeatedTolerance = 1e-8;
-
-/// Turns the basis of each exactly repeated eigenvalue so that the second moments of the mass that
-/// moves, Φᵀ(M x²)Φ, then with y², xy, xz, yz, z³, x³ ... for what is left, are diagonal, the
-/// largest first; then gives every flexible shape its sign: the first of its largest entries (to
-/// 1e-6) is positive. Columns before `rigid` stay. Returns the turned ones, of two and more.
+/// Turns the basis of each repeated eigenvalue (modal::kEqualToTheSolver) so that the second
+/// moments of the mass that moves, Φᵀ(M x²)Φ, then with y², xy, xz, yz, z³, x³ ... for what is
+/// left, are diagonal, the largest first; then gives every flexible shape its sign: the first of
+/// its largest entries (to 1e-6) is positive. Columns before `rigid` stay. Returns the turned ones,
+/// of two and more.
 /// @param lambda  ascending; the values of a turned cluster are replaced by their Rayleigh
 /// quotients
 std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
                             Eigen::Index rigid);
 
-/// Modes from `rigid` on whose neighbours lie within kClusterTolerance, two and more.
+/// Modes from `rigid` on whose neighbours lie within modal::kSplitByMesh, two and more.
 std::vector<Cluster> clusters(const Eigen::VectorXd& lambda, Eigen::Index rigid);
 
 }  // namespace chladni::fem

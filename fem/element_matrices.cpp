@@ -1,9 +1,29 @@
 #include "fem/element_matrices.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "base/error.h"
+#include "fem/wide.h"
+
 namespace chladni::fem {
+namespace {
+
+// A cell that the mapping turns inside out would take stiffness and mass away.
+void require_positive(double determinant, const mesh::TetMesh& body, Eigen::Index tet) {
+  if (determinant > 0.0) return;
+  Eigen::RowVector3d at = Eigen::RowVector3d::Zero();
+  for (int i = 0; i < 4; ++i) at += 0.25e3 * body.points.row(body.tets(tet, i));
+  throw InvalidInput(
+      fmt::format("tetrahedron {} at ({:.4g}, {:.4g}, {:.4g}) mm is inverted or flat: its mapping "
+                  "has the determinant {:.3g} m^3, expected more than 0; mesh again, or check the "
+                  "node order of the file",
+                  tet, at.x(), at.y(), at.z(), determinant));
+}
+
+}  // namespace
 
 // From Voigt's xx yy zz yz xz xy.
 Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
@@ -22,10 +42,8 @@ Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
 }
 
 // out = in · factorsᵀ, both pairs×9 and column-major: 81 long vector operations.
-__attribute__((target_clones("avx512f", "avx2,fma", "default"))) void combine(const double* in,
-                                                                              const double* factors,
-                                                                              double* out,
-                                                                              Eigen::Index pairs) {
+CHLADNI_WIDE void combine(const double* in, const double* factors, double* out,
+                          Eigen::Index pairs) {
   for (Eigen::Index p = 0; p < 9; ++p) {
     double* to = out + p * pairs;
     for (Eigen::Index r = 0; r < pairs; ++r) to[r] = 0.0;
@@ -108,6 +126,7 @@ const ElementMatrices& ElementIntegrator::matrices(Eigen::Index tet) {
 
 void ElementIntegrator::integrate_straight(Eigen::Index tet) {
   const auto cell = straight_cell(body_, tet);
+  require_positive(6.0 * cell.volume, body_, tet);
   const auto region = static_cast<std::size_t>(body_.region(tet));
   const Tensor factors = stiffness_factors(cell, elasticity_[region]);
   combine(element_.gradient_products.data(), factors.data(), result_.stiffness.data(),
@@ -125,7 +144,9 @@ void ElementIntegrator::integrate_curved(Eigen::Index tet) {
   for (std::size_t q = 0; q < at_points_.size(); ++q) {
     const auto& at = at_points_[q];
     const Eigen::Matrix3d jacobian = nodes.transpose() * at.gradient;
-    const double w = weights_(static_cast<Eigen::Index>(q)) * jacobian.determinant() / 6.0;
+    const double determinant = jacobian.determinant();
+    require_positive(determinant, body_, tet);
+    const double w = weights_(static_cast<Eigen::Index>(q)) * determinant / 6.0;
     const Eigen::Matrix<double, Eigen::Dynamic, 3> slope = at.gradient * jacobian.inverse();
     Eigen::Index pair = 0;
     for (Eigen::Index a = 0; a < element_.nodes; ++a) {

@@ -44,6 +44,7 @@ class ElementIntegrator {
   ElementIntegrator(const mesh::TetMesh& body, const std::vector<Material>& materials);
 
   /// Valid until the next call. Cost: 81 multiplications per pair of nodes.
+  /// @throws InvalidInput  the cell is inverted or flat where it is integrated
   [[nodiscard]] const ElementMatrices& matrices(Eigen::Index tet);
 
  private:

@@ -1,16 +1,20 @@
 #include "fem/lanczos.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "fem/canonical.h"
+#include "base/memory.h"
 #include "fem/panel_kernels.h"
 #include "fem/symmetric_product.h"
+#include "modal/repeated.h"
 
 namespace chladni::fem {
 namespace {
@@ -34,15 +38,34 @@ void multiply_right(Matrix& x, const Matrix& t) {
   if (t.cols() < x.cols()) x.conservativeResize(Eigen::NoChange, t.cols());
 }
 
-// The Krylov basis V, M-orthonormal, and T = VᵀM (K + sM)⁻¹M V.
+// The Krylov basis V, M-orthonormal, and T = VᵀM (K + sM)⁻¹M V. It grows by further matrices, so
+// that none is ever there twice.
 class Basis {
+  struct Part {
+    Matrix vectors;
+    Eigen::Index size = 0;  // columns in use
+    [[nodiscard]] auto used() const { return vectors.leftCols(size); }
+  };
+
  public:
   Basis(const System& system, const Matrix& known, Eigen::Index room)
-      : mass_(system.mass), known_(known), vectors_(system.mass.rows(), room) {}
+      : mass_(system.mass), known_(known), rows_(system.mass.rows()) {
+    parts_.push_back({Matrix(rows_, room), 0});
+  }
 
   [[nodiscard]] SymmetricProduct& mass() { return mass_; }
   [[nodiscard]] Eigen::Index size() const { return size_; }
-  [[nodiscard]] auto vectors() const { return vectors_.leftCols(size_); }
+
+  // V X.
+  [[nodiscard]] Matrix times(const Matrix& x) const {
+    Matrix product = Matrix::Zero(rows_, x.cols());
+    Eigen::Index row = 0;
+    for (const auto& part : parts_) {
+      product.noalias() += part.used() * x.middleRows(row, part.size);
+      row += part.size;
+    }
+    return product;
+  }
 
   // Takes out of w what lies in the span of known and basis; returns the part along the basis.
   Matrix orthogonalise(Block& w) {
@@ -50,7 +73,13 @@ class Basis {
     for (int pass = 0; pass < 2; ++pass) {
       update_image(w);
       if (known_.cols() > 0) dense::take_out(known_, w.mv, w.v);
-      along += dense::take_out(vectors(), w.mv, w.v);
+      Eigen::Index row = 0;
+      for (const auto& part : parts_) {
+        if (part.size > 0) {
+          along.middleRows(row, part.size) += dense::take_out(part.used(), w.mv, w.v);
+        }
+        row += part.size;
+      }
     }
     return along;
   }
@@ -83,10 +112,10 @@ class Basis {
   }
 
   void append(const Matrix& block) {
-    if (size_ + block.cols() > vectors_.cols()) {
-      vectors_.conservativeResize(Eigen::NoChange, size_ + block.cols() + vectors_.cols() / 2);
-    }
-    vectors_.middleCols(size_, block.cols()) = block;
+    if (parts_.back().size + block.cols() > parts_.back().vectors.cols()) grow(block.cols());
+    auto& part = parts_.back();
+    part.vectors.middleCols(part.size, block.cols()) = block;
+    part.size += block.cols();
     size_ += block.cols();
   }
 
@@ -96,9 +125,24 @@ class Basis {
     mass_.apply(w.v, w.mv);
   }
 
+  // More than the forecast knew of (lanczos_basis_size): asked for before it is taken.
+  void grow(Eigen::Index least) {
+    const Eigen::Index columns = std::max<Eigen::Index>(least, size_ / 4);
+    const auto bytes = 8.0 * static_cast<double>(rows_) * static_cast<double>(columns);
+    const auto have = static_cast<double>(available_memory());
+    if (bytes > have) {
+      throw OutOfResources(fmt::format(
+          "modes: {} vectors did not do, {} more take {:.3g} GiB and there is {:.3g} GiB; ask for "
+          "fewer modes, or use a coarser mesh",
+          size_, columns, bytes / (1 << 30), have / (1 << 30)));
+    }
+    parts_.push_back({Matrix(rows_, columns), 0});
+  }
+
   SymmetricProduct mass_;
   const Matrix& known_;
-  Matrix vectors_;
+  Eigen::Index rows_;
+  std::vector<Part> parts_;
   Eigen::Index size_ = 0;
 };
 
@@ -143,7 +187,7 @@ bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Inde
   if (converged < options.wanted || converged >= r.theta.size()) return false;
   const auto lambda = [&](Eigen::Index i) { return 1.0 / r.theta(i) - s; };
   for (auto next = static_cast<Eigen::Index>(options.wanted); next < r.theta.size(); ++next) {
-    const bool apart = lambda(next) - lambda(next - 1) > 2.0 * kClusterTolerance * lambda(next);
+    const bool apart = lambda(next) - lambda(next - 1) > 2.0 * modal::kSplitByMesh * lambda(next);
     if (apart && next <= converged) return r.relative(next, s) < 1e-3;
     if (next >= converged) return false;
   }
@@ -153,7 +197,7 @@ bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Inde
 // φ + r/θ: the Ritz vectors after one more application of the operator, mass-normalised.
 Matrix purified(Basis& basis, const Ritz& r, const Matrix& next, const Matrix& last,
                 Eigen::Index count) {
-  Matrix shapes = basis.vectors() * r.vectors.leftCols(count);
+  Matrix shapes = basis.times(r.vectors.leftCols(count));
   if (next.cols() > 0) {
     const Matrix tail = last * r.vectors.bottomRows(last.cols()).leftCols(count);
     shapes.noalias() += next * (tail * r.theta.head(count).cwiseInverse().asDiagonal());
@@ -217,9 +261,9 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
       std::swap(q, next);
       continue;
     } else if (!done) {
-      throw NumericalFailure("modes: " + std::to_string(converged) + " of " +
-                             std::to_string(options.wanted) + " modes converged with " +
-                             std::to_string(basis.size()) + " vectors");
+      throw NumericalFailure("modes: " + fmt::to_string(converged) + " of " +
+                             fmt::to_string(options.wanted) + " modes converged with " +
+                             fmt::to_string(basis.size()) + " vectors");
     }
     result.shapes = purified(basis, r, next.v, last, converged);
     result.lambda = r.theta.head(converged).cwiseInverse().array() - s;

@@ -20,7 +20,8 @@ struct LanczosResult {
   int block_steps = 0, solves = 0;
 };
 
-/// Vectors of the basis that `wanted` modes usually need.
+/// Vectors of the basis that `wanted` modes usually need; where they do not do it grows by a
+/// quarter of itself at a time, if there is the memory.
 [[nodiscard]] double lanczos_basis_size(int wanted, int block);
 
 /// The `wanted` smallest eigenvalues of K φ = λ M φ besides those of `known`, and one more (or its
@@ -33,6 +34,8 @@ struct LanczosResult {
 /// @param factor  of K + sM
 /// @param known   n×r, M-orthonormal eigenvectors; r may be 0
 /// @throws NumericalFailure  the basis filled the space, or 600 vectors beyond need, unconverged
+/// @throws OutOfResources    the basis must grow beyond lanczos_basis_size and cannot
+/// @throws Interrupted
 /// Source: Grimes, Lewis and Simon (1994), SIAM J. Matrix Anal. 15, 228-272.
 [[nodiscard]] LanczosResult lanczos(const System& system, const Factorization& factor, double s,
                                     const Eigen::MatrixXd& known, const LanczosOptions& options,

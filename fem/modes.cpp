@@ -1,20 +1,24 @@
 #include "fem/modes.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "fem/canonical.h"
+#include "fem/certificate.h"
 #include "fem/factorization.h"
 #include "fem/lanczos.h"
+#include "fem/mode_checks.h"
 #include "fem/residual.h"
 #include "fem/symmetric_product.h"
+#include "modal/repeated.h"
 
 namespace chladni::fem {
 namespace {
@@ -23,7 +27,6 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // A residual above which a step of iterative refinement is taken: rounding in a slender body.
 constexpr double kWorthPolishing = 1e-9;
 constexpr int kPolishingSteps = 3;
-constexpr double kNotTrusted = 1e-4;  // a residual that is refused
 constexpr int kRestarts = 4;  // with new start blocks, where the count says that some are missing
 
 using Clock = std::chrono::steady_clock;
@@ -36,19 +39,19 @@ void check_input(const System& system, const ModesOptions& options) {
   require(n > 0 && system.mass.cols() == n && system.stiffness.rows() == n &&
               system.stiffness.cols() == n,
           "modes: K and M must be square and of one size, found " +
-              std::to_string(system.stiffness.rows()) + " and " + std::to_string(n));
+              fmt::to_string(system.stiffness.rows()) + " and " + fmt::to_string(n));
   require(system.rigid.cols() == 0 || system.rigid.rows() == n,
-          "modes: the rigid-body motions have " + std::to_string(system.rigid.rows()) +
-              " rows, expected " + std::to_string(n));
+          "modes: the rigid-body motions have " + fmt::to_string(system.rigid.rows()) +
+              " rows, expected " + fmt::to_string(n));
   const auto most = n - system.rigid.cols();
   require(0 < options.count && options.count <= most,
-          "modes: " + std::to_string(options.count) +
-              " flexible modes were asked for, expected 1 to " + std::to_string(most));
+          "modes: " + fmt::to_string(options.count) +
+              " flexible modes were asked for, expected 1 to " + fmt::to_string(most));
   for (Eigen::Index i = 0; i < n; ++i) {
     const double m = system.mass.coeff(i, i);
     if (!(m > 0.0)) {
       throw NumericalFailure("modes: the mass matrix is not positive definite (its diagonal is " +
-                             std::to_string(m) + " at degree of freedom " + std::to_string(i) +
+                             fmt::to_string(m) + " kg at degree of freedom " + fmt::to_string(i) +
                              ")");
     }
   }
@@ -86,35 +89,21 @@ void refuse_what_does_not_fit(const Need& needed, const System& system,
                           ? static_cast<double>(options.memory_limit_bytes)
                           : static_cast<double>(available_memory());
   if (need <= have) return;
-  const auto gib = [](double bytes) {
-    return std::to_string(bytes / (1 << 30)).substr(0, 5) + " GiB";
-  };
-  throw OutOfResources("modes: " + std::to_string(system.mass.rows()) +
-                       " degrees of freedom need " + gib(need) + " (factor " + gib(needed.factor) +
-                       ", and work " + gib(needed.fronts) + " or vectors " + gib(needed.vectors) +
-                       ") and there is " + gib(have) + "; use a coarser mesh: edge_length times " +
-                       std::to_string(std::sqrt(need / have)).substr(0, 4));
+  const auto gib = [](double bytes) { return fmt::format("{:.3g} GiB", bytes / (1 << 30)); };
+  throw OutOfResources(
+      fmt::format("modes: {} degrees of freedom need {} (factor {}, and work {} or vectors {}) and "
+                  "there is {}; use a coarser mesh: edge_length times {:.2f}",
+                  system.mass.rows(), gib(need), gib(needed.factor), gib(needed.fronts),
+                  gib(needed.vectors), gib(have), std::sqrt(need / have)));
 }
 
 // The first `count` and all that belong to the cluster of the last of them.
 Eigen::Index uncut(const Eigen::VectorXd& lambda, Eigen::Index count) {
   while (count < lambda.size() &&
-         lambda(count) - lambda(count - 1) < 2.0 * kClusterTolerance * lambda(count)) {
+         lambda(count) - lambda(count - 1) < 2.0 * modal::kSplitByMesh * lambda(count)) {
     ++count;
   }
   return count;
-}
-
-std::string hz_text(double hz) {
-  std::string text = std::to_string(hz);
-  return text.substr(0, text.find('.') + 3);
-}
-
-// Where to count: in the gap above the last mode kept, away from the next one that was seen.
-double count_at(const Eigen::VectorXd& lambda, Eigen::Index kept) {
-  const double last = lambda(kept - 1);
-  const double next = kept < lambda.size() ? lambda(kept) : 1.02 * last;
-  return std::min(0.5 * (last + next), 1.01 * last);
 }
 
 // Flexible modes with their residuals, in canonical orientation.
@@ -135,6 +124,11 @@ void settle(const System& system, Found& found) {
   }
 }
 
+// n×r; a system without rigid-body motions may leave them 0×0.
+Eigen::MatrixXd rigid_motions(const System& system) {
+  return system.rigid.cols() > 0 ? system.rigid : Eigen::MatrixXd(system.mass.rows(), 0);
+}
+
 struct Search {
   const System& system;
   const ModesOptions& options;
@@ -145,7 +139,7 @@ struct Search {
              unsigned seed) {
     auto start = Clock::now();
     tell(progress, "factorise");
-    const Factorization factor(symbolic, system.stiffness, s, system.mass);
+    const auto factor = factorized(symbolic, s);
     summary.factor_seconds += seconds_since(start);
     start = Clock::now();
     auto found = lanczos(
@@ -157,33 +151,54 @@ struct Search {
     Found result{std::move(found.lambda), {}, std::move(found.shapes)};
     result.residual = residuals(system, factor, s, known, result.lambda, result.shapes);
     const int least = system.suspended.cols() > 0 ? 1 : 0;
-    for (int step = 0;
-         step < least || (step < kPolishingSteps && result.residual.maxCoeff() > kWorthPolishing);
-         ++step) {
+    const auto rough = [&] { return !(result.residual.array() <= kWorthPolishing).all(); };
+    for (int step = 0; step < least || (step < kPolishingSteps && rough()); ++step) {
       result.residual = polished(system, factor, s, known, result.lambda, result.shapes);
     }
+    require_energy(system, result.lambda, result.shapes);
     settle(system, result);
     summary.iterate_seconds += seconds_since(start);
     return result;
   }
 
-  // Eigenvalues below `lambda`, by the signs of the pivots of K − λM.
-  int counted_below(const Symbolic& symbolic, double lambda) {
+  // Counts in the gap above the first `kept` modes. True where as many were found.
+  bool is_complete(const Symbolic& symbolic, const Found& found, Eigen::Index kept) {
     const auto start = Clock::now();
     tell(progress, "certify");
-    Inertia result;
-    for (int attempt = 0; attempt < 3; ++attempt) {
-      result = inertia(symbolic, system.stiffness, -lambda * (1.0 + 1e-5 * attempt), system.mass);
-      if (result.smallest_pivot > 1e-11) break;
-    }
+    const double last = found.lambda(kept - 1);
+    const double next = kept < found.lambda.size() ? found.lambda(kept) : 1.02 * last;
+    const auto count = counted(symbolic, last, std::min(next, 1.02 * last));
+    const auto below = (found.lambda.array() < count.at).count();
+    summary.counted = static_cast<int>(count.below);
+    summary.found = static_cast<int>(system.rigid.cols() + below);
+    summary.count_attempts += count.attempts;
+    summary.counted_below_hz = std::sqrt(count.at) / kTwoPi;
+    summary.complete = summary.counted == summary.found;
     summary.certify_seconds += seconds_since(start);
-    if (result.smallest_pivot <= 1e-13) {
-      throw NumericalFailure("modes: the inertia count at " + hz_text(std::sqrt(lambda) / kTwoPi) +
-                             " Hz met a pivot of relative size " +
-                             std::to_string(result.smallest_pivot) +
-                             "; ask for another count of modes, or no certificate");
+    return summary.complete;
+  }
+
+ private:
+  [[nodiscard]] Factorization factorized(const Symbolic& symbolic, double s) const {
+    try {
+      return {symbolic, system.stiffness, s, system.mass};
+    } catch (const OutOfResources&) {
+      throw;
+    } catch (const NumericalFailure& failure) {
+      const auto why = precision_advice(system, s);
+      throw NumericalFailure(failure.what() + (why.empty() ? "" : ": " + why));
     }
-    return static_cast<int>(result.negative);
+  }
+
+  [[nodiscard]] Count counted(const Symbolic& symbolic, double low, double high) const {
+    try {
+      return counted_in_gap(symbolic, system, low, high);
+    } catch (const OutOfResources&) {
+      throw;
+    } catch (const NumericalFailure& failure) {
+      const auto why = precision_advice(system, low);
+      throw NumericalFailure(failure.what() + (why.empty() ? "" : ": " + why));
+    }
   }
 };
 
@@ -209,18 +224,6 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right
   return both;
 }
 
-void require_small(const ModesResult& result) {
-  for (Eigen::Index i = result.modes.rigid_count; i < result.modes.mode_count(); ++i) {
-    if (result.summary.residual(i) < kNotTrusted) continue;
-    std::ostringstream text;
-    text << "modes: the mode at " << result.modes.frequency_hz(i)
-         << " Hz solves its equation only to " << result.summary.residual(i)
-         << "; stiffnesses this far apart are beyond double precision: leave out the softest "
-            "springs, or hold what is stiff";
-    throw NumericalFailure(text.str());
-  }
-}
-
 ModesResult assembled(const System& system, const Found& found, Eigen::Index kept,
                       ModesSummary summary) {
   const auto rigid = system.rigid.cols();
@@ -229,22 +232,23 @@ ModesResult assembled(const System& system, const Found& found, Eigen::Index kep
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(rigid + kept);
   lambda.tail(kept) = found.lambda.head(kept);
   result.modes.rigid_count = rigid;
-  result.modes.shapes = beside(rigid > 0 ? system.rigid : Eigen::MatrixXd(found.shapes.rows(), 0),
-                               found.shapes.leftCols(kept));
+  result.modes.shapes = beside(rigid_motions(system), found.shapes.leftCols(kept));
   result.summary.clusters = clusters(lambda, rigid);
   result.modes.frequency_hz = lambda.cwiseMax(0.0).cwiseSqrt() / kTwoPi;
   result.modes.damping_ratio = Eigen::VectorXd::Zero(lambda.size());
   result.summary.residual.resize(rigid + kept);
   result.summary.residual << rigid_residuals(system, result.modes.shapes.leftCols(rigid)),
       found.residual.head(kept);
-  require_small(result);
+  result.summary.warnings = judged(system, found.lambda.head(kept), found.residual.head(kept));
   const Eigen::MatrixXd gram =
       result.modes.shapes.transpose() * (SymmetricProduct(system.mass) * result.modes.shapes);
   result.summary.orthogonality =
       (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
   if (!(result.summary.orthogonality < 1e-8)) {
-    throw NumericalFailure("modes: the shapes lost their orthogonality: max |ΦᵀMΦ − I| = " +
-                           std::to_string(result.summary.orthogonality));
+    throw NumericalFailure(
+        fmt::format("modes: the shapes lost their orthogonality: max |ΦᵀMΦ − I| = {:.2g}, expected "
+                    "less than 1e-8",
+                    result.summary.orthogonality));
   }
   return result;
 }
@@ -266,31 +270,24 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   Search search{system, options, progress, summary};
   const double s = shift(system, options);
   const auto rigid = static_cast<int>(system.rigid.cols());
-  auto found = search.find(symbolic, s, system.rigid, options.count, options.seed);
+  auto found = search.find(symbolic, s, rigid_motions(system), options.count, options.seed);
   auto kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
-  for (int attempt = 0; options.certificate; ++attempt) {
-    const double lambda = count_at(found.lambda, kept);
-    summary.counted = search.counted_below(symbolic, lambda);
-    summary.found = rigid + static_cast<int>((found.lambda.array() < lambda).count());
-    summary.counted_below_hz = std::sqrt(lambda) / kTwoPi;
-    summary.complete = summary.counted == summary.found;
-    if (summary.complete || attempt == kRestarts) break;
-    const int missing = summary.counted - summary.found;
+  while (options.certificate && !search.is_complete(symbolic, found, kept) &&
+         summary.restarts < kRestarts) {
+    const int missing = std::max(summary.counted - summary.found, 1);
+    const auto seed = options.seed + 1U + static_cast<unsigned>(summary.restarts++);
     merge(system, found,
-          search.find(symbolic, s, beside(system.rigid, found.shapes), std::max(missing, 1),
-                      options.seed + 1U + static_cast<unsigned>(attempt)));
+          search.find(symbolic, s, beside(rigid_motions(system), found.shapes), missing, seed));
     kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
   }
   if (options.certificate && !summary.complete) {
-    throw NumericalFailure("modes: below " + hz_text(summary.counted_below_hz) + " Hz " +
-                           std::to_string(summary.counted) + " modes were counted but " +
-                           std::to_string(summary.found) + " found");
+    throw NumericalFailure(fmt::format("modes: below {:.2f} Hz {} modes were counted but {} found",
+                                       summary.counted_below_hz, summary.counted, summary.found));
   }
   summary.text = options.certificate
-                     ? "modes below " + hz_text(summary.counted_below_hz) +
-                           " Hz: " + std::to_string(summary.found) + " found, " +
-                           std::to_string(summary.counted) + " counted"
-                     : "modes: " + std::to_string(rigid + kept) + " found, not counted";
+                     ? fmt::format("modes below {:.2f} Hz: {} found, {} counted",
+                                   summary.counted_below_hz, summary.found, summary.counted)
+                     : fmt::format("modes: {} found, not counted", rigid + kept);
   return assembled(system, found, kept, std::move(summary));
 }
 

@@ -31,9 +31,12 @@ struct ModesSummary {
   double orthogonality = 0.0;  ///< max |ΦᵀMΦ − I|
   bool complete = false;  ///< an inertia count proves that none below counted_below_hz is missed
   double counted_below_hz = 0.0;
-  int counted = 0, found = 0;     ///< eigenvalues below it, rigid ones included
-  std::vector<Cluster> clusters;  ///< of two and more
+  int counted = 0, found = 0;         ///< eigenvalues below it, rigid ones included
+  std::vector<Cluster> clusters;      ///< of two and more
+  std::vector<std::string> warnings;  ///< residuals that are above 1e-9 and not refused
   int block_steps = 0, solves = 0;
+  int restarts = 0;        ///< with new start blocks, where the count said that modes were missing
+  int count_attempts = 0;  ///< places of the shift, all counts together
   double forecast_bytes = 0.0;  ///< of memory beside K and M, from the pattern alone
   double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
   std::string text;  ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
@@ -54,7 +57,10 @@ struct ModesResult {
 ///
 /// @throws InvalidInput      K and M differ in shape, or there are fewer than `count` modes
 /// @throws OutOfResources    the factor does not fit (forecast from the symbolic analysis)
-/// @throws NumericalFailure  M is not positive definite, or the count cannot be met
+/// @throws NumericalFailure  M is not positive definite, K not semidefinite; a motion costs no
+///                           energy and is not among system.rigid (a mechanism); a residual is 1e-4
+///                           or more; the eigenvalues cannot be counted, or the count not be met
+/// @throws Interrupted       within about a second, except while METIS finds the order
 [[nodiscard]] ModesResult modes(const System& system, const ModesOptions& options = {},
                                 const Progress& progress = {});
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "base/interrupt.h"
 #include "base/parallel.h"
 
 namespace chladni::fem {
@@ -18,6 +19,7 @@ Eigen::VectorXd long_product(const SparseMatrix& a, const Eigen::Ref<const Eigen
   Eigen::Matrix<long double, Eigen::Dynamic, 1> y =
       Eigen::Matrix<long double, Eigen::Dynamic, 1>::Zero(a.rows());
   for (Eigen::Index column = 0; column < a.cols(); ++column) {
+    if (column % 65536 == 0) throw_if_interrupted();
     const long double at_column = x(column);
     long double sum = 0.0L;
     for (SparseMatrix::InnerIterator entry(a, column); entry; ++entry) {
@@ -77,6 +79,7 @@ Correction correction(const System& system, const Factorization& factor, double 
   Correction result{Matrix(shapes.rows(), shapes.cols()), Eigen::VectorXd(lambda.size())};
   constexpr Eigen::Index at_once = 8;
   for (Eigen::Index first = 0; first < lambda.size(); first += at_once) {
+    throw_if_interrupted();
     const auto count = std::min(at_once, lambda.size() - first);
     const auto values = lambda.segment(first, count);
     const Matrix inertia = mass * shapes.middleCols(first, count);
@@ -88,7 +91,7 @@ Correction correction(const System& system, const Factorization& factor, double 
     const Matrix mx = mass * x;
     for (Eigen::Index i = 0; i < count; ++i) {
       const double norm = std::sqrt(std::max(0.0, x.col(i).dot(mx.col(i))));
-      result.residual(first + i) = norm * (values(i) + s) / values(i);
+      result.residual(first + i) = std::abs(norm * (values(i) + s) / values(i));
     }
   }
   return result;

@@ -20,7 +20,8 @@ namespace chladni::fem {
 /// @param factor  of K + sM
 /// @param known   n×r: mass-orthonormal modes that the shapes are orthogonal to, the rigid ones
 ///                first of all; what rounding brings along them does not count
-/// @param lambda  m, positive; shapes n×m
+/// @param lambda  m; shapes n×m
+/// @return  m, none negative; infinite or NaN where λ is 0
 /// Cost: one solve per mode.
 /// Source: Ericsson and Ruhe (1980), Math. Comp. 35, 1251-1268; Grimes, Lewis and Simon (1994),
 /// SIAM J. Matrix Anal. Appl. 15, 228-272.

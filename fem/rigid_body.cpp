@@ -102,43 +102,41 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   return c;
 }
 
-// Energy of the orthonormal motions in springs and supports, and the size of what was summed, which
-// says how much of it is rounding: a link that does not stretch sums to zero only to that.
-struct Energy {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(6, 6);
-  double magnitude = 0.0;
-
-  void add(double stiffness, const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
-    sum += stiffness * a.transpose() * b;
-    magnitude += std::abs(stiffness) * a.norm() * b.norm();
-  }
-};
-
-Energy energy_of(const Motions& motions, const DofMap& dofs, const AttachmentTerms& attachments) {
-  Energy energy;
-  double stiff = 1.0;
-  for (const auto& term : attachments.stiffness) {
-    energy.add(term.value(), motions.row(term.row()), motions.row(term.col()));
-    if (term.row() != term.col()) {
-      energy.add(term.value(), motions.row(term.col()), motions.row(term.row()));
+// How far the six motions stretch each spring and move each held degree of freedom, relative to
+// what they could: a row per spring or support, whatever its stiffness. How stiff a spring is says
+// nothing about what it resists.
+Eigen::MatrixXd stretches(const Motions& motions, const DofMap& dofs,
+                          const AttachmentTerms& attachments) {
+  std::vector<Eigen::Matrix<double, 1, 6>> rows;
+  for (const auto& spring : attachments.springs) {
+    Eigen::Matrix<double, 1, 6> stretch = Eigen::Matrix<double, 1, 6>::Zero();
+    double most = 0.0;
+    for (const auto& [dof, factor] : spring.stretch) {
+      stretch += factor * motions.row(dof);
+      most += std::abs(factor) * motions.row(dof).norm();
     }
-    stiff = std::max(stiff, std::abs(term.value()));
+    if (most > 0.0) rows.emplace_back(stretch / most);
   }
-  // A support is a spring as stiff as the stiffest there is.
   for (Eigen::Index i = 0; i < dofs.free_dof.size(); ++i) {
-    if (dofs.free_dof(i) < 0) energy.add(stiff, motions.row(i), motions.row(i));
+    const double most = motions.row(i).norm();
+    if (dofs.free_dof(i) < 0 && most > 0.0) rows.emplace_back(motions.row(i) / most);
   }
-  return energy;
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(rows.size()), 6);
+  for (std::size_t i = 0; i < rows.size(); ++i) all.row(static_cast<Eigen::Index>(i)) = rows[i];
+  return all;
 }
 
-// What of the six orthonormal motions springs and supports let pass: the null space of their
-// energy, spanned by projections of the motions in their order.
-Eigen::MatrixXd costless(const Energy& energy) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(energy.sum);
-  const Eigen::Index count = (solver.eigenvalues().array() <= 1e-13 * energy.magnitude).count();
-  const Eigen::MatrixXd null = solver.eigenvectors().leftCols(count);
-  Eigen::MatrixXd chosen(energy.sum.cols(), 0);
-  for (Eigen::Index k = 0; k < energy.sum.cols() && chosen.cols() < count; ++k) {
+// What of the six orthonormal motions springs and supports let pass: the null space of what they
+// stretch, spanned by projections of the motions in their order.
+Eigen::MatrixXd costless(const Eigen::MatrixXd& stretches) {
+  // A link that does not stretch does so to the rounding of its lever (fem/attachment.cpp).
+  constexpr double kRounding = 1e-8;
+  if (stretches.rows() == 0) return Eigen::MatrixXd::Identity(6, 6);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(stretches, Eigen::ComputeFullV);
+  const Eigen::Index count = 6 - (svd.singularValues().array() > kRounding).count();
+  const Eigen::MatrixXd null = svd.matrixV().rightCols(count);
+  Eigen::MatrixXd chosen(6, 0);
+  for (Eigen::Index k = 0; k < 6 && chosen.cols() < count; ++k) {
     Eigen::VectorXd part = null * null.row(k).transpose();
     for (int pass = 0; pass < 2; ++pass) part -= chosen * (chosen.transpose() * part);
     if (part.norm() < 1e-6) continue;
@@ -147,10 +145,6 @@ Eigen::MatrixXd costless(const Energy& energy) {
   }
   return chosen;
 }
-
-}  // namespace
-
-namespace {
 
 // The six motions on all degrees of freedom, mass-orthonormal on the free ones.
 Motions six(const mesh::TetMesh& body, const System& system, const AttachmentTerms& attachments) {
@@ -176,7 +170,7 @@ Eigen::MatrixXd rigid_motions(const mesh::TetMesh& body, const System& system,
                               const AttachmentTerms& attachments) {
   const Motions all = six(body, system, attachments);
   const Eigen::MatrixXd free = free_rows(all, system.dofs);
-  const Eigen::MatrixXd passed = costless(energy_of(all, system.dofs, attachments));
+  const Eigen::MatrixXd passed = costless(stretches(all, system.dofs, attachments));
   if (passed.cols() == 6) return free;
   Eigen::MatrixXd left = free * passed;
   for (int pass = 0; pass < 2 && left.cols() > 0; ++pass) {
@@ -190,8 +184,8 @@ Suspension suspension(const mesh::TetMesh& body, const System& system,
                       const AttachmentTerms& attachments) {
   if (attachments.stiffness.empty() || system.rigid.cols() == 6) return {};
   const Motions all = six(body, system, attachments);
-  Eigen::MatrixXd passed = costless(energy_of(all, system.dofs, AttachmentTerms{}));
-  const Eigen::MatrixXd rigid = costless(energy_of(all, system.dofs, attachments));
+  Eigen::MatrixXd passed = costless(stretches(all, system.dofs, AttachmentTerms{}));
+  const Eigen::MatrixXd rigid = costless(stretches(all, system.dofs, attachments));
   passed -= rigid * (rigid.transpose() * passed);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(passed * passed.transpose());
   const Eigen::Index count = (solver.eigenvalues().array() > 0.5).count();

@@ -21,8 +21,8 @@ int main(int argc, char** argv) {
     std::string fault;
     try {
       const auto [found, summary] = fem::modes(body.system, body.options);
-      const int differing =
-          fem::differing_modes(found.frequency_hz, fem::dense_lambda(body.system));
+      const int differing = fem::differing_modes(
+          found.frequency_hz, fem::dense_lambda(body.system, found.mode_count()));
       modes += found.mode_count();
       repeated += static_cast<long>(summary.clusters.size());
       if (differing > 0) fault = std::to_string(differing) + " modes differ";
