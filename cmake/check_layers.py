@@ -30,7 +30,7 @@ DOORS = {
     r"zlib": ["io/gzip.cpp"],
     r"fftw3": ["identification/fft.cpp"],
     r".*\.hxx": ["io/step*.cpp"],
-    r"pybind11/": ["python/*.cpp", "python/rooms.h"],
+    r"pybind11/": ["python/*.cpp", "python/*.h"],
     r"nlopt": ["priors/optimum.cpp"],
     r"toml": ["app/study*.cpp"],
     r"CLI/": ["app/main.cpp"],
@@ -63,8 +63,18 @@ def faults_of(root):
                         yield f"{here}:{number}: {m[1]} belongs in {' or '.join(doors)}"
 
 
+def faults_of_tests(root):
+    """Two checkouts, or two users, may run the tests at once: no name in /tmp is the same for both."""
+    for file in sorted([*root.glob("tests/**/*.h"), *root.glob("tests/**/*.cpp")]):
+        statements = file.read_text().split(";")
+        for statement in statements:
+            if "temp_directory_path()" in statement and "getpid()" not in statement:
+                yield f"{file.relative_to(root)}: a temporary name without the process's number"
+
+
 def main():
-    faults = list(faults_of(pathlib.Path(sys.argv[1])))
+    root = pathlib.Path(sys.argv[1])
+    faults = [*faults_of(root), *faults_of_tests(root)]
     print("\n".join(faults) or "layers hold")
     return bool(faults)
 

@@ -2,6 +2,7 @@
 #include "app/study.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -312,7 +313,8 @@ TEST(StudyRefuses, PathsThatLeaveTheFolder) {
 }
 
 TEST(StudyRefuses, ASymbolicLinkOutOfTheFolder) {
-  const fs::path folder = fs::temp_directory_path() / "chladni_study_test_link";
+  const fs::path folder =
+      fs::temp_directory_path() / ("chladni_study_test_link_" + std::to_string(getpid()));
   fs::remove_all(folder);
   fs::create_directories(folder);
   fs::create_symlink("/etc", folder / "inside");
@@ -326,7 +328,8 @@ TEST(StudyRefuses, GeometryFilesThatAreMissingOrHaveNoUnit) {
   const std::string plate =
       R"({ plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } })";
   EXPECT_TRUE(says(refusal(changed(plate, R"({ file = "table.step" })")), "does not exist"));
-  const fs::path folder = fs::temp_directory_path() / "chladni_study_test_file";
+  const fs::path folder =
+      fs::temp_directory_path() / ("chladni_study_test_file_" + std::to_string(getpid()));
   fs::create_directories(folder);
   std::ofstream(folder / "table.stl") << "solid";
   const auto said = [&](const std::string& geometry) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <complex>
@@ -18,7 +19,8 @@ namespace chladni::io {
 /// A file of that name that is gone afterwards.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& name)
-      : path(std::filesystem::temp_directory_path() / ("chladni_" + name)) {}
+      : path(std::filesystem::temp_directory_path() /
+             ("chladni_" + std::to_string(getpid()) + "_" + name)) {}
   ~TemporaryFile() {
     std::error_code ignored;
     std::filesystem::remove(path, ignored);

@@ -1,6 +1,7 @@
 #include "io/shape_table.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -23,7 +24,8 @@ TEST(ShapeTable, ReadsModesByLineAndChannelsByColumn) {
 }
 
 TEST(ShapeTable, ReadsBackWhatItWrote) {
-  const auto file = std::filesystem::temp_directory_path() / "chladni_shape_table_test.csv";
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("chladni_shape_table_" + std::to_string(getpid()) + ".csv");
   ShapeTable table{{"a", "b"},
                    Eigen::Vector2d(1.0 / 3.0, 20.0),
                    Eigen::Vector2d(0.0, 0.1),

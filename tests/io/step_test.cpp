@@ -2,6 +2,7 @@
 #include "io/step.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -109,7 +110,8 @@ TEST_F(Step, RefusesWhatIsNotOneSolid) {
 }
 
 TEST_F(Step, RefusesWhatIsNoStepOrCutOff) {
-  const auto folder = std::filesystem::temp_directory_path() / "chladni_step_test";
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("chladni_step_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   const auto written = [&](const std::string& bytes) {
     std::ofstream(folder / "bad.stp", std::ios::binary) << bytes;

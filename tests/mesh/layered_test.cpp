@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <chrono>
+#include <ctime>
 #include <limits>
 #include <numbers>
 
@@ -83,10 +83,10 @@ TEST(LayeredPlate, EdgesAreAsAsked) {
 }
 
 TEST(LayeredPlate, ThinOnesTakeMilliseconds) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   const TetMesh mesh = layered(Plate{0.6, 0.6, 0.02}, 0.02, 1);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  EXPECT_LT(seconds.count(), 0.25);  // 2 ms on a quiet core
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  EXPECT_LT(seconds, 0.25) << "of this process's own time; 2 ms are usual";
   EXPECT_NO_THROW(check(layered(Plate{10.0, 10.0, 0.001}, 0.5, 1)));
   EXPECT_NO_THROW(check(layered(Plate{0.5, 0.02, 0.002}, 0.1, 1)));
 }
