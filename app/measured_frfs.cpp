@@ -129,6 +129,8 @@ MeasuredFrfs measured_frfs(const Study& study, Run& run) {
               "time = \"recorded.csv\"");
   const auto& plan = *study.measurement;
   const auto& path = plan.frf.empty() ? plan.time : plan.frf;
+  require(std::filesystem::exists(path),
+          path.string() + ": there is no such file" + source_text(plan));
   auto set =
       plan.frf.empty() ? estimated_responses(study, path, run) : read_responses(study, path, run);
   const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), run);

@@ -139,7 +139,11 @@ struct MeasurementPlan {
   double noise = 0.01;  ///< of a shape's value over its root mean square, where none is stated
   int modes = 0;  ///< flexible ones of `truth` that are measured; 0: those in view, at most 12
   std::vector<std::string> hold_out;  ///< names of channels that no fit may see
+  std::string source;  ///< where the files are to be had that do not come with the study; or empty
 };
+
+/// "; it does not come with the study: SOURCE"; empty where the plan states none.
+[[nodiscard]] std::string source_text(const MeasurementPlan& plan);
 
 /// A virtual experiment (docs/reference/experiments.md).
 struct ExperimentPlan {

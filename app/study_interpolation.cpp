@@ -16,14 +16,18 @@ std::vector<std::string> method_names() {
 
 }  // namespace
 
-std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
-                                std::string_view key) {
+std::string source_text(const MeasurementPlan& plan) {
+  return plan.source.empty() ? "" : "; it does not come with the study: " + plan.source;
+}
+
+std::filesystem::path read_path(TableReader& table, const StudyFolder& folder, std::string_view key,
+                                const std::string& hint) {
   const auto text = table.text(key);
   if (!text) return {};
   try {
     return folder.resolved(*text);
   } catch (const InvalidInput& e) {
-    table.wrong(*table.find(key), table.name(key) + ": " + e.what());
+    table.wrong(*table.find(key), table.name(key) + ": " + e.what() + hint);
     return {};
   }
 }
@@ -32,9 +36,10 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   auto table = root.table("measurement");
   if (!table) return;
   auto& plan = study.measurement.emplace();
-  plan.frf = read_path(*table, folder, "frf");
-  plan.time = read_path(*table, folder, "time");
-  plan.shapes = read_path(*table, folder, "shapes");
+  plan.source = table->text("source").value_or("");
+  plan.frf = read_path(*table, folder, "frf", source_text(plan));
+  plan.time = read_path(*table, folder, "time", source_text(plan));
+  plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
   plan.truth = read_path(*table, folder, "truth");
   for (const auto& [key, path] :
        {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),

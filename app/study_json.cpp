@@ -230,7 +230,8 @@ io::Json measurement_json(const MeasurementPlan& plan) {
                         {"truth", plan.truth.filename().string()},
                         {"noise", plan.noise},
                         {"modes", plan.modes},
-                        {"hold_out", io::Json::texts(plan.hold_out)}};
+                        {"hold_out", io::Json::texts(plan.hold_out)},
+                        {"source", plan.source}};
 }
 
 io::Json experiment_json(const ExperimentPlan& plan) {

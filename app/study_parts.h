@@ -37,9 +37,10 @@ void read_priors(TableReader& root, Study& study);
 void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
 void read_expectations(TableReader& root, Study& study);
 
-/// The path of `key`; empty where it is not there. One that leads elsewhere is a problem.
+/// The path of `key`; empty where it is not there. One that leads elsewhere is a problem, and
+/// `hint` ends its message.
 [[nodiscard]] std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
-                                              std::string_view key);
+                                              std::string_view key, const std::string& hint = {});
 
 /// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);

@@ -7,12 +7,16 @@
 namespace chladni::app {
 namespace {
 
-// `simulate` may yet have to write the responses.
-bool is_there(const MeasurementPlan& plan) {
-  const auto missing = [](const auto& path) {
-    return !path.empty() && !std::filesystem::exists(path);
-  };
-  return has_shapes(plan) && !missing(plan.frf) && !missing(plan.time);
+// Whether there is something measured; says which file is missing: `simulate` may yet have to write
+// it, or it does not come with the study.
+bool is_there(const MeasurementPlan& plan, Run& run) {
+  for (const auto& path : {plan.frf, plan.time}) {
+    if (path.empty() || std::filesystem::exists(path)) continue;
+    run.talk().warn(path.string() + ": there is no such file; what needs it is left out" +
+                    source_text(plan));
+    return false;
+  }
+  return has_shapes(plan);
 }
 
 void run(const Study& study, Run& run) {
@@ -27,7 +31,7 @@ void run(const Study& study, Run& run) {
     leave_placement(study, solution, *placement, run, false);
   }
   std::optional<Interpolated> shapes;
-  const bool measured = study.measurement && is_there(*study.measurement);
+  const bool measured = study.measurement && is_there(*study.measurement, run);
   if (measured && (study.interpolation || !study.diagnosis)) {
     shapes = interpolated(study, solution, run);
     run.show("\n" + interpolation_table(*shapes));
