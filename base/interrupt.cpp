@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <exception>
 
 #include "base/error.h"
 
@@ -46,7 +47,9 @@ NotedInterrupts::NotedInterrupts() {
 
 NotedInterrupts::~NotedInterrupts() {
   sigaction(SIGINT, &before_, nullptr);
+  const bool unanswered = noted_signal != 0 && std::uncaught_exceptions() == 0;
   noted_signal = 0;
+  if (unanswered) std::raise(SIGINT);
 }
 
 bool interrupted() { return noted_signal != 0; }

@@ -10,7 +10,8 @@ namespace chladni {
 void catch_interrupts();
 
 /// For a host, such as Python, that has a handler of its own and lives on: SIGINT is noted while
-/// this lives, however often it comes, and the host's handler is back afterwards.
+/// this lives, however often it comes, and the host's handler is back afterwards. It gets a signal
+/// that nothing was thrown for.
 class NotedInterrupts {
  public:
   NotedInterrupts();
