@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "app/command.h"
+#include "app/version.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 
@@ -123,7 +124,7 @@ io::JsonArray channels_json(const std::vector<modal::MeasuredChannel>& channels,
 io::Json summary(const std::filesystem::path& path, const io::FrfFile& file) {
   const auto& set = file.set;
   const Index lines = set.line_count();
-  return io::JsonObject{{"chladni", CHLADNI_VERSION},
+  return io::JsonObject{{"chladni", version()},
                         {"file", path.string()},
                         {"format", file.format},
                         {"holds", "frequency responses"},
@@ -159,7 +160,7 @@ void show(const std::filesystem::path& path, const io::FrfFile& file, std::ostre
 
 io::Json summary(const std::filesystem::path& path, const io::TimeFile& file) {
   const auto& data = file.data;
-  return io::JsonObject{{"chladni", CHLADNI_VERSION},
+  return io::JsonObject{{"chladni", version()},
                         {"file", path.string()},
                         {"format", file.format},
                         {"holds", "recordings"},

@@ -3,12 +3,16 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
+#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "app/origin.h"
 #include "app/output_folder.h"
 #include "app/study.h"
 #include "app/terminal.h"
@@ -38,6 +42,13 @@ class Run {
  public:
   /// @throws as OutputFolder
   Run(const Study& study, Options options, std::ostream& results, Talk& talk);
+  /// Says which results in the folder are of another state of the study than what was left now. A
+  /// report of another state is kept as report_before.html.
+  ~Run();
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+  Run(Run&&) = delete;
+  Run& operator=(Run&&) = delete;
 
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] unsigned seed() const { return seed_; }
@@ -76,7 +87,19 @@ class Run {
   /// seconds); the one that `--json` prints is the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
 
+  /// Has `draw` paint the picture `file`, unless pictures are not wanted. One that cannot be
+  /// painted is a warning, and no earlier one of its name is left.
+  void paint(const std::string& file,
+             const std::function<void(const std::filesystem::path& png)>& draw);
+  /// Whether this run painted it.
+  [[nodiscard]] bool has_painted(const std::string& file) const { return painted_.contains(file); }
+  /// The fingerprints that results of this run carry: of the study, of the body's file and, with
+  /// `measured`, of the files of what was measured. Each file is read once.
+  [[nodiscard]] Origin origin(bool measured);
+
  private:
+  void put_outdated_aside();
+
   const Study& study_;
   Options options_;
   std::ostream& results_;
@@ -85,6 +108,10 @@ class Run {
   unsigned seed_;
   std::vector<std::pair<std::string, double>> seconds_;
   std::string part_;
+  std::map<std::filesystem::path, std::string> fingerprint_;
+  std::set<std::string> painted_;
+  std::string last_fault_;  // of a picture
+  bool has_left_ = false;
 };
 
 struct Command {

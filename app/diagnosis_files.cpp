@@ -67,7 +67,7 @@ Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::Vector
   return result;
 }
 
-void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
+void leave_map(const Study& study, const Diagnosed& one, Run& run) {
   const Solution& solution = one.before;
   const auto& surface = one.structure.surface;
   const auto& map = one.result.map;
@@ -97,7 +97,7 @@ void leave_map(const Study& study, const Diagnosed& one, const Run& run) {
   }
   picture.star = "the cause";
   picture.markers = markers_of(study, solution.model);
-  io::draw_heat_map(run / "cause_map.png", picture);
+  run.paint("cause_map.png", [&](const auto& png) { io::draw_heat_map(png, picture); });
 }
 
 }  // namespace
@@ -106,15 +106,16 @@ void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool ma
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
-  if (!run.options().pictures) return;
   const auto& after =
       one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
   const auto seen = [&](Index i, Index j) {
     return std::ranges::binary_search(one.measured.outputs, i) &&
            std::ranges::binary_search(one.measured.inputs, j);
   };
-  draw_responses(run / "prediction.png", one.measured.all, one.predictions.before, after, seen);
-  draw_mac(run / "mac.png", one.comparison);
+  run.paint("prediction.png", [&](const auto& png) {
+    draw_responses(png, one.measured.all, one.predictions.before, after, seen);
+  });
+  run.paint("mac.png", [&](const auto& png) { draw_mac(png, one.comparison); });
 }
 
 }  // namespace chladni::app

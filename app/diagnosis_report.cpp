@@ -74,7 +74,7 @@ void add_modes(io::Section& section, const diagnosis::ModeComparison& modes) {
 }
 
 void add_picture(io::Section& section, const Run& run, const char* file, const char* caption) {
-  if (!run.options().pictures) return;
+  if (!run.has_painted(file)) return;
   const auto picture = io::picture_section("", run / file, caption);
   section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
 }

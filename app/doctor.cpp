@@ -2,13 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <ostream>
+#include <vector>
 
 #include "app/command.h"
+#include "app/version.h"
+#include "app/workers.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -37,19 +39,17 @@ Finding kernel() {
                : now};
 }
 
-Finding worker(const std::string& name, const std::string& serves) {
+Finding found(const Worker& worker) {
+  const std::string name(worker.name);
+  const std::string serves(worker.serves);
+  if (!worker.built) return {true, name, "not built: no " + serves};
   try {
-    return {true, name, worker_path(name).string()};
+    const auto program = worker_path(name);
+    try_worker(program);
+    return {true, name, program.string()};
   } catch (const WorkerDied& e) {
     return {false, name, serves + " will not work: " + e.what()};
   }
-}
-
-/// STEP is there where OpenCASCADE was when Chladni was built.
-Finding step_reader() {
-  auto finding = worker("chladni-step", "reading of .step");
-  if (!finding.good) finding = {true, "chladni-step", "not built: .step and .stp cannot be read"};
-  return finding;
 }
 
 bool on_path(const std::string& program) {
@@ -67,8 +67,8 @@ bool on_path(const std::string& program) {
 Finding display() {
   const char* name = std::getenv("DISPLAY");
   if (name != nullptr && *name != '\0') return {true, "display", name};
-  if (on_path("xvfb-run")) return {true, "display", "none; pictures are painted under xvfb-run"};
-  return {false, "display", "none, and no xvfb-run: no pictures; apt-get install xvfb xauth"};
+  if (on_path("Xvfb")) return {true, "display", "none; pictures are painted on an Xvfb"};
+  return {false, "display", "none, and no Xvfb: no pictures; apt-get install xvfb"};
 }
 
 Finding units() {
@@ -102,18 +102,12 @@ Finding memory() {
 }  // namespace
 
 int doctor(std::ostream& results) {
-  const std::array findings = {Finding{true, "chladni", CHLADNI_VERSION},
-                               kernel(),
-                               Finding{true, "threads", std::to_string(thread_count())},
-                               memory(),
-                               worker("chladni-tetgen", "meshing of surfaces"),
-                               worker("chladni-vtu", "reading of .vtu"),
-                               worker("chladni-mat", "reading of .mat"),
-                               step_reader(),
-                               worker("chladni-painter", "painting"),
-                               display(),
-                               units(),
-                               modes_of_a_plate()};
+  std::vector<Finding> findings = {{true, "chladni", version()},
+                                   kernel(),
+                                   {true, "threads", std::to_string(thread_count())},
+                                   memory()};
+  for (const auto& worker : kWorkers) findings.push_back(found(worker));
+  findings.insert(findings.end(), {display(), units(), modes_of_a_plate()});
   bool good = true;
   for (const auto& finding : findings) {
     good = good && finding.good;

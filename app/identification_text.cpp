@@ -309,8 +309,10 @@ void leave_identification(const Study& study, const IdentifiedModel& model, Run&
                     model.match.shapes, model.match.deviation});
   if (run.options().pictures) {
     tell(run.talk().progress(), "drawing");
-    draw_fit(model, run / "fit.png");
-    if (!model.stabilisation.empty()) draw_stabilisation(model, run / "stabilisation.png");
+    run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
+    if (!model.stabilisation.empty()) {
+      run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
+    }
   }
   run.leave("identified.json", identified_json(model), main_result);
 }

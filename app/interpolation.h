@@ -95,7 +95,7 @@ struct Interpolated {
 /// points of interest.
 void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
 /// predicted.png beside predicted.csv.
-[[nodiscard]] std::filesystem::path predictions_picture(const std::string& file, const Run& run);
+[[nodiscard]] std::string predictions_picture(const std::string& file);
 /// At most 24 of them, over what was measured there.
 /// @param predicted  with variances
 void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,

@@ -50,7 +50,7 @@ std::vector<io::Marker> measured_markers(const Interpolated& result) {
 }
 
 // Where each shape is not known: one panel per mode.
-void leave_picture(const Interpolated& result, const Run& run) {
+void leave_picture(const Interpolated& result, Run& run) {
   const auto& shown = result.methods.front();
   const auto& area = result.simulation.area;
   io::LayoutsPicture picture{
@@ -70,7 +70,7 @@ void leave_picture(const Interpolated& result, const Run& run) {
          fmt::format("largest {:.3g} %", 100.0 * part.maxCoeff()),
          (1.0 - part.min(1.0).sqrt()).matrix(), markers});
   }
-  io::draw_layouts(run / "mode_field.png", picture);
+  run.paint("mode_field.png", [&](const auto& png) { io::draw_layouts(png, picture); });
 }
 
 // A grid over the body as seen from above, for a real-time target.

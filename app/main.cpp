@@ -1,10 +1,13 @@
 // The command line: one verb per step of the flow, one study file, one output folder.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "app/command.h"
+#include "app/version.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
@@ -33,14 +36,20 @@ enum ExitCode {
   kInterrupted = 130
 };
 
-/// Runs `work` and turns what it throws into a message and an exit code.
+/// Runs `work` and turns whatever it throws into a message and an exit code.
 int guarded(app::Talk& talk, const std::function<int()>& work) {
   const auto failed = [&](const std::exception& e, ExitCode code) {
     talk.error(e.what());
     return code;
   };
+  const auto unforeseen = [&](const std::string& what) {
+    talk.error("chladni cannot go on: " + what + "; this is a fault of Chladni " + app::version());
+    return kNumericalFailure;
+  };
   try {
-    return work();
+    const int status = work();
+    talk.clear_progress();
+    return status;
   } catch (const chladni::InvalidInput& e) {
     return failed(e, kInvalidInput);
   } catch (const chladni::Interrupted& e) {
@@ -54,6 +63,17 @@ int guarded(app::Talk& talk, const std::function<int()>& work) {
   } catch (const std::bad_alloc&) {
     talk.error("out of memory; choose a longer mesh.edge_length or a lower mesh.order");
     return kOutOfResources;
+  } catch (const std::filesystem::filesystem_error& e) {
+    const bool named = !e.path1().empty();
+    talk.error((named ? e.path1().string() + ": " : "") + e.code().message() +
+               "; expected a path that can be used");
+    return kInvalidInput;
+  } catch (const std::system_error& e) {
+    return failed(e, kOutOfResources);
+  } catch (const std::exception& e) {
+    return unforeseen(e.what());
+  } catch (...) {
+    return unforeseen("it met an error without a name");
   }
 }
 
@@ -142,16 +162,12 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& sta
   doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  chladni::fem::use_best_blas_kernel(argv);
-  chladni::catch_interrupts();
+/// The command line: reads `argv`, runs the verb in it.
+int answer(int argc, char** argv, app::Talk& talk) {
   CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
   cli.name("chladni");
   cli.require_subcommand(1);
-  cli.set_version_flag("--version", std::string("chladni ") + CHLADNI_VERSION);
-  app::Talk talk(std::cerr, app::manner_of_stderr(false));
+  cli.set_version_flag("--version", "chladni " + app::version());
   std::filesystem::path file;
   app::Options options;
   OtherVerbs other;
@@ -168,4 +184,15 @@ int main(int argc, char** argv) {
     return cli.exit(e, std::cout, std::cerr) == 0 ? kDone : kUsage;
   }
   return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  app::Talk talk(std::cerr, app::manner_of_stderr(false));
+  return guarded(talk, [&] {
+    chladni::fem::use_best_blas_kernel(argv);
+    chladni::catch_interrupts();
+    return answer(argc, argv, talk);
+  });
 }

@@ -19,10 +19,10 @@ void leave_modes(const Study& study, const Solution& solution, Run& run) {
                                             std::to_string(modes.mode_count()) + " modes");
     io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
   }
-  if (!run.options().pictures) return;
-  tell(run.talk().progress(), "painting the modes");
-  io::draw_modes(run / "modes.png", model.body, modes, study.title, markers, 9,
-                 solution.summary.clusters);
+  if (run.options().pictures) tell(run.talk().progress(), "painting the modes");
+  run.paint("modes.png", [&](const auto& png) {
+    io::draw_modes(png, model.body, modes, study.title, markers, 9, solution.summary.clusters);
+  });
 }
 
 namespace {

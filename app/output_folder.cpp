@@ -46,7 +46,8 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder)
     : folder_(folder), lock_(folder / ".chladni.lock") {
   std::error_code fault;
   std::filesystem::create_directories(folder, fault);
-  require(std::filesystem::is_directory(folder),
+  std::error_code ignored;
+  require(std::filesystem::is_directory(folder, ignored),
           "cannot make the output folder " + folder.string() + ": " +
               (fault ? fault.message() : "something else has that name") +
               "; choose another with -o");

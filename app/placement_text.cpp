@@ -310,9 +310,11 @@ void leave_placement(const Study& study, const Solution& solution, const Placed&
   leave_fields(solution, placed, study.title, run);
   if (!run.options().pictures) return;
   tell(run.talk().progress(), "painting the heat map");
-  io::draw_heat_map(run / "heat_map.png", picture_of(study, solution, placed));
+  run.paint("heat_map.png",
+            [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, placed)); });
   const auto layouts = layouts_picture(study, placed);
-  if (!layouts.panels.empty()) io::draw_layouts(run / "layouts.png", layouts);
+  if (layouts.panels.empty()) return;
+  run.paint("layouts.png", [&](const auto& png) { io::draw_layouts(png, layouts); });
 }
 
 }  // namespace chladni::app

@@ -342,7 +342,8 @@ void leave_predictions(const Interpolated& result, const std::string& file, Run&
   }
   const auto stem = std::filesystem::path(file).stem().string();
   write_atomically(run / (stem + "_band.csv"), io::frf_csv(receptance));
-  if (run.options().pictures) draw_predictions(model, receptance, predictions_picture(file, run));
+  run.paint(predictions_picture(file),
+            [&](const auto& png) { draw_predictions(model, receptance, png); });
   receptance.variance.clear();
   write_atomically(run / file, io::frf_csv(receptance));
   leave_state_space(model, names, interest, run);

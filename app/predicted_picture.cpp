@@ -63,8 +63,8 @@ io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::In
 
 }  // namespace
 
-std::filesystem::path predictions_picture(const std::string& file, const Run& run) {
-  return run / (std::filesystem::path(file).stem().string() + ".png");
+std::string predictions_picture(const std::string& file) {
+  return std::filesystem::path(file).stem().string() + ".png";
 }
 
 void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,

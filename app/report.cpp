@@ -1,11 +1,16 @@
 // report.html: what exists so far, on one page.
 #include "app/report.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
 
 #include "app/percent.h"
+#include "app/version.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
 #include "io/report.h"
@@ -58,14 +63,14 @@ io::Table layouts_table(const Placed& placement) {
 
 io::Section placement_section(const Solution& solution, const Placed& placement, const Run& run) {
   io::Section section{"Placement", {}};
-  if (run.options().pictures) {
+  if (run.has_painted("heat_map.png")) {
     const auto picture = io::picture_section("", run / "heat_map.png",
                                              std::string(placement.criterion->summary) + ".");
     section.blocks = picture.blocks;
   }
   section.blocks.emplace_back(best_table(solution, placement));
   if (!placement.layouts.empty()) section.blocks.emplace_back(layouts_table(placement));
-  if (run.options().pictures && !placement.layouts.empty()) {
+  if (run.has_painted("layouts.png")) {
     const auto picture = io::picture_section(
         "", run / "layouts.png", "Where shapes interpolated from each layout will be wrong.");
     section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
@@ -110,7 +115,7 @@ io::Table methods_table(const Interpolated& shapes) {
 
 io::Section identification_section(const IdentifiedModel& model, const Run& run) {
   io::Section section{"Modal model of the measured responses", {}};
-  if (run.options().pictures) {
+  if (run.has_painted("fit.png")) {
     section.blocks = io::picture_section("", run / "fit.png",
                                          "What the fit leaves of the responses stands below them.")
                          .blocks;
@@ -143,18 +148,19 @@ io::Section identification_section(const IdentifiedModel& model, const Run& run)
 io::Section shapes_section(const Study& study, const Interpolated& shapes, const Run& run) {
   io::Section section{"Shapes between the sensors", {}};
   const auto& shown = shapes.methods.front();
-  if (run.options().pictures) {
+  if (run.has_painted("mode_field.png")) {
     const auto picture = io::picture_section(
         "", run / "mode_field.png",
         std::string("How well each shape is known: ") + shown.method->summary + ".");
     section.blocks = picture.blocks;
-    const auto plan = study.interpolation.value_or(InterpolationPlan{});
-    const auto responses = predictions_picture(plan.predicted, run);
-    if (shapes.measured.identified && std::filesystem::exists(responses)) {
-      const auto more = io::picture_section(
-          "", responses, "Responses at the sensors that no fit saw and at the points of interest.");
-      section.blocks.insert(section.blocks.end(), more.blocks.begin(), more.blocks.end());
-    }
+  }
+  const auto responses =
+      predictions_picture(study.interpolation.value_or(InterpolationPlan{}).predicted);
+  if (run.has_painted(responses)) {
+    const auto more = io::picture_section(
+        "", run / responses,
+        "Responses at the sensors that no fit saw and at the points of interest.");
+    section.blocks.insert(section.blocks.end(), more.blocks.begin(), more.blocks.end());
   }
   section.blocks.emplace_back(methods_table(shapes));
   for (const auto& note : shown.field->summary().notes) {
@@ -163,14 +169,41 @@ io::Section shapes_section(const Study& study, const Interpolated& shapes, const
   return section;
 }
 
-io::Section provenance_of(const Study& study, const Run& run) {
-  std::vector<std::pair<std::string, std::string>> lines = {
-      {"chladni", CHLADNI_VERSION},
-      {"study", study.title},
-      {"sha256 of the study", study.sha256},
-      {"BLAS kernel", fem::blas_kernel()},
-      {"threads", std::to_string(thread_count())},
-      {"seed", std::to_string(run.seed())}};
+// "isotropic: youngs_modulus 7e+10, poissons_ratio 0.33, density 2700 (SI)".
+std::string material_text(const StudyMaterial& material) {
+  std::string text = (material.region.empty() ? "" : material.region + ", ") + material.symmetry;
+  const char* before = ": ";
+  for (const auto& [name, value] : material.constants) {
+    text += fmt::format("{}{} {:.6g}", before, name, value);
+    before = ", ";
+  }
+  return text + " (SI)";
+}
+
+// When the report was made, in UTC: SOURCE_DATE_EPOCH where that is set, as for any file that is to
+// be the same again (reproducible-builds.org/specs/source-date-epoch).
+std::string date_text() {
+  std::time_t seconds = std::time(nullptr);
+  if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated != nullptr) {
+    const std::string_view text = stated;
+    static_cast<void>(std::from_chars(text.data(), text.data() + text.size(), seconds));
+  }
+  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(seconds));
+}
+
+io::Section provenance_of(const Study& study, Run& run) {
+  std::vector<std::pair<std::string, std::string>> lines = {{"chladni", version()},
+                                                            {"study", study.title}};
+  if (!run.options().reproducible) lines.emplace_back("date", date_text());
+  for (const auto& material : study.materials) {
+    lines.emplace_back("material", material_text(material));
+  }
+  const Origin origin = run.origin(true);
+  lines.emplace_back("sha256 of the study", origin.study);
+  for (const auto& [file, digits] : origin.inputs) lines.emplace_back("sha256 of " + file, digits);
+  lines.insert(lines.end(), {{"BLAS kernel", fem::blas_kernel()},
+                             {"threads", std::to_string(thread_count())},
+                             {"seed", std::to_string(run.seed())}});
   for (const auto& [step, time] : run.seconds()) {
     lines.emplace_back("seconds, " + step, fmt::format("{:.2f}", time));
   }
@@ -187,7 +220,7 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   report.warnings = solution.introduction.warnings;
   report.sections.push_back(io::modes_section(model.body, solution.modes, solution.summary,
                                               solution.frequency_error, markers_of(study, model)));
-  if (run.options().pictures) {
+  if (run.has_painted("modes.png")) {
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));
   }

@@ -3,11 +3,18 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <fstream>
+
+#include "base/error.h"
 
 namespace chladni::app {
 namespace {
 
 using State = std::array<std::uint32_t, 8>;
+
+constexpr State kStart = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                          0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+constexpr std::size_t kPiece = std::size_t{1} << 20U;  // whole blocks
 
 // The first 32 bits of the fractional parts of the cube roots of the first 64 primes.
 constexpr std::array<std::uint32_t, 64> kRound = {
@@ -20,11 +27,14 @@ constexpr std::array<std::uint32_t, 64> kRound = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-std::string padded(std::string_view bytes) {
-  std::string all(bytes);
+constexpr std::size_t kBlock = 64;
+
+// The end of a message of `length` bytes: what is left over, a one, zeros, the length in bits.
+std::string padded(std::string_view left_over, std::uint64_t length) {
+  std::string all(left_over);
   all.push_back('\x80');
-  while (all.size() % 64 != 56) all.push_back('\0');
-  const std::uint64_t bits = std::uint64_t{8} * bytes.size();
+  while (all.size() % kBlock != 56) all.push_back('\0');
+  const std::uint64_t bits = 8 * length;
   for (int shift = 56; shift >= 0; shift -= 8) {
     all.push_back(static_cast<char>((bits >> static_cast<unsigned>(shift)) & 0xffU));
   }
@@ -59,15 +69,14 @@ void mix(State& state, std::string_view block) {
   for (std::size_t i = 0; i < 8; ++i) state[i] += mixed[i];
 }
 
-}  // namespace
+// Mixes whole blocks; the bytes after them.
+std::string_view mixed_blocks(State& state, std::string_view bytes) {
+  for (; bytes.size() >= kBlock; bytes.remove_prefix(kBlock)) mix(state, bytes.substr(0, kBlock));
+  return bytes;
+}
 
-std::string sha256(std::string_view bytes) {
-  State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  const std::string all = padded(bytes);
-  for (std::size_t at = 0; at < all.size(); at += 64) {
-    mix(state, std::string_view(all).substr(at, 64));
-  }
+std::string digits_of(State state, std::string_view left_over, std::uint64_t length) {
+  mixed_blocks(state, padded(left_over, length));
   std::string digits;
   for (const auto word : state) {
     for (int shift = 28; shift >= 0; shift -= 4) {
@@ -75,6 +84,29 @@ std::string sha256(std::string_view bytes) {
     }
   }
   return digits;
+}
+
+}  // namespace
+
+std::string sha256(std::string_view bytes) {
+  State state = kStart;
+  const std::string_view left_over = mixed_blocks(state, bytes);
+  return digits_of(state, left_over, bytes.size());
+}
+
+std::string sha256_of_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  State state = kStart;
+  std::uint64_t length = 0;
+  std::string piece(kPiece, '\0');
+  std::string_view left_over;
+  while (stream.read(piece.data(), static_cast<std::streamsize>(kPiece)) || stream.gcount() > 0) {
+    const auto count = static_cast<std::size_t>(stream.gcount());
+    length += count;
+    left_over = mixed_blocks(state, std::string_view(piece).substr(0, count));
+  }
+  require(stream.eof(), file.string() + ": cannot be read; expected a file that can");
+  return digits_of(state, left_over, length);
 }
 
 }  // namespace chladni::app

@@ -1,5 +1,7 @@
 #include "app/study.h"
 
+#include <system_error>
+
 #include "app/sha256.h"
 #include "app/study_parts.h"
 #include "base/atomic_file.h"
@@ -30,7 +32,10 @@ std::string name_of(const fs::path& file) {
 
 fs::path StudyFolder::resolved(const std::string& text) const {
   const fs::path wanted = fs::path(text).is_absolute() ? fs::path(text) : folder / text;
-  const fs::path real = fs::weakly_canonical(wanted);
+  std::error_code fault;  // a name that is too long, a loop of links
+  const fs::path real = fs::weakly_canonical(wanted, fault);
+  require(!fault, "the path \"" + text + "\" cannot be used: " + fault.message() +
+                      "; expected a file below the study's folder");
   if (is_below(real, fs::weakly_canonical(folder))) return wanted;
   for (const auto& other : allowed) {
     if (is_below(real, fs::weakly_canonical(other))) return real;
@@ -77,8 +82,10 @@ Study parse_study(std::string_view bytes, const fs::path& file,
 }
 
 Study read_study(const fs::path& file, const std::vector<fs::path>& allowed) {
-  require(!fs::is_directory(file), file.string() + " is a folder; expected a study, such as " +
-                                       (file / "study.toml").string());
+  std::error_code ignored;  // read_whole says what is wrong with it
+  require(
+      !fs::is_directory(file, ignored),
+      file.string() + " is a folder; expected a study, such as " + (file / "study.toml").string());
   return parse_study(read_whole(file, kLargestStudy), file, allowed);
 }
 

@@ -96,7 +96,10 @@ MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
   const std::filesystem::path worker = worker_path("chladni-mat");
   try {
     const std::vector<std::string> arguments{file.string(), std::to_string(limit_bytes)};
-    return file_of(message(run_worker(worker, arguments, "", limits(limit_bytes)).output));
+    const auto result = run_worker(worker, arguments, "", limits(limit_bytes));
+    return reply_of(worker, [&] { return file_of(message(result.output)); });
+  } catch (const UnusableReply&) {
+    throw;
   } catch (const WorkerDied& died) {
     throw InvalidInput(file.string() + ": not a readable .mat file: " + died.what());
   } catch (const InvalidInput& error) {

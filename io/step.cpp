@@ -93,11 +93,14 @@ Geometry read_step(const std::filesystem::path& file, const std::string& unit) {
   require(bytes.find("ISO-10303-21") < 1024,
           file.string() + ": no 'ISO-10303-21' at the start, expected a STEP file");
   const WorkerLimits limits{.time = std::chrono::seconds(120),
-                            .memory_bytes = (std::size_t{2} << 30U) + 64 * bytes.size()};
+                            .memory_bytes = (std::size_t{2} << 30U) + 64 * bytes.size(),
+                            .output_bytes = (std::size_t{64} << 20U) + 64 * bytes.size()};
   const auto path = std::filesystem::absolute(file);
-  const auto result = run_worker(worker_path("chladni-step"), {path.string()}, "", limits);
+  const auto worker = worker_path("chladni-step");
+  const auto result = run_worker(worker, {path.string()}, "", limits);
+  const Message reply = reply_of(worker, [&] { return message(result.output); });
   try {
-    return geometry_of(message(result.output), unit);
+    return geometry_of(reply, unit);
   } catch (const InvalidInput& error) {
     throw InvalidInput(file.string() + ": " + error.what());
   }

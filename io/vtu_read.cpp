@@ -17,7 +17,8 @@ namespace {
 WorkerLimits limits(const std::filesystem::path& file) {
   const std::size_t size = std::filesystem::file_size(file);
   return {.time = std::chrono::seconds(20 + size / 1'000'000),
-          .memory_bytes = (std::size_t{1} << 30U) + 64 * size};
+          .memory_bytes = (std::size_t{1} << 30U) + 64 * size,
+          .output_bytes = (std::size_t{64} << 20U) + 64 * size};
 }
 
 mesh::TetMesh mesh_of(const Message& found) {
@@ -49,7 +50,10 @@ mesh::TetMesh read_vtu(const std::filesystem::path& file) {
           file.string() + ": there is no such file, or it is not a regular one");
   const std::filesystem::path worker = worker_path("chladni-vtu");
   try {
-    return mesh_of(message(run_worker(worker, {file.string()}, "", limits(file)).output));
+    const auto result = run_worker(worker, {file.string()}, "", limits(file));
+    return mesh_of(reply_of(worker, [&] { return message(result.output); }));
+  } catch (const UnusableReply&) {
+    throw;
   } catch (const WorkerDied& died) {
     throw InvalidInput(file.string() + ": not a readable .vtu of tetrahedra: " + died.what());
   } catch (const InvalidInput& error) {

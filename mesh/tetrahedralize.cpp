@@ -83,6 +83,8 @@ wire::Reply reply_to(const wire::Request& request, const MesherOptions& options,
   try {
     return wire::reply_from(
         run_worker(worker_path("chladni-tetgen"), {}, wire::bytes_of(request), limits).output);
+  } catch (const UnusableReply&) {
+    throw;
   } catch (const WorkerDied& death) {
     throw WorkerDied("the mesher died on a surface of " + fmt::to_string(request.markers.size()) +
                      " triangles with edge_length " + in_mm(edge_length) + " (" + death.what() +

@@ -1,0 +1,48 @@
+# One list of the programs that a user starts or the program `chladni` starts itself. The build
+# target `programs`, `chladni doctor`, the install tree and the tests are made from it.
+
+add_custom_target(programs)  # what ./chladni builds before it runs a verb
+
+# The build tree is laid out as the install tree is: the Python module looks for workers there.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/libexec)
+file(CREATE_LINK ../bin ${PROJECT_BINARY_DIR}/libexec/chladni SYMBOLIC)
+
+# add_worker(name "what it serves"): an executable that the others start. It is built by `programs`
+# and installed where base/worker.cpp looks for it.
+function(add_worker name serves)
+  add_dependencies(programs ${name})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chladni
+          COMPONENT programs)
+  set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
+               "    Worker{\"${name}\", \"${serves}\", true},\n")
+endfunction()
+
+# absent_worker(name "what it would serve"): one that this build goes without.
+function(absent_worker name serves)
+  set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
+               "    Worker{\"${name}\", \"${serves}\", false},\n")
+endfunction()
+
+# Writes `header` with the workers that were added so far.
+function(write_worker_list header)
+  get_property(workers GLOBAL PROPERTY CHLADNI_WORKERS)
+  file(CONFIGURE OUTPUT ${header} @ONLY CONTENT [[
+// Made by cmake/Programs.cmake: the workers of this build.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace chladni::app {
+
+struct Worker {
+  std::string_view name, serves;
+  bool built;
+};
+
+inline constexpr auto kWorkers = std::to_array<Worker>({
+@workers@});
+
+}  // namespace chladni::app
+]])
+endfunction()

@@ -1,0 +1,81 @@
+"""./chladni looks at every folder that it builds: a change in any of them is built before use.
+
+launcher_test.py ROOT
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(sys.argv.pop(1))
+FOLDERS = re.findall(r"^(?:  )?add_subdirectory\((\w+)\)", (ROOT / "CMakeLists.txt").read_text(),
+                     re.MULTILINE)
+BENCH = "bench"  # no preset of the launcher builds it
+
+
+class Launcher(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.root = pathlib.Path(holder.name).resolve() / "tree"
+        for folder in FOLDERS:
+            (self.root / folder).mkdir(parents=True)
+            (self.root / folder / "file.cpp").touch()
+        (self.root / "cmake").mkdir()
+        for name in ("CMakeLists.txt", "CMakePresets.json", "packages.txt"):
+            (self.root / name).touch()
+        shutil.copy(ROOT / "chladni", self.root / "chladni")
+        self.build = self.root / "build/release"
+        self.script(self.build / "bin/chladni", "exit 0")
+        self.tools = self.root / "tools"
+        for name in ("ctest", "dpkg-query"):
+            self.script(self.tools / name, "exit 0")
+        self.script(self.tools / "cmake", f'echo "$@" >> {self.root}/asked')
+        time.sleep(0.02)
+        for stamp in (".programs_built", ".tests_built"):
+            (self.build / stamp).touch()
+        time.sleep(0.02)
+
+    @staticmethod
+    def script(file, line):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"#!/bin/sh\n{line}\n")
+        file.chmod(0o755)
+
+    def builds(self, verb):
+        """Whether `./chladni verb` asks CMake for anything."""
+        asked = self.root / "asked"
+        asked.unlink(missing_ok=True)
+        path = f"{self.tools}:{os.environ['PATH']}"
+        subprocess.run([self.root / "chladni", verb], env=dict(os.environ, PATH=path), check=True,
+                       capture_output=True)
+        return asked.exists()
+
+    def test_nothing_is_built_where_nothing_changed(self):
+        self.assertFalse(self.builds("test"))
+        self.assertFalse(self.builds("doctor"))
+
+    def test_a_change_in_any_folder_is_built_before_the_tests(self):
+        self.assertIn("python", FOLDERS)
+        for folder in FOLDERS:
+            if folder == BENCH:
+                continue
+            (self.root / folder / "file.cpp").touch()
+            self.assertTrue(self.builds("test"), folder)
+            self.assertFalse(self.builds("test"), folder)
+
+    def test_what_no_program_is_made_of_is_not_built_before_a_verb(self):
+        for folder in ("python", "tests"):
+            (self.root / folder / "file.cpp").touch()
+            self.assertFalse(self.builds("doctor"), folder)
+        (self.root / "base" / "file.cpp").touch()
+        self.assertTrue(self.builds("doctor"))
+
+
+if __name__ == "__main__":
+    unittest.main()
