@@ -1,4 +1,5 @@
 // Studies from Python.
+#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -11,12 +12,15 @@
 #include "app/interpolation.h"
 #include "base/error.h"
 #include "mesh/site.h"
+#include "python/long_call.h"
 #include "python/rooms.h"
 
 namespace chladni::python {
 namespace {
 
 namespace py = pybind11;
+
+constexpr double kOnTheBody = 1e-3;  // [m]
 
 // A study's shapes, with all that they stand on.
 class StudyField {
@@ -29,15 +33,11 @@ class StudyField {
   // Mean and deviation at the points of the surface nearest to `points`, n×3.
   py::tuple at(const Points& points, const std::optional<Eigen::Vector3d>& direction,
                const std::string& method) const {
-    std::vector<mesh::Site> sites;
-    Points directions(points.rows(), 3);
-    for (Eigen::Index i = 0; i < points.rows(); ++i) {
-      sites.push_back(finder_.nearest(points.row(i).transpose()));
-      directions.row(i) = direction.value_or(sites.back().normal).transpose();
-    }
-    const auto places = app::places_at(sites, directions, solution_.modes, result_.harmonics);
-    auto [mean, deviation] = method_called(method).field->at(places);
-    return py::make_tuple(std::move(mean), std::move(deviation));
+    auto found = [&] {
+      const LongCall call;
+      return values_at(points, direction, method);
+    }();
+    return py::make_tuple(std::move(found.first), std::move(found.second));
   }
 
   [[nodiscard]] const Eigen::VectorXd& frequency_hz() const {
@@ -51,6 +51,33 @@ class StudyField {
   [[nodiscard]] std::string text() const { return app::interpolation_table(result_); }
 
  private:
+  [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::MatrixXd> values_at(
+      const Points& points, const std::optional<Eigen::Vector3d>& direction,
+      const std::string& method) const {
+    std::vector<mesh::Site> sites;
+    Points directions(points.rows(), 3);
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      sites.push_back(site_near(points.row(i).transpose(), i));
+      directions.row(i) = direction.value_or(sites.back().normal).transpose();
+    }
+    const auto places = app::places_at(sites, directions, solution_.modes, result_.harmonics);
+    auto [mean, deviation] = method_called(method).field->at(places);
+    return {std::move(mean), std::move(deviation)};
+  }
+
+  // Off the body there is no shape: the same millimetre as for the places of a study.
+  [[nodiscard]] mesh::Site site_near(const Eigen::Vector3d& point, Eigen::Index row) const {
+    const auto site = finder_.nearest(point);
+    const double off = (site.position - point).norm();
+    const auto in_mm = [](const Eigen::Vector3d& at) {
+      return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y(), 1e3 * at.z());
+    };
+    require(off <= kOnTheBody,
+            fmt::format("point {} at {} is {:.4g} mm off the surface of the body; nearest is {}",
+                        row, in_mm(point), 1e3 * off, in_mm(site.position)));
+    return site;
+  }
+
   [[nodiscard]] const app::Interpolation& method_called(const std::string& name) const {
     if (name.empty()) return result_.methods.front();
     const auto found =
@@ -68,6 +95,7 @@ class StudyField {
 
 std::unique_ptr<StudyField> interpolate(const std::filesystem::path& file,
                                         const std::filesystem::path& folder) {
+  const LongCall call;
   const auto study = app::read_study(file);
   app::Options options;
   options.folder = folder;
@@ -90,7 +118,7 @@ void add_app(py::module_& module) {
           "at", &StudyField::at, py::arg("points"), py::arg("direction") = py::none(),
           py::arg("method") = "",
           "Mean and standard deviation, each n x m, at the places of the surface nearest to points "
-          "(n x 3 [m]), along direction or the outward normal.")
+          "(n x 3 [m], within 1 mm), along direction or the outward normal.")
       .def_property_readonly("frequency_hz", &StudyField::frequency_hz)
       .def_property_readonly("methods", &StudyField::methods)
       .def("__str__", &StudyField::text);

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "priors/interpolator.h"
+#include "python/long_call.h"
 #include "python/rooms.h"
 
 namespace chladni::python {
@@ -50,8 +51,11 @@ void add_priors(py::module_& module) {
       .def(
           "at",
           [](const priors::ModeField& field, const priors::Places& places) {
-            auto [mean, deviation] = field.at(places);
-            return py::make_tuple(std::move(mean), std::move(deviation));
+            auto found = [&] {
+              const LongCall call;
+              return field.at(places);
+            }();
+            return py::make_tuple(std::move(found.mean), std::move(found.deviation));
           },
           py::arg("places"), "mean and standard deviation, each n x m")
       .def_property_readonly("notes",
@@ -60,6 +64,7 @@ void add_priors(py::module_& module) {
       "mode_field",
       [](const std::string& method, const priors::MeasuredShapes& measured,
          const priors::Simulation& simulation) {
+        const LongCall call;
         return priors::mode_field(priors::interpolator(method), measured, simulation);
       },
       py::arg("method"), py::arg("measured"), py::arg("simulation"),

@@ -1,6 +1,11 @@
 """The module as a user meets it: fields from arrays, fields from a study, refusals."""
+import os
 import pathlib
+import signal
+import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 import chladni
@@ -67,6 +72,89 @@ class Fields(unittest.TestCase):
             self.assertTrue((folder / "out" / "interpolation.json").exists())
             with self.assertRaisesRegex(ValueError, "was not interpolated by"):
                 field.at(points, method="serep")
+            field.at([[0.0, 0.0, 0.0009]])
+            with self.assertRaisesRegex(
+                    chladni.InvalidInput,
+                    r"point 1 at \(5000, 5000, 0\) mm is .* mm off the surface of the body"):
+                field.at([[0.0, 0.0, 0.0], [5.0, 5.0, 0.0]])
+
+
+class LongCalls(unittest.TestCase):
+    """A study that takes seconds, in a process of its own."""
+
+    PROGRAM = """
+import chladni, sys, threading, time
+ticks = []
+def tick():
+    while True:
+        ticks.append(time.monotonic())
+        time.sleep(0.05)
+threading.Thread(target=tick, daemon=True).start()
+print("started", flush=True)
+try:
+    chladni.interpolate(sys.argv[1], sys.argv[2])
+    print("done")
+except KeyboardInterrupt as stop:
+    print("stopped", time.monotonic())
+print("longest", max(b - a for a, b in zip(ticks, ticks[1:])))
+try:
+    time.sleep(0.01)
+    __import__("os").kill(__import__("os").getpid(), 2)
+    time.sleep(5)
+    print("deaf")
+except KeyboardInterrupt:
+    print("python hears again")
+"""
+
+    def started(self, folder):
+        large = STUDY.replace('"60 mm", order = 2', '"20 mm", order = 2')
+        (folder / "real.toml").write_text(large % "21 mm")
+        (folder / "study.toml").write_text(large % "20 mm" + channels() +
+                                           '[measurement]\ntruth = "real.toml"\nmodes = 4\n')
+        process = subprocess.Popen(
+            [sys.executable, "-c", self.PROGRAM, folder / "study.toml", folder / "out"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(process.stdout.readline(), "started\n")
+        return process
+
+    def test_ctrl_c_raises_and_other_threads_run(self):
+        with tempfile.TemporaryDirectory() as name:
+            process = self.started(pathlib.Path(name))
+            time.sleep(0.5)
+            self.assertIsNone(process.poll(), "too small a study to be stopped")
+            sent = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            said, errors = process.communicate(timeout=60)
+            words = said.split()
+            self.assertEqual(words[0], "stopped", said + errors)
+            self.assertLess(float(words[1]) - sent, 1.0 * patience())
+            self.assertLess(float(words[3]), 0.5 * patience(), "the lock was held")
+            self.assertTrue(said.endswith("python hears again\n"), said + errors)
+
+    def test_what_is_thrown_can_be_told_apart(self):
+        for error in (chladni.WorkerDied, chladni.OutOfResources):
+            self.assertTrue(issubclass(error, chladni.NumericalFailure))
+        with tempfile.TemporaryDirectory() as name:
+            study = pathlib.Path(name) / "study.toml"
+            tets = STUDY.replace("order = 2", 'order = 2, mesher = "tetgen"') % "20 mm"
+            study.write_text(tets + channels() + '[measurement]\ntruth = "study.toml"\n')
+            false = pathlib.Path(name) / "chladni-tetgen"
+            false.write_text("#!/bin/sh\nkill -SEGV $$\n")
+            false.chmod(0o755)
+            before = os.environ.get("CHLADNI_LIBEXEC")
+            os.environ["CHLADNI_LIBEXEC"] = name
+            try:
+                with self.assertRaisesRegex(chladni.WorkerDied, "chladni-tetgen died"):
+                    chladni.interpolate(study, pathlib.Path(name) / "out")
+            finally:
+                del os.environ["CHLADNI_LIBEXEC"]
+                if before is not None:
+                    os.environ["CHLADNI_LIBEXEC"] = before
+
+
+def patience():
+    """How much longer a step may take where more is to do than there are processors."""
+    return max(1.0, os.getloadavg()[0] / os.cpu_count())
 
 
 if __name__ == "__main__":
