@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <span>
 
 #include "app/command.h"
 #include "app/version.h"
@@ -15,6 +16,7 @@ namespace {
 
 using Index = Eigen::Index;
 constexpr Index kMostShown = 24;  // responses with a line of their own
+constexpr std::size_t kMostChannelsShown = 64;
 constexpr const char* kKinds[] = {"receptance", "mobility", "accelerance"};
 
 /// What is large in one response.
@@ -74,14 +76,18 @@ std::string place_of(const modal::MeasuredChannel& channel) {
 void show_channels(const char* side, const std::vector<modal::MeasuredChannel>& channels,
                    bool with_kind, std::ostream& results) {
   std::size_t widest = 9;
-  for (const auto& channel : channels) widest = std::max(widest, channel.name.size());
+  const auto shown = std::span(channels).first(std::min(channels.size(), kMostChannelsShown));
+  for (const auto& channel : shown) widest = std::max(widest, channel.name.size());
   results << fmt::format("\n  {:<{}}  unit\n", side, widest);
-  for (const auto& channel : channels) {
+  for (const auto& channel : shown) {
     const std::string unit = channel.unit.empty() ? "not stated" : channel.unit;
     const char* kind = with_kind ? kKinds[static_cast<std::size_t>(channel.kind)] : "";
     const auto line =
         fmt::format("  {:<{}}  {:<10}  {}{}", channel.name, widest, unit, kind, place_of(channel));
     results << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
+  }
+  if (shown.size() < channels.size()) {
+    results << fmt::format("  and {} more\n", channels.size() - shown.size());
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "io/scan.h"
 
 namespace chladni::app {
 namespace {
@@ -156,11 +157,14 @@ std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>&
     run.talk().note(fmt::format("{}: {} is \"{}\" against its direction: its sign is turned", file,
                                 text_of(one), channel.name));
   }
+  std::vector<std::string> others;
   for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (user[i] != nullptr) continue;
-    run.talk().warn(file + ": \"" + measured[i].name +
-                    "\" is no channel of the study; its responses are left out");
+    if (user[i] == nullptr) others.push_back("\"" + measured[i].name + "\"");
   }
+  if (others.empty()) return result;
+  run.talk().warn(file + ": " + io::listed(others) +
+                  (others.size() == 1 ? " is no channel" : " are no channels") + " of the study; " +
+                  (others.size() == 1 ? "its" : "their") + " responses are left out");
   return result;
 }
 

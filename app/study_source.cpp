@@ -5,6 +5,7 @@
 
 #include "app/toml_tree.h"
 #include "base/error.h"
+#include "io/scan.h"
 
 namespace chladni::app {
 namespace {
@@ -102,6 +103,7 @@ std::string description(const TomlNode& node) {
 }
 
 TomlNode parse_toml(std::string_view bytes, const std::string& file) {
+  io::refuse_utf16(bytes, file);
   try {
     return tree_of(toml::parse(bytes, file), file, 0);
   } catch (const toml::parse_error& e) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "io/measurable.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -32,7 +33,8 @@ double number_of(std::string_view field, const CsvTable& table, std::size_t colu
   }
   if (field.empty()) return kNan;
   const auto value = number_in(field);
-  if (value) return *value;
+  if (value && is_measurable(*value)) return *value;
+  if (value) fail(table.file, line, table.names[column] + ": " + not_measurable(*value));
   if (upper(field.substr(0, 4)) == "NAN") return kNan;
   fail(table.file, line, table.names[column] + ": " + not_a_number(field));
 }
@@ -84,6 +86,16 @@ void read_header(std::string_view line, char separator, int number, CsvTable& ta
   }
 }
 
+// How many numbers there may be: a field takes a byte at least, its separator or the line's end.
+std::size_t number_count(std::string_view bytes, const CsvTable& table, std::size_t limit) {
+  const auto lines = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
+  const std::size_t count = std::min(lines * table.names.size(), bytes.size() + 1);
+  require_room(16.0 * static_cast<double>(count), limit,
+               table.file + ": " + std::to_string(table.names.size()) + " columns of " +
+                   std::to_string(lines) + " lines");
+  return count;
+}
+
 }  // namespace
 
 Eigen::Index CsvTable::column(std::string_view name) const {
@@ -112,11 +124,12 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
   return fields;
 }
 
-CsvTable csv_table(std::string_view bytes, const std::string& file) {
+CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t limit) {
   CsvTable table;
   table.file = file;
   std::vector<double> rows;
   char separator = ',';
+  refuse_utf16(bytes, file);
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   for (int number = 1; !bytes.empty(); ++number) {
     const auto end = bytes.find('\n');
@@ -128,6 +141,7 @@ CsvTable csv_table(std::string_view bytes, const std::string& file) {
     if (table.names.empty()) {
       separator = separator_of(line);
       read_header(line, separator, number, table);
+      rows.reserve(number_count(bytes, table, limit));
     } else {
       read_row(line, separator, number, table, rows);
     }

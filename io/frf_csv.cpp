@@ -71,10 +71,14 @@ class LayoutReader {
       : table_(table), options_(options) {}
 
   Layout layout(std::vector<std::string>& notes) {
+    std::vector<std::string> others;
     for (std::size_t c = 0; c < table_.names.size(); ++c) {
-      if (!take(table_.names[c], static_cast<Index>(c))) {
-        notes.push_back("the column " + shown(table_.names[c]) + " is not of a response: not read");
-      }
+      if (!take(table_.names[c], static_cast<Index>(c))) others.push_back(shown(table_.names[c]));
+    }
+    if (!others.empty()) {
+      notes.push_back(std::string("the column") + (others.size() > 1 ? "s " : " ") +
+                      listed(others) + (others.size() > 1 ? " are" : " is") +
+                      " not of a response: not read");
     }
     if (layout_.frequency < 0) {
       throw NoResponses(place() +
@@ -193,19 +197,6 @@ std::vector<std::pair<Index, Index>> add_channels(const Layout& layout, modal::F
   return places;
 }
 
-void require_room(const modal::FrfSet& set, Index lines, const Layout& layout,
-                  const CsvTable& table, const FrfOptions& options) {
-  const double pairs =
-      static_cast<double>(set.output_count()) * static_cast<double>(set.input_count());
-  const double bytes = pairs * static_cast<double>(lines) * 40.0;
-  if (bytes <= static_cast<double>(options.limit_bytes)) return;
-  throw InvalidInput(table.file + ": " + std::to_string(set.output_count()) + " sensors by " +
-                     std::to_string(set.input_count()) + " actuators on " + std::to_string(lines) +
-                     " lines need more than " + std::to_string(options.limit_bytes >> 20U) +
-                     " MB, of which the file has " + std::to_string(layout.pairs.size()) +
-                     " responses; read fewer at a time");
-}
-
 bool has_part(const Layout& layout, Part part) {
   return std::any_of(layout.columns.begin(), layout.columns.end(),
                      [part](const Columns& c) { return c.at[part] >= 0; });
@@ -244,7 +235,7 @@ void fill_values(const Layout& layout, const CsvTable& table,
 }  // namespace
 
 FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const FrfOptions& options) {
-  const CsvTable table = csv_table(bytes, name);
+  const CsvTable table = csv_table(bytes, name, options.limit_bytes);
   FrfFile file{.format = "CSV", .set = {}, .notes = {}};
   const Layout layout = LayoutReader(table, options).layout(file.notes);
   require(table.values.rows() > 0, name + ": no line of numbers below the names");
@@ -254,7 +245,14 @@ FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const Frf
                          " over " + layout.pairs.front().second);
   }
   const auto places = add_channels(layout, file.set);
-  require_room(file.set, table.values.rows(), layout, table, options);
+  int parts = 0;
+  for (const auto part : {kVariance, kNoise, kCoherence}) parts += has_part(layout, part) ? 1 : 0;
+  try {
+    require_room(file.set, table.values.rows(), parts, options.limit_bytes);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what() + " (it has " + std::to_string(layout.pairs.size()) +
+                       " responses)");
+  }
   file.set.frequency_hz = table.values.col(layout.frequency);
   fill_values(layout, table, places, file.set);
   fill(file.set.variance, layout, kVariance, table, places, file.set);

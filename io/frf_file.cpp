@@ -18,7 +18,7 @@ FrfFile parsed(const Path& file, const FrfOptions& options) {
     case MeasuredFormat::uff:
       return parse_frf_uff(content_of(file, options.limit_bytes), file.string(), options);
     case MeasuredFormat::mat:
-      return frf_of_mat(read_mat(file, options.limit_bytes), file.string(), options);
+      return frf_of_mat(read_mat(file, mat_limit(options.limit_bytes)), file.string(), options);
     default:
       refuse_ending(file);
   }

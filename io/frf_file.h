@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/room.h"
 #include "modal/frf_set.h"
 
 namespace chladni::io {
@@ -29,7 +30,7 @@ struct FrfOptions {
   std::optional<modal::FrfKind> kind;  ///< overrules what the file says or does not say
   std::string length_unit;             ///< of a UFF file's coordinates without dataset 164
   std::vector<std::pair<std::string, std::string>> collocated;  ///< sensor, actuator
-  std::size_t limit_bytes = std::size_t{2} << 30U;              ///< of what a file may become
+  std::size_t limit_bytes = reading_limit();                    ///< of memory for what it holds
 };
 
 struct FrfFile {

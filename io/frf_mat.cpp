@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "io/frf_units.h"
 #include "io/mat_names.h"
+#include "io/measurable.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -44,7 +45,14 @@ class Reader {
                                                  "actuators", "inputs", "u_names"}),
                              "input_names");
     const Layout layout = layout_of(*response);
+    require_channels(layout.outputs, "outputs");
+    require_channels(layout.inputs, "inputs");
     make_channels(layout);
+    int parts = 0;
+    for (const auto* part : {"variance", "var", "noise_variance", "noisevar", "coherence", "coh"}) {
+      parts += mat_value(fields_, {part}) != nullptr ? 1 : 0;
+    }
+    require_room(file_.set, layout.lines, parts, options_.limit_bytes);
     if (response->imag.size() == 0) {
       file_.notes.emplace_back("the responses are real: they have no phase");
     }
@@ -52,8 +60,11 @@ class Reader {
                            Eigen::MatrixXcd(layout.outputs, layout.inputs));
     each(layout, [&](Index k, Index i, Index j) {
       const Index at = layout.at(k, i, j);
-      file_.set.value[static_cast<std::size_t>(k)](i, j) = {
-          response->real(at), response->imag.size() > 0 ? response->imag(at) : 0.0};
+      const std::complex<double> value(response->real(at),
+                                       response->imag.size() > 0 ? response->imag(at) : 0.0);
+      require_measurable(value.real(), "a response", k, i, j);
+      require_measurable(value.imag(), "a response", k, i, j);
+      file_.set.value[static_cast<std::size_t>(k)](i, j) = value;
     });
     read_beside({"variance", "var"}, *response, layout, file_.set.variance);
     read_beside({"noise_variance", "noisevar"}, *response, layout, file_.set.noise_variance);
@@ -150,6 +161,14 @@ class Reader {
     }
   }
 
+  static void require_measurable(double number, const std::string& what, Index k, Index i,
+                                 Index j) {
+    if (is_measurable(number)) return;
+    throw InvalidInput(what + " on line " + std::to_string(k + 1) + " from input " +
+                       std::to_string(j + 1) + " to output " + std::to_string(i + 1) + ": " +
+                       not_measurable(number));
+  }
+
   void read_beside(std::initializer_list<std::string_view> names, const MatValue& response,
                    const Layout& layout, std::vector<Eigen::MatrixXd>& of) const {
     const auto* value = mat_value(fields_, names);
@@ -161,7 +180,9 @@ class Reader {
     of.assign(static_cast<std::size_t>(layout.lines),
               Eigen::MatrixXd(layout.outputs, layout.inputs));
     each(layout, [&](Index k, Index i, Index j) {
-      of[static_cast<std::size_t>(k)](i, j) = numbers(layout.at(k, i, j));
+      const double number = numbers(layout.at(k, i, j));
+      require_measurable(number, what, k, i, j);
+      of[static_cast<std::size_t>(k)](i, j) = number;
     });
   }
 

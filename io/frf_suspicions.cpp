@@ -5,6 +5,8 @@
 #include <complex>
 #include <map>
 
+#include "io/scan.h"
+
 namespace chladni::io {
 namespace {
 
@@ -82,18 +84,6 @@ std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
   return gaps;
 }
 
-// At most six names.
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 6;
-  std::string list;
-  for (std::size_t n = 0; n < std::min(names.size(), most); ++n) {
-    if (n > 0) list += ", ";
-    list += names[n];
-  }
-  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
-  return list;
-}
-
 void add_gaps(const modal::FrfSet& set, std::vector<std::string>& said) {
   std::map<std::string, std::vector<std::string>> alike;  // what is said, of whom
   for (Index i = 0; i < set.output_count(); ++i) {
@@ -123,18 +113,67 @@ std::vector<double> numbers_of(const modal::FrfSet& set, Index i, Index j) {
 
 // Responses whose every line is the same.
 void add_copies(const modal::FrfSet& set, std::vector<std::string>& said) {
-  std::map<std::vector<double>, std::pair<Index, Index>> seen;
+  std::map<std::vector<double>, std::vector<std::string>> alike;
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
       auto key = numbers_of(set, i, j);
-      if (key.empty()) continue;
-      const auto [other, is_new] = seen.emplace(std::move(key), std::pair{i, j});
-      if (is_new) continue;
-      said.push_back(name_of(set, i, j) + " is the same as " +
-                     name_of(set, other->second.first, other->second.second) +
-                     " on every line: one of them is a copy");
+      if (!key.empty()) alike[std::move(key)].push_back(name_of(set, i, j));
     }
   }
+  for (auto& [key, names] : alike) {
+    if (names.size() == 1) continue;
+    const std::string first = names.front();
+    names.erase(names.begin());
+    const bool one = names.size() == 1;
+    said.push_back(listed(names) + (one ? " is" : " are") + " the same as " + first +
+                   " on every line: " + (one ? "one of them is a copy" : "they are copies"));
+  }
+}
+
+// A receptance, mobility or accelerance of one oscillator changes by no more between two lines than
+// the fourth power of their frequencies, resonances aside.
+double most_by_frequency(double a, double b) {
+  const double ratio = std::max(a, b) / std::min(a, b);
+  return std::pow(ratio, 4.0);
+}
+
+// How many times larger a value is than the median of the two on either side; 0: it cannot be told.
+double over_neighbours(const modal::FrfSet& set, Index k, Index i, Index j) {
+  const auto size = [&](Index line) {
+    return std::abs(set.value[static_cast<std::size_t>(line)](i, j));
+  };
+  std::vector<double> around;
+  double allowed = 1.0;
+  for (Index line = std::max<Index>(k - 2, 0); line <= std::min(k + 2, set.line_count() - 1);
+       ++line) {
+    if (line == k || set.frequency_hz(line) == 0.0 || !std::isfinite(size(line))) continue;
+    around.push_back(size(line));
+    allowed = std::max(allowed, most_by_frequency(set.frequency_hz(line), set.frequency_hz(k)));
+  }
+  if (around.size() < 2 || set.frequency_hz(k) == 0.0) return 0.0;
+  const auto middle = around.begin() + std::ssize(around) / 2;
+  std::nth_element(around.begin(), middle, around.end());
+  return *middle > 0.0 ? size(k) / *middle / allowed : 0.0;
+}
+
+// Single values far above those beside them: an exponent that slipped, a bit that turned.
+void add_spikes(const modal::FrfSet& set, std::vector<std::string>& said) {
+  constexpr double clear = 1e6;
+  std::vector<std::string> names;
+  std::string first;
+  Index count = 0;
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      const Index before = count;
+      for (Index k = 0; k < set.line_count(); ++k) {
+        if (over_neighbours(set, k, i, j) > clear && count++ == 0) first = place(set, k);
+      }
+      if (count > before) names.push_back(name_of(set, i, j));
+    }
+  }
+  if (names.empty()) return;
+  said.push_back(listed(names) + ": more than a million times the neighbours on " + times(count) +
+                 ", the first is " + first);
 }
 
 // +1: output and input are one place and direction; −1: opposite ones; 0: not collocated.
@@ -202,6 +241,7 @@ std::vector<std::string> suspicions(const modal::FrfSet& set, const Pairs& collo
   std::vector<std::string> said;
   add_gaps(set, said);
   add_copies(set, said);
+  add_spikes(set, said);
   if (set.line_count() < kFewest) return said;
   Phases phases;
   for (Index i = 0; i < set.output_count(); ++i) {
@@ -212,10 +252,14 @@ std::vector<std::string> suspicions(const modal::FrfSet& set, const Pairs& collo
                    (phases.conjugated.size() == 1 ? " looks" : " look") +
                    " conjugated: the phase rises through the resonances, e^{-jwt}?");
   }
-  for (const auto& name : phases.turned) {
-    said.push_back(name +
+  constexpr std::size_t most = 12;  // a line each
+  for (std::size_t n = 0; n < std::min(phases.turned.size(), most); ++n) {
+    said.push_back(phases.turned[n] +
                    " looks as if its sign were turned: sensor and actuator are one place and its "
                    "phase lies in the wrong half plane");
+  }
+  if (phases.turned.size() > most) {
+    said.push_back("so do " + std::to_string(phases.turned.size() - most) + " more");
   }
   return said;
 }

@@ -123,12 +123,14 @@ class Collector {
   }
 
   void require_room() const {
-    const double cells = static_cast<double>(outputs_.size()) * static_cast<double>(inputs_.size());
-    const double bytes = cells * static_cast<double>(file_.set.line_count()) * 24.0;
-    if (bytes <= static_cast<double>(options_.limit_bytes)) return;
-    fail(std::to_string(outputs_.size()) + " outputs by " + std::to_string(inputs_.size()) +
-         " inputs need more than " + std::to_string(options_.limit_bytes >> 20U) +
-         " MB, of which the file has " + std::to_string(responses_.size()) + " responses");
+    try {
+      require_channels(outputs_.size(), "outputs");
+      require_channels(inputs_.size(), "inputs");
+      io::require_room(file_.set, file_.set.line_count(), coherences_.empty() ? 0 : 1,
+                       options_.limit_bytes);
+    } catch (const InvalidInput& e) {
+      fail(e.what() + (" (it has " + std::to_string(responses_.size()) + " responses)"));
+    }
   }
 
   template <typename Number>
@@ -243,7 +245,7 @@ class Collector {
 }  // namespace
 
 FrfFile parse_frf_uff(std::string_view bytes, const std::string& name, const FrfOptions& options) {
-  const Uff uff = parse_uff(bytes, name);
+  const Uff uff = parse_uff(bytes, name, options.limit_bytes);
   Collector collector(uff, name, options);
   FrfFile file = collector.file();
   state_units(file, collector.kinds_known(), options);

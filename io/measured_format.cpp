@@ -3,6 +3,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/gzip.h"
+#include "io/room.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -33,7 +34,7 @@ std::string content_of(const std::filesystem::path& file, std::size_t limit) {
   std::string bytes = read_whole(file, limit);
   if (!is_gzip(bytes)) return bytes;
   try {
-    return unzipped(bytes, limit);
+    return unzipped(bytes, text_limit(limit));
   } catch (const InvalidInput& e) {
     throw InvalidInput(file.string() + ": " + e.what());
   }

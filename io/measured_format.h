@@ -18,7 +18,8 @@ enum class MeasuredFormat { csv, uff, mat, none };
 [[noreturn]] void refuse_ending(const std::filesystem::path& file);
 
 /// The bytes of the file, unpacked where it is compressed by gzip.
-/// @throws InvalidInput  it cannot be read, is damaged or larger than `limit`
+/// @param limit  bytes of memory for what the file holds
+/// @throws InvalidInput  it cannot be read, is damaged, or is larger than the limit allows
 [[nodiscard]] std::string content_of(const std::filesystem::path& file, std::size_t limit);
 
 }  // namespace chladni::io

@@ -43,6 +43,29 @@ std::string shown(std::string_view word) {
   return text + (word.size() > kLongest ? "...'" : "'");
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 6;
+  std::string list;
+  for (std::size_t n = 0; n < std::min(names.size(), most); ++n) {
+    if (n > 0) list += ", ";
+    list += names[n];
+  }
+  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
+  return list;
+}
+
+void refuse_utf16(std::string_view bytes, const std::string& name) {
+  const auto zeros = [&](std::size_t from) {  // every second byte of the first ones, the rest not
+    for (std::size_t at = 0; at < std::min<std::size_t>(bytes.size(), 16); ++at) {
+      if ((bytes[at] == '\0') != (at % 2 == from)) return false;
+    }
+    return bytes.size() >= 4;
+  };
+  const bool marked = bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
+  require(!marked && !zeros(0) && !zeros(1),
+          name + ": this file is text in UTF-16; save it as UTF-8 (\"CSV UTF-8\", \"encoding\")");
+}
+
 std::string upper(std::string_view word) {
   std::string result(word);
   std::transform(result.begin(), result.end(), result.begin(), upper_letter);

@@ -11,11 +11,18 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace chladni::io {
 
 /// `word` as a message may show it: in quotes, at most 40 characters, unprintable ones as '?'.
 [[nodiscard]] std::string shown(std::string_view word);
+
+/// The first six names with commas, and how many more there are.
+[[nodiscard]] std::string listed(const std::vector<std::string>& names);
+
+/// @throws InvalidInput  the bytes are text in UTF-16, by their mark or by each second one being 0
+void refuse_utf16(std::string_view bytes, const std::string& name);
 
 /// Upper case, ASCII letters only: keywords are compared so.
 [[nodiscard]] std::string upper(std::string_view word);

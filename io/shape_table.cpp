@@ -7,12 +7,14 @@
 #include "base/error.h"
 #include "io/csv.h"
 #include "io/csv_table.h"
+#include "io/measurable.h"
+#include "io/room.h"
 #include "io/scan.h"
 
 namespace chladni::io {
 namespace {
 
-constexpr std::uintmax_t kLargest = 1ull << 30;
+constexpr std::size_t kMemoryPerByte = 64;  // short fields, a text each
 constexpr std::size_t kMostModes = 100000;
 constexpr std::string_view kDeviation = "std_";
 
@@ -103,6 +105,9 @@ double number_at(const Line& line, std::ptrdiff_t column, const Line& header,
   const auto at = static_cast<std::size_t>(column);
   const auto value = number_in(line.fields[at]);
   if (!value) fail(name, line.number, header.fields[at] + ": " + not_a_number(line.fields[at]));
+  if (!is_measurable(*value)) {
+    fail(name, line.number, header.fields[at] + ": " + not_measurable(*value));
+  }
   return *value;
 }
 
@@ -134,6 +139,8 @@ void read_mode(const Line& line, const Line& header, const Columns& columns, Eig
 }  // namespace
 
 ShapeTable parse_shapes(std::string_view bytes, const std::string& name) {
+  refuse_utf16(bytes, name);
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   const auto lines = lines_of(bytes, name);
   require(lines.size() >= 2, name + ": " + (lines.empty() ? "no lines" : "no mode") +
                                  "; expected a first line of names and one line per mode");
@@ -150,7 +157,7 @@ ShapeTable parse_shapes(std::string_view bytes, const std::string& name) {
 }
 
 ShapeTable read_shapes(const std::filesystem::path& file) {
-  return parse_shapes(read_whole(file, kLargest), file.string());
+  return parse_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string());
 }
 
 void write_shapes(const std::filesystem::path& file, const ShapeTable& table) {

@@ -15,6 +15,7 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
+constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
 constexpr std::array<std::string_view, 3> kPrefix{"out_", "in_", "ref_"};  // by Side
 
 bool knows(const std::vector<std::string>& names, std::string_view name) {
@@ -40,9 +41,9 @@ std::vector<modal::MeasuredChannel>& channels_of(identification::TimeData& data,
 }
 
 std::string named(const std::vector<modal::MeasuredChannel>& channels) {
-  std::string names;
-  for (const auto& channel : channels) names += (names.empty() ? "" : ", ") + channel.name;
-  return names.empty() ? "none" : names;
+  std::vector<std::string> names;
+  for (const auto& channel : channels) names.push_back(channel.name);
+  return names.empty() ? "none" : listed(names);
 }
 
 Layout layout_of(const CsvTable& table, const TimeOptions& options, TimeFile& file) {
@@ -218,11 +219,14 @@ std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& o
 
 TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                         const TimeOptions& options) {
-  const CsvTable table = csv_table(bytes, name);
+  const CsvTable table = csv_table(bytes, name, options.limit_bytes);
   require(table.values.rows() > 0, name + ": no line of numbers below the names");
   TimeFile file{.format = "CSV", .data = {}, .notes = {}};
   const Layout layout = layout_of(table, options, file);
   const auto stretches = stretches_of(table, layout);
+  require_room(kBytesPerRecord * static_cast<double>(stretches.size()) +
+                   8.0 * static_cast<double>(table.values.size()),
+               options.limit_bytes, name + ": " + std::to_string(stretches.size()) + " recordings");
   file.data.sample_time_s = sample_time(table, layout, stretches, options);
   file.data.period = period_of(table, layout, stretches, options);
   for (const auto& stretch : stretches) {

@@ -14,7 +14,7 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
     case MeasuredFormat::uff:
       return parse_time_uff(content_of(file, options.limit_bytes), file.string(), options);
     case MeasuredFormat::mat:
-      return time_of_mat(read_mat(file, options.limit_bytes), file.string(), options);
+      return time_of_mat(read_mat(file, mat_limit(options.limit_bytes)), file.string(), options);
     default:
       refuse_ending(file);
   }

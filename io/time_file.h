@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "identification/time_data.h"
+#include "io/room.h"
 
 namespace chladni::io {
 
@@ -16,7 +17,7 @@ struct TimeOptions {
   double sample_time_s = 0.0;  ///< where the file has no time; 0: not known
   Eigen::Index period = 0;     ///< [samples] of a periodic excitation; 0: as the file says
   std::string unit;            ///< of the outputs where the file has none: "mm", "g"
-  std::size_t limit_bytes = std::size_t{2} << 30U;
+  std::size_t limit_bytes = reading_limit();  ///< of memory for what the file holds
 };
 
 struct TimeFile {

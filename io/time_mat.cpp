@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "io/frf_units.h"
 #include "io/mat_names.h"
+#include "io/measurable.h"
 
 namespace chladni::io {
 namespace {
@@ -19,6 +20,8 @@ constexpr std::array<const char*, 3> kSide{"output", "input", "reference"};
 constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Record::inputs,
                                                           &Record::references};
 
+constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
+
 class Reader {
  public:
   Reader(const MatFields& fields, const TimeOptions& options, TimeFile& file)
@@ -26,6 +29,8 @@ class Reader {
 
   void read() {
     find_size();
+    require_room(kBytesPerRecord * static_cast<double>(records_), options_.limit_bytes,
+                 std::to_string(records_) + " records");
     data_.records.resize(static_cast<std::size_t>(records_));
     for (std::size_t s = 0; s < 3; ++s) read_side(s);
     require(!data_.outputs.empty() || !data_.inputs.empty(),
@@ -66,8 +71,11 @@ class Reader {
     Eigen::VectorXd numbers;
     if (value != nullptr && value->size() > 0) {
       numbers = mat_numbers(value, kVariable[side]);
-      require(numbers.allFinite(),
-              std::string(kVariable[side]) + " has entries that are no number");
+      for (Index n = 0; n < numbers.size(); ++n) {
+        require(std::isfinite(numbers(n)) && is_measurable(numbers(n)),
+                std::string(kVariable[side]) + "(" + std::to_string(n + 1) +
+                    "): " + not_measurable(numbers(n)));
+      }
       const Index each = samples_ * records_;
       const bool fits =
           value->dims[0] == samples_ || (value->dims[0] == 1 && value->dims.size() == 2);
@@ -76,6 +84,7 @@ class Reader {
                                                       std::to_string(samples_) + " samples of " +
                                                       std::to_string(records_) + " records");
       count = numbers.size() / each;
+      require_channels(count, std::string(kSide[side]) + "s");
     }
     for (Index r = 0; r < records_; ++r) {
       auto& part = data_.records[static_cast<std::size_t>(r)].*kParts[side];

@@ -262,7 +262,7 @@ UffAxis ordinate_of(const modal::MeasuredChannel& channel, Side side) {
 
 TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
                         const TimeOptions& options) {
-  const Uff uff = parse_uff(bytes, name);
+  const Uff uff = parse_uff(bytes, name, options.limit_bytes);
   return Collector(uff, name, options).file();
 }
 

@@ -25,7 +25,8 @@ std::string dataset_number(std::string_view line) {
 
 class UffReader {
  public:
-  UffReader(std::string_view bytes, const std::string& name) : lines_(bytes, name), name_(name) {}
+  UffReader(std::string_view bytes, const std::string& name, std::size_t limit)
+      : lines_(bytes, name, limit), name_(name) {}
 
   Uff read() {
     skip_to_first();
@@ -228,8 +229,9 @@ class UffReader {
 
 }  // namespace
 
-Uff parse_uff(std::string_view bytes, const std::string& name) {
-  return UffReader(bytes, name).read();
+Uff parse_uff(std::string_view bytes, const std::string& name, std::size_t limit) {
+  refuse_utf16(bytes, name);
+  return UffReader(bytes, name, limit).read();
 }
 
 long long uff_integer(const UffLines& lines, std::string_view word, std::string_view what) {

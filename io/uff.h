@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/room.h"
+
 namespace chladni::io {
 
 /// Dataset 164: SI per unit of the file.
@@ -92,7 +94,9 @@ struct Uff {
 /// trusted. Cost: linear; memory a multiple of the bytes whatever they say.
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
-[[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name);
+/// @param limit  of the memory for all functions [bytes]
+[[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name,
+                            std::size_t limit = reading_limit());
 
 enum class UffEncoding { text, binary };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "io/measurable.h"
 #include "io/scan.h"
 #include "io/uff_datasets.h"
 
@@ -166,6 +167,10 @@ std::vector<double> uff_binary_numbers(UffLines& lines, const std::string& head,
                       " endian, its numbers are of the other order");
       numbers = std::move(swapped);
     }
+  }
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    if (is_measurable(numbers[k])) continue;
+    lines.fail("number " + std::to_string(k + 1) + ": " + not_measurable(numbers[k]));
   }
   lines.skip(found->start + found->size + found->skipped);
   return numbers;

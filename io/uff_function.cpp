@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "io/measurable.h"
 #include "io/scan.h"
 #include "io/uff_datasets.h"
 
@@ -78,6 +79,9 @@ void read_degrees(UffLines& lines, UffFunction& function) {
                         direction_of(lines, words[9])};
 }
 
+// Three numbers as they are read, then the abscissa and a complex value.
+constexpr double kBytesPerPoint = 48.0;
+
 /// Record 7.
 struct Form {
   int ordinate_type = 0;
@@ -108,6 +112,7 @@ Form read_form(UffLines& lines) {
                " bytes left");
   }
   form.points = static_cast<std::size_t>(points);
+  lines.take_room(kBytesPerPoint * static_cast<double>(points));
   const auto even = uff_integer(lines, words[2], "abscissa spacing");
   if (even != 0 && even != 1)
     lines.fail("abscissa spacing " + std::to_string(even) + ", expected 0 (uneven) or 1 (even)");
@@ -192,6 +197,7 @@ std::size_t take_numbers(const UffLines& lines, std::string_view line, std::size
   std::size_t at = 0;
   while (numbers.size() < count) {
     if (const auto value = run_on_number(line, at)) {
+      if (!is_measurable(*value)) lines.fail(not_measurable(*value));
       numbers.push_back(*value);
     } else if (at == line.size()) {
       break;

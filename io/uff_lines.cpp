@@ -69,6 +69,14 @@ std::string_view UffLines::filled_record(std::string_view what) {
   return record(what);
 }
 
+void UffLines::take_room(double bytes) {
+  if (bytes > static_cast<double>(room_)) {
+    fail("its numbers need " + std::to_string(static_cast<long long>(bytes / 1e6) + 1) +
+         " MB of memory, and " + std::to_string(room_ / 1'000'000) + " MB are left for the file");
+  }
+  room_ -= static_cast<std::size_t>(bytes);
+}
+
 void UffLines::fail(const std::string& message) const {
   throw InvalidInput(file_ + ": dataset " + dataset_ + " (from line " +
                      std::to_string(dataset_line_) + "), line " + std::to_string(line_) +

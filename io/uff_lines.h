@@ -12,7 +12,9 @@ namespace chladni::io {
 /// Goes through the file once. The bytes must outlive it.
 class UffLines {
  public:
-  UffLines(std::string_view bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
+  /// @param room  bytes of memory for what is read
+  UffLines(std::string_view bytes, std::string file, std::size_t room)
+      : bytes_(bytes), file_(std::move(file)), room_(room) {}
 
   [[nodiscard]] bool at_end() const { return at_ >= bytes_.size(); }
   [[nodiscard]] std::size_t line() const { return line_; }  ///< the number of the next one
@@ -33,6 +35,9 @@ class UffLines {
   /// Steps over bytes that are no lines.
   void skip(std::size_t bytes) { at_ += bytes; }
 
+  /// Takes so many bytes of the room. @throws InvalidInput  they are not left
+  void take_room(double bytes);
+
   /// What failures say they are in.
   void enter(std::string dataset, std::size_t line) {
     dataset_ = std::move(dataset);
@@ -44,7 +49,7 @@ class UffLines {
  private:
   std::string_view bytes_;
   std::string file_, dataset_;
-  std::size_t at_ = 0, line_ = 1, dataset_line_ = 0;
+  std::size_t at_ = 0, line_ = 1, dataset_line_ = 0, room_ = 0;
 };
 
 /// The number that begins at or after `at`, which is moved behind it. Numbers end at blanks or

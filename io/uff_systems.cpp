@@ -61,16 +61,6 @@ int type_of(UffLines& lines, long long type) {
              ", expected 0 (Cartesian), 1 (cylindrical) or 2 (spherical)");
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 6;
-  std::string list;
-  for (std::size_t n = 0; n < std::min(names.size(), most); ++n) {
-    list += (n > 0 ? ", " : "") + names[n];
-  }
-  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
-  return list;
-}
-
 }  // namespace
 
 void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems) {

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "io/channel_names.h"
 #include "io/frf_file.h"
+#include "io/time_file.h"
 #include "tests/io/frf_samples.h"
 
 namespace chladni::io {
@@ -188,6 +189,42 @@ TEST(FrfCsv, RefusesAMatrixThatIsMostlyEmpty) {
   FrfOptions options;
   options.limit_bytes = 64U << 20U;
   EXPECT_THROW((void)parse_frf_csv(head + "\n" + line + "\n", "t.csv", options), InvalidInput);
+}
+
+TEST(FrfCsv, NumbersThatNoInstrumentGivesAreRefusedWithLineAndColumn) {
+  const std::string head = "freq_hz,re_y1u1,im_y1u1\n1,2,3\n";
+  for (const char* number : {"1e200", "-1.5e101", "1e308"}) {
+    try {
+      (void)parse_frf_csv(head + "2,0.5," + number + "\n", "t.csv");
+      ADD_FAILURE() << number << " is taken";
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find("t.csv: line 3: im_y1u1: found "), std::string::npos)
+          << e.what();
+    }
+  }
+  for (const char* number : {"inf", "-inf", "1e999"}) {
+    EXPECT_THROW((void)parse_frf_csv(head + "2,0.5," + number + "\n", "t.csv"), InvalidInput);
+  }
+  EXPECT_EQ(parse_frf_csv(head + "2,0.5,1e99\n", "t.csv").set.value[1](0, 0).imag(), 1e99);
+  EXPECT_TRUE(std::isnan(parse_frf_csv(head + "2,nan,nan\n", "t.csv").set.value[1](0, 0).real()));
+}
+
+TEST(FrfCsv, TextInUtf16IsCalledSo) {
+  const std::string text = "freq_hz,re_y1u1,im_y1u1\n1,2,3\n";
+  for (const bool big_endian : {false, true}) {
+    std::string wide;
+    for (const char c : text) wide += big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+    const std::string mark = big_endian ? "\xFE\xFF" : "\xFF\xFE";
+    for (const std::string& bytes : {wide, mark + wide}) {
+      try {
+        (void)parse_frf_csv(bytes, "t.csv");
+        ADD_FAILURE() << "taken";
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(std::string(e.what()).find("UTF-16; save it as UTF-8"), std::string::npos);
+      }
+      EXPECT_THROW((void)parse_time_csv(bytes, "t.csv"), InvalidInput);
+    }
+  }
 }
 
 std::string zipped(const std::string& bytes) {

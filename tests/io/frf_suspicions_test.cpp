@@ -51,6 +51,40 @@ TEST(Suspicions, ThereAreNoneOfAStructure) {
   }
 }
 
+TEST(Suspicions, AValueAMillionTimesItsNeighboursIsNamed) {
+  for (const auto kind : kKinds) {
+    for (const Eigen::Index line : {Eigen::Index{0}, Eigen::Index{1}, Eigen::Index{1200}}) {
+      auto set = measured(kind, 0.01, 2000);
+      auto& value = set.value[static_cast<std::size_t>(line)](2, 1);
+      value *= 1e5;
+      EXPECT_EQ(times(suspicions(set), "a million times"), 0);
+      value *= 1e3;
+      const auto said = suspicions(set);
+      EXPECT_EQ(times(said,
+                      "y6/u4: more than a million times the neighbours on 1 line, the first "
+                      "is line " +
+                          std::to_string(line + 1) + " ("),
+                1)
+          << testing::PrintToString(said);
+      EXPECT_EQ(times(said, "a million times"), 1);
+    }
+  }
+}
+
+// A free body's receptance grows as 1/f² towards 0 Hz, whatever the first lines are.
+TEST(Suspicions, ARigidBodyNearZeroIsNoSpike) {
+  modal::FrfSet set;
+  set.outputs.emplace_back().name = "y1";
+  set.inputs.emplace_back().name = "u1";
+  set.frequency_hz.resize(6);
+  set.frequency_hz << 0.0, 1e-4, 1.0, 2.0, 3.0, 4.0;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const double f = set.frequency_hz(k);
+    set.value.emplace_back(Eigen::MatrixXcd::Constant(1, 1, k == 0 ? 1e30 : 1.0 / (f * f)));
+  }
+  EXPECT_EQ(times(suspicions(set), "a million times"), 0);
+}
+
 TEST(Suspicions, NorOfALineSpacingFarAboveTheBandwidth) {
   for (const auto kind : kKinds) {
     const auto said = suspicions(measured(kind, 1e-4, 300));

@@ -298,6 +298,47 @@ TEST_F(Mat, BrokenFilesAreRefusedAndNotBelieved) {
   EXPECT_THROW((void)read_frf(file.path, options), InvalidInput);
 }
 
+TEST_F(Mat, AnArrayOfMillionsIsNotMillionsOfChannels) {
+  const TemporaryFile file("wide.mat");
+  const auto refused = [&](const std::vector<std::string>& variables, const char* word) {
+    put(file.path, version_5(variables));
+    try {
+      (void)read_frf(file.path);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const NoResponses&) {
+      try {
+        (void)read_time(file.path);
+        ADD_FAILURE() << "taken; expected a refusal about " << word;
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+      }
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  };
+  const std::vector<double> many(400'000, 0.0);
+  const auto frequencies = doubles("f", {1, 2}, {1.0, 2.0});
+  refused({frequencies, doubles("G", {2, 200'000}, many)}, "200000 outputs, expected at most");
+  refused({frequencies, doubles("G", {2, 1, 200'000}, many)}, "200000 inputs, expected at most");
+  const auto step = doubles("Ts", {1, 1}, {0.1});
+  refused({step, doubles("y", {2, 200'000}, many)}, "200000 outputs, expected at most");
+}
+
+TEST_F(Mat, NumbersThatNoInstrumentGivesAreRefused) {
+  const TemporaryFile file("large.mat");
+  put(file.path, version_5({doubles("f", {1, 2}, {1.0, 2.0}),
+                            doubles("G", {2, 1}, {1.0, 1e200}, {1.0, 1.0})}));
+  try {
+    (void)read_frf(file.path);
+    ADD_FAILURE() << "taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("line 2 from input 1 to output 1"), std::string::npos)
+        << e.what();
+  }
+  put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {2, 1}, {1.0, 1e200})}));
+  EXPECT_THROW((void)read_time(file.path), InvalidInput);
+}
+
 TEST_F(Mat, AModelIsWrittenAsItsMatrices) {
   const TemporaryFile file("model.mat");
   const Eigen::MatrixXd a = Eigen::MatrixXd::Constant(2, 2, 1.0 / 3.0);

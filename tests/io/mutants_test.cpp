@@ -194,13 +194,104 @@ TEST_P(Mutants, AreReadOrRefused) {
     } catch (const std::exception& error) {
       FAIL() << "mutant " << i << ": " << error.what();
     }
-    ASSERT_LE(bytes_peak - before,
-              kMemoryAtLeast + GetParam().memory_per_byte * static_cast<std::ptrdiff_t>(bytes.size()))
+    ASSERT_LE(bytes_peak - before, kMemoryAtLeast + GetParam().memory_per_byte *
+                                                        static_cast<std::ptrdiff_t>(bytes.size()))
         << "mutant " << i << " of " << bytes.size() << " bytes";
     ASSERT_LT(std::chrono::steady_clock::now() - start, kLongest) << "mutant " << i;
   }
   EXPECT_GT(read, kMutants / 100);  // the mutants are not all broken at the first byte
   EXPECT_GT(refused, kMutants / 4);
+}
+
+// Files that are many times larger in memory than on the disk, to be read in little.
+struct Large {
+  const char* name;
+  std::string bytes;
+  std::function<bool(std::string_view, std::size_t limit)> is_read;
+};
+
+template <typename Options>
+Options limited_to(std::size_t limit) {
+  Options options;
+  options.limit_bytes = limit;
+  return options;
+}
+
+bool reads_frf_csv(std::string_view bytes, std::size_t limit) {
+  return is_sound(parse_frf_csv(bytes, "f.csv", limited_to<FrfOptions>(limit)));
+}
+
+bool reads_time_csv(std::string_view bytes, std::size_t limit) {
+  auto options = limited_to<TimeOptions>(limit);
+  options.sample_time_s = 0.1;
+  return is_sound(parse_time_csv(bytes, "f.csv", options));
+}
+
+std::string repeated(const std::string& head, const std::string& line, int count) {
+  std::string text = head;
+  for (int k = 0; k < count; ++k) text += line;
+  return text;
+}
+
+// Dataset 58 of real numbers over time, or complex ones over frequency, in text.
+std::string zeros_58(bool is_recording, int count) {
+  std::string text = "    -1\n    58\nNONE\nNONE\nNONE\nNONE\nNONE\n";
+  text += std::string("    ") + (is_recording ? "1" : "4") +
+          "         0    0         0       NONE         1   3       NONE         1   3\n";
+  text += (is_recording ? "         2" : "         5") + std::string("    ") +
+          std::to_string(count) + "         1  0.00000E+00  1.00000E+00  0.00000E+00\n";
+  for (const char* axis : {"18", "12", "13", "0"}) {
+    text += std::string("        ") + axis +
+            "    0    0    0                 NONE                 "
+            "NONE\n";
+  }
+  for (int k = 0; k < (is_recording ? count : 2 * count); ++k) text += k % 40 == 39 ? "0\n" : "0 ";
+  return text + "\n    -1\n";
+}
+
+std::vector<Large> large_files() {
+  std::string ascending = "freq_hz,re_y1u1,im_y1u1\n";
+  for (int k = 0; k < 200'000; ++k) ascending += std::to_string(k) + ",0,0\n";
+  std::string alternating = "experiment,y\n";
+  for (int k = 0; k < 50'000; ++k) alternating += k % 2 == 0 ? "0,1\n" : "1,1\n";
+  return {
+      {"responses", ascending, reads_frf_csv},
+      {"a recording", repeated("y,u\n", "0,0\n", 400'000), reads_time_csv},
+      {"empty columns", repeated("freq_hz,a,b,c,d,e,f,g\n", ",,,,,,,\n", 100'000), reads_frf_csv},
+      {"a recording per line", alternating, reads_time_csv},
+      {"dataset 58", zeros_58(false, 300'000),
+       [](std::string_view bytes, std::size_t limit) {
+         return is_sound(parse_frf_uff(bytes, "f.uff", limited_to<FrfOptions>(limit)));
+       }},
+      {"dataset 58 over time", zeros_58(true, 300'000),
+       [](std::string_view bytes, std::size_t limit) {
+         return is_sound(parse_time_uff(bytes, "f.uff", limited_to<TimeOptions>(limit)));
+       }}};
+}
+
+// The limit is half of what there is: reading takes no more than all, or refuses before it does.
+TEST(Limits, NoFileTakesMoreThanTwiceItsLimit) {
+  for (const auto& file : large_files()) {
+    SCOPED_TRACE(file.name);
+    int refused = 0;
+    for (std::size_t limit = 1U << 14U; limit <= 1U << 28U; limit *= 2) {
+      const std::ptrdiff_t before = bytes_live;
+      bytes_peak = before;
+      try {
+        EXPECT_TRUE(file.is_read(file.bytes, limit));
+      } catch (const InvalidInput& error) {
+        ++refused;
+        const bool for_memory = std::string(error.what()).find("MB") != std::string::npos;
+        EXPECT_TRUE(for_memory || file.name == std::string("empty columns")) << error.what();
+      }
+      EXPECT_LE(bytes_peak - before, kMemoryAtLeast + 2 * static_cast<std::ptrdiff_t>(limit))
+          << "limit " << limit << ", file " << file.bytes.size();
+    }
+    EXPECT_GT(refused, 3);
+    if (file.name != std::string("empty columns")) {
+      EXPECT_LT(refused, 13);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Parsers, Mutants, testing::ValuesIn(kParsers),

@@ -23,6 +23,14 @@ TEST(ShapeTable, ReadsModesByLineAndChannelsByColumn) {
   EXPECT_EQ(table.deviation, (Eigen::Matrix2d() << 0.01, 0.02, 0.0, 0.0).finished());
 }
 
+TEST(ShapeTable, AByteOrderMarkIsNoPartOfAName) {
+  EXPECT_EQ(parse_shapes("\xEF\xBB\xBF"
+                         "frequency_hz,s1\n2,3\n",
+                         "t.csv")
+                .frequency_hz(0),
+            2.0);
+}
+
 TEST(ShapeTable, ReadsBackWhatItWrote) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("chladni_shape_table_" + std::to_string(getpid()) + ".csv");
@@ -56,21 +64,22 @@ TEST_P(BadTable, IsRefusedWithItsLine) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(ShapeTable, BadTable,
-                         testing::Values(Bad{"", "no lines"}, Bad{"frequency_hz,s1\n", "no mode"},
-                                         Bad{"f,s1\n1,2\n", "no column frequency_hz"},
-                                         Bad{"frequency_hz\n1\n", "no column of a channel"},
-                                         Bad{"frequency_hz,s1\n1\n",
-                                             "line 2: 1 fields; expected 2"},
-                                         Bad{"frequency_hz,s1\n1,x\n", "line 2: s1"},
-                                         Bad{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
-                                         Bad{"frequency_hz,s1\n1,\n", "line 2: s1"},
-                                         Bad{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
-                                         Bad{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
-                                         Bad{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
-                                         Bad{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
-                                         Bad{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
-                                         Bad{"frequency_hz,\"s1\n1,2\n", "quote"}));
+INSTANTIATE_TEST_SUITE_P(
+    ShapeTable, BadTable,
+    testing::Values(Bad{"", "no lines"}, Bad{"frequency_hz,s1\n", "no mode"},
+                    Bad{"f,s1\n1,2\n", "no column frequency_hz"},
+                    Bad{"frequency_hz\n1\n", "no column of a channel"},
+                    Bad{"frequency_hz,s1\n1\n", "line 2: 1 fields; expected 2"},
+                    Bad{"frequency_hz,s1\n1,x\n", "line 2: s1"},
+                    Bad{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
+                    Bad{"frequency_hz,s1\n1,\n", "line 2: s1"},
+                    Bad{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
+                    Bad{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
+                    Bad{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
+                    Bad{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
+                    Bad{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
+                    Bad{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
+                    Bad{"\xFF\xFE", "UTF-16"}, Bad{"frequency_hz,\"s1\n1,2\n", "quote"}));
 
 }  // namespace
 }  // namespace chladni::io

@@ -62,6 +62,28 @@ TEST(Uff, ReadsEveryFormOfTheDataset) {
   }
 }
 
+TEST(Uff, NumbersThatNoInstrumentGivesAreRefusedWithTheirPlace) {
+  for (const bool binary : {false, true}) {
+    for (const double number : {1e200, -1e101}) {
+      Sample58 sample;
+      sample.ordinate_type = 6;
+      sample.binary = binary;
+      sample.y[3] = {1.0, number};
+      try {
+        (void)parse_uff(dataset_58(sample), "t.uff");
+        ADD_FAILURE() << number << " is taken";
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(std::string(e.what()).find("dataset 58"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("at most 1e+100"), std::string::npos) << e.what();
+      }
+    }
+  }
+  EXPECT_THROW((void)parse_uff("\xFF\xFE-\0"
+                               "1\0",
+                               "t.uff"),
+               InvalidInput);
+}
+
 TEST(Uff, LineFeedsAroundBinaryDataAreNoData) {
   for (const char* extra : {"\n", "\r\n"}) {
     Sample58 sample;
