@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "app/command.h"
+#include "app/new_output.h"
 #include "app/version.h"
 #include "base/error.h"
 #include "base/interrupt.h"
@@ -142,6 +143,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
 struct OtherVerbs {
   std::string what, unit;
   std::filesystem::path from, to;
+  bool force = false;
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& status) {
@@ -151,9 +153,12 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& sta
   convert->add_option("OUT", other.to, "file to write: .stl, .vtu; .csv, .uff, .mat")->required();
   convert->add_option("--unit", other.unit,
                       "unit of IN where it states none: of lengths, of responses");
+  convert->add_flag("--force", other.force, "write over OUT where there is such a file");
   convert->callback([&] {
-    status =
-        guarded(talk, [&] { return app::convert(other.from, other.to, other.unit, std::cout); });
+    status = guarded(talk, [&] {
+      app::require_new_output(other.from, other.to, other.force);
+      return app::convert(other.from, other.to, other.unit, std::cout);
+    });
   });
   auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");
   list->add_option("WHAT", other.what, "what")->required()->check(CLI::IsMember(app::listable()));

@@ -94,6 +94,13 @@ void rename(modal::MeasuredChannel& one, const Channel& channel) {
 
 void set_kind(modal::MeasuredChannel& one, const Channel& channel, const std::string& file) {
   const auto kind = kind_of(channel.quantity);
+  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance;
+  require(
+      is_stated,
+      fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
+                  "as [identification] unit = {}",
+                  file, channel.name, channel.quantity,
+                  kind == modal::FrfKind::mobility ? "\"m/s\" or \"mm/s\"" : "\"m/s^2\" or \"g\""));
   require(one.unit.empty() || one.kind == kind,
           fmt::format("{}: \"{}\" is measured in {}, {}, and the study says {}; correct the "
                       "channel's quantity",

@@ -190,6 +190,28 @@ TEST_F(MeasuredChannels, AnAxisThatWasNotMeasuredIsLeftOut) {
   EXPECT_TRUE(says("at node 101 only \"101x\" (node 101, along (1, 0, 0)), \"101z\""));
 }
 
+TEST_F(MeasuredChannels, OtherMotionsThanDisplacementsNeedAUnit) {
+  auto sample = response(3, 250.0);
+  sample.ordinate = 0;
+  sample.unit = "NONE";
+  const auto unitless = dataset_58(sample);
+  const auto with = [&](const std::string& quantity, const std::string& unit) {
+    auto text = study(sensor("s1", "\"z\"", "101") + "quantity = \"" + quantity + "\"\n");
+    const std::string key = "[identification]\n";
+    return text.insert(text.find(key) + key.size(),
+                       unit.empty() ? "" : "unit = \"" + unit + "\"\n");
+  };
+  refused(
+      unitless, with("acceleration", ""),
+      {"\"s1\" measures acceleration, and no unit is stated", "[identification] unit = \"m/s^2\""});
+  refused(unitless, with("velocity", ""), {"[identification] unit = \"m/s\""});
+  const auto si = read(unitless, with("acceleration", "m/s^2"));
+  const auto g = read(unitless, with("acceleration", "g"));
+  EXPECT_NEAR(first_value(g) / first_value(si), 9.80665, 1e-9);
+  EXPECT_EQ(si.all.outputs[0].kind, modal::FrfKind::accelerance);
+  EXPECT_EQ(first_value(read(unitless, with("displacement", ""))), first_value(si));
+}
+
 TEST_F(MeasuredChannels, TheFitIsThatOfTheStudysAxis) {
   write_atomically(folder_.path() / "measured.uff", triaxial());
   const Study plate =

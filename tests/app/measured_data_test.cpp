@@ -1,4 +1,7 @@
 // chladni check and convert on files of measured data, as a process.
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "io/json.h"
@@ -56,6 +59,102 @@ TEST_F(CommandLine, ConvertKeepsEveryBitThroughAllFormats) {
     from = next;
   }
   EXPECT_TRUE(whole(folder_ / "d.csv") == whole(folder_ / "a.csv"));
+}
+
+TEST_F(CommandLine, ConvertWritesOverNothingThatItWasNotToldTo) {
+  write("a.csv", responses());
+  const std::string before = whole(folder_ / "a.csv");
+  fs::create_symlink("a.csv", folder_ / "link.csv");
+  fs::create_hard_link(folder_ / "a.csv", folder_ / "hard.csv");
+  for (const char* same : {"a.csv", "./a.csv", "link.csv", "hard.csv"}) {
+    for (const auto& more : {std::vector<std::string>{}, std::vector<std::string>{"--force"}}) {
+      std::vector<std::string> words{"convert", "a.csv", same, "--unit", "g"};
+      words.insert(words.end(), more.begin(), more.end());
+      const auto done = run(words);
+      EXPECT_EQ(done.status, 3) << same;
+      EXPECT_TRUE(says(done.err, "it is the file that is read"));
+      EXPECT_TRUE(whole(folder_ / "a.csv") == before) << same;
+    }
+  }
+  write("other.mat", "of great value");
+  const auto refused = run({"convert", "a.csv", "other.mat"});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_TRUE(says(refused.err, "other.mat: there is such a file"));
+  EXPECT_TRUE(says(refused.err, "--force"));
+  EXPECT_EQ(whole(folder_ / "other.mat"), "of great value");
+  EXPECT_EQ(run({"convert", "a.csv", "other.mat", "--force"}).status, 0);
+  EXPECT_NE(whole(folder_ / "other.mat"), "of great value");
+}
+
+// Under a limit of addresses, as `ulimit -v` sets it.
+TEST_F(CommandLine, AFileThatNeedsMoreMemoryThanThereIsIsRefused) {
+  std::string text = "freq_hz,re_y1u1,im_y1u1\n";
+  for (int k = 0; k < 1'500'000; ++k) text += std::to_string(k) + ",0,0\n";
+  write("large.csv", text);
+  const auto limited = [&](rlim_t bytes) {
+    return ended(started({"check", "large.csv"}, "", [bytes] {
+      const rlimit limit{bytes, bytes};
+      setrlimit(RLIMIT_AS, &limit);
+    }));
+  };
+  const auto refused = limited(rlim_t{512} << 20U);
+  EXPECT_EQ(refused.status, 3) << refused.err;
+  EXPECT_TRUE(says(refused.err, "large.csv"));
+  EXPECT_TRUE(says(refused.err, " MB"));
+}
+
+TEST_F(CommandLine, CheckShowsTheFirstOfManyChannels) {
+  std::string head = "freq_hz";
+  std::string line = "1";
+  for (int n = 1; n <= 500; ++n) {
+    head += ",re_y" + std::to_string(n) + "u1,im_y" + std::to_string(n) + "u1";
+    line += ",1,2";
+  }
+  write("wide.csv", head + ",a,b,c,d,e,g,h,i\n" + line + ",1,2,3,4,5,6,7,8\n");
+  const auto check = run({"check", "wide.csv", "--unit", "m"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_TRUE(says(check.out, "  and 436 more\n"));
+  EXPECT_TRUE(says(check.out, "'g' and 2 more are not of a response"));
+  EXPECT_TRUE(
+      says(check.out, "y7/u1 and 493 more are the same as y1/u1 on every line: they are copies"));
+  EXPECT_LT(std::count(check.out.begin(), check.out.end(), '\n'), 120);
+}
+
+TEST_F(CommandLine, TextInUtf16IsCalledSo) {
+  std::string wide = "\xFF\xFE";
+  for (const char c : responses()) wide += {c, '\0'};
+  for (const char* name : {"a.csv", "a.uff", "study.toml"}) {
+    write(name, wide);
+    const auto check = run({"check", name});
+    EXPECT_EQ(check.status, 3) << name;
+    EXPECT_TRUE(says(check.err, "UTF-16; save it as UTF-8"));
+  }
+}
+
+TEST_F(CommandLine, OneCellOfAnotherWorldIsRefusedOrNamed) {
+  const auto with = [&](const std::string& cell) {
+    std::string text = responses();
+    const auto row = text.find("\n10,");
+    const auto from = text.find(',', row) + 1;
+    return text.replace(from, text.find(',', from) - from, cell);
+  };
+  write("frf.csv", with("1e200"));
+  write("study.toml", std::string(kPlate) + R"(
+[[actuator]]
+name = "u1"
+at = ["-40 mm", "20 mm"]
+direction = "z"
+[measurement]
+frf = "frf.csv"
+)");
+  const auto refused = run({"identify", "study.toml"});
+  EXPECT_EQ(refused.status, 3) << refused.err;
+  EXPECT_TRUE(says(refused.err, "frf.csv: line 101: re_y1u1: found 1e+200"));
+  EXPECT_EQ(run({"check", "frf.csv"}).status, 3);
+  write("frf.csv", with("1e12"));
+  EXPECT_TRUE(says(run({"check", "frf.csv"}).out,
+                   "y1/u1: more than a million times the neighbours on 1 line, the first is line "
+                   "100 (10 Hz)"));
 }
 
 TEST_F(CommandLine, BadDataAreInvalidInput) {
