@@ -1,19 +1,21 @@
 // Every kind of effect is hidden in measurements of a Ritz plate; the diagnosis gets the nominal
 // plate and the measurements and must find it. The study over many seeds is
 // bench/diagnosis/hidden_effects_study.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "diagnosis/diagnosed.h"
+#include "hidden_effects/drawn_sample.h"
 #include "simulators/hidden_effect.h"
 #include "simulators/hidden_score.h"
 #include "simulators/ritz_structure.h"
+#include "simulators/twins.h"
 
 namespace chladni {
 namespace {
@@ -63,35 +65,46 @@ void expect_sizes(const simulators::EffectScore& effect) {
   }
 }
 
-// What the diagnosis does not yet do: skipped aloud until it does, then a test like the others.
-std::string open_fault(const std::string& kinds) {
-  static const std::map<std::string, std::string> open{
-      {"actuator_delay", "ambiguous with its low-pass"}};
-  const auto found = open.find(kinds);
-  return found == open.end() ? "" : found->second;
+using hidden_effects::DrawnSample;
+
+// Each search takes some ten seconds: every fourth kind, unless all are asked for.
+const DrawnSample& sample() {
+  static const auto drawn = [] {
+    const char* asked = std::getenv("CHLADNI_STUDIES");
+    auto one = hidden_effects::drawn_sample(asked == nullptr ? "" : asked,
+                                            hidden_effects::tree_state(CHLADNI_SOURCE_DIR));
+    fmt::print(
+        "sample of {}: every fourth kind from the {}th, seed {}; CHLADNI_STUDIES={} repeats "
+        "it\n",
+        one.from, one.number % 4, one.seed(), one.all ? "all" : fmt::to_string(one.number));
+    return one;
+  }();
+  return drawn;
 }
+
+// Kinds outside the catalogue are counted on.
+bool is_in_the_sample(const std::string& kind) {
+  auto kinds = simulators::hidden_kinds();
+  kinds.insert(kinds.end(), simulators::outside_kinds().begin(), simulators::outside_kinds().end());
+  return sample().has(static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin()));
+}
+
+// Evidence by which the truth is so far from its twin that chance brings it within 5, where the
+// verdict is ambiguous, one time in a hundred: E - 2.4 sqrt(2 E) = 5.
+constexpr double kToldApart = 20.0;
 
 class HiddenEffects : public testing::TestWithParam<std::string> {};
 
-// Each search takes some ten seconds: every fourth kind, unless all are asked for.
-bool all_are_asked_for() {
-  const char* asked = std::getenv("CHLADNI_STUDIES");
-  return asked != nullptr && std::string(asked) == "all";
-}
-bool is_in_the_sample(const std::string& kind) {
-  const auto& kinds = simulators::hidden_kinds();
-  return all_are_asked_for() || (std::ranges::find(kinds, kind) - kinds.begin()) % 4 == 2;
-}
-
 TEST_P(HiddenEffects, AreNamedWithPlaceAndSize) {
   if (!is_in_the_sample(GetParam())) GTEST_SKIP() << "beside the sample: CHLADNI_STUDIES=all";
-  const auto made = hidden({GetParam()}, 1);
+  const auto made = hidden({GetParam()}, sample().seed());
   const auto diagnosis = told(made);
   const auto score = simulators::scored(made, diagnosis);
   EXPECT_GT(diagnosis.excess_before, 5.0);
-  const auto fault = open_fault(GetParam());
-  if (!fault.empty() && score.outcome != Outcome::right) {
-    GTEST_SKIP() << "open: " << fault << " (" << score.told << ")";
+  EXPECT_FALSE(score.confidently_wrong()) << score.told;
+  if (simulators::evidence_apart(made) < kToldApart && score.outcome != Outcome::right) {
+    EXPECT_TRUE(score.outcome == Outcome::twin || score.outcome == Outcome::among) << score.told;
+    return;
   }
   EXPECT_EQ(name(score.outcome), name(Outcome::right)) << score.told;
   for (const auto& effect : score.effects) expect_sizes(effect);
@@ -109,7 +122,8 @@ class OutsideEffects : public testing::TestWithParam<std::string> {};
 
 // What the catalogue lacks is seen and never called a name with confidence.
 TEST_P(OutsideEffects, AreNotGivenAName) {
-  const auto made = hidden({GetParam()}, 1, 0.7);
+  if (!is_in_the_sample(GetParam())) GTEST_SKIP() << "beside the sample: CHLADNI_STUDIES=all";
+  const auto made = hidden({GetParam()}, sample().seed(), 0.7);
   const auto diagnosis = told(made);
   const auto score = simulators::scored(made, diagnosis);
   EXPECT_FALSE(score.confidently_wrong()) << score.told;
@@ -119,17 +133,11 @@ TEST_P(OutsideEffects, AreNotGivenAName) {
   EXPECT_GT(diagnosis.best.excess, 5.0);
 }
 
-// One: each takes the whole search. The study in bench/ has them all.
-std::vector<std::string> some_outside_kinds() {
-  if (all_are_asked_for()) return simulators::outside_kinds();
-  return {"sensor_notch"};
-}
-
 INSTANTIATE_TEST_SUITE_P(BesideTheCatalogue, OutsideEffects,
-                         testing::ValuesIn(some_outside_kinds()), kind_name);
+                         testing::ValuesIn(simulators::outside_kinds()), kind_name);
 
 TEST(HiddenEffects, NothingIsCalledNothing) {
-  for (const unsigned seed : {1U, 2U}) {
+  for (const unsigned seed : {1U, sample().seed() + 1U}) {
     const auto diagnosis = told(hidden({}, seed));
     EXPECT_EQ(diagnosis.verdict, Verdict::no_discrepancy) << seed;
     EXPECT_TRUE(diagnosis.best.causes.empty()) << seed;
@@ -153,8 +161,8 @@ diagnosis::Diagnosis told_within_tolerances(const std::vector<std::string>& kind
 }
 
 TEST(HiddenEffects, ATableThatDeviatesHasNothing) {
-  std::vector<unsigned> seeds{108U};
-  if (all_are_asked_for()) seeds.push_back(102U);
+  std::vector<unsigned> seeds{108U, 1000U + sample().seed()};
+  if (sample().all) seeds.push_back(102U);
   for (const unsigned seed : seeds) {
     simulators::HiddenCase made;
     const auto diagnosis = told_within_tolerances({}, seed, made);
@@ -177,17 +185,13 @@ class TwoEffects : public testing::TestWithParam<std::vector<std::string>> {};
 TEST_P(TwoEffects, AreBothFound) {
   const auto made = hidden(GetParam(), 2);
   const auto score = simulators::scored(made, told(made));
-  const auto fault = open_fault(GetParam()[0] + "+" + GetParam()[1]);
-  if (!fault.empty() && score.outcome != Outcome::right) {
-    GTEST_SKIP() << "open: " << fault << " (" << score.told << ")";
-  }
   EXPECT_EQ(name(score.outcome), name(Outcome::right)) << score.told;
   for (const auto& effect : score.effects) expect_sizes(effect);
 }
 
 std::vector<std::vector<std::string>> some_pairs() {
   std::vector<std::vector<std::string>> pairs{{"ground_spring", "actuator_gain"}};
-  if (all_are_asked_for()) {
+  if (sample().all) {
     pairs.push_back({"point_mass", "sensor_gain"});
     pairs.push_back({"youngs_modulus", "sensor_position"});
   }

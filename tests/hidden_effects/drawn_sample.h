@@ -1,0 +1,38 @@
+// Which kinds of effects a run of the tests hides: all of them would take half an hour.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace chladni::hidden_effects {
+
+/// One number says all: its rest by four which kinds, the other part which seed.
+struct DrawnSample {
+  unsigned number = 2;
+  bool all = false;
+  std::string from;  ///< where the number comes from, in words
+
+  [[nodiscard]] unsigned seed() const { return 1 + number / 4 % 1000; }
+  /// Of the kinds in their order, counted from 0: every fourth.
+  [[nodiscard]] bool has(std::size_t kind) const { return all || kind % 4 == number % 4; }
+};
+
+/// What git says of the tree; empty where it says nothing.
+struct TreeState {
+  std::string commit;          ///< hash
+  unsigned long landings = 0;  ///< commits on the line of first parents
+  bool is_shallow = false;     ///< then `landings` counts what was fetched
+};
+/// Cost: three calls of git, some 10 ms.
+[[nodiscard]] TreeState tree_state(const std::filesystem::path& source);
+
+/// The seed comes from the commit's hash. The quarter of the kinds is the rest by four of the
+/// number of commits on the line of first parents: four merges (or commits) in a row hide every
+/// kind once. In a shallow clone, where nobody knows that number, the hash gives it, too: a kind is
+/// then left out n times in a row with (3/4)^n. Without git: 2.
+/// @param asked  CHLADNI_STUDIES: "all" (seed 1), or a number that repeats a sample; or empty
+/// @throws InvalidInput  another word
+[[nodiscard]] DrawnSample drawn_sample(const std::string& asked, const TreeState& tree);
+
+}  // namespace chladni::hidden_effects
