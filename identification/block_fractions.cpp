@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "base/finite.h"
+
 namespace chladni::identification {
 namespace {
 
@@ -27,7 +29,7 @@ void split_single(const Block& block, BlockFractions& result) {
 // From the eigenvectors of the companion form.
 void split_coupled(const Block& block, BlockFractions& result) {
   const auto g = block.size();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion(block));
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(finite(companion(block), "block of modes"));
   result.pole = solver.eigenvalues();
   result.x = solver.eigenvectors().topRows(g);
   result.y = solver.eigenvectors().inverse().rightCols(g);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::identification {
 namespace {
@@ -48,7 +49,7 @@ void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& resu
     if (variance.empty()) continue;
     const auto line = static_cast<std::size_t>(k);
     const double deviation = std::sqrt(variance[line].maxCoeff());
-    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(result.sensitivity[line]);
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(result.sensitivity[line], "sensitivity"));
     if (svd.singularValues().minCoeff() < kClear * deviation) ++unclear;
   }
   const auto of = " of " + std::to_string(result.condition.size()) + " lines";
@@ -74,7 +75,7 @@ std::vector<Eigen::MatrixXcd> inverted(const Transfer& mean, const std::vector<b
     for (Eigen::Index j = 0; j < q; ++j) {
       if (exact[static_cast<std::size_t>(j)]) s.row(j) = Eigen::RowVectorXcd::Unit(q, j);
     }
-    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(s);
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(s, "sensitivity"));
     result.condition(static_cast<Eigen::Index>(k)) =
         svd.singularValues()(0) / svd.singularValues()(q - 1);
     inverse.emplace_back(s.partialPivLu().inverse());

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::identification {
 
@@ -202,7 +203,8 @@ Eigen::MatrixXd block_transformation(const Eigen::MatrixXd& outputs, const Eigen
   for (Eigen::Index b = 0; b < g; ++b) {
     for (Eigen::Index a = b; a < g; ++a) square(a, b) = square(b, a) = entries(column++);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(square);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(square, "sides of a block at the pairs"));
   if (!(solver.eigenvalues()(0) > 1e-10 * solver.eigenvalues()(g - 1))) {
     throw NumericalFailure("the sides of the block do not belong together at the pairs");
   }
@@ -214,7 +216,8 @@ Eigen::MatrixXd covariance_factor(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled =
       scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(scaled, "covariance of a mode"));
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     if (solver.eigenvalues()(i) > 1e-12) kept.push_back(i);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "identification/fraction_equations.h"
 #include "identification/residue_problem.h"
 
@@ -202,7 +203,8 @@ std::vector<Eigen::Index> worthiest(const Eigen::VectorXd& significance, Eigen::
 }
 
 Eigen::MatrixXd rank_one(const Eigen::MatrixXd& residue) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residue, "residue"),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
   return svd.singularValues()(0) * svd.matrixU().col(0) * svd.matrixV().col(0).transpose();
 }
 
@@ -249,7 +251,9 @@ Eigen::VectorXcd poles(const MatrixFraction& fraction) {
     comrade.block((d - 1) * p, a * p, p, p) -=
         gamma(d - 1) * fraction.denominator[static_cast<std::size_t>(a)];
   }
-  return fraction.scale * Eigen::EigenSolver<Eigen::MatrixXd>(comrade, false).eigenvalues();
+  return fraction.scale *
+         Eigen::EigenSolver<Eigen::MatrixXd>(finite(comrade, "matrix fraction"), false)
+             .eigenvalues();
 }
 
 Eigen::MatrixXcd responses(const MatrixFraction& fraction, const Eigen::VectorXd& frequency_hz) {

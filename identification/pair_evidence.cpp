@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::identification {
 
@@ -58,7 +59,7 @@ Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
 
 // Pseudo-inverse: one common factor of all gains is not told.
 Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& normal) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(finite(normal, "gains of the pairs"));
   const double least = 1e-9 * solver.eigenvalues()(normal.rows() - 1);
   const Eigen::VectorXd inverse =
       (solver.eigenvalues().array() > least).select(solver.eigenvalues().cwiseInverse(), 0.0);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::identification {
 
@@ -78,7 +79,8 @@ bool positive_definite(const Eigen::MatrixXd& matrix) {
   if (!(matrix.diagonal().array() > 0.0).all()) return false;
   const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues()(0) > 1e-12;
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(finite(scaled, "mass of the rigid body"))
+             .eigenvalues()(0) > 1e-12;
 }
 
 void check_sizes(const Eigen::MatrixXd& product, const Eigen::MatrixXd& deviation,

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "identification/pole_products.h"
@@ -116,7 +117,7 @@ Eigen::VectorXcd zeros(const Eigen::VectorXcd& poles, const Eigen::VectorXd& c) 
     a.block(2 * u, 2 * u, 2, 2) << p.real(), p.imag(), -p.imag(), p.real();
     a.row(2 * u) -= 2.0 / constant * c.head(2 * n).transpose();
   }
-  return a.eigenvalues();
+  return finite(a, "vector fit").eigenvalues();
 }
 
 // n pairs again: unstable ones turned over, two real ones become a pair of their product.
@@ -167,6 +168,11 @@ Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options
     products.set_poles(poles);
     const auto s = denominator_products(products, 2 * poles.size() + 1);
     const Eigen::VectorXd c = denominator(s, products.sums());
+    if (!c.allFinite()) {
+      throw NumericalFailure(
+          "vector fit: the responses determine no poles; are they constant, or beyond what is "
+          "measured?");
+    }
     const auto next = pairs_of(zeros(poles, c));
     const double here = c.dot(s * c);
     const double change = largest_change(next, poles);

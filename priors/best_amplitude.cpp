@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "priors/gaussian_process.h"
 
 namespace chladni::priors {
@@ -55,7 +56,8 @@ double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& 
     matrix = rest.transpose() * matrix * rest;
     z = rest.transpose() * z;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      finite(matrix, "covariance of a Gaussian process"));
   const Eigen::ArrayXd lambda = eigen.eigenvalues().array().max(0.0);
   const Eigen::ArrayXd square = (eigen.eigenvectors().transpose() * z).array().square();
   // Ten thousandths of the noise to a thousand times what all of the values would need.

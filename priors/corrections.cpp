@@ -27,6 +27,7 @@ std::optional<CorrectedModes> corrected_modes(const Eigen::VectorXd& frequency_h
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd half = factor.matrixL().solve(stiffness);
   const Eigen::MatrixXd whole = factor.matrixL().solve(half.transpose());
+  if (!whole.allFinite()) return std::nullopt;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(whole);
   const double most = solver.eigenvalues()(r - 1);
   if (solver.info() != Eigen::Success || !(solver.eigenvalues()(0) > -kRigid * most)) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
 #include "priors/calibration.h"
 #include "priors/interpolators.h"
 #include "priors/learned_corrections.h"
@@ -91,7 +92,8 @@ Eigen::MatrixXd means_of(const MeasuredShapes& measured, const ModalBasis& basis
 // A root of covariance A Aᵀ + B Bᵀ with as many columns as rows.
 Eigen::MatrixXd joint_root(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const Eigen::MatrixXd covariance = a * a.transpose() + b * b.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(covariance, "covariance of a shape"));
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "priors/optimum.h"
 
 namespace chladni::priors {
@@ -133,8 +134,9 @@ Eigen::MatrixXd posterior_root(const Search& search, const Eigen::VectorXd& at) 
     curvature.col(k) = (there - here).tail(n) / kStep;
   }
   const Eigen::MatrixXd symmetric = 0.5 * (curvature + curvature.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
-  if (solver.info() != Eigen::Success || !symmetric.allFinite()) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(symmetric, "corrections: curvature of the posterior"));
+  if (solver.info() != Eigen::Success) {
     throw NumericalFailure("corrections: the posterior has no finite curvature");
   }
   return solver.eigenvectors() *

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::priors {
 namespace {
@@ -33,8 +34,9 @@ void RandomCoefficients::decompose() {
   const bool wide = whitened_.rows() <= whitened_.cols();
   const Eigen::MatrixXd gram = wide ? Eigen::MatrixXd(whitened_ * whitened_.transpose())
                                     : Eigen::MatrixXd(whitened_.transpose() * whitened_);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
-  if (solver.info() != Eigen::Success || !gram.allFinite()) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(gram, "random coefficients: products of the functions"));
+  if (solver.info() != Eigen::Success) {
     throw NumericalFailure("random coefficients: the functions have no finite decomposition");
   }
   const Eigen::Index p = gram.rows();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::priors {
 namespace {
@@ -68,7 +69,8 @@ void Smoother::decompose(const Eigen::MatrixXd& rest) {
     directions_ = rest;
     return;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * scaled_ * rest);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      finite(Eigen::MatrixXd(rest.transpose() * scaled_ * rest), "smoother: kernel"));
   if (eigen.info() != Eigen::Success) {
     throw NumericalFailure("smoother: the kernel has no eigen-decomposition");
   }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace chladni::priors {
 namespace {
@@ -37,7 +38,8 @@ SplineDomain spline_domain(const Places& places) {
   domain.origin = places.position.colwise().mean().transpose();
   Eigen::MatrixXd off = places.position.rowwise() - domain.origin.transpose();
   off -= (off * domain.direction) * domain.direction.transpose();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(off, Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(off, "thin plate spline: places"),
+                                              Eigen::ComputeThinV);
   const auto& extent = svd.singularValues();
   require(extent(0) > 0.0 && extent(0) > 1e-12 * places.position.norm(),
           "thin plate spline: all places are at one point of the plane that they measure across; "
