@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
+
 namespace chladni::identification {
 namespace {
 
@@ -32,16 +34,40 @@ Eigen::MatrixXd companion(const Block& block) {
 
 Eigen::VectorXcd poles(const Block& block) {
   if (block.general) return Eigen::Vector2cd(block.pole, std::conj(block.pole));
-  Eigen::VectorXcd all = companion(block).eigenvalues();
+  Eigen::VectorXcd all = finite(companion(block), "block of modes").eigenvalues();
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.imag() > b.imag(); });
   return all;
+}
+
+Block damped_after(Block block, const Block& before) {
+  constexpr double kMostOff = 0.1;  // of the damping, what a step leaves at least
+  if (block.general) {
+    const double least =
+        std::max(kLeastDampingRatio * std::abs(block.pole), -kMostOff * before.pole.real());
+    block.pole.real(std::min(block.pole.real(), -least));
+  } else if (!block.rigid && block.size() == 1 && block.stiffness(0, 0) > 0.0) {
+    const double least = std::max(2.0 * kLeastDampingRatio * std::sqrt(block.stiffness(0, 0)),
+                                  kMostOff * before.damping(0, 0));
+    block.damping(0, 0) = std::max(block.damping(0, 0), least);
+  }
+  return block;
+}
+
+bool is_undamped(const Block& block) {
+  constexpr double kAtBound = 1.0 + 1e-6;
+  if (block.general)
+    return -block.pole.real() <= kAtBound * kLeastDampingRatio * std::abs(block.pole);
+  if (block.rigid || block.size() != 1) return false;
+  return block.damping(0, 0) <=
+         2.0 * kAtBound * kLeastDampingRatio * std::sqrt(block.stiffness(0, 0));
 }
 
 bool is_stable(const Block& block) {
   if (block.rigid) return true;
   if (block.general) return block.pole.real() < 0.0 && block.pole.imag() > 0.0;
   if (block.size() == 1) return block.stiffness(0, 0) > 0.0 && block.damping(0, 0) > 0.0;
+  if (!block.stiffness.allFinite() || !block.damping.allFinite()) return false;
   return poles(block).real().maxCoeff() < 0.0;
 }
 
@@ -58,14 +84,15 @@ Block balanced(const Block& block) {
   const auto g = block.size();
   const auto p = block.left.rows();
   const auto q = block.right.cols();
-  if (p < g || q < g) return block;
+  if (p < g || q < g || !block.left.allFinite() || !block.right.allFinite()) return block;
   const Eigen::HouseholderQR<Eigen::MatrixXd> outputs(block.left);
   const Eigen::HouseholderQR<Eigen::MatrixXd> inputs(block.right.transpose());
   const auto corner = [g](const auto& qr) {
     return Eigen::MatrixXd(qr.matrixQR().topRows(g).template triangularView<Eigen::Upper>());
   };
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(corner(outputs) * corner(inputs).transpose(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
+      finite(Eigen::MatrixXd(corner(outputs) * corner(inputs).transpose()), "sides of a block"),
+      Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::VectorXd root = svd.singularValues().cwiseSqrt();
   if (root(g - 1) <= 1e-12 * root(0)) return block;
   const Eigen::MatrixXd v = inputs.householderQ() * Eigen::MatrixXd::Identity(q, g) * svd.matrixV();
@@ -85,7 +112,7 @@ Block balanced(const Block& block) {
 
 std::vector<Block> diagonalised(const Block& block) {
   const auto g = block.size();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion(block));
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(finite(companion(block), "block of modes"));
   std::vector<Eigen::Index> upper;
   for (Eigen::Index r = 0; r < 2 * g; ++r) {
     if (solver.eigenvalues()(r).imag() > 0.0) upper.push_back(r);
@@ -96,7 +123,7 @@ std::vector<Block> diagonalised(const Block& block) {
     turn.col(r) =
         turned_real(solver.eigenvectors().col(upper[static_cast<std::size_t>(r)]).head(g));
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turn);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(turn, "shapes of a block"));
   if (svd.singularValues()(g - 1) < kDependent * svd.singularValues()(0)) return {};
   const Eigen::MatrixXd left = block.left * turn;
   const Eigen::MatrixXd right = turn.inverse() * block.right;
@@ -111,7 +138,7 @@ std::vector<Block> diagonalised(const Block& block) {
 std::vector<Block> forced_modes(const Block& block) {
   auto modes = diagonalised(block);
   if (!modes.empty()) return modes;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(block.stiffness);
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(finite(block.stiffness, "stiffness of a block"));
   Eigen::MatrixXd turn = solver.eigenvectors().real();
   if (turn.fullPivLu().rank() < block.size()) turn.setIdentity(block.size(), block.size());
   const Eigen::MatrixXd back = turn.inverse();

@@ -42,6 +42,18 @@ struct BlockModel {
 /// The 2g poles of a block (2 of a general one), those with Im ≥ 0 first.
 [[nodiscard]] Eigen::VectorXcd poles(const Block& block);
 
+/// Least damping ratio of a mode that is fitted. Below it the sums over lines, which take
+/// differences of poles and their conjugates, have no digits left, and no record tells such a
+/// damping from none.
+inline constexpr double kLeastDampingRatio = 1e-7;
+
+/// A single mode after a step from `before`, its damping no less than a tenth of what it was nor
+/// than kLeastDampingRatio; a block of several modes as it is.
+[[nodiscard]] Block damped_after(Block block, const Block& before);
+
+/// Whether that bound holds the damping of a single mode: the data ask for less.
+[[nodiscard]] bool is_undamped(const Block& block);
+
 /// Re p < 0 of every pole.
 [[nodiscard]] bool is_stable(const Block& block);
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/draw.h"
+#include "base/finite.h"
 #include "priors/dense.h"
 
 namespace chladni::identification {
@@ -88,7 +89,7 @@ Eigen::MatrixXd whitened(const FitData& data, const Scales& scale, Eigen::Index 
 Eigen::MatrixXd directions(const Eigen::MatrixXd& square, Eigen::Index lines, Eigen::Index others,
                            bool noise_known) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      square.selfadjointView<Eigen::Lower>().toDenseMatrix());
+      finite(Eigen::MatrixXd(square.selfadjointView<Eigen::Lower>()), "products of the responses"));
   const auto size = square.rows();
   const auto numbers = static_cast<double>(2 * lines * others);
   // E of a noise eigenvalue: half of the numbers, each of variance 1/2.
@@ -127,7 +128,9 @@ FitData projected(const std::vector<Eigen::MatrixXd>& by_input, const Eigen::Mat
                  .value = {},
                  .weight = {},
                  .noise_known = like.noise_known,
-                 .noise_stated = like.noise_stated};
+                 .noise_stated = like.noise_stated,
+                 .noise_freedom = like.noise_freedom,
+                 .shared_lines = like.shared_lines};
   result.value.resize(lines, rows * right.cols());
   for (Eigen::Index e = 0; e < result.value.cols(); ++e) {
     const auto column = z.col(e / rows).segment(2 * lines * (e % rows), 2 * lines);

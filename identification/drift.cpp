@@ -39,15 +39,11 @@ Eigen::MatrixXcd slopes(const ModalFit& fit, const Eigen::VectorXd& frequency_hz
          (2.0 * kStep);
 }
 
-double noise_level(const FitData& data, const ModalFit& fit) {
-  return data.noise_known ? 1.0 : std::max(1e-300, fit.cost / fit.expected_cost);
-}
-
 // Shifts beyond those that `data` were freed of, and what is known of them.
 void add_shifts(const FitData& data, const ModalFit& fit, Drift& drift) {
   const auto slope = slopes(fit, data.frequency_hz);
   const Eigen::MatrixXcd error = data.value - responses(fit, data.frequency_hz);
-  const double level = noise_level(data, fit);
+  const double level = noise_level(fit, data);
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
     const Eigen::ArrayXd squared = data.weight.col(e).array().square();
     const double information = (slope.col(e).array().abs2() * squared).sum();

@@ -236,7 +236,7 @@ ModalFit expanded(const ModalFit& fit, const Compressed& small, const FitData& d
   const auto p = data.outputs;
   const auto q = data.inputs;
   const auto n = fit.model.mode_count();
-  const double variance = data.noise_known ? 1.0 : fit.cost / fit.expected_cost;
+  const double variance = noise_level(fit, small.data) * variance_factor(small.data);
   result.model.output_shapes.resize(p, n);
   result.model.input_shapes.resize(n, q);
   result.output_std.resize(p, n);
@@ -258,7 +258,9 @@ ModalFit expanded(const ModalFit& fit, const Compressed& small, const FitData& d
   result.parameter_count = (n - g) * (p + q + 1) + g * (p + q - g) +
                            (fit.delay_std_s > 0.0 ? 1 : 0) +
                            (residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0);
-  result.expected_cost = 0.5 * static_cast<double>(result.measured_count - result.parameter_count);
+  const auto expected = expected_cost(data, result.parameter_count);
+  result.expected_cost = expected.mean;
+  result.cost_deviation = expected.deviation;
   refine_shapes(small, data, residual, result);
   fill_residual(data, residual, variance, result);
   mark_unmeasured(data.weight.colwise().sum().reshaped(p, q), result);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ constexpr int kReach = 4;   // lines on each side of one, of the local polynomia
 constexpr int kDegree = 3;  // of it
 constexpr Eigen::Index kFewestLines = 2 * kReach + 1;
 constexpr int kSmooth = 12;  // lines on each side over which a variance is averaged
+// Receptances outside of this are no measurement; their squares, and squares of those, still are
+// numbers.
+constexpr double kLeastSize = 1e-70, kMostSize = 1e70;
 
 std::string response_name(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   return set.outputs[static_cast<std::size_t>(i)].name + "/" +
@@ -84,6 +88,15 @@ Eigen::VectorXd smoothed_magnitude(const Eigen::VectorXcd& value, const Eigen::V
   return result;
 }
 
+void check_size(double size, const modal::FrfSet& set, Eigen::Index i, Eigen::Index j,
+                Eigen::Index line) {
+  if (size <= kMostSize) return;
+  std::ostringstream text;
+  text << "response " << response_name(set, i, j) << " at " << set.frequency_hz(line)
+       << " Hz: " << size << " m/N, expected a response of less than " << kMostSize;
+  throw InvalidInput(text.str());
+}
+
 // One response of the set as it enters the fit.
 struct Response {
   Eigen::VectorXcd value;
@@ -98,6 +111,7 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto value = set.value[static_cast<std::size_t>(k)](i, j);
     if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) continue;
+    check_size(std::abs(value), set, i, j, k);
     one.value(k) = value;
     one.there(k) = 1.0;
     if (set.variance.empty()) continue;
@@ -141,7 +155,56 @@ double largest_magnitude(const modal::FrfSet& set) {
   return largest;
 }
 
+constexpr double kLeastFreedom = 2.0;  // of variances whose inverse has a mean square
+
+// How many neighbours each variance is the mean of: of means over W lines, of ν degrees of freedom
+// in all, the second differences of the logarithms have a variance of 4/(νW), of single ones 6/ν.
+// First differences would have the slope of the true variance in them.
+double lines_of_one_variance(const FitData& data) {
+  constexpr double kMedianSquare = 0.4549;  // of a normal number of variance 1
+  std::vector<double> squares;
+  for (const auto column : data.weight.colwise()) {
+    for (Eigen::Index k = 1; k + 1 < column.size(); ++k) {
+      if (!(column.segment(k - 1, 3).minCoeff() > 0.0)) continue;
+      const double ratio = column(k - 1) * column(k + 1) / (column(k) * column(k));
+      squares.push_back(std::pow(2.0 * std::log(ratio), 2));
+    }
+  }
+  if (squares.empty()) return 1.0;
+  const auto middle = squares.begin() + std::ssize(squares) / 2;
+  std::nth_element(squares.begin(), middle, squares.end());
+  const auto lines = static_cast<double>(data.line_count());
+  const double square = *middle / kMedianSquare * data.noise_freedom;
+  return square * lines <= 4.0 ? lines : std::clamp(4.0 / square, 1.0, lines);
+}
+
 }  // namespace
+
+ExpectedCost expected_cost(const FitData& data, Eigen::Index parameters) {
+  const double numbers = 0.5 * static_cast<double>(data.measured_count());
+  const double taken = 0.5 * static_cast<double>(parameters);
+  if (!data.noise_known || data.noise_freedom == 0.0) {
+    return {numbers - taken, std::sqrt(std::max(0.0, numbers - taken))};
+  }
+  const double v = data.noise_freedom;
+  const double mean = v / (v - 1.0);
+  const double own = v * mean / (v - 2.0);
+  const double shared = data.shared_lines * mean * mean / (v - 2.0);
+  return {numbers * mean - taken * variance_factor(data),
+          std::sqrt(std::max(0.0, numbers - taken) * (own + shared))};
+}
+
+double noise_level(const FitData& data, double cost, Eigen::Index parameters) {
+  constexpr double kNoChance = 5.0;  // deviations
+  const auto expected = expected_cost(data, parameters);
+  if (data.noise_known && cost <= expected.mean + kNoChance * expected.deviation) return 1.0;
+  return std::max(cost / std::max(expected.mean, 0.5), 1e-300);
+}
+
+double variance_factor(const FitData& data) {
+  if (!data.noise_known || data.noise_freedom == 0.0) return 1.0;
+  return data.noise_freedom / (data.noise_freedom - 2.0);
+}
 
 FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   modal::check(measured);
@@ -160,18 +223,24 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   data.value.setZero(set.line_count(), data.outputs * data.inputs);
   data.weight.setZero(set.line_count(), data.outputs * data.inputs);
   data.noise_stated = options.weighting == Weighting::variance && !set.variance.empty();
-  data.noise_known = data.noise_stated && options.model_error == 0.0;
+  const bool exact = set.averages == 0.0;
+  data.noise_known =
+      data.noise_stated && options.model_error == 0.0 && (exact || set.averages > kLeastFreedom);
   for (Eigen::Index j = 0; j < data.inputs; ++j) {
     for (Eigen::Index i = 0; i < data.outputs; ++i) {
       const auto one = response_of(set, i, j);
       if (one.there.sum() == 0.0) continue;
-      require(one.there.sum() >= kFewestLines && one.value.squaredNorm() > 0.0,
+      require(one.there.sum() >= kFewestLines && one.value.cwiseAbs().maxCoeff() > kLeastSize,
               "response " + response_name(set, i, j) +
-                  ": its lines are zero or fewer than 9 of them are finite; leave it out or set "
-                  "all its lines to NaN");
+                  ": its lines are zero (less than 1e-70 m/N) or fewer than 9 of them are finite; "
+                  "leave it out or set all its lines to NaN");
       data.value.col(i + data.outputs * j) = one.value;
       data.weight.col(i + data.outputs * j) = weights(one, options, largest);
     }
+  }
+  if (data.noise_known && !exact) {
+    data.noise_freedom = set.averages;
+    data.shared_lines = lines_of_one_variance(data);
   }
   return data;
 }

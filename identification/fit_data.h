@@ -15,12 +15,39 @@ struct FitData {
   Eigen::MatrixXd weight;        ///< K×pq: 1/σ with σ² = E|G − G₀|²; 0: not measured
   bool noise_known = true;       ///< the weights are true deviations, not only their proportions
   bool noise_stated = true;      ///< variances came with the data, whatever was added to them
+  double noise_freedom = 0.0;  ///< ν, complex degrees of freedom of each variance; 0: it is exact
+  double shared_lines = 1.0;   ///< neighbouring lines of which one estimate is the variance
 
   [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }
   /// Real numbers that were measured: two per response and line of weight above 0.
   [[nodiscard]] Eigen::Index measured_count() const { return 2 * (weight.array() > 0.0).count(); }
 };
+
+/// Σ |w e|² of what noise leaves of a fit: its mean and standard deviation.
+struct ExpectedCost {
+  double mean = 0.0, deviation = 0.0;
+};
+
+/// With exact variances N complex numbers less P real parameters leave N − P/2, of that variance.
+/// A sample variance s² of ν complex degrees of freedom is independent of the mean that it belongs
+/// to, so that |n|²/s² is F-distributed with 2 and 2ν: a number adds ν/(ν−1), of variance
+/// ν²/((ν−1)(ν−2)), and a parameter takes ½ ν/(ν−2). One s² that stands for W lines errs on all of
+/// them together, which adds W ν²/((ν−1)²(ν−2)) to the variance of each. (Pintelon and Schoukens,
+/// System Identification, 2nd ed. 2012, chapters 10 and 12: sample maximum likelihood, which also
+/// has the first and the loss of efficiency (ν−1)/(ν−2).)
+/// Where the noise is not known the weights count as exact.
+[[nodiscard]] ExpectedCost expected_cost(const FitData& data, Eigen::Index parameters);
+
+/// What a cost is of that which noise alone leaves with so many parameters fitted: the factor by
+/// which squares of the weights' deviations are off. Where the noise is known it is 1 up to five
+/// deviations of the expected cost, since nothing but chance leaves less or more than noise; else
+/// whatever it is, above 0.
+[[nodiscard]] double noise_level(const FitData& data, double cost, Eigen::Index parameters = 0);
+
+/// Variance of what a fit with these weights finds over (2 JᵀJ)⁻¹: ν/(ν−2), 1 where variances are
+/// exact. (Of the Cramér-Rao bound that is (ν−1)/(ν−2): weights that scatter cost efficiency.)
+[[nodiscard]] double variance_factor(const FitData& data);
 
 /// How the weights come about.
 enum class Weighting {
@@ -39,9 +66,12 @@ struct FitDataOptions {
   double clip_db = 0.0;
 };
 
-/// As receptances, weighted. Variances that the set does not state are estimated from how much each
-/// line differs from a local polynomial through its neighbours.
-/// @throws InvalidInput  fewer than 9 lines in the band, a response with 1 to 8 finite lines, a
+/// As receptances, weighted. Variances of 2 or fewer degrees of freedom (FrfSet::averages) are
+/// taken for proportions: their inverse has no mean square. How many lines share a variance is told
+/// by how little neighbours differ. Variances that the set does not state are estimated from how
+/// much each line differs from a local polynomial through its neighbours.
+/// @throws InvalidInput  fewer than 9 lines in the band, a response with 1 to 8 finite lines, one
+///                       whose receptances are all below 1e-70 m/N or not all below 1e70 m/N, a
 ///                       variance that is negative
 [[nodiscard]] FitData fit_data(const modal::FrfSet& set, const FitDataOptions& options = {});
 

@@ -10,13 +10,11 @@
 #include <numeric>
 #include <sstream>
 
+#include "identification/covariance.h"
 #include "identification/general_mode.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
-
-namespace dense = priors::dense;
 
 constexpr double kUnknownShape = 0.15;  // relative deviation of a shape that cannot be told apart
 
@@ -61,74 +59,11 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
   return result;
 }
 
-// What the basis of a block may be changed by.
-std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
-  if (block.general) {  // what A commutes with
-    return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd{{0.0, 1.0}, {-1.0, 0.0}}};
+// Variances without bound where `unknown`.
+void mark(const Unknown& unknown, Eigen::MatrixXd& covariance) {
+  for (Eigen::Index i = 0; i < unknown.size(); ++i) {
+    if (unknown(i)) covariance(i, i) = std::numeric_limits<double>::infinity();
   }
-  const auto g = block.size();
-  std::vector<Eigen::MatrixXd> all;
-  for (Eigen::Index b = 0; b < g; ++b) {
-    for (Eigen::Index a = 0; a < g; ++a) {
-      all.emplace_back(Eigen::MatrixXd::Zero(g, g));
-      all.back()(a, b) = 1.0;
-    }
-  }
-  return all;
-}
-
-// Columns: directions in the parameters that leave every response as it is.
-Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters) {
-  Eigen::Index count = 0;
-  for (const auto& block : model.blocks) {
-    count += block.general ? 2 : block.size() * block.size();
-  }
-  Eigen::MatrixXd idle = Eigen::MatrixXd::Zero(parameters, count);
-  Eigen::Index column = 0;
-  Eigen::Index first = 0;
-  for (const auto& block : model.blocks) {
-    const auto g = block.size();
-    const auto p = block.left.rows();
-    for (const auto& change : idle_changes(block)) {  // left += left T, right −= T right
-      idle.col(column).segment(first, g * p) = (block.left * change).reshaped();
-      idle.col(column++).segment(first + g * p, g * block.right.cols()) =
-          -(change * block.right).reshaped();
-    }
-    first += parameter_count(block);
-  }
-  return idle;
-}
-
-// Pseudo-inverse of the normal equations that holds the idle directions still, orthogonally to
-// them in the parameters' own metric.
-Eigen::MatrixXd held_inverse(const NormalEquations& normal, const Eigen::MatrixXd& idle) {
-  const Eigen::VectorXd scale =
-      (normal.matrix.diagonal().array() > 0.0)
-          .select(normal.matrix.diagonal().cwiseSqrt().cwiseInverse(), 0.0);
-  Eigen::MatrixXd a = scale.asDiagonal() *
-                      Eigen::MatrixXd(normal.matrix.selfadjointView<Eigen::Lower>()) *
-                      scale.asDiagonal();
-  // No data speak of a row that is not measured: it is kept out, its deviation is infinite.
-  const Eigen::VectorXd known = (scale.array() > 0.0).cast<double>();
-  const Eigen::MatrixXd scaled =
-      (normal.matrix.diagonal().array().max(0.0).sqrt() * known.array()).matrix().asDiagonal() *
-      idle;
-  a.diagonal() += Eigen::VectorXd::Ones(known.size()) - known;
-  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).householderQ() *
-                            Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
-  a += q * q.transpose();
-  Eigen::MatrixXd factor = a;
-  for (double jitter = 1e-14; !dense::cholesky(factor); jitter *= 10.0) {
-    factor = a;
-    factor.diagonal().array() += jitter;
-  }
-  dense::invert(factor);
-  factor.triangularView<Eigen::StrictlyUpper>() = factor.transpose();
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * factor * scale.asDiagonal();
-  const Eigen::MatrixXd own = Eigen::HouseholderQR<Eigen::MatrixXd>(idle).householderQ() *
-                              Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
-  const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
-  return half - (half * own) * own.transpose();
 }
 
 // Rows of (ω, ζ, L, R) of a single mode in its parameters (L, R, K, D), physical units.
@@ -143,9 +78,27 @@ Eigen::MatrixXd physical(const Block& block, double scale) {
   return jacobian;
 }
 
+// Of (ω, ζ, Re L, Re R, Im L, Im R): what of a general block's parameters (left, right, σ, ω) is
+// not known makes of it.
+Unknown unknown_of_general(const Unknown& parameters, const Block& block) {
+  const auto p = block.left.rows();
+  const auto q = block.right.cols();
+  Unknown rows = Unknown::Constant(2 + 2 * (p + q), false);
+  rows(0) = parameters(2 * (p + q) + 1);
+  rows(1) = rows(0) || parameters(2 * (p + q));
+  for (Eigen::Index i = 0; i < p; ++i) {
+    rows(2 + i) = rows(2 + p + q + i) = parameters(i) || parameters(p + i);
+  }
+  for (Eigen::Index j = 0; j < q; ++j) {
+    rows(2 + p + j) = rows(2 + 2 * p + q + j) =
+        parameters(2 * (p + j)) || parameters(2 * (p + j) + 1);
+  }
+  return rows;
+}
+
 class Filler {
  public:
-  Filler(const BlockModel& model, const Eigen::MatrixXd& covariance, ModalFit& fit)
+  Filler(const BlockModel& model, const Covariance& covariance, ModalFit& fit)
       : model_(model), covariance_(covariance), fit_(fit) {}
 
   void fill() {
@@ -167,7 +120,8 @@ class Filler {
     const auto q = block.right.cols();
     const auto count = g * (p + q);
     fit_.rigid_covariance =
-        model_.scale * model_.scale * covariance_.block(first_, first_, count, count);
+        model_.scale * model_.scale * covariance_.matrix.block(first_, first_, count, count);
+    mark(covariance_.unknown.segment(first_, count), fit_.rigid_covariance);
     for (Eigen::Index a = 0; a < g; ++a) {
       std::vector<Eigen::Index> own;
       for (Eigen::Index i = 0; i < p; ++i) own.push_back(i + p * a);
@@ -188,8 +142,9 @@ class Filler {
   void add_general(const Block& block) {
     const auto count = parameter_count(block);
     const auto real = 2 + block.left.rows() + block.right.cols();
-    const auto mode =
-        general_mode_of(block, model_.scale, covariance_.block(first_, first_, count, count));
+    auto mode = general_mode_of(block, model_.scale,
+                                covariance_.matrix.block(first_, first_, count, count));
+    mark(unknown_of_general(covariance_.unknown.segment(first_, count), block), mode.covariance);
     put_complex(mode_, mode.outputs, mode.inputs, mode.covariance);
     put(mode.omega / (2.0 * std::numbers::pi), mode.damping_ratio, mode.outputs.real(),
         mode.inputs.real(), mode.covariance.topLeftCorner(real, real));
@@ -200,9 +155,12 @@ class Filler {
     const auto count = parameter_count(block);
     const Eigen::MatrixXd jacobian = physical(block, model_.scale);
     const double own = own_frequency(block);
+    Eigen::MatrixXd covariance =
+        jacobian * covariance_.matrix.block(first_, first_, count, count) * jacobian.transpose();
+    const Eigen::VectorXd unknown = covariance_.unknown.segment(first_, count).cast<double>();
+    mark((jacobian.cwiseAbs() * unknown).array() > 0.0, covariance);
     put(own * model_.scale / (2.0 * std::numbers::pi), block.damping(0, 0) / (2.0 * own),
-        model_.scale * block.left.col(0), model_.scale * block.right.row(0),
-        jacobian * covariance_.block(first_, first_, count, count) * jacobian.transpose());
+        model_.scale * block.left.col(0), model_.scale * block.right.row(0), covariance);
     first_ += count;
   }
 
@@ -238,7 +196,7 @@ class Filler {
   }
 
   const BlockModel& model_;
-  const Eigen::MatrixXd& covariance_;
+  const Covariance& covariance_;
   ModalFit& fit_;
   Eigen::Index first_ = 0, mode_ = 0;
 };
@@ -291,16 +249,30 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();  // is known
 
+// Modes whose damping is held by its bound.
+void note_undamped(const BlockModel& model, ModalFit& fit) {
+  for (const auto& block : model.blocks) {
+    if (!is_undamped(block)) continue;
+    std::ostringstream text;
+    text << "mode at " << own_frequency(block) * model.scale / (2.0 * std::numbers::pi)
+         << " Hz: the data ask for no damping; it is held at a ratio of " << kLeastDampingRatio
+         << ", its deviation is not known";
+    fit.notes.push_back(text.str());
+  }
+}
+
 // The delays with their deviations; the mean is that of the channels that were measured.
-void fill_delays(const BlockModel& model, const Fitted& fitted, const Eigen::MatrixXd& covariance,
+void fill_delays(const BlockModel& model, const Fitted& fitted, const Covariance& covariance,
                  ModalFit& fit) {
   fit.delay_s = model.delay / model.scale;
   if (!fitted.delay) return;
   const auto n = fitted.delay_count(fit.model.output_count(), fit.model.input_count());
-  const Eigen::MatrixXd own = covariance.bottomRightCorner(n, n) / (model.scale * model.scale);
-  const Eigen::ArrayXd measured = (own.diagonal().array() > 0.0).cast<double>();
+  const Eigen::MatrixXd own =
+      covariance.matrix.bottomRightCorner(n, n) / (model.scale * model.scale);
+  const Eigen::ArrayXd measured = (!covariance.unknown.tail(n)).cast<double>();
   const Eigen::VectorXd share = measured / std::max(1.0, measured.sum());
-  fit.delay_std_s = std::sqrt(std::max(0.0, share.dot(own * share)));
+  fit.delay_std_s =
+      measured.sum() > 0.0 ? std::sqrt(std::max(0.0, share.dot(own * share))) : kNothing;
   if (fitted.delay_of == DelayOf::all) return;
   fit.delay_of = fitted.delay_of;
   fit.channel_delay_s = model.channel_delay / model.scale;
@@ -367,14 +339,18 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   fit.measured_count = data.measured_count();
   fit.parameter_count = parameters - idle.cols() +
                         (fitted.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0);
-  fit.expected_cost = 0.5 * static_cast<double>(fit.measured_count - fit.parameter_count);
+  const auto expected = expected_cost(data, fit.parameter_count);
+  fit.expected_cost = expected.mean;
+  fit.cost_deviation = expected.deviation;
   fit.iterations = found.iterations;
   fit.converged = found.converged;
-  const double variance = data.noise_known ? 1.0 : fit.cost / fit.expected_cost;
-  const Eigen::MatrixXd covariance = 0.5 * variance * held_inverse(normal, idle);
+  const double variance = noise_level(fit, data) * variance_factor(data);
+  auto covariance = held_inverse(model, normal, idle);
+  covariance.matrix *= 0.5 * variance;
   if (damping == Damping::general) fit.complex.emplace();
   resize(fit, model, data.outputs, data.inputs);
   Filler(model, covariance, fit).fill();
+  note_undamped(model, fit);
   const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);

@@ -6,10 +6,10 @@
 
 namespace chladni::identification {
 
-/// Covariance (2 JᵀJ)⁻¹ of circular noise, times cost / expected cost where the weights are only
-/// proportions; directions that change nothing (the scale between L and R, the basis of the
-/// rigid-body modes) are held still. Blocks that stayed together become modes of one group.
-/// Cost: one set of normal equations and the inverse of their matrix.
+/// Covariance (2 JᵀJ)⁻¹ of circular noise, times noise_level and variance_factor; directions that
+/// change nothing (the scale between L and R, the basis of the rigid-body modes) are held still.
+/// Blocks that stayed together become modes of one group. Cost: one set of normal equations and the
+/// inverse of their matrix.
 [[nodiscard]] ModalFit with_uncertainty(const Descent& found, const Target& target,
                                         const Fitted& fitted, const FitData& data, Damping damping);
 

@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <set>
 
 #include "base/error.h"
@@ -204,10 +206,73 @@ void gather_rows(Matching& state) {
   }
 }
 
+// Variances that are not known stand in the sums as a thousand times the size of what they are of,
+// squared: finite, and no information.
+void bound(Eigen::MatrixXd& covariance, const Eigen::VectorXd& size) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (std::isfinite(covariance(i, i))) continue;
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+    covariance(i, i) = std::pow(1e3 * size(i), 2);
+  }
+}
+
+// (2 + p + q, and p + q again of complex shapes): size of ω, ζ, L and R.
+Eigen::VectorXd sizes(const ModalFit& fit, Eigen::Index m, Eigen::Index count) {
+  const auto p = fit.model.output_count();
+  const auto q = fit.model.input_count();
+  const auto rms = [](const auto& part) {
+    return part.norm() / std::sqrt(static_cast<double>(part.size()));
+  };
+  Eigen::VectorXd size(2 + 2 * (p + q));
+  size.setConstant(rms(fit.model.output_shapes.col(m)));
+  size(0) = std::max(1.0, 2.0 * std::numbers::pi * fit.model.frequency_hz(m));
+  size(1) = 1.0;
+  const double input = rms(fit.model.input_shapes.row(m));
+  size.segment(2 + p, q).setConstant(input);
+  size.tail(q).setConstant(input);
+  return size.head(count);
+}
+
+void bound_unknown(ModalFit& fit) {
+  const auto r = fit.model.rigid_count;
+  for (std::size_t m = 0; m < fit.mode_covariance.size(); ++m) {
+    auto& covariance = fit.mode_covariance[m];
+    bound(covariance, sizes(fit, static_cast<Eigen::Index>(m), covariance.rows()));
+    if (!fit.complex || m >= fit.complex->covariance.size()) continue;
+    auto& both = fit.complex->covariance[m];
+    bound(both, sizes(fit, static_cast<Eigen::Index>(m), both.rows()));
+  }
+  const auto rigid = fit.rigid_covariance.rows();
+  if (rigid == 0) return;
+  const double size = std::max(fit.model.output_shapes.leftCols(r).cwiseAbs().maxCoeff(),
+                               fit.model.input_shapes.topRows(r).cwiseAbs().maxCoeff());
+  bound(fit.rigid_covariance, Eigen::VectorXd::Constant(rigid, size));
+}
+
+// What the fit does not know stays unknown, whatever was made of the channel's values.
+void mark_unknown(const ModalFit& fit, Matching& state) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const auto m = fit.model.mode_count();
+  if (fit.output_std.cols() != m || fit.input_std.rows() != m) return;
+  const auto unknown = [](double deviation) { return !std::isfinite(deviation); };
+  auto& match = state.match;
+  for (Eigen::Index k = 0; k < m; ++k) {
+    for (Eigen::Index i = 0; i < state.p(); ++i) {
+      if (unknown(fit.output_std(i, k))) match.deviation(i, k) = kInfinite;
+    }
+    for (Eigen::Index j = 0; j < state.q(); ++j) {
+      if (!unknown(fit.input_std(k, j))) continue;
+      match.input_deviation(k, j) = state.at_inputs_std(j, k) = kInfinite;
+    }
+  }
+}
+
 Matching started(const ModalFit& fit, const Channels& outputs, const Channels& inputs,
                  const GainMatchOptions& options) {
   Matching state{fit, outputs, inputs, options, matched_groups(fit), {}, {}, {}, 1, {}, {}, {}};
   const auto m = fit.model.mode_count();
+  bound_unknown(state.fit);
   state.ratios = place_ratios(options.pairs, m, options.simulation_error);
   state.match.modes.resize(static_cast<std::size_t>(m));
   state.match.pairs.resize(options.pairs.size());
@@ -268,6 +333,7 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   warn_of_gains(state, gains.left);
   for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
   warn_of_disagreement(state);
+  mark_unknown(fit, state);
   gather_rows(state);
   add_imaginary_rows(state);
   return std::move(state.match);

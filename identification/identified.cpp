@@ -20,14 +20,9 @@ constexpr int kFirstSteps = 12;          // before modes that are none are left 
 constexpr Eigen::Index kMany = 200;      // responses above which channels are combined
 constexpr Eigen::Index kSketch = 14;     // combinations on each side to find poles from
 
-double excess_of(const ModalFit& fit) {
-  const double n = 2.0 * fit.expected_cost;
-  return (2.0 * fit.cost - n) / std::sqrt(2.0 * n);
-}
-
 // Whether a fit with one mode more is worth it.
 bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
-  const double level = noise_level(data, after.cost);
+  const double level = noise_level(after, data);
   const double parameters = static_cast<double>(after.parameter_count - before.parameter_count);
   const double needed = 0.5 * level * std::max(1.0, parameters) *
                         std::log(static_cast<double>(data.measured_count()));
@@ -70,7 +65,7 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
     less.pole.conservativeResize(start.pole.size() - 1);
     auto fit = modal_fit(data, less, options);
     const bool taken = !pays(data, fit, result.fit);
-    result.steps.push_back({flexible_count(fit), fit.cost, excess_of(fit), taken});
+    result.steps.push_back({flexible_count(fit), fit.cost, fit.excess(), taken});
     if (!taken) return;
     result.fit = std::move(fit);
   }
@@ -85,7 +80,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   while (flexible_count(result.fit) < most) {
     if (options.fit.keep_best && interrupted()) break;
     const bool wanted = options.modes > flexible_count(result.fit);
-    if (!wanted && data.noise_known && excess_of(result.fit) < kEnoughExcess) break;
+    if (!wanted && data.noise_known && result.fit.excess() < kEnoughExcess) break;
     auto start = start_at(result.fit.model);
     const auto candidate = missing_mode(data, result.fit);
     if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
@@ -93,21 +88,10 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     start.pole(start.pole.size() - 1) = candidate.pole;
     auto fit = modal_fit(data, start, options.fit);
     const bool taken = wanted || pays(data, result.fit, fit);
-    result.steps.push_back({flexible_count(fit), fit.cost, excess_of(fit), taken});
+    result.steps.push_back({flexible_count(fit), fit.cost, fit.excess(), taken});
     if (!taken) break;
     result.fit = std::move(fit);
   }
-}
-
-// The delays are taken out of the data before the poles are found again.
-FitData without_delay(const FitData& data, const IdentificationOptions& options,
-                      Eigen::VectorXd& delay) {
-  delay.setZero(data.response_count());
-  if (!options.fit.delay) return data;
-  const auto found = start_poles(data, options);
-  const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
-  delay = scanned_delays(data, kept, options.rigid_count != 0, options.fit.delay_of);
-  return undelayed(data, delay);
 }
 
 // Phases of complex modes and delays are nearly the same: they are those of real modes.
@@ -124,8 +108,7 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
   constexpr double kFiveDeviations = 12.5;
   auto free = modal_fit(data, start_at(fit.model), options);
-  const double temper = std::max(1.0, fit.cost / std::max(fit.expected_cost, 1.0));
-  if (fit.cost - free.cost > kFiveDeviations * temper) {
+  if (fit.cost - free.cost > kFiveDeviations * noise_level(fit, data)) {
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;
@@ -144,8 +127,7 @@ Identified from_start(const FitData& data, const Start& start,
   FitOptions few = options.fit;
   if (data.noise_known) few.iterations = std::min(few.iterations, kFirstSteps);
   result.fit = first_fit(data, start, twice, few);
-  result.steps.push_back(
-      {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
+  result.steps.push_back({flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
   if (data.noise_known && !result.fit.converged)
     result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
@@ -187,8 +169,9 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
 }
 
 Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
-  Eigen::VectorXd delay;
-  auto data = without_delay(measured, options, delay);
+  // The delays are taken out of the data before the poles are found again.
+  const auto delay = delays_at_start(measured, options);
+  auto data = options.fit.delay ? undelayed(measured, delay) : measured;
   Eigen::Index order = 0;
   auto start = chosen_start(data, options, order);
   const auto moved = drift_that_matters(data, start, options);
@@ -223,7 +206,7 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
     const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;
     result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
     result.steps.push_back(
-        {flexible_count(result.fit), result.fit.cost, excess_of(result.fit), true});
+        {flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
     add_missing_modes(data, options, result);
     result.fit.delay_s += delay;
   }
@@ -232,6 +215,13 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
 }
 
 }  // namespace
+
+Eigen::VectorXd delays_at_start(const FitData& data, const IdentificationOptions& options) {
+  if (!options.fit.delay) return Eigen::VectorXd::Zero(data.response_count());
+  const auto found = start_poles(data, options);
+  const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
+  return scanned_delays(data, kept, options.rigid_count != 0, options.fit.delay_of);
+}
 
 Identified identified(const FitData& measured, const IdentificationOptions& options) {
   const bool one_delay = !options.fit.delay || options.fit.delay_of == DelayOf::all;

@@ -24,7 +24,7 @@ struct IdentificationOptions {
 struct OrderStep {
   Eigen::Index modes = 0;  ///< flexible ones
   double cost = 0.0;       ///< Σ |w error|²
-  double excess = 0.0;     ///< z = (V − N) / sqrt(2N), V = 2 cost, N numbers less parameters
+  double excess = 0.0;     ///< ModalFit::excess
   bool taken = false;
 };
 
@@ -45,6 +45,13 @@ struct Identified {
 /// together first (drift.h): else each would be several modes.
 /// @throws InvalidInput  as modal_fit; nothing in the data stands out of the noise
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
+
+/// pq [s]: the delay of each response before anything is fitted, that under which real residues at
+/// the poles of a vector fit fit best; those of one output or input (or all) having one, as
+/// options.fit.delay_of says. Zeros where options.fit.delay is false.
+/// @throws as vector_fit
+[[nodiscard]] Eigen::VectorXd delays_at_start(const FitData& data,
+                                              const IdentificationOptions& options);
 
 /// The same modes with the data weighted otherwise.
 /// @param data  of the channels that `fit` is of

@@ -59,10 +59,6 @@ bool step_down(Descent& now, double& damping, const Target& target, const Fitted
 
 }  // namespace
 
-double noise_level(const Misfit& misfit, const Target& target) {
-  return 2.0 * misfit.cost / static_cast<double>(target.measured);
-}
-
 Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
                 const DescentOptions& options) {
   Descent now{std::move(start), {}, 0, false};
@@ -80,7 +76,7 @@ Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
       break;
     }
     ++now.iterations;
-    const bool little = before - now.misfit.cost < kEnough * noise_level(now.misfit, target);
+    const bool little = before - now.misfit.cost < kEnough * target.noise_level(now.misfit.cost);
     quiet = little ? (undamped ? 2 : quiet + 1) : 0;
     tell(options.progress, "fitting", static_cast<double>(now.iterations) / options.iterations);
   }

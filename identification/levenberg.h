@@ -20,9 +20,6 @@ struct DescentOptions {
   Progress progress = {};
 };
 
-/// What noise adds to the cost per measured number, times two: 1 where the weights are 1/σ.
-[[nodiscard]] double noise_level(const Misfit& misfit, const Target& target);
-
 /// Steps that lower the cost and keep every pole stable; each divides the damping by 10, a failure
 /// multiplies it by 8. Converged: an undamped step, or two running, lower the cost by less than a
 /// thousandth of what one number's noise adds to it, or nothing lowers it further.

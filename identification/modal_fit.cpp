@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "identification/block_fractions.h"
 #include "identification/fit_uncertainty.h"
 #include "identification/levenberg.h"
@@ -95,7 +96,8 @@ struct Sides {
 };
 
 Sides sides(const Eigen::MatrixXd& residue, Eigen::Index count) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residue, "residue"),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto size = std::min(count, svd.singularValues().size());
   const Eigen::VectorXd root = svd.singularValues().head(size).cwiseSqrt();
   return {svd.matrixU().leftCols(size) * root.asDiagonal(),
@@ -184,7 +186,8 @@ StartResidues start_residues(const FitData& data, const Start& start, Damping da
 
 // The largest singular direction of X as a complex mode.
 Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
-  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(residue, "residue"),
+                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
   return general_mode(pole, svd.singularValues()(0) * svd.matrixU().col(0),
                       svd.matrixV().col(0).adjoint());
 }
@@ -268,13 +271,18 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
   const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
   result.iterations += in_blocks.iterations;
   // Where the data hardly part the modes of a block the way is long, and leads nowhere else.
-  if (result.misfit.cost < in_blocks.misfit.cost + kSame * noise_level(in_blocks.misfit, target)) {
+  if (result.misfit.cost <
+      in_blocks.misfit.cost + kSame * target.noise_level(in_blocks.misfit.cost)) {
     result.converged = in_blocks.converged;
   }
   return result.misfit.cost <= allowed ? result : in_blocks;
 }
 
 }  // namespace
+
+double noise_level(const ModalFit& fit, const FitData& data) {
+  return noise_level(data, fit.cost, fit.parameter_count);
+}
 
 Start start_at(const modal::ReducedModel& model) {
   Start start;

@@ -52,15 +52,22 @@ struct ModalFit {
   /// Modes of a group of more than one share a block: only the subspace of their shapes is known.
   std::vector<modal::ModeGroup> groups;
 
-  double cost = 0.0;           ///< Σ |w (G − Ĝ)|²: half of χ² where the noise is known
-  double expected_cost = 0.0;  ///< (N − parameters) / 2
+  double cost = 0.0;            ///< Σ |w (G − Ĝ)|²: half of χ² where the noise is known
+  double expected_cost = 0.0;   ///< what noise alone leaves (identification::expected_cost)
+  double cost_deviation = 0.0;  ///< of that, one standard deviation
   Eigen::Index measured_count = 0, parameter_count = 0;
   int iterations = 0;
   bool converged = false;
   std::vector<std::string> notes;
 
+  /// By how many deviations the cost is above what noise leaves.
+  [[nodiscard]] double excess() const { return (cost - expected_cost) / cost_deviation; }
   [[nodiscard]] Damping damping() const { return complex ? Damping::general : Damping::modal; }
 };
+
+/// noise_level of the fit's cost and parameters: what every deviation of the fit is scaled with,
+/// and what a further mode or delay has to be worth.
+[[nodiscard]] double noise_level(const ModalFit& fit, const FitData& data);
 
 struct FitOptions {
   Damping damping = Damping::modal;

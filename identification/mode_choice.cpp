@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/finite.h"
+
 namespace chladni::identification {
 namespace {
 
@@ -63,11 +65,6 @@ std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueP
 
 }  // namespace
 
-double noise_level(const FitData& data, double cost) {
-  const double level = 2.0 * cost / static_cast<double>(data.measured_count());
-  return data.noise_known ? std::max(1.0, level) : std::max(level, 1e-300);
-}
-
 double least_significance(const FitData& data, double cost) {
   return kWorthwhile * static_cast<double>(data.outputs + data.inputs) * noise_level(data, cost);
 }
@@ -125,7 +122,8 @@ namespace {
 // |σ₂ u₂ v₂ᴴ|² of a residue, a column; empty where it is small beside the first direction.
 template <typename Matrix>
 Eigen::VectorXd second_direction(const Matrix& residue) {
-  const Eigen::JacobiSVD<Matrix> svd(residue, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Matrix> svd(finite(residue, "residue"),
+                                     Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto& sigma = svd.singularValues();
   if (sigma.size() < 2 || sigma(1) < kSecond * sigma(0)) return {};
   const Matrix part = sigma(1) * svd.matrixU().col(1) * svd.matrixV().col(1).adjoint();
@@ -157,7 +155,7 @@ std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& 
 }
 
 Eigen::Index rigid_rank(const FitData& data, const Residues& residues, Eigen::Index most) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(residues.rigid,
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residues.rigid, "1/s^2 term"),
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double least = least_significance(data, residues.cost);
   Eigen::Index rank = 0;

@@ -10,10 +10,6 @@
 
 namespace chladni::identification {
 
-/// What noise adds to the cost per measured number, times two: 1 or more where the noise is known,
-/// else what a cost says.
-[[nodiscard]] double noise_level(const FitData& data, double cost);
-
 /// By how much the cost must grow without a pole for it to be more than noise.
 [[nodiscard]] double least_significance(const FitData& data, double cost);
 

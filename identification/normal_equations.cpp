@@ -111,6 +111,10 @@ Eigen::MatrixXd undelayed(const Target& target, const BlockModel& model, const F
 
 }  // namespace
 
+double Target::noise_level(double cost) const {
+  return std::max(cost / expected_cost, 1e-300);
+}
+
 Target target(const FitData& data, double scale) {
   Target result{
       .outputs = data.outputs, .inputs = data.inputs, .x = {}, .value = {}, .squared = {}};
@@ -120,7 +124,7 @@ Target target(const FitData& data, double scale) {
   result.value.topRows(lines) = data.value.real();
   result.value.bottomRows(lines) = data.value.imag();
   result.squared = data.weight.cwiseAbs2();
-  result.measured = std::max<Eigen::Index>(1, data.measured_count());
+  result.expected_cost = std::max(0.5, expected_cost(data, 0).mean);
   result.total = data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum();
   return result;
 }
@@ -209,7 +213,8 @@ BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step, const Fit
     part += Eigen::Map<const Eigen::MatrixXd>(step.data() + at, part.rows(), part.cols());
     at += part.size();
   };
-  for (auto& block : result.blocks) {
+  for (std::size_t b = 0; b < result.blocks.size(); ++b) {
+    auto& block = result.blocks[b];
     take(block.left);
     take(block.right);
     if (block.general) {
@@ -219,7 +224,7 @@ BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step, const Fit
       take(block.stiffness);
       take(block.damping);
     }
-    block = balanced(block);
+    block = balanced(damped_after(std::move(block), model.blocks[b]));
   }
   if (!fitted.delay) return result;
   if (fitted.delay_of == DelayOf::all) {

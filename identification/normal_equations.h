@@ -12,12 +12,15 @@ namespace chladni::identification {
 /// The data as the sums want them: a column per response, real parts of all lines, then imaginary.
 struct Target {
   Eigen::Index outputs = 0, inputs = 0;
-  Eigen::VectorXd x;          ///< K: ω / scale
-  Eigen::MatrixXd value;      ///< pq×2K
-  Eigen::MatrixXd squared;    ///< pq×K: w²
-  double total = 0.0;         ///< Σ |w G|²
-  Eigen::Index measured = 1;  ///< real numbers of weight above 0
+  Eigen::VectorXd x;           ///< K: ω / scale
+  Eigen::MatrixXd value;       ///< pq×2K
+  Eigen::MatrixXd squared;     ///< pq×K: w²
+  double total = 0.0;          ///< Σ |w G|²
+  double expected_cost = 0.5;  ///< of noise alone
 
+  /// noise_level of the data, no parameters taken off, but without its floor: a descent on data
+  /// that are better than they say goes on to where their own errors end it.
+  [[nodiscard]] double noise_level(double cost) const;
   [[nodiscard]] Eigen::Index line_count() const { return x.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }
 };

@@ -1,8 +1,10 @@
 #include "identification/spatio_temporal.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -90,7 +92,15 @@ Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
     const Complex mixed = std::conj(h.value) * Complex(own.mixed.row(j).cast<Complex>() * slope);
     result(j) = std::norm(h.value) * own.input(j) + pole.real() + 2.0 * mixed.real();
   }
-  return result.cwiseMax(0.0);
+  return result;
+}
+
+// A variance that rounding left below zero is zero; one that is not known is infinite.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& variance) {
+  return variance.unaryExpr([](double one) {
+    return std::isfinite(one) ? std::sqrt(std::max(0.0, one))
+                              : std::numeric_limits<double>::infinity();
+  });
 }
 
 // K×nq; of real shapes empty.
@@ -181,7 +191,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
     }
     for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
     result.value.emplace_back(std::move(value));
-    result.deviation.emplace_back(variance.cwiseSqrt());
+    result.deviation.emplace_back(root_of(variance));
   }
   return result;
 }

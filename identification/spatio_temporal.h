@@ -12,7 +12,7 @@ namespace chladni::identification {
 /// n places of interest, m modes of the fit, q actuators.
 struct PlacesOfInterest {
   Eigen::MatrixXd shapes;     ///< n×m [kg^-1/2], of the same scale as GainMatch::shapes
-  Eigen::MatrixXd deviation;  ///< n×m: standard deviations
+  Eigen::MatrixXd deviation;  ///< n×m: standard deviations; infinite or NaN: not known
   Eigen::MatrixXd residual;   ///< n×q: of the modes above the band; zero where it is not known
   /// n×m, of complex shapes (general damping); empty of real ones
   Eigen::MatrixXd imaginary = {}, imaginary_deviation = {};
@@ -23,7 +23,7 @@ struct PredictedResponses {
   std::vector<Eigen::MatrixXcd> value;  ///< [k], each n×q
   /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit) and the
   /// shapes' deviations, modes independent of each other. Each part of G lies within 1.96/√2 of it
-  /// in 95 % of the cases, |δG| within 1.73.
+  /// in 95 % of the cases, |δG| within 1.73. Infinite where a part of it is not known.
   std::vector<Eigen::MatrixXd> deviation;
 };
 

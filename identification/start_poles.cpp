@@ -83,7 +83,7 @@ StartPoles start_poles(const FitData& data, const IdentificationOptions& options
   how.enough = 1e-4;
   how.enough_value = kSettled;
   if (data.noise_known) {  // then what is left may not pass for a mode
-    const double noise = 0.5 * static_cast<double>(data.measured_count());
+    const double noise = expected_cost(data, 0).mean;
     how.enough_value = std::min(kSettled, 0.5 * least_significance(data, noise) / noise);
   }
   how.start = poles_at(seen, how.order);
@@ -99,9 +99,8 @@ StartPoles start_poles(const FitData& data, const IdentificationOptions& options
       best.emplace(StartPoles{how.start, std::move(problem), how.order});
       least = cost;
     }
-    if (!better ||
-        (data.noise_known && cost < kNoiseLeft * 0.5 * static_cast<double>(data.measured_count())))
-      break;
+    const bool to_noise = data.noise_known && cost < kNoiseLeft * expected_cost(data, 0).mean;
+    if (!better || to_noise) break;
   }
   return std::move(*best);
 }

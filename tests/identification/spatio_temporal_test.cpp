@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "gain_case.h"
@@ -60,6 +61,29 @@ TEST(SpatioTemporal, IsTheStateSpaceThatItExports) {
     EXPECT_LT((turn * found.value[at] - responses.value[at]).norm(),
               1e-12 * responses.value[at].norm());
   }
+}
+
+// What is not known of one place is no more known of its responses, and of no other's.
+TEST(SpatioTemporal, ADeviationThatIsNotKnownStaysUnknown) {
+  const auto one = beam();
+  const auto& lines = one.made.measured.frequency_hz;
+  const auto known = predicted(one.fit, one.match, sensors_of(one), lines);
+  for (const double unknown : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    auto interest = sensors_of(one);
+    interest.deviation(1, 2) = unknown;
+    const auto found = predicted(one.fit, one.match, interest, lines);
+    for (std::size_t k = 0; k < found.deviation.size(); k += 50) {
+      for (Eigen::Index j = 0; j < 5; ++j) EXPECT_TRUE(std::isinf(found.deviation[k](1, j)));
+      for (const Eigen::Index i : {0, 2, 3, 4}) {
+        EXPECT_EQ(found.deviation[k].row(i), known.deviation[k].row(i));
+      }
+    }
+  }
+  auto fit = one.fit;  // likewise of an actuator, at all places
+  fit.mode_covariance[1](2 + 5 + 3, 2 + 5 + 3) = std::numeric_limits<double>::infinity();
+  const auto found = predicted(fit, one.match, sensors_of(one), lines);
+  EXPECT_TRUE((found.deviation[100].col(3).array().isInf()).all());
+  EXPECT_TRUE(found.deviation[100].leftCols(3).allFinite());
 }
 
 // The deviation is the root mean square of draws of poles, input vectors and shapes.
