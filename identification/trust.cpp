@@ -1,0 +1,344 @@
+#include "identification/trust.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kMostUnexplained = 0.25;    // of the power; a relative error of a half
+constexpr double kMostDoubtful = 0.5;        // of what the modes explain
+constexpr double kOfItself = 0.5;            // a deviation of that order
+constexpr double kDeviations = 5.0;          // above which is no chance
+constexpr double kFalseAlarm = 1e-6;         // per record
+constexpr double kBesideNeighbours = 8.0;    // times their median
+constexpr double kJump = 20.0;               // likewise, of jumps in the data
+constexpr double kLoose = 1.5;               // level where the noise is an estimate of ours
+constexpr double kBadLevel = 10.0;           // above which the fit may be bent
+constexpr double kMedianPower = 0.6931;      // of an exponential number of mean 1
+constexpr Eigen::Index kReach = 12;          // lines on each side
+constexpr Eigen::Index kMostRefitted = 200;  // responses
+constexpr double kMostOutlying = 0.05;       // of the values; more are no outliers
+
+// |w n| that noise alone exceeds once in a million records.
+double largest_of_noise(const FitData& data) {
+  const double numbers = std::max(1.0, 0.5 * static_cast<double>(data.measured_count()));
+  const double v = data.noise_known ? data.noise_freedom : 0.0;
+  const double rare = std::log(numbers / kFalseAlarm);
+  // P(F > t) of 2 and 2ν degrees of freedom is (1 + t/ν)^−ν; of an exponential number e^−t.
+  return std::sqrt(v > 0.0 ? v * std::expm1(rare / v) : rare);
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Of the measured ones among ±kReach lines, those nearer than `gap` left out.
+double median_beside(const Eigen::VectorXd& values, const Eigen::VectorXd& weight, Eigen::Index k,
+                     Eigen::Index gap) {
+  std::vector<double> beside;
+  const auto last = std::min(values.size() - 1, k + kReach);
+  for (auto i = std::max<Eigen::Index>(0, k - kReach); i <= last; ++i) {
+    if (std::abs(i - k) > gap && weight(i) > 0.0) beside.push_back(values(i));
+  }
+  return median(beside);
+}
+
+// Whether numbers of mean 1 are spread as those of noise are, a hundredth of them apart: outliers
+// are fewer, resonances that the model does not explain are more.
+bool is_noise(std::vector<double>& powers) {
+  constexpr double kMostOfHundred = 12.0;  // 4.6 are expected, 6.2 of 8 degrees of freedom
+  if (powers.empty()) return true;
+  const auto high = powers.begin() + std::ssize(powers) * 99 / 100;
+  std::nth_element(powers.begin(), high, powers.end());
+  return *high < kMostOfHundred && median(powers) < 1.5 * kMedianPower;
+}
+
+// |G − Ĝ| in deviations: of the noise, and of the model where noise does not explain what is left.
+Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, Eigen::Index e) {
+  const auto lines = data.line_count();
+  const Eigen::ArrayXd weight = data.weight.col(e).array();
+  const Eigen::ArrayXd wrong = (data.value.col(e) - fitted).cwiseAbs().array();
+  const Eigen::ArrayXd size = fitted.cwiseAbs().array();
+  std::vector<double> powers;
+  for (Eigen::Index k = 0; k < lines; ++k) {
+    if (weight(k) > 0.0) powers.push_back(std::pow(weight(k) * wrong(k), 2));
+  }
+  const bool explained = data.noise_stated && is_noise(powers);
+  std::vector<double> parts;
+  for (Eigen::Index k = 0; k < lines && !explained; ++k) {
+    if (weight(k) > 0.0 && size(k) > 0.0) {
+      const double beyond = std::pow(wrong(k), 2) - std::pow(weight(k), -2);
+      parts.push_back(std::max(0.0, beyond) / std::pow(size(k), 2));
+    }
+  }
+  const double relative = median(parts) / kMedianPower;
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(lines);
+  for (Eigen::Index k = 0; k < lines; ++k) {
+    if (!(weight(k) > 0.0)) continue;
+    double square = std::pow(weight(k), -2) + relative * size(k) * size(k);
+    if (!explained) {  // resonances that drift, or narrower than the lines are apart
+      const double below = k > 0 ? std::abs(fitted(k) - fitted(k - 1)) : 0.0;
+      const double above = k + 1 < lines ? std::abs(fitted(k + 1) - fitted(k)) : 0.0;
+      square += std::pow(std::max(below, above), 2);
+    }
+    result(k) = wrong(k) / std::sqrt(square);
+  }
+  return result;
+}
+
+std::vector<OutlyingValue> outlying_of(const FitData& data, const ModalFit& fit) {
+  const Eigen::MatrixXcd fitted = responses(fit, data.frequency_hz);
+  const double least = largest_of_noise(data);
+  std::vector<OutlyingValue> found;
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const auto residual = residuals(data, fitted.col(e), e);
+    for (Eigen::Index k = 0; k < residual.size(); ++k) {
+      if (!(residual(k) > least)) continue;
+      const double beside = median_beside(residual, data.weight.col(e), k, 0);
+      if (residual(k) > kBesideNeighbours * beside) found.push_back({k, e, residual(k), beside});
+    }
+  }
+  return found;
+}
+
+// Values beside which the data jump as they do nowhere near.
+std::vector<OutlyingValue> jumps_of(const FitData& data) {
+  std::vector<OutlyingValue> found;
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const auto value = data.value.col(e);
+    const auto lines = value.size();
+    Eigen::VectorXd jump = Eigen::VectorXd::Zero(lines);
+    for (Eigen::Index k = 0; k < lines; ++k) {
+      const auto below = value(k > 0 ? k - 1 : std::min<Eigen::Index>(2, lines - 1));
+      const auto above = value(k + 1 < lines ? k + 1 : std::max<Eigen::Index>(0, lines - 3));
+      jump(k) = std::abs(value(k) - 0.5 * (below + above));
+    }
+    for (Eigen::Index k = 0; k < lines; ++k) {
+      if (!(data.weight(k, e) > 0.0)) continue;
+      const double beside = median_beside(jump, data.weight.col(e), k, 1);
+      const bool highest =
+          jump.segment(std::max<Eigen::Index>(0, k - 1), std::min<Eigen::Index>(lines - 1, k + 1) -
+                                                             std::max<Eigen::Index>(0, k - 1) + 1)
+              .maxCoeff() <= jump(k);
+      if (highest && jump(k) > kJump * beside) found.push_back({k, e, 0.0, 0.0});
+    }
+  }
+  return found;
+}
+
+// K×pq: |w h l r|² of a mode by itself.
+Eigen::MatrixXd powers_of(const ModalFit& fit, Eigen::Index m, const FitData& data) {
+  ModalFit one;
+  one.model = fit.model;
+  one.model.rigid_count = m < fit.model.rigid_count ? 1 : 0;
+  one.model.frequency_hz = fit.model.frequency_hz.segment(m, 1);
+  one.model.damping_ratio = fit.model.damping_ratio.segment(m, 1);
+  one.model.output_shapes = fit.model.output_shapes.col(m);
+  one.model.input_shapes = fit.model.input_shapes.row(m);
+  one.model.residual.setZero();
+  if (fit.complex) {
+    one.complex.emplace();
+    one.complex->outputs = fit.complex->outputs.col(m);
+    one.complex->inputs = fit.complex->inputs.row(m);
+  }
+  return responses(one, data.frequency_hz).cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2());
+}
+
+// The lines of which some mode lives: those values that stand out may be all that it is there for.
+std::vector<OutlyingValue> sole_supports(const FitData& data, const ModalFit& fit) {
+  constexpr double kMost = 0.3;   // of the mode's power in one line
+  constexpr double kPart = 0.01;  // of that line's, in one response
+  std::vector<OutlyingValue> found;
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    const auto power = powers_of(fit, m, data);
+    const Eigen::VectorXd lines = power.rowwise().sum();
+    Eigen::Index k = 0;
+    const double most = lines.maxCoeff(&k);
+    if (most < kMost * lines.sum()) continue;
+    for (Eigen::Index e = 0; e < power.cols(); ++e) {
+      if (power(k, e) > kPart * most) found.push_back({k, e, 0.0, 0.0});
+    }
+  }
+  return found;
+}
+
+FitData without(const FitData& data, const std::vector<OutlyingValue>& values) {
+  FitData result = data;
+  for (const auto& one : values) {
+    result.value(one.line, one.response) = 0.0;
+    result.weight(one.line, one.response) = 0.0;
+  }
+  return result;
+}
+
+// What of the candidates the fit without them contradicts.
+std::vector<OutlyingValue> confirmed(const FitData& data, const ModalFit& clean,
+                                     const std::vector<OutlyingValue>& candidates) {
+  const auto all = outlying_of(data, clean);
+  std::vector<OutlyingValue> kept;
+  for (const auto& one : all) {
+    const bool asked = std::any_of(candidates.begin(), candidates.end(), [&](const auto& other) {
+      return other.line == one.line && other.response == one.response;
+    });
+    if (asked) kept.push_back(one);
+  }
+  return kept;
+}
+
+// By how many deviations of both a mode of the one is off the nearest of the other.
+double distance(const ModalFit& one, Eigen::Index m, const ModalFit& other) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (auto i = other.model.rigid_count; i < other.model.mode_count(); ++i) {
+    const double frequency = std::abs(one.model.frequency_hz(m) - other.model.frequency_hz(i)) /
+                             std::hypot(one.frequency_std_hz(m), other.frequency_std_hz(i));
+    const double damping = std::abs(one.model.damping_ratio(m) - other.model.damping_ratio(i)) /
+                           std::hypot(one.damping_std(m), other.damping_std(i));
+    nearest = std::min(nearest, std::max(frequency, damping));
+  }
+  return nearest;
+}
+
+// How the modes differ, as a sentence; empty where they do not.
+std::string difference(const ModalFit& found, const ModalFit& clean) {
+  std::ostringstream text;
+  if (found.model.mode_count() != clean.model.mode_count()) {
+    text << "without them there are " << clean.model.mode_count() << " modes instead of "
+         << found.model.mode_count();
+    return text.str();
+  }
+  double most = 0.0;
+  Eigen::Index which = 0;
+  for (auto m = found.model.rigid_count; m < found.model.mode_count(); ++m) {
+    const double here = distance(found, m, clean);
+    if (here > most) {
+      most = here;
+      which = m;
+    }
+  }
+  if (!(most > kDeviations)) return {};
+  text << "without them the mode at " << found.model.frequency_hz(which) << " Hz moves by " << most
+       << " deviations";
+  return text.str();
+}
+
+// The outlying values go into the judgement, and what they do to the result.
+void look_for_outliers(const Identified& found, const FitData& data,
+                       const std::optional<IdentificationOptions>& again, Judgement& judgement) {
+  auto candidates = outlying_of(data, found.fit);
+  if (!again || data.response_count() > kMostRefitted) {
+    judgement.outlying = std::move(candidates);
+    return;
+  }
+  const auto add = [&](const std::vector<OutlyingValue>& more) {
+    candidates.insert(candidates.end(), more.begin(), more.end());
+  };
+  add(sole_supports(data, found.fit));
+  if (judgement.level > kBadLevel || judgement.unexplained > kMostUnexplained) add(jumps_of(data));
+  const double values = 0.5 * static_cast<double>(data.measured_count());
+  if (candidates.empty() || static_cast<double>(candidates.size()) > kMostOutlying * values) return;
+  try {
+    const auto clean = identified(without(data, candidates), *again);
+    judgement.outlying = confirmed(data, clean.fit, candidates);
+    if (judgement.outlying.empty()) return;
+    const auto how = difference(found.fit, clean.fit);
+    if (!how.empty()) judgement.reasons.push_back("outlying values decide the result: " + how);
+  } catch (const InvalidInput&) {  // nothing is left without them
+    judgement.outlying = std::move(candidates);
+    judgement.reasons.emplace_back("without the values that jump nothing stands out of the noise");
+  }
+}
+
+std::string doubt(const ModalFit& fit, Eigen::Index m) {
+  const auto& model = fit.model;
+  const auto unsure = [](double deviation, double value) {
+    return !(deviation < kOfItself * std::abs(value));
+  };
+  if (unsure(fit.frequency_std_hz(m), model.frequency_hz(m))) return "its frequency is not known";
+  if (unsure(fit.damping_std(m), model.damping_ratio(m))) return "its damping is not known";
+  const auto known = [](const auto& deviation, const auto& shape) {
+    double square = 0.0;
+    double size = 0.0;
+    for (Eigen::Index i = 0; i < shape.size(); ++i) {
+      if (!std::isfinite(deviation(i))) continue;
+      square += deviation(i) * deviation(i);
+      size += shape(i) * shape(i);
+    }
+    return square < kOfItself * kOfItself * size;
+  };
+  const bool shaped = known(fit.output_std.col(m), model.output_shapes.col(m)) &&
+                      known(fit.input_std.row(m), model.input_shapes.row(m));
+  return shaped ? "" : "its shape is not known";
+}
+
+void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgement) {
+  double all = 0.0;
+  double doubtful = 0.0;
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const double power = powers_of(fit, m, data).sum();
+    all += power;
+    if (m < fit.model.rigid_count) continue;
+    const auto why = doubt(fit, m);
+    if (why.empty()) continue;
+    judgement.doubtful.push_back({m, why});
+    doubtful += power;
+  }
+  judgement.doubtful_part = doubtful / std::max(all, 1e-300);
+  if (judgement.doubtful_part > kMostDoubtful) {
+    judgement.reasons.emplace_back("most of what is fitted is in modes that are hardly known");
+  }
+}
+
+void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& judgement) {
+  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  const Eigen::ArrayXXd wrong =
+      (data.value - responses(fit, data.frequency_hz)).cwiseAbs2().array() * there;
+  const double power = data.value.cwiseAbs2().sum();
+  const double noise =
+      (there > 0.0).select(data.weight.array().max(1e-300).square().inverse(), 0.0).sum();
+  judgement.relative_error = std::sqrt(wrong.sum() / power);
+  judgement.unexplained = std::max(0.0, wrong.sum() - noise) / power;
+  if (judgement.unexplained > kMostUnexplained) {
+    std::ostringstream text;
+    text << "the modes leave " << 100.0 * judgement.unexplained
+         << " % of the responses' power unexplained by themselves or noise";
+    judgement.reasons.push_back(text.str());
+  }
+}
+
+Trust verdict(const ModalFit& fit, const FitData& data, const Judgement& judgement) {
+  if (!judgement.reasons.empty()) return Trust::none;
+  const bool more = data.noise_known ? fit.excess() > kDeviations : judgement.level > kLoose;
+  if (more) return Trust::systematic;
+  return data.noise_known ? Trust::to_noise : Trust::good;
+}
+
+}  // namespace
+
+const char* word(Trust trust) {
+  constexpr std::array kWords{"down to the noise", "good", "systematic errors",
+                              "not to be trusted"};
+  return kWords[static_cast<std::size_t>(trust)];
+}
+
+Judgement judged(const Identified& found, const FitData& data,
+                 const std::optional<IdentificationOptions>& again) {
+  Judgement judgement;
+  judgement.level = noise_level(found.fit, data);
+  look_at_what_is_left(found.fit, data, judgement);
+  look_at_modes(found.fit, data, judgement);
+  look_for_outliers(found, data, again, judgement);
+  judgement.trust = verdict(found.fit, data, judgement);
+  return judgement;
+}
+
+}  // namespace chladni::identification

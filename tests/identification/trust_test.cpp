@@ -1,0 +1,176 @@
+// Whether a fit says how far it is to be trusted: a sound one always, a failed one never.
+#include "identification/trust.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "simulators/frf_cases.h"
+
+namespace chladni::identification {
+namespace {
+
+using simulators::FrfFaults;
+
+modal::FrfSet beam(const FrfFaults& faults) {
+  return part(simulators::beam5x3(faults), {0, 1, 4}, {0, 1}).measured;
+}
+
+Judgement judgement_of(const modal::FrfSet& set, bool stated, Damping damping = Damping::modal,
+                       Eigen::Index modes = 0) {
+  auto used = set;
+  FitDataOptions how;
+  if (!stated) {
+    used.variance.clear();
+    how.model_error = 0.01;
+  }
+  IdentificationOptions options;
+  options.rigid_count = 0;
+  options.modes = modes;
+  options.fit.damping = damping;
+  auto data = fit_data(used, how);
+  auto found = identified(data, options);
+  if (!stated) {  // as the program does
+    data = reweighted(data, responses(found.fit, data.frequency_hz), how);
+    found = identified(data, options);
+  }
+  if (found.drift) data = without_drift(data, found.fit, found.drift->shift);
+  return judged(found, data, options);
+}
+
+std::string told(const Judgement& judgement) {
+  std::string text = word(judgement.trust);
+  for (const auto& reason : judgement.reasons) text += "; " + reason;
+  return text;
+}
+
+// No sound record of many is refused, none has an outlying value.
+TEST(Trust, NeverDoubtsASoundFit) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    faults.relative_noise = seed % 2 == 0 ? 0.01 : 0.1;
+    faults.floor_noise = seed % 3 == 0 ? 0.3 : 0.0;
+    const auto set = beam(faults);
+    const auto known = judgement_of(set, true);
+    EXPECT_EQ(known.trust, Trust::to_noise) << seed << ": " << told(known);
+    EXPECT_TRUE(known.outlying.empty()) << seed;
+    if (seed > 15) continue;
+    const auto estimated = judgement_of(set, false);
+    EXPECT_NE(estimated.trust, Trust::none) << seed << ": " << told(estimated);
+    EXPECT_TRUE(estimated.outlying.empty()) << seed;
+  }
+}
+
+TEST(Trust, SaysThatWhatIsLeftIsMoreThanNoise) {
+  FrfFaults faults;
+  faults.dashpot = 0.3;  // complex modes
+  faults.relative_noise = 1e-3;
+  const auto real = judgement_of(beam(faults), true);
+  EXPECT_EQ(real.trust, Trust::systematic) << told(real);
+  EXPECT_GT(real.level, 2.0);
+  const auto complex = judgement_of(beam(faults), true, Damping::general);
+  EXPECT_EQ(complex.trust, Trust::to_noise) << told(complex);
+}
+
+TEST(Trust, RefusesWhatOneCellDecides) {
+  int judged_at_all = 0;
+  int named = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    for (const double size : {1e3, 1e12}) {
+      for (const bool stated : {true, false}) {
+        FrfFaults faults;
+        faults.seed = seed;
+        auto set = beam(faults);
+        const std::size_t line = 150 + 100 * seed;
+        set.value[line](1, 1) = size;
+        try {
+          const auto found = judgement_of(set, stated);
+          EXPECT_EQ(found.trust, Trust::none)
+              << seed << " " << size << " " << stated << told(found);
+          ++judged_at_all;
+          for (const auto& one : found.outlying) {
+            EXPECT_EQ(one.line, static_cast<Eigen::Index>(line));
+            EXPECT_EQ(one.response, 4);
+            ++named;
+          }
+        } catch (const InvalidInput& e) {  // nothing stands out beside it: said, too
+          EXPECT_NE(std::string(e.what()).find("no resonance"), std::string::npos) << e.what();
+        }
+      }
+    }
+  }
+  EXPECT_GE(judged_at_all, 4);
+  EXPECT_GE(2 * named, judged_at_all);
+}
+
+// Where the number of modes is not given thirty deviations are a mode of their own.
+TEST(Trust, RefusesAModeThatOneValueIs) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    auto set = beam(faults);
+    set.value[600](2, 0) *= 1.3;
+    const auto found = judgement_of(set, true);
+    EXPECT_EQ(found.trust, Trust::none) << seed << ": " << told(found);
+    ASSERT_EQ(found.outlying.size(), 1U) << seed;
+    EXPECT_EQ(found.outlying[0].line, 600);
+    EXPECT_EQ(found.outlying[0].response, 2);
+  }
+}
+
+TEST(Trust, NamesAValueThatIsOffAndKeepsTheFit) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    FrfFaults faults;
+    faults.seed = seed;
+    auto set = beam(faults);
+    set.value[600](2, 0) *= 1.3;  // thirty deviations, between two resonances
+    const auto found = judgement_of(set, true, Damping::modal, 5);
+    EXPECT_NE(found.trust, Trust::none) << seed << ": " << told(found);
+    ASSERT_EQ(found.outlying.size(), 1U) << seed;
+    EXPECT_EQ(found.outlying[0].line, 600);
+    EXPECT_EQ(found.outlying[0].response, 2);
+    EXPECT_NEAR(found.outlying[0].residual, 30.0, 6.0);
+  }
+}
+
+// A line whose values stand one column further on.
+TEST(Trust, NamesALineThatIsShifted) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    for (const bool stated : {true, false}) {
+      FrfFaults faults;
+      faults.seed = seed;
+      auto set = beam(faults);
+      const std::size_t line = 200 + 90 * seed;
+      auto& value = set.value[line];
+      const Eigen::MatrixXcd before = value;
+      for (Eigen::Index e = 0; e < value.size(); ++e) {
+        value.reshaped()(e) = before.reshaped()((e + 1) % value.size());
+      }
+      const auto found = judgement_of(set, stated);
+      const auto there = std::count_if(
+          found.outlying.begin(), found.outlying.end(),
+          [&](const OutlyingValue& one) { return one.line == static_cast<Eigen::Index>(line); });
+      EXPECT_GE(there, 2) << seed << " " << stated << ": " << told(found);
+      EXPECT_EQ(there, std::ssize(found.outlying)) << seed << " " << stated;
+    }
+  }
+}
+
+TEST(Trust, RefusesResponsesThatAreAllOne) {
+  auto set = beam({});
+  for (auto& line : set.value) line.setOnes();
+  for (auto& output : set.outputs) output.kind = modal::FrfKind::accelerance;
+  try {
+    const auto found = judgement_of(set, false);
+    EXPECT_EQ(found.trust, Trust::none) << told(found);
+  } catch (const NumericalFailure& e) {  // the same exit code
+    EXPECT_NE(std::string(e.what()).find("constant"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace chladni::identification
