@@ -8,24 +8,15 @@
 #include <optional>
 
 #include "app/interpolation.h"
-#include "base/atomic_file.h"
+#include "app/predicted.h"
 #include "base/error.h"
 #include "identification/damping_coupling.h"
-#include "io/frf_file.h"
-#include "io/mat.h"
-#include "modal/state_space.h"
 
 namespace chladni::app {
 namespace {
 
 constexpr double kExplained = 0.3;  // of the fitted residual, for the simulation's to be used
 constexpr double kBeyond = 1.05;    // a mode of the simulation this much above the band is residual
-
-const IdentifiedModel& identified_of(const Interpolated& result) {
-  require(result.measured.identified != nullptr,
-          "responses are predicted from measured ones; expected measurement.frf");
-  return *result.measured.identified;
-}
 
 // The sites of all channels of the study, by name.
 const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::string& name) {
@@ -124,8 +115,8 @@ Eigen::MatrixXd flexibility_above(const Interpolated& result, const Eigen::Matri
   return sum;
 }
 
-// The simulation's residual in the unit of the fitted one; zero where it does not explain that one.
-Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& places) {
+// The fitted residual over the simulation's; zero where that one does not explain it.
+double residual_factor(const Interpolated& result) {
   const auto& measured = result.measured;
   const auto& model = identified_of(result);
   const auto& fitted = model.found.fit.model.residual;
@@ -134,8 +125,13 @@ Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& pl
   const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
   const double left = (fitted - factor * at_sensors).squaredNorm();
   const bool explains = factor > 0.0 && left < (1.0 - kExplained) * fitted.squaredNorm();
-  return (explains ? factor : 0.0) *
-         flexibility_above(result, places.shapes, measured.input_shapes);
+  return explains ? factor : 0.0;
+}
+
+// The simulation's residual in the unit of the fitted one.
+Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& places) {
+  return residual_factor(result) *
+         flexibility_above(result, places.shapes, result.measured.input_shapes);
 }
 
 // Rigid-body rows at places whose motion is along z.
@@ -147,75 +143,6 @@ void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
       identification::rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
   result.shapes.leftCols(rigid) =
       places.direction.col(2).asDiagonal() * (directions * model.match.rigid->modes);
-}
-
-modal::FrfSet as_set(const IdentifiedModel& model, const std::vector<std::string>& names,
-                     const Eigen::VectorXd& frequency_hz) {
-  modal::FrfSet set;
-  for (const auto& name : names) {
-    modal::MeasuredChannel channel;
-    channel.name = name;
-    set.outputs.push_back(channel);
-  }
-  set.inputs = model.seen.inputs;
-  set.frequency_hz = frequency_hz;
-  return set;
-}
-
-// The unmeasured sensors, then the points.
-identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
-  const auto& shown = result.methods.front();
-  auto all = places_of_interest(result, result.unmeasured_places, shown.unmeasured);
-  if (result.points.empty()) return all;
-  const auto points = places_of_interest(result, result.point_places, shown.points);
-  const auto append = [](Eigen::MatrixXd& rows, const Eigen::MatrixXd& below) {
-    const auto n = rows.rows();
-    rows.conservativeResize(n + below.rows(), below.cols());
-    rows.bottomRows(below.rows()) = below;
-  };
-  append(all.shapes, points.shapes);
-  append(all.deviation, points.deviation);
-  append(all.residual, points.residual);
-  append(all.imaginary, points.imaginary);
-  append(all.imaginary_deviation, points.imaginary_deviation);
-  return all;
-}
-
-void leave_state_space(const IdentifiedModel& model, const std::vector<std::string>& outputs,
-                       const identification::PlacesOfInterest& interest, Run& run) {
-  const auto& fit = model.found.fit;
-  const auto at = identification::model_at(fit, model.match, interest);
-  const auto space = fit.complex ? identification::state_space(
-                                       at, identification::complex_shapes_at(model.match, interest))
-                                 : modal::state_space(at);
-  std::vector<std::string> inputs;
-  for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
-  io::MatFields variables{{"A", space.a},
-                          {"B", space.b},
-                          {"C", space.c},
-                          {"D", space.d},
-                          {"delay_s", fit.delay_s},
-                          {"outputs", outputs},
-                          {"inputs", inputs},
-                          {"shapes", interest.shapes},
-                          {"shapes_std", interest.deviation}};
-  io::JsonObject json{{"outputs", io::Json::texts(outputs)},
-                      {"inputs", io::Json::texts(inputs)},
-                      {"a", io::Json::rows(space.a)},
-                      {"b", io::Json::rows(space.b)},
-                      {"c", io::Json::rows(space.c)},
-                      {"d", io::Json::rows(space.d)},
-                      {"delay_s", fit.delay_s},
-                      {"shapes", io::Json::rows(interest.shapes)},
-                      {"shapes_std", io::Json::rows(interest.deviation)}};
-  if (fit.complex) {
-    variables.emplace_back("shapes_imaginary", interest.imaginary);
-    variables.emplace_back("shapes_imaginary_std", interest.imaginary_deviation);
-    json.emplace_back("shapes_imaginary", io::Json::rows(interest.imaginary));
-    json.emplace_back("shapes_imaginary_std", io::Json::rows(interest.imaginary_deviation));
-  }
-  io::write_mat(run / "spatio_temporal.mat", variables);
-  run.leave("spatio_temporal.json", json, false);
 }
 
 }  // namespace
@@ -283,8 +210,7 @@ identification::PlacesOfInterest places_of_interest(const Interpolated& result,
                                             Eigen::MatrixXd::Zero(places.count(), m),
                                             residual_at(result, places)};
   interest.shapes(Eigen::all, result.measured.fitted_mode) = field.mean;
-  interest.deviation(Eigen::all, result.measured.fitted_mode) =
-      field.deviation.array().isFinite().select(field.deviation, 0.0);
+  interest.deviation(Eigen::all, result.measured.fitted_mode) = field.deviation;
   add_rigid_rows(model, places, interest);
   if (model.found.fit.complex) {
     const auto parts = identification::imaginary_parts(
@@ -324,29 +250,38 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolat
   return errors;
 }
 
-void leave_predictions(const Interpolated& result, const std::string& file, Run& run) {
+const IdentifiedModel& identified_of(const Interpolated& result) {
+  require(result.measured.identified != nullptr,
+          "responses are predicted from measured ones; expected measurement.frf");
+  return *result.measured.identified;
+}
+
+std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   const auto& model = identified_of(result);
-  std::vector<std::string> names = result.unmeasured;
-  names.insert(names.end(), result.points.begin(), result.points.end());
-  if (names.empty()) return;
-  const auto interest = all_of_interest(result);
-  auto lines = model.measured.all.frequency_hz;
-  if (model.found.fit.model.rigid_count > 0 && lines(0) == 0.0) {
-    lines = Eigen::VectorXd(lines.tail(lines.size() - 1));
+  const auto& fit = model.found.fit.model;
+  std::vector<std::string> notes;
+  const auto& used = result.measured.fitted_mode;
+  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
+    if (std::find(used.begin(), used.end(), m) != used.end()) continue;
+    notes.push_back(
+        fmt::format("mode {} ({:.1f} Hz) is neither in the predicted responses nor in their band: "
+                    "its scale between sensors and actuators is not known",
+                    m + 1, fit.frequency_hz(m)));
   }
-  const auto responses = identification::predicted(model.found.fit, model.match, interest, lines);
-  auto receptance = as_set(model, names, lines);
-  receptance.value = responses.value;
-  for (const auto& deviation : responses.deviation) {
-    receptance.variance.push_back(deviation.cwiseAbs2());
+  if (fit.rigid_count > 0 && !model.match.rigid) {
+    notes.push_back(fmt::format(
+        "the term in 1/s^2 of {} modes at 0 Hz is neither in the predicted responses nor in their "
+        "band: the motion of the body as a whole is known of 2 or 3 such modes whose channels all "
+        "act along z and tell them apart",
+        fit.rigid_count));
   }
-  const auto stem = std::filesystem::path(file).stem().string();
-  write_atomically(run / (stem + "_band.csv"), io::frf_csv(receptance));
-  run.paint(predictions_picture(file),
-            [&](const auto& png) { draw_predictions(model, receptance, png); });
-  receptance.variance.clear();
-  write_atomically(run / file, io::frf_csv(receptance));
-  leave_state_space(model, names, interest, run);
+  if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&
+      residual_factor(result) == 0.0) {
+    notes.emplace_back(
+        "the modes above the band are neither in the predicted responses nor in their band: the "
+        "simulation does not explain the fitted residual");
+  }
+  return notes;
 }
 
 }  // namespace chladni::app

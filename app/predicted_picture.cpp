@@ -30,7 +30,8 @@ io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::In
   const Eigen::VectorXd half = kBandAlong * deviation(predicted, i, j);
   io::PlotPanel panel;
   panel.title = predicted.outputs[static_cast<std::size_t>(i)].name + " by " +
-                predicted.inputs[static_cast<std::size_t>(j)].name;
+                predicted.inputs[static_cast<std::size_t>(j)].name +
+                (half.hasNaN() ? ", band not known" : "");
   panel.x = {.label = "frequency [Hz]", .logarithmic = x(x.size() - 1) > 5.0 * x(0)};
   panel.y = {.label = receptance_label(predicted.inputs[static_cast<std::size_t>(j)]),
              .logarithmic = true};
