@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "app/faces.h"
-#include "app/interpolation.h"
-#include "app/placement.h"
+#include "app/identification_gains.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "identification/delay_scan.h"
@@ -20,11 +17,6 @@ namespace chladni::app {
 namespace {
 
 constexpr double kAssumedModelError = 0.01;  // where no variance is stated
-constexpr double kLargestMode = 0.15;        // deviation of ln f between a mode and its simulation
-
-IdentificationPlan plan_of(const Study& study) {
-  return study.identification.value_or(IdentificationPlan{});
-}
 
 // Springs to ground and supports hold it; what hangs on it does not.
 bool is_held(const Study& study) {
@@ -67,97 +59,6 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   return options;
 }
 
-// Seen along its own direction: a sensor and an actuator on both faces of a plate are one place.
-std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
-  for (auto& one : channels) {
-    *one.position -= one.direction * one.direction.dot(*one.position);
-  }
-  return channels;
-}
-
-std::vector<identification::CollocatedPair> pairs_of(const IdentificationPlan& plan,
-                                                     const modal::FrfSet& seen) {
-  if (plan.pairs.empty()) {
-    return identification::collocated_pairs(along(seen.outputs), along(seen.inputs),
-                                            plan.pairs_within);
-  }
-  std::vector<identification::CollocatedPair> pairs;
-  for (const auto& [sensor, actuator] : plan.pairs) {
-    identification::CollocatedPair pair;
-    pair.output = index_of(seen.outputs, sensor);
-    pair.input = index_of(seen.inputs, actuator);
-    if (pair.output >= 0 && pair.input >= 0) pairs.push_back(std::move(pair));
-  }
-  return pairs;
-}
-
-double distance(const modal::FrfSet& set, const identification::CollocatedPair& pair) {
-  const auto& output = set.outputs[static_cast<std::size_t>(pair.output)];
-  const auto& input = set.inputs[static_cast<std::size_t>(pair.input)];
-  const Eigen::Vector3d apart = *output.position - *input.position;
-  return (apart - output.direction * output.direction.dot(apart)).norm();
-}
-
-Eigen::MatrixXd simulated_rows(const std::vector<modal::MeasuredChannel>& measured,
-                               const std::vector<Channel>& channels,
-                               const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
-  const auto all = shapes_at(channels, sites, modes);
-  std::vector<Eigen::Index> rows;
-  for (const auto& one : measured) {
-    rows.push_back(index_of(channels, one.name));
-  }
-  return all(rows, Eigen::all);
-}
-
-double alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return std::pow(a.dot(b), 2) / std::max(1e-300, a.squaredNorm() * b.squaredNorm());
-}
-
-// The mode of the simulation that a fitted mode is most like, on both sides and in frequency.
-Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
-                            const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs,
-                            const modal::Modes& modes) {
-  Eigen::Index best = modes.rigid_count;
-  double likeness = -1.0;
-  for (auto r = modes.rigid_count; r < modes.mode_count(); ++r) {
-    const double ratio = std::log(fit.frequency_hz(mode) / modes.frequency_hz(r)) / kLargestMode;
-    const double here = alike(fit.output_shapes.col(mode), outputs.col(r)) *
-                        alike(fit.input_shapes.row(mode).transpose(), inputs.col(r)) *
-                        std::exp(-0.5 * ratio * ratio);
-    if (here > likeness) {
-      likeness = here;
-      best = r;
-    }
-  }
-  return best;
-}
-
-// What the simulation says of the two places of each pair, mode by mode.
-void add_simulated_pairs(const Study& study, const Solution& solution, IdentifiedModel& model) {
-  const auto& seen = model.seen;
-  const auto& fit = model.found.fit.model;
-  const auto outputs =
-      simulated_rows(seen.outputs, study.sensors, solution.model.sensors, solution.modes);
-  const auto inputs =
-      simulated_rows(seen.inputs, study.actuators, solution.model.actuators, solution.modes);
-  const auto m = fit.mode_count();
-  for (auto& pair : model.pairs) {
-    if (distance(seen, pair) <= 1e-3) continue;
-    pair.at_output.setOnes(m);
-    pair.at_input.setOnes(m);
-    for (auto mode = fit.rigid_count; mode < m; ++mode) {
-      const auto r = simulated_mode(fit, mode, outputs, inputs, solution.modes);
-      pair.at_output(mode) = outputs(pair.output, r);
-      pair.at_input(mode) = inputs(pair.input, r);
-    }
-  }
-}
-
-bool needs_simulation(const IdentifiedModel& model) {
-  return std::any_of(model.pairs.begin(), model.pairs.end(),
-                     [&](const auto& pair) { return distance(model.seen, pair) > 1e-3; });
-}
-
 void add_errors(IdentifiedModel& model) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
@@ -175,91 +76,11 @@ void add_errors(IdentifiedModel& model) {
   }
 }
 
-// Where all channels move along z and are told apart, the rigid-body modes have a geometry.
-std::optional<identification::RigidGeometry> rigid_geometry(const IdentifiedModel& model) {
-  const auto rigid = model.found.fit.model.rigid_count;
-  const auto& seen = model.seen;
-  if (rigid != 2 && rigid != 3) return std::nullopt;
-  const auto rows = [&](const std::vector<modal::MeasuredChannel>& channels) {
-    Eigen::MatrixX3d places(static_cast<Eigen::Index>(channels.size()), 3);
-    Eigen::VectorXd sign(places.rows());
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      places.row(static_cast<Eigen::Index>(i)) = channels[i].position->transpose();
-      sign(static_cast<Eigen::Index>(i)) = channels[i].direction.z();
-    }
-    return Eigen::MatrixXd(sign.asDiagonal() *
-                           identification::rigid_directions(places, rigid_motion(rigid)));
-  };
-  const auto along_z = [](const auto& one) { return std::abs(one.direction.z()) > 0.999; };
-  if (!std::all_of(seen.outputs.begin(), seen.outputs.end(), along_z) ||
-      !std::all_of(seen.inputs.begin(), seen.inputs.end(), along_z)) {
-    return std::nullopt;
-  }
-  identification::RigidGeometry geometry{rows(seen.outputs), rows(seen.inputs), {}, 0.0};
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> outputs(geometry.outputs);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> inputs(geometry.inputs);
-  if (std::max(outputs.rank(), inputs.rank()) < rigid) return std::nullopt;
-  return geometry;
-}
-
-// What the simulation says of the scale between sensors and actuators where no pair does.
-identification::GainPrior gain_prior(const Study& study, const Solution& solution,
-                                     const IdentifiedModel& model) {
-  const auto on = study.interpolation ? study.interpolation->on : FacePlan{};
-  const auto faces = faces_of(study, solution.model.body, on, "interpolation.on");
-  const placement::Sampler sampler(solution.model.body, solution.modes, {faces.direction, 0.0});
-  const auto surface = surface_on(sampler, faces);
-  priors::Simulation simulation;
-  simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {surface.sites.position, directions_on(surface.sites, faces.direction),
-                        surface.sites.shapes};
-  simulation.area = surface.sites.area;
-  const auto sites = channel_sites(study, solution.model);
-  const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
-    std::vector<ChannelSite> chosen;
-    for (const auto& channel : channels) {
-      chosen.push_back(sites[static_cast<std::size_t>(index_of(sites, channel.name))]);
-    }
-    return places_at(chosen, solution.modes);
-  };
-  return {
-      places(model.seen.outputs), places(model.seen.inputs), priors::modal_basis(simulation), {}};
-}
-
-identification::GainMatch matched(const Study& study, const Solution* solution,
-                                  IdentifiedModel& model, Run& run) {
-  const auto plan = plan_of(study);
-  model.pairs = pairs_of(plan, model.seen);
-  if (needs_simulation(model)) {
-    if (solution != nullptr) {
-      add_simulated_pairs(study, *solution, model);
-    } else {
-      const Solution own = solved(study, run);
-      add_simulated_pairs(study, own, model);
-    }
-  }
-  identification::GainMatchOptions options;
-  options.pairs = model.pairs;
-  options.rule =
-      plan.gain == "thesis" ? identification::GainRule::thesis : identification::GainRule::tied;
-  if (plan.gain_errors == "sensors") options.fault = identification::GainFault::outputs;
-  if (plan.gain_errors == "actuators") options.fault = identification::GainFault::inputs;
-  model.corrects_gains = plan.gain_errors != "none";
-  options.geometry = rigid_geometry(model);
-  if (solution != nullptr) options.prior = gain_prior(study, *solution, model);
-  return identification::gain_match(model.found.fit, model.seen.outputs, model.seen.inputs,
-                                    options);
-}
-
 }  // namespace
-
-identification::RigidMotion rigid_motion(Eigen::Index rigid_count) {
-  return rigid_count == 2 ? identification::RigidMotion::beam : identification::RigidMotion::plate;
-}
 
 identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {
-  return identification::fit_data(set, data_options(plan_of(study), model.seen));
+  return identification::fit_data(set, data_options(identification_plan(study), model.seen));
 }
 
 namespace {
@@ -275,8 +96,11 @@ identification::Identified found(const IdentificationPlan& plan, const Study& st
   thesis.rigid_count = std::max<Eigen::Index>(0, options.rigid_count);
   thesis.residual = plan.residual;
   thesis.progress = options.fit.progress;
+  // Delays are compensated before the fit (4.1).
+  const auto delays = identification::delays_at_start(data, options);
   identification::Identified result;
-  result.fit = identification::thesis_fit(data, thesis);
+  result.fit = identification::thesis_fit(identification::undelayed(data, delays), thesis);
+  if (plan.delay) identification::put_back(delays, options.fit.delay_of, result.fit);
   return result;
 }
 
@@ -326,6 +150,14 @@ void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedM
   identification::take_values(fit, model.found.fit);
 }
 
+// By the same path without outlying values; the thesis' has no way to look for modes.
+identification::Judgement judged(const IdentificationPlan& plan, const Study& study,
+                                 const IdentifiedModel& model, Run& run) {
+  std::optional<identification::IdentificationOptions> again;
+  if (plan.method != "thesis") again = fit_options(plan, study, run);
+  return identification::judged(model.found, model.data, again);
+}
+
 std::string drift_warning(const IdentifiedModel& model) {
   const auto name = [&](Eigen::Index e) {
     return model.seen.outputs[static_cast<std::size_t>(e % model.data.outputs)].name + "/" +
@@ -370,7 +202,7 @@ IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study,
 }  // namespace
 
 IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
-  const auto plan = plan_of(study);
+  const auto plan = identification_plan(study);
   auto model = fitted_model(plan, study, run);
   run.talk().clear_progress();
   if (model.drift.size() > 0) run.talk().warn(drift_warning(model));
@@ -378,6 +210,7 @@ IdentifiedModel identified(const Study& study, const Solution* solution, Run& ru
   model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
   for (const auto& warning : model.match.warnings) run.talk().warn(warning);
   add_errors(model);
+  model.judgement = run.timed("judge", [&] { return judged(plan, study, model, run); });
   if (plan.stabilisation > 0) {
     model.stabilisation = run.timed("stabilisation", [&] {
       const auto data =

@@ -9,6 +9,7 @@
 #include "app/solution.h"
 #include "identification/gain_match.h"
 #include "identification/identified.h"
+#include "identification/trust.h"
 #include "modal/frf_set.h"
 
 namespace chladni::app {
@@ -44,6 +45,7 @@ struct IdentifiedModel {
   std::vector<identification::StabilisationPoint> stabilisation;
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
   Eigen::MatrixXd noise;  ///< per response: its deviation over |G|, likewise
+  identification::Judgement judgement;
 };
 
 /// Of the first with this name; −1: there is none.
@@ -68,9 +70,16 @@ template <typename Named>
 
 /// |G − Ĝ| over |G|, over all responses and lines.
 [[nodiscard]] double overall_error(const IdentifiedModel& model);
-/// Root mean square of the responses' noise, each over its size.
+/// The noise over |G|, over all responses and lines: what overall_error is of a perfect model. With
+/// it what the model is allowed to be off by, stated or assumed.
 [[nodiscard]] double noise(const IdentifiedModel& model);
 [[nodiscard]] std::string identification_table(const IdentifiedModel& model);
+/// "trust: ...", then a line for each doubtful mode and outlying line.
+[[nodiscard]] std::string trust_text(const IdentifiedModel& model);
+[[nodiscard]] io::Json trust_json(const IdentifiedModel& model);
+/// Ends a verb whose results stand on the model, once they are written.
+/// @throws NumericalFailure  the fit is not to be trusted; the message says why
+void require_trust(const IdentifiedModel& model);
 [[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
 
 /// Magnitudes of the responses, at most 24 of them, measured, fitted and what is left.

@@ -142,6 +142,7 @@ io::Json fit_json(const IdentifiedModel& model) {
                         {"per_channel", channels},
                         {"cost", fit.cost},
                         {"expected_cost", fit.expected_cost},
+                        {"expected_cost_std", fit.cost_deviation},
                         {"noise_known", model.data.noise_known},
                         {"parameters", static_cast<long long>(fit.parameter_count)},
                         {"measured_numbers", static_cast<long long>(fit.measured_count)},
@@ -221,7 +222,9 @@ double overall_error(const IdentifiedModel& model) {
 }
 
 double noise(const IdentifiedModel& model) {
-  return model.noise.norm() / std::sqrt(static_cast<double>(model.noise.size()));
+  const auto& data = model.data;
+  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  return (there / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
 }
 
 std::string identification_table(const IdentifiedModel& model) {
@@ -243,17 +246,19 @@ std::string identification_table(const IdentifiedModel& model) {
         fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
   }
   if (fit.complex) text += complex_table(fit);
-  text += fmt::format("\nresponses off by {} of their size, noise {}",
-                      percent(overall_error(model)), percent(noise(model)));
+  text += fmt::format("\nresponses off by {} of their size, {} {}", percent(overall_error(model)),
+                      data.noise_known ? "noise" : "noise with the error that the model may have",
+                      percent(noise(model)));
   if (fit.delay_std_s > 0.0) {
     text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
   }
   const std::string noise_is = data.noise_known    ? ""
                                : data.noise_stated ? model_error_text(model)
-                                                   : " (noise estimated from the lines' scatter)";
-  text += fmt::format("\ncost {:.5g}, of noise alone {:.5g}{}\n", fit.cost, fit.expected_cost,
-                      noise_is);
-  return text;
+                                                   : " (noise estimated from the lines' scatter, "
+                                                     "and the error that the model may have)";
+  text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {:.2g}{}\n", fit.cost,
+                      fit.expected_cost, fit.cost_deviation, noise_is);
+  return text + trust_text(model);
 }
 
 io::JsonObject identified_json(const IdentifiedModel& model) {
@@ -285,6 +290,7 @@ io::JsonObject identified_json(const IdentifiedModel& model) {
                                                 {"value", io::Json::rows(model.match.shapes)},
                                                 {"std", io::Json::rows(model.match.deviation)}}},
                       {"fit", fit_json(model)},
+                      {"trust", trust_json(model)},
                       {"noise_floor", io::Json::rows(model.noise)},
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},

@@ -8,6 +8,7 @@ void run(const Study& study, Run& run) {
   const IdentifiedModel model = identified(study, nullptr, run);
   run.show(identification_table(model));
   leave_identification(study, model, run, true);
+  require_trust(model);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ void run(const Study& study, Run& run) {
   const Interpolated result = interpolated(study, solution, run);
   run.show(interpolation_table(result));
   leave_interpolation(study, solution, result, run, true);
+  if (result.measured.identified) require_trust(*result.measured.identified);
 }
 
 }  // namespace

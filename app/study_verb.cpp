@@ -48,6 +48,7 @@ void run(const Study& study, Run& run) {
                 diagnosis ? &*diagnosis : nullptr},
                run);
   if (!study.expectations.empty()) judge(study, solution, run);
+  if (shapes && shapes->measured.identified) require_trust(*shapes->measured.identified);
 }
 
 }  // namespace

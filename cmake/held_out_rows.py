@@ -18,13 +18,13 @@ from pathlib import Path
 
 MODELS = Path(__file__).resolve().parent.parent / "models"
 METHODS = ["dynamic_residual", "thin_plate_spline", "squared_exponential"]
-# Study, the one that simulates its data, modes that the thesis' path has to be told.
+# Study, the one that simulates its data, what the thesis' path is told: modes, and its cut-off.
 STUDIES = [
     ("beam/thesis_2x4", "beam/thesis_5x5", "modes = 5"),
     ("beam/thesis_5x3_without_3", "beam/thesis_5x3", "modes = 6"),
     ("beam/thesis_5x3_without_3_5", "beam/thesis_5x3", "modes = 6"),
     ("oat/identification/without_s4", "oat/identification/rig",
-     "modes = 12\nrigid_body_modes = 3"),
+     "modes = 12\nrigid_body_modes = 3\ncut_off_db = 80"),
 ]
 
 

@@ -21,6 +21,8 @@ constexpr double kBesideNeighbours = 8.0;    // times their median
 constexpr double kJump = 20.0;               // likewise, of jumps in the data
 constexpr double kLoose = 1.5;               // level where the noise is an estimate of ours
 constexpr double kBadLevel = 10.0;           // above which the fit may be bent
+constexpr double kAlwaysOff = 0.002;         // of the response: no model is nearer to a structure
+constexpr double kSteepOff = 0.02;           // likewise, of its change from line to line
 constexpr double kMedianPower = 0.6931;      // of an exponential number of mean 1
 constexpr Eigen::Index kReach = 12;          // lines on each side
 constexpr Eigen::Index kMostRefitted = 200;  // responses
@@ -81,16 +83,16 @@ Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, E
       parts.push_back(std::max(0.0, beyond) / std::pow(size(k), 2));
     }
   }
-  const double relative = median(parts) / kMedianPower;
+  const double relative = std::max(median(parts) / kMedianPower, kAlwaysOff * kAlwaysOff);
   Eigen::VectorXd result = Eigen::VectorXd::Zero(lines);
   for (Eigen::Index k = 0; k < lines; ++k) {
     if (!(weight(k) > 0.0)) continue;
     double square = std::pow(weight(k), -2) + relative * size(k) * size(k);
-    if (!explained) {  // resonances that drift, or narrower than the lines are apart
-      const double below = k > 0 ? std::abs(fitted(k) - fitted(k - 1)) : 0.0;
-      const double above = k + 1 < lines ? std::abs(fitted(k + 1) - fitted(k)) : 0.0;
-      square += std::pow(std::max(below, above), 2);
-    }
+    // Resonances that drift, or narrower than the lines are apart.
+    const double below = k > 0 ? std::abs(fitted(k) - fitted(k - 1)) : 0.0;
+    const double above = k + 1 < lines ? std::abs(fitted(k + 1) - fitted(k)) : 0.0;
+    const double steep = (explained ? kSteepOff : 1.0) * std::max(below, above);
+    square += steep * steep;
     result(k) = wrong(k) / std::sqrt(square);
   }
   return result;

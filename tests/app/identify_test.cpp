@@ -14,6 +14,8 @@
 #include "identified_json.h"
 #include "io/frf_file.h"
 #include "io/json.h"
+#include "io/mat.h"
+#include "modal/state_space.h"
 #include "quiet_run.h"
 
 namespace chladni::app {
@@ -27,6 +29,24 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   const auto at = text.find(what);
   if (at == std::string::npos) throw InvalidInput("the study has no \"" + what + "\"");
   return text.replace(at, what.size(), by);
+}
+
+const io::MatValue& value_of(const io::MatFile& file, const std::string& name) {
+  for (const auto& [key, value] : file.variables) {
+    if (key == name) return value;
+  }
+  throw InvalidInput("there is no " + name);
+}
+
+Eigen::MatrixXd variable(const io::MatFile& file, const std::string& name) {
+  const auto& value = value_of(file, name);
+  return value.real.reshaped(value.dims[0], value.dims[1]);
+}
+
+std::vector<std::string> texts(const io::MatFile& file, const std::string& name) {
+  std::vector<std::string> all;
+  for (const auto& cell : value_of(file, name).cells) all.push_back(cell.text.front());
+  return all;
 }
 
 std::string model(const std::string& name) { return read_whole(kModels / name); }
@@ -175,7 +195,52 @@ TEST_F(Identify, FindsTheModesOfABeamThatIsShaken) {
   EXPECT_EQ(json.at("fit").at("per_channel").array().size(), 25U);
   EXPECT_LT(json.at("fit").at("relative_error").number(), 0.005);
   EXPECT_GT(json.at("fit").at("noise_floor").number(), 0.0);
-  EXPECT_TRUE(fs::exists(folder_.path() / "out/identified.mat"));
+  const auto file = io::read_mat(folder_.path() / "out/identified.mat", std::size_t{1} << 30);
+  EXPECT_EQ(variable(file, "A").rows(), 10);
+  EXPECT_EQ(json.at("trust").at("verdict").string().find("not to be"), std::string::npos);
+}
+
+// The state spaces that are left are the models that were found: of real modes from the coils to
+// all places with a row, and to the places that no fit saw.
+TEST_F(Identify, LeavesStateSpacesThatRespondAsTheBeam) {
+  const auto chain = identification::beam_with_coils();
+  write("thesis_5x5.csv", measured(chain, 5, {1, 2, 3, 4, 5}));
+  const auto text = with_real_modes(model("beam/thesis_2x4.toml"));
+  (void)run(identify_command, text);
+  (void)run(interpolate_command, text, "elsewhere");
+  const Eigen::VectorXd frequency{{4.0, 20.0, 32.0, 100.0, 200.0}};
+  const auto exact = modal::frf(truth(chain, 5), frequency);
+  const auto compare = [&](const fs::path& name, double within) {
+    const auto file = io::read_mat(folder_.path() / name, std::size_t{1} << 30);
+    const modal::StateSpace space{variable(file, "A"), variable(file, "B"), variable(file, "C"),
+                                  variable(file, "D")};
+    const auto outputs = texts(file, "outputs");
+    const auto inputs = texts(file, "inputs");
+    ASSERT_EQ(space.c.rows(), std::ssize(outputs)) << name;
+    ASSERT_EQ(space.b.cols(), std::ssize(inputs)) << name;
+    EXPECT_EQ(variable(file, "delay_s").size(), 1) << name;
+    for (Eigen::Index k = 0; k < frequency.size(); ++k) {
+      const auto response = modal::response(space, frequency(k));
+      for (std::size_t i = 0; i < outputs.size(); ++i) {
+        // At the coils nothing is known of the modes above the band.
+        if (outputs[i][0] == 'u' && frequency(k) > 150.0) continue;
+        for (std::size_t j = 0; j < inputs.size(); ++j) {
+          const auto row = static_cast<Eigen::Index>(i);
+          const auto column = static_cast<Eigen::Index>(j);
+          const auto there =
+              exact.value[static_cast<std::size_t>(k)](outputs[i][1] - '1', inputs[j][1] - '1');
+          const double size = exact.value[static_cast<std::size_t>(k)].cwiseAbs().maxCoeff();
+          EXPECT_LT(std::abs(response(row, column) - there), within * size)
+              << name << " " << outputs[i] << inputs[j] << " " << frequency(k);
+        }
+      }
+    }
+  };
+  compare("out/identified.mat", 0.01);
+  compare("elsewhere/spatio_temporal.mat", 0.02);
+  const auto json = left("spatio_temporal.json", "elsewhere");
+  EXPECT_EQ(matrix(json.at("shapes_std")).rows(), 3);
+  EXPECT_GT(matrix(json.at("shapes_std")).minCoeff(), 0.0);
 }
 
 // The shapes at all five places by the channel that has them: y1, or u1 where no y1 was seen.
@@ -314,7 +379,43 @@ model_error = 0.003
   for (std::size_t k = 1; k < methods.size(); ++k) EXPECT_LT(error(0), 0.5 * error(k)) << k;
   // The scale between sensors and actuators comes from the simulation: its doubt moves all modes'
   // rows as a whole and does not average out.
-  EXPECT_GE(methods[0].at("held_out").array()[0].at("coverage").number(), 0.8);
+  const auto& row = methods[0].at("held_out").array()[0];
+  EXPECT_GE(row.at("coverage").number(), 0.8);
+  double square = 0.0;
+  const auto& std = row.at("std").array();
+  for (std::size_t m = 0; m < std.size(); ++m) {
+    const double wrong = row.at("mean").array()[m].number() - row.at("value").array()[m].number();
+    square += std::pow(wrong / std[m].number(), 2) / static_cast<double>(std.size());
+  }
+  EXPECT_LT(std::sqrt(square), 1.6);  // and no band so wide that it says nothing
+  EXPECT_GT(std::sqrt(square), 0.3);
+}
+
+// One value that is off makes a mode of its own: said, written, and not passed for a success.
+TEST_F(Identify, DoesNotPassAFailedFitForASuccess) {
+  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  auto text = model("beam/thesis_5x5.toml");
+  const auto at = text.find("model_error");
+  text.replace(at, text.find('\n', at) - at, "model_error = 0");
+  write("thesis_5x5.csv", set);
+  (void)run(identify_command, text, "sound");
+  EXPECT_TRUE(std::get<bool>(left("identified.json", "sound").at("trust").at("trusted").value()));
+  EXPECT_TRUE(left("identified.json", "sound").at("trust").at("outlying").array().empty());
+  set.value[700](2, 0) += 80.0 * std::sqrt(set.variance[700](2, 0));
+  write("thesis_5x5.csv", set);
+  try {
+    (void)run(identify_command, text, "failed");
+    ADD_FAILURE() << "passed for a success";
+  } catch (const NumericalFailure& e) {
+    EXPECT_NE(std::string(e.what()).find("not to be trusted"), std::string::npos) << e.what();
+  }
+  const auto trust = left("identified.json", "failed").at("trust");
+  EXPECT_FALSE(std::get<bool>(trust.at("trusted").value()));
+  EXPECT_EQ(trust.at("verdict").string(), "not to be trusted");
+  ASSERT_EQ(trust.at("outlying").array().size(), 1U);
+  EXPECT_EQ(trust.at("outlying").array()[0].at("sensor").string(), "y3");
+  EXPECT_EQ(trust.at("outlying").array()[0].at("actuator").string(), "u1");
+  EXPECT_EQ(trust.at("outlying").array()[0].at("frequency_hz").number(), set.frequency_hz(700));
 }
 
 TEST_F(Identify, NamesChannelsThatOnlyOneSideHas) {
