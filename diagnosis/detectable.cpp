@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "diagnosis/prepared.h"
 #include "priors/dense.h"
@@ -98,7 +99,6 @@ Detectable described(const Structure& structure, const Effect& effect, const Pro
   told.channels = effect.channels(structure, probe.option);
   told.option = choice_of(effect, probe.option).text;
   told.place = place_of({&effect, probe.option, probe.x}, structure);
-  told.option = choice_of(effect, probe.option).text;
   for (Index i = 0; i < probe.x.size(); ++i) {
     const auto& one = parameters[at(i)];
     if (i != probe.size && one.unit == "Hz") told.frequency_hz = one.value(probe.x(i));
@@ -116,7 +116,6 @@ Detectable described(const Structure& structure, const Effect& effect, Index opt
   told.channels = effect.channels(structure, option);
   told.option = choice_of(effect, option).text;
   told.size = std::numeric_limits<double>::quiet_NaN();
-  told.option = choice_of(effect, option).text;
   told.log_evidence = log_evidence;
   return told;
 }
@@ -261,7 +260,10 @@ std::vector<Detectable> detectable(const Structure& structure, const modal::FrfS
   const auto catalogue = catalogue_of(options);
   std::vector<std::vector<Detectable>> each(catalogue.size());
   const priors::dense::OneThread one;
-  parallel_tasks(each.size(), [&](std::size_t n) { each[n] = detector.detectable(*catalogue[n]); });
+  parallel_tasks(each.size(), [&](std::size_t n) {
+    throw_if_interrupted();
+    each[n] = detector.detectable(*catalogue[n]);
+  });
   std::vector<Detectable> all;
   for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(all));
   return all;

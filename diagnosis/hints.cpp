@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "diagnosis/information.h"
 #include "diagnosis/probe.h"
@@ -82,6 +83,7 @@ std::vector<Hint> hints(const Problem& problem, const Fit& about,
   std::vector<std::vector<Hint>> each(catalogue.size());
   const priors::dense::OneThread one;
   parallel_tasks(each.size(), [&](std::size_t n) {
+    throw_if_interrupted();
     each[n] = hints_of(probing, information, left, *catalogue[n], limits);
   });
   std::vector<Hint> all;

@@ -37,8 +37,6 @@ Experiment experiment(const Tolerances& tolerances, double noise = 1.0) {
           {{measured_lines(noise), deviations(small_plate(), tolerances, 800.0)}}};
 }
 
-Tolerances none() { return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }
-
 // What is measured of a plate that is off by its tolerances and has an effect.
 Observed drawn(const Experiment& of, const Supposed& effect, unsigned seed) {
   simulators::Dice dice(seed);
@@ -80,9 +78,9 @@ TEST(Noncentrality, IsThatOfDraws) {
 
 // One number measured many times, and a tolerance that does the same as the effect.
 TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
-  Tolerances gains = none();
+  Tolerances gains = no_tolerances();
   gains.gain = 5e-3;
-  const auto free = experiment(none());
+  const auto free = experiment(no_tolerances());
   const auto held = experiment(gains);
   const auto& gain = effect("sensor_gain");
   const auto at = [&](const Experiment& of) {
@@ -107,7 +105,7 @@ TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
 // What hangs on the body has its columns by a shorter way, about nothing; the others are taken
 // about half a gram.
 TEST(Probing, HasSizesAmongItsColumns) {
-  const auto free = experiment(none());
+  const auto free = experiment(no_tolerances());
   const Problem problem{*free.structure, free.looks[0].observed, free.looks[0].deviations};
   const Probing probing(problem);
   for (const auto* one : effects()) {
@@ -124,8 +122,8 @@ TEST(Probing, HasSizesAmongItsColumns) {
 }
 
 TEST(Detectable, GrowsWithTheNoise) {
-  const auto once = experiment(none());
-  const auto twice = experiment(none(), 2.0);
+  const auto once = experiment(no_tolerances());
+  const auto twice = experiment(no_tolerances(), 2.0);
   const Detector quiet(once);
   const Detector loud(twice);
   for (const auto* one : {&effect("sensor_gain"), &effect("actuator_position"), &effect("delay"),
@@ -145,7 +143,7 @@ TEST(Detectable, GrowsWithTheNoise) {
 // What is not known takes information. The size may fall by a little all the same, where a place
 // or a frequency is known less well: Occam's factor is less.
 TEST(Detectable, GrowsWithTheTolerances) {
-  const auto exact = experiment(none());
+  const auto exact = experiment(no_tolerances());
   const auto real = experiment(Tolerances{});
   const Detector free(exact);
   const Detector held(real);
