@@ -41,6 +41,7 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
   read("residual", "1", result.residual);
   read("frequency", "1", result.frequency);
   read("damping", "1", result.damping);
+  read("loaded_damping", "1", result.loaded_damping);
   read("response", "1", result.response);
   read("scale", "1", result.scale);
   read("mass", "kg", result.mass);

@@ -310,6 +310,7 @@ io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
                                     {"residual", t.residual},
                                     {"frequency", t.frequency},
                                     {"damping", t.damping},
+                                    {"loaded_damping", t.loaded_damping},
                                     {"response", t.response},
                                     {"scale", t.scale},
                                     {"mass_kg", t.mass}}},

@@ -175,6 +175,12 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
                      state.residual.array() += t * eta * state.residual.cwiseAbs().mean();
                    }});
   }
+  if (tolerances.loaded_damping > 0.0) {
+    all.push_back({"damping ratios of the modes with what hangs on them",
+                   [t = tolerances.loaded_damping](State& state, double eta) {
+                     state.loaded_damping += t * eta;
+                   }});
+  }
   if (tolerances.scale > 0.0) {
     all.push_back({"scale of all responses", [t = tolerances.scale](State& state, double eta) {
                      for (auto& path : state.output_paths) path.gain *= std::exp(t * eta);

@@ -10,7 +10,8 @@
 
 namespace chladni::diagnosis {
 
-/// One thing that may be off: `apply(state, eta)` takes it eta deviations away.
+/// One thing that may be off: `apply(state, eta)` takes it eta deviations away. What it changes
+/// together with causes alone (State::loaded_damping) is done where the causes are known.
 struct Deviation {
   std::string name;  ///< "gain of sensor s1", "frequency of the mode at 183.8 Hz"
   std::function<void(State&, double eta)> apply;

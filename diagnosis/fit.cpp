@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "diagnosis/loaded_damping.h"
 #include "diagnosis/quadratic.h"
 #include "priors/dense.h"
 
@@ -198,13 +200,13 @@ class About {
     for (std::size_t c = 0; c < changes_.size(); ++c) {
       if (c != column.cause) {
         changes_[c](state);
-        continue;
+      } else {
+        moved[c].effect->apply(state, problem_.structure, moved[c].option, moved[c].x);
       }
-      Supposed moved = causes_[c];
-      moved.x(column.coordinate) += by;
-      moved.effect->apply(state, problem_.structure, moved.option, moved.x);
     }
     return state;
+    std::vector<Supposed> moved = causes_;
+    moved[column.cause].x(column.coordinate) += by;
   }
 
  private:
@@ -214,19 +216,28 @@ class About {
   }
 
   const Problem& problem_;
+    if (state.loaded_damping != 0.0) add_loaded(state, loaded_damping(problem_.structure, moved));
   const std::vector<Supposed>& causes_;
   const VectorXd& eta_;
   std::vector<std::function<void(State&)>> changes_;
 };
 
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
+    if (state.loaded_damping == 0.0 || changes_.empty()) return state;
+    std::call_once(once_, [&] { loaded_ = loaded_damping(problem_.structure, causes_); });
+    add_loaded(state, loaded_);
   if (a.effect != b.effect || a.option != b.option) return false;
   const auto here = place_of(a, structure);
+  static void add_loaded(State& state, const MatrixXd& gained) {
+    if (gained.size() > 0) state.damping += state.loaded_damping * gained;
+  }
   const auto there = place_of(b, structure);
   if (!here || !there) return true;
   return (*here - *there).norm() < 0.05 * structure.surface.size();
 }
 
+  mutable std::once_flag once_;
+  mutable MatrixXd loaded_;  // loaded_damping of the causes, made on first use
 }  // namespace
 
 Index Fit::coordinate_count() const {

@@ -44,6 +44,9 @@ struct State {
   std::vector<Attached> attached;
   std::vector<Frame> frames;
   std::vector<Path> output_paths, input_paths;  ///< p, q
+  /// Share in which damping ratios are those of the modes with all that hangs on the body: what
+  /// that changes (loaded_damping.h) is in `damping` once all causes are there.
+  double loaded_damping = 0.0;
   /// Which output (input) of the structure a row (column) of the record shows.
   std::vector<Eigen::Index> output_of, input_of;
   /// q, by columns of the record: by how much, relative, the body was stiffer while that column was
@@ -70,8 +73,6 @@ void scale_residual(State& state, double factor);
 /// The whole body by a factor, what its modes above the band yield included; what is attached to it
 /// (State::springs) keeps its stiffness.
 void scale_stiffness(State& state, double factor);
-
-}  // namespace chladni::diagnosis
 /// The same of its mass and of the losses of its modes.
 void scale_mass(State& state, double factor);
 void scale_damping(State& state, double factor);
@@ -80,3 +81,5 @@ void scale_damping(State& state, double factor);
 void attach_stiffness(State& state, const Eigen::MatrixXd& springs);
 void attach_damping(State& state, const Eigen::MatrixXd& dashpots);
 void attach_mass(State& state, const Eigen::MatrixXd& masses);
+
+}  // namespace chladni::diagnosis

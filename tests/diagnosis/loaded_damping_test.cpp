@@ -1,0 +1,140 @@
+// Damping ratios of the modes with what hangs on them: the same numbers, read otherwise.
+#include "diagnosis/loaded_damping.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/deviations.h"
+#include "diagnosis/diagnosed.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/small_plate.h"
+#include "simulators/loaded_table.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+const Supposed kMass{&effect("point_mass"), 0, Eigen::Vector3d(0.4, 0.12, 0.08)};
+const Supposed kSpring{&effect("ground_spring"), 0, Eigen::Vector3d(std::log(8e4), -0.21, 0.14)};
+const Supposed kGain{&effect("sensor_gain"), 1, VectorXd::Constant(1, 0.1)};
+
+// By their own modes, rigid-body modes that a spring holds too.
+TEST(LoadedDamping, GivesEachLoadedModeTheRatioOfTheStudy) {
+  const auto& plate = small_plate();
+  const State bare = state_of(plate);
+  MatrixXd stiffness = bare.stiffness;
+  MatrixXd mass = bare.mass;
+  const VectorXd there = plate.surface.at({0.12, 0.08})->shape;
+  const VectorXd foot = plate.surface.at({-0.21, 0.14})->shape;
+  mass += 0.4 * there * there.transpose();
+  stiffness += 8e4 * foot * foot.transpose();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness, mass);
+  const MatrixXd damping = bare.damping + loaded_damping(plate, {kMass, kGain, kSpring});
+  const MatrixXd seen = modes.eigenvectors().transpose() * damping * modes.eigenvectors();
+  const VectorXd expected = 0.01 * modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  EXPECT_LT((seen - MatrixXd(expected.asDiagonal())).norm(), 1e-6 * expected.norm());
+  EXPECT_GT((bare.damping - damping).norm(), 1e-3 * damping.norm());
+}
+
+TEST(LoadedDamping, IsNoOtherWhereNothingHangs) {
+  EXPECT_EQ(loaded_damping(small_plate(), {kGain}).size(), 0);
+  EXPECT_EQ(loaded_damping(small_plate(), {}).size(), 0);
+}
+
+// Of every coordinate and deviation, where the ratios are partly those of the loaded modes.
+TEST(LoadedDamping, HasSlopesThatAreDifferences) {
+  const auto& plate = small_plate();
+  const Observed observed = observed_in(state_of(plate), 1.0);
+  Tolerances tolerances;
+  tolerances.position = tolerances.gain = 0.0;
+  tolerances.residual = 0.0;  // what hangs sees of the modes above is left out of that slope
+  const auto tolerable = deviations(plate, tolerances, 500.0);
+  const Problem problem{plate, observed, tolerable};
+  VectorXd eta = VectorXd::Constant(std::ssize(tolerable), 0.1);
+  const auto own = std::ranges::find_if(tolerable, [&](const Deviation& one) {
+    State state = state_of(plate);
+    one.apply(state, 1.0);
+    return state.loaded_damping != 0.0;
+  });
+  ASSERT_NE(own, tolerable.end());
+  eta(own - tolerable.begin()) = 0.7;
+  const std::vector<Supposed> causes{kMass, kSpring};
+  const State state = state_of(problem, causes, eta);
+  const Solved now = solved(state, Body(state, observed.omega));
+  const MatrixXd slopes = sensitivities(problem, causes, eta, now);
+  const auto value = [&](const std::vector<Supposed>& of, const VectorXd& at) {
+    return weighted(observed, responses(state_of(problem, of, at), observed.omega));
+  };
+  for (Index n = 0; n < 6; ++n) {
+    const double h = n % 3 == 0 ? 1e-4 : 1e-5;
+    auto minus = causes;
+    auto plus = causes;
+    minus[static_cast<std::size_t>(n / 3)].x(n % 3) -= h;
+    plus[static_cast<std::size_t>(n / 3)].x(n % 3) += h;
+    const VectorXd difference = (value(plus, eta) - value(minus, eta)) / (2.0 * h);
+    const double little = n % 3 == 0 ? 2e-3 : 0.05;  // of a place the modes far above are left out
+    EXPECT_LT((slopes.col(n) - difference).norm(), little * difference.norm()) << n;
+  }
+  for (Index i = (own - tolerable.begin()) % 9; i < eta.size(); i += 9) {
+    const VectorXd by = 1e-3 * VectorXd::Unit(eta.size(), i);
+    const VectorXd difference = (value(causes, eta + by) - value(causes, eta - by)) / 2e-3;
+    EXPECT_LT((slopes.col(6 + i) - difference).norm(), 2e-3 * difference.norm() + 1e-9)
+        << tolerable[static_cast<std::size_t>(i)].name;
+  }
+}
+
+// A table of the same polynomials with 400 g on it, each loaded mode damped by the ratio of the
+// study: it differs from the model in that alone.
+class LoadedTable : public testing::Test {
+ protected:
+  static constexpr double kCarried = 0.4;
+
+  static Diagnosis told(double loaded_damping) {
+    static const Structure plate = plate_of(30, 15);
+    simulators::LoadedTable table;
+    table.mass = kCarried;
+    table.noise = 1e-3;
+    table.place = {0.12, 0.08};
+    table.lines = 80;
+    table.high_hz = 700.0;
+    const auto measured = simulators::loaded_table(simulators::believed_table(8), table);
+    DiagnosisOptions options;
+    options.lines = 60;
+    options.tolerances.loaded_damping = loaded_damping;
+    options.only = {"point_mass", "ground_damper", "resonator", "modal_damping", "ground_spring"};
+    return diagnosed(plate, measured, options);
+  }
+  static bool names(const Diagnosis& diagnosis, std::string_view name) {
+    return std::ranges::any_of(diagnosis.best.causes,
+                               [&](const Cause& cause) { return cause.effect == name; });
+  }
+};
+
+TEST_F(LoadedTable, HasAMassAndNoDamper) {
+  const auto diagnosis = told(1.0);
+  EXPECT_EQ(diagnosis.verdict, Verdict::named) << diagnosis.best.excess;
+  ASSERT_EQ(diagnosis.best.causes.size(), 1U) << diagnosis.best.causes.back().effect;
+  const Cause& mass = diagnosis.best.causes.front();
+  EXPECT_EQ(mass.effect, "point_mass");
+  const auto& size = mass.parameters.front();
+  EXPECT_LT(std::abs(size.value - kCarried), 2.5 * size.std);
+  EXPECT_LT(size.std, 0.03 * kCarried);
+  EXPECT_LT((*mass.place - Eigen::Vector2d(0.12, 0.08)).norm(), 3e-3);
+}
+
+// Where the ratios are held to be those of the bare table, something is left or damps it.
+TEST_F(LoadedTable, IsNotExplainedWhereItsRatiosAreTakenForThoseOfTheBareOne) {
+  const auto diagnosis = told(0.0);
+  const auto& best = diagnosis.best;
+  EXPECT_TRUE(best.causes.size() > 1 || best.excess > 3.2)
+      << best.excess << " " << best.causes.size() << " " << diagnosis.breaches.size();
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
