@@ -117,38 +117,67 @@ double Parameter::value_per_coordinate(double x) const {
   return 1.0;
 }
 
-const Effect* simpler_of(const Effect& effect) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kSimpler{{
-      {"mass_with_inertia", "point_mass"},
-      {"resonator", "point_mass"},
-      {"modulus_field", "youngs_modulus"},
-      {"thickness_field", "thickness"},
-      {"hysteretic_damping", "modal_damping"},
-      {"sensor_gain", "sensor_sign"},
-      {"actuator_gain", "actuator_sign"},
-      {"sensor_direction", "sensor_position"},
-      {"actuator_direction", "actuator_position"},
-  }};
-  const auto* const found = std::ranges::find(
-      kSimpler, effect.name, &std::pair<std::string_view, std::string_view>::first);
-  return found == kSimpler.end() ? nullptr : &diagnosis::effect(found->second);
+namespace {
+
+struct SimplerPair {
+  std::string_view general, simpler;
+  double share = 0.0;
+};
+
+// A pole that brings less than this of what its resonator explains is not seen: it lies beside the
+// band, or is damped away.
+constexpr double kPoleUnseen = 0.01;
+
+constexpr std::array kSimpler{
+    SimplerPair{"mass_with_inertia", "point_mass"},
+    SimplerPair{"resonator", "point_mass", kPoleUnseen},
+    SimplerPair{"resonator", "ground_spring", kPoleUnseen},
+    SimplerPair{"resonator", "ground_damper", kPoleUnseen},
+    SimplerPair{"modulus_field", "youngs_modulus"},
+    SimplerPair{"thickness_field", "thickness"},
+    SimplerPair{"hysteretic_damping", "modal_damping"},
+    SimplerPair{"sensor_gain", "sensor_sign"},
+    SimplerPair{"actuator_gain", "actuator_sign"},
+    SimplerPair{"sensor_direction", "sensor_position"},
+    SimplerPair{"actuator_direction", "actuator_position"},
+};
+
+// The simpler effect's parameter as the general one has it; at its centre where it has none.
+double shared_coordinate(const Parameter& wanted, const Supposed& general,
+                         const std::vector<Parameter>& parameters) {
+  const auto same = std::ranges::find(parameters, wanted.name, &Parameter::name);
+  if (same != parameters.end()) {
+    return wanted.coordinate(same->value(general.x(same - parameters.begin())));
+  }
+  if (general.effect->implied == nullptr) return wanted.centre;
+  const auto implied = general.effect->implied(wanted.name, general.x);
+  return implied ? wanted.coordinate(*implied) : wanted.centre;
 }
 
-std::optional<Supposed> simplified(const Supposed& supposed, const Structure& structure) {
-  const Effect* simpler = simpler_of(*supposed.effect);
-  if (!simpler || supposed.option >= simpler->options(structure)) return std::nullopt;
-  const auto general = supposed.effect->parameters(structure);
-  const auto parameters = simpler->parameters(structure);
-  Supposed result{simpler, supposed.option,
-                  Eigen::VectorXd(static_cast<Eigen::Index>(parameters.size()))};
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto same = std::ranges::find(general, parameters[i].name, &Parameter::name);
-    const auto at = same - general.begin();
-    result.x(static_cast<Eigen::Index>(i)) =
-        same == general.end() ? parameters[i].centre
-                              : parameters[i].coordinate(same->value(supposed.x(at)));
+}  // namespace
+
+std::vector<Simpler> simpler_of(const Effect& effect) {
+  std::vector<Simpler> all;
+  for (const auto& pair : kSimpler) {
+    if (pair.general == effect.name) all.push_back({&diagnosis::effect(pair.simpler), pair.share});
   }
-  return result;
+  return all;
+}
+
+std::vector<Supposed> simplified(const Supposed& supposed, const Structure& structure) {
+  const auto general = supposed.effect->parameters(structure);
+  std::vector<Supposed> all;
+  for (const auto& [simpler, share] : simpler_of(*supposed.effect)) {
+    if (supposed.option >= simpler->options(structure)) continue;
+    const auto parameters = simpler->parameters(structure);
+    Supposed one{simpler, supposed.option,
+                 Eigen::VectorXd(static_cast<Eigen::Index>(parameters.size()))};
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      one.x(static_cast<Eigen::Index>(i)) = shared_coordinate(parameters[i], supposed, general);
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
 }
 
 std::function<void(State&)> change_of(const Supposed& supposed, const Structure& structure) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
@@ -12,6 +12,7 @@
 #include "diagnosis/prepared.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/simpler.h"
+#include "diagnosis/stability.h"
 #include "diagnosis/superclass.h"
 #include "diagnosis/verdict.h"
 #include "priors/dense.h"
@@ -23,15 +24,14 @@ using Eigen::Index;
 
 constexpr double kHardlyByChance = 0.05;
 
-// The last word: the best few fits again on more lines and with the errors of the mode shapes,
-// which the search saw as noise; then without what that leaves too little evidence for.
-Found refined(const Problem& problem, const Found& found, const SearchLimits& limits) {
+// The best few fits again on more lines and with the errors of the mode shapes, which the search
+// saw as noise.
+Found fitted_again(const Problem& problem, const Found& found) {
   constexpr std::size_t kMost = 3;
   const auto again = [&](const Fit& fit) {
     return fitted(problem, with_deviations(fit, problem.deviations.size()));
   };
   Found fine;
-  fine.nothing = again(found.nothing);
   const double best = found.fits.front().log_evidence;
   std::vector<const Fit*> taken;
   for (const auto& fit : found.fits) {
@@ -41,10 +41,18 @@ Found refined(const Problem& problem, const Found& found, const SearchLimits& li
         taken, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
     if (known || !(close || &fit == &found.fits.front())) continue;
     taken.push_back(&fit);
-    fine.fits.push_back(again(fit));
+    keep(fine.fits, again(fit));
   }
-  fine.fits.push_back(fine.nothing);
-  std::ranges::stable_sort(fine.fits, std::greater{}, &Fit::log_evidence);
+  fine.nothing = again(found.nothing);
+  if (!fine.fits.empty()) fine.nothing = nothing_beside(problem, fine.nothing, fine.fits.front());
+  keep(fine.fits, fine.nothing);
+  return fine;
+}
+
+// The last word: those, without what leaves too little evidence for itself then.
+Found refined(const Problem& problem, const Found& found, const SearchLimits& limits,
+              double equal) {
+  Found fine = fitted_again(problem, found);
   const auto count = fine.fits.front().causes.size();
   if (count == 0) return fine;
   Fit simpler = pruned(problem, fine.fits.front(), fine.nothing, limits);
@@ -56,7 +64,7 @@ Found refined(const Problem& problem, const Found& found, const SearchLimits& li
   } else {
     fine.fits.front() = std::move(simpler);  // the same, with what it is without each cause
   }
-  add_simpler(problem, fine);
+  add_simpler(problem, fine, equal);
   return fine;
 }
 
@@ -80,14 +88,6 @@ CauseMap map_of(const Problem& problem, const Fit& best) {
                   problem.structure.surface.area.array();
   map.posterior /= map.posterior.sum();
   return map;
-}
-
-// The fit that an explanation was made of.
-const Fit& told_by(const Found& found, const Explanation& explanation) {
-  return *std::ranges::min_element(found.fits, {}, [&](const Fit& fit) {
-    return std::abs(fit.log_evidence - found.nothing.log_evidence - explanation.log_evidence) +
-           (fit.causes.size() == explanation.causes.size() ? 0.0 : 1e300);
-  });
 }
 
 std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
@@ -115,11 +115,11 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   diagnosis.best = told.front();
   diagnosis.rivals.assign(told.begin() + 1, told.end());
   diagnosis.before = residue(problem, found.nothing);
-  const auto& best = told_by(found, told.front());
+  const auto& best = found.fits[told.front().fit];
   diagnosis.after = residue(problem, best);
   diagnosis.map = map_of(problem, best);
   if (diagnosis.verdict == Verdict::ambiguous) {
-    diagnosis.measure_next = measure_next(problem, best, told_by(found, told[1]));
+    diagnosis.measure_next = measure_next(problem, best, found.fits[told[1].fit]);
   }
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
@@ -129,6 +129,47 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
     diagnosis.superclass = superclass(problem, believed ? best : found.nothing);
   }
   return diagnosis;
+}
+
+SearchLimits limits_of(const Prepared& given, const DiagnosisOptions& options) {
+  SearchLimits limits;
+  limits.most_causes = options.most_causes;
+  limits.least_evidence = options.least_evidence;
+  limits.unseen = given.shapes;
+  return limits;
+}
+
+Found searched_in(const Prepared& given, const DiagnosisOptions& options) {
+  const Observed coarse = given.for_search(options.lines);
+  return searched({*given.structure, coarse, given.tolerable, given.solver_error},
+                  catalogue_of(options), limits_of(given, options), options.progress);
+}
+
+// Where more than noise is left, or a fit has not come to its end, another path may end elsewhere.
+bool is_doubtful(const Diagnosis& diagnosis, const Fit& best) {
+  if (best.causes.empty()) return false;
+  return diagnosis.verdict == Verdict::partial ||
+         (diagnosis.verdict != Verdict::unexplained && !best.converged);
+}
+
+// What a second search does not name again is no more than likely, and a name less than sure.
+std::string doubt(const Problem& problem, const Fit& best, const Fit& again, Diagnosis& diagnosis) {
+  constexpr double kNotSure = 0.5;
+  const auto lost = not_repeated(problem.structure, best, again);
+  if (lost.empty()) return "";
+  std::string names;
+  for (const auto which : lost) {
+    auto& cause = diagnosis.best.causes[which];
+    cause.probability = std::min(cause.probability, kNotSure);
+    names += (names.empty() ? "" : ", ") + cause.effect;
+  }
+  if (diagnosis.verdict == Verdict::named) diagnosis.verdict = Verdict::partial;
+  std::string instead;
+  for (const auto which : not_repeated(problem.structure, again, best)) {
+    instead += (instead.empty() ? "" : ", ") + std::string(again.causes[which].effect->name);
+  }
+  return fmt::format("not stable: a search from modes that differ by 1e-9 does not name {} again{}",
+                     names, instead.empty() ? "" : " but " + instead);
 }
 
 }  // namespace
@@ -148,21 +189,24 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
   const priors::dense::OneThread one;  // the tasks of the search are what runs side by side
   const auto given = prepared(structure, measured, options.tolerances);
-  SearchLimits limits;
-  limits.most_causes = options.most_causes;
-  limits.least_evidence = options.least_evidence;
-  limits.unseen = given.shapes;
-  const Observed coarse = given.for_search(options.lines);
-  const Found first = searched({*given.structure, coarse, given.tolerable}, catalogue_of(options),
-                               limits, options.progress);
+  const Found first = searched_in(given, options);
   tell(options.progress, "the last word");
   const Observed fine = thinned(given.observed, 2 * options.lines);
   const auto deviations = given.all_deviations();
-  const Problem problem{*given.structure, fine, deviations};
-  Diagnosis diagnosis = told_of(problem, refined(problem, first, limits), options);
+  const Problem problem{*given.structure, fine, deviations, given.solver_error};
+  const Found found = refined(problem, first, limits_of(given, options), options.rival_within);
+  Diagnosis diagnosis = told_of(problem, found, options);
+  const Fit& best = found.fits[diagnosis.best.fit];
   auto notes = given.notes;
   notes.push_back(nonlinearity_note(measured));
   notes.push_back(note_on_places(*given.structure, diagnosis.best));
+  notes.push_back(note_on_convergence(best, found.nothing));
+  notes.push_back(note_on_noise(best, fine.number_count()));
+  if (is_doubtful(diagnosis, best)) {
+    tell(options.progress, "the same with the last bits of the modes changed");
+    const auto other = prepared(nudged(structure), measured, options.tolerances);
+    notes.push_back(doubt(problem, best, searched_in(other, options).fits.front(), diagnosis));
+  }
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);
   return diagnosis;

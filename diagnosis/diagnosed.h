@@ -41,7 +41,9 @@ struct Explanation {
   double probability = 0.0;   ///< among the explanations found
   double excess = 0.0;        ///< z = (χ² − N) / sqrt(2N) of what it leaves
   double strained = 0.0;      ///< χ² of what it leaves, stretched tolerances too
-  double error_excess = 0.0;  ///< of which as much may be the causes' own (Effect::error)
+  double error_excess = 0.0;  ///< of which as much may be the causes' own (error_of)
+  std::size_t fit = 0;        ///< of those found (Found::fits)
+  double promise = 0.0;       ///< of log_evidence, where its fit has not converged; else 0
 };
 
 /// Where something acts that no effect of the catalogue explains.

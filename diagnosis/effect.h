@@ -87,9 +87,13 @@ struct Effect {
 /// @throws InvalidInput  there is none of that name; the message lists those there are
 [[nodiscard]] const Effect& effect(std::string_view name);
 
-/// The effect of which this one is more general: where both explain the data about equally the
-/// simpler is meant. Null where there is none.
-[[nodiscard]] const Effect* simpler_of(const Effect& effect);
+/// An effect of which another is more general: where both explain the data about equally it is
+/// meant, and where it leaves less than `share` of what the general one explains.
+struct Simpler {
+  const Effect* effect = nullptr;
+  double share = 0.0;
+};
+[[nodiscard]] std::vector<Simpler> simpler_of(const Effect& effect);
 
 /// An effect with its numbers.
 struct Supposed {
@@ -105,9 +109,9 @@ struct Supposed {
 [[nodiscard]] std::function<void(State&)> change_of(const Supposed& supposed,
                                                     const Structure& structure);
 
-/// The simpler one with what numbers both share; none where there is no simpler one.
-[[nodiscard]] std::optional<Supposed> simplified(const Supposed& supposed,
-                                                 const Structure& structure);
+/// Each simpler one with what numbers both share or the general one implies.
+[[nodiscard]] std::vector<Supposed> simplified(const Supposed& supposed,
+                                               const Structure& structure);
 
 /// Where on the surface; none for effects that have no place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,

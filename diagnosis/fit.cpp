@@ -162,6 +162,16 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
   return taken;
 }
 
+// What Newton's own step would bring, on the surface.
+double promised(const Problem& problem, const std::vector<Column>& columns,
+                const Quadratic& quadratic, const Fit& fit) {
+  const VectorXd by = quadratic.step(0.0);
+  const auto held = held_by_the_rim(problem.structure, fit, columns, by);
+  if (held.empty()) return quadratic.promised(by);
+  const Quadratic rest = quadratic.held(held);
+  return rest.promised(rest.step(0.0));
+}
+
 // Laplace's approximation at the mode.
 void conclude(const MatrixXd& curvature, Fit& fit) {
   const Eigen::LLT<MatrixXd> factor(curvature);
@@ -197,6 +207,8 @@ class About {
 
   [[nodiscard]] State with_coordinate(const Column& column, double by) const {
     State state = deviating(problem_, eta_);
+    std::vector<Supposed> moved = causes_;
+    moved[column.cause].x(column.coordinate) += by;
     for (std::size_t c = 0; c < changes_.size(); ++c) {
       if (c != column.cause) {
         changes_[c](state);
@@ -204,46 +216,55 @@ class About {
         moved[c].effect->apply(state, problem_.structure, moved[c].option, moved[c].x);
       }
     }
+    if (state.loaded_damping != 0.0) add_loaded(state, loaded_damping(problem_.structure, moved));
     return state;
-    std::vector<Supposed> moved = causes_;
-    moved[column.cause].x(column.coordinate) += by;
   }
 
  private:
   [[nodiscard]] State changed(State state) const {
     for (const auto& change : changes_) change(state);
-    return state;
-  }
-
-  const Problem& problem_;
-    if (state.loaded_damping != 0.0) add_loaded(state, loaded_damping(problem_.structure, moved));
-  const std::vector<Supposed>& causes_;
-  const VectorXd& eta_;
-  std::vector<std::function<void(State&)>> changes_;
-};
-
-bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
     if (state.loaded_damping == 0.0 || changes_.empty()) return state;
     std::call_once(once_, [&] { loaded_ = loaded_damping(problem_.structure, causes_); });
     add_loaded(state, loaded_);
-  if (a.effect != b.effect || a.option != b.option) return false;
-  const auto here = place_of(a, structure);
+    return state;
+  }
   static void add_loaded(State& state, const MatrixXd& gained) {
     if (gained.size() > 0) state.damping += state.loaded_damping * gained;
   }
+
+  const Problem& problem_;
+  const std::vector<Supposed>& causes_;
+  const VectorXd& eta_;
+  std::vector<std::function<void(State&)>> changes_;
+  mutable std::once_flag once_;
+  mutable MatrixXd loaded_;  // loaded_damping of the causes, made on first use
+};
+
+bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
+  if (a.effect != b.effect || a.option != b.option) return false;
+  const auto here = place_of(a, structure);
   const auto there = place_of(b, structure);
   if (!here || !there) return true;
   return (*here - *there).norm() < 0.05 * structure.surface.size();
 }
 
-  mutable std::once_flag once_;
-  mutable MatrixXd loaded_;  // loaded_damping of the causes, made on first use
 }  // namespace
+
+double error_of(const Problem& problem, const Supposed& cause) {
+  const double own = error_of(cause, problem.structure);
+  return own > 0.0 ? std::hypot(own, problem.solver_error) : 0.0;
+}
 
 Index Fit::coordinate_count() const {
   Index count = 0;
   for (const auto& cause : causes) count += cause.x.size();
   return count;
+}
+
+double Fit::evidence_at_best() const {
+  constexpr double kBelieved = 8.0;
+  if (converged || !std::isfinite(promise)) return log_evidence;
+  return log_evidence + std::clamp(promise, 0.0, kBelieved);
 }
 
 double Fit::excess(double numbers) const {
@@ -310,17 +331,24 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   here.fit.converged = false;
   double lambda = 1e-3;
   Quadratic quadratic;
+  bool is_here = false;  // the quadratic, or at most a small step away
+  bool hopeless = false;
   int iteration = 0;
-  for (; iteration < limits.iterations && !here.fit.converged; ++iteration) {
+  for (; iteration < limits.iterations && !here.fit.converged && !hopeless; ++iteration) {
     const double before = here.fit.objective;
     quadratic = quadratic_at(problem, here, columns);
-    if (!descended(problem, columns, limits.tolerance, quadratic, here, lambda)) break;
+    const bool moved = descended(problem, columns, limits.tolerance, quadratic, here, lambda);
     const double fall = before - here.fit.objective;
-    const bool hopeless = here.fit.objective - (limits.iterations - iteration) * fall > limits.bar;
-    if (iteration >= 2 && hopeless) break;
+    is_here = fall < 0.1;
+    if (!moved) break;
+    hopeless =
+        iteration >= 2 && here.fit.objective - (limits.iterations - iteration) * fall > limits.bar;
   }
   here.fit.iterations = iteration;
-  if (quadratic.curvature.size() > 0) conclude(quadratic.curvature, here.fit);
+  if (!is_here && !hopeless) quadratic = quadratic_at(problem, here, columns);
+  here.fit.promise = hopeless ? 0.0 : promised(problem, columns, quadratic, here.fit);
+  here.fit.converged = !hopeless && here.fit.promise < kNothingMore;
+  conclude(quadratic.curvature, here.fit);
   return here.fit;
 }
 

@@ -17,7 +17,14 @@ struct Problem {
   const Structure& structure;
   const Observed& observed;
   const std::vector<Deviation>& deviations;
+  /// How far off, relative, another mesh or solver finds what a cause does by way of the body's
+  /// shapes; beside Effect::error, of causes that have one.
+  double solver_error = 0.0;
 };
+
+/// Effect::error and the problem's solver_error of a cause together, squares added; 0 where it
+/// does what it does whatever the shapes are.
+[[nodiscard]] double error_of(const Problem& problem, const Supposed& cause);
 
 /// The structure with its deviations (each in units of its tolerance), then the causes in order.
 [[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
@@ -46,10 +53,15 @@ struct Fit {
   double log_evidence = 0.0;   ///< ln ∫ likelihood × prior, Laplace; less (2π)^(-N/2) Π w
   Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of eta
   int iterations = 0;
-  bool converged = false;
-  std::vector<Fit> less;  ///< without each cause in turn, fitted again; or none, not known
+  /// By which one more step would lower the objective, were it quadratic; 0 where it was given up.
+  double promise = 0.0;
+  bool converged = false;  ///< that is less than would matter
+  std::vector<Fit> less;   ///< without each cause in turn, fitted again; or none, not known
 
   [[nodiscard]] Eigen::Index coordinate_count() const;  ///< of all causes
+  /// The evidence that it may have where it has not converged: with its promise, up to 8, beyond
+  /// which a quadratic is no longer believed.
+  [[nodiscard]] double evidence_at_best() const;
   /// χ² + ηᵀη: stretched tolerances count as misfit.
   [[nodiscard]] double strained() const { return chi_square + eta.squaredNorm(); }
   /// z = (χ² − N + parameters) / sqrt(2N).
@@ -69,8 +81,12 @@ struct FitLimits {
   double bar = HUGE_VAL;
 };
 
+/// A fit that promises more than this, in ln of a probability, has not converged.
+inline constexpr double kNothingMore = 0.5;
+
 /// The objective's minimum by Levenberg and Marquardt in all coordinates; slopes by
-/// diagnosis::slope. `start.causes` and `start.eta` are where it begins.
+/// diagnosis::slope. `start.causes` and `start.eta` are where it begins. Evidence, covariance and
+/// promise are those of the place where it ends, up to a step that promised a tenth or less.
 /// Cost: per iteration one solve of all lines, a slope per coordinate, N (coordinates)².
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
 

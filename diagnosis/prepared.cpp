@@ -4,6 +4,14 @@
 #include <utility>
 
 namespace chladni::diagnosis {
+namespace {
+
+// What a cause does goes with the square of the shapes where it is, on all modes at once. Where
+// channels saw shapes off by 0.1 %, masses, springs and tapers in models of other elements were
+// found off by 1 to 3 %.
+constexpr double kOfACause = 10.0;
+
+}  // namespace
 
 Observed Prepared::for_search(int lines) const {
   return thinned(widened(observed, model_variance(observed, response)), lines);
@@ -23,8 +31,13 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
   auto kept = std::make_shared<const Structure>(std::move(own));
   auto tolerable = deviations(*kept, tolerances, band_hz);
   auto shapes = shape_deviations(*kept, tolerances.response, band_hz);
-  return {std::move(kept),      std::move(observed), std::move(notes),
-          std::move(tolerable), std::move(shapes),   tolerances.response};
+  return {std::move(kept),
+          std::move(observed),
+          std::move(notes),
+          std::move(tolerable),
+          std::move(shapes),
+          tolerances.response,
+          kOfACause * tolerances.response};
 }
 
 }  // namespace chladni::diagnosis

@@ -18,7 +18,8 @@ struct Prepared {
   std::vector<Deviation> tolerable;  ///< of *structure
   /// Errors of its mode shapes: noise to the search, parameters to its last word.
   std::vector<Deviation> shapes;
-  double response = 0.0;  ///< Tolerances::response, which they follow from
+  double response = 0.0;      ///< Tolerances::response, which they follow from
+  double solver_error = 0.0;  ///< Problem::solver_error, likewise
 
   /// At most `lines` lines as the search sees them.
   [[nodiscard]] Observed for_search(int lines) const;

@@ -339,12 +339,12 @@ bool is_a_gain(const Effect* effect) {
 std::vector<Fit> with_free_gains(const Level& level) {
   Tolerances any_gain = no_tolerances();
   any_gain.gain = 1.0;
-  const auto& [structure, observed, tolerable] = level.problem;
+  const auto& [structure, observed, tolerable, solver_error] = level.problem;
   auto free = deviations(structure, any_gain, 0.0);
   free.insert(free.begin(), tolerable.begin(), tolerable.end());
   std::vector<const Effect*> catalogue = level.catalogue;
   std::erase_if(catalogue, is_a_gain);
-  const Problem problem{structure, observed, free};
+  const Problem problem{structure, observed, free, solver_error};
   Fit rest;
   rest.eta = VectorXd::Zero(std::ssize(free));
   Found found{fitted(problem, rest), {}};
@@ -362,6 +362,15 @@ std::vector<Fit> with_free_gains(const Level& level) {
   return best;
 }
 
+// As its rivals were: from where the best of them has the tolerances, too.
+void fit_nothing_again(const Problem& problem, Found& found) {
+  const Fit again = nothing_beside(problem, found.nothing, found.fits.front());
+  if (again.objective >= found.nothing.objective) return;
+  found.nothing = again;
+  std::erase_if(found.fits, [](const Fit& fit) { return fit.causes.empty(); });
+  keep(found.fits, again);
+}
+
 }  // namespace
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
@@ -373,6 +382,7 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   found.nothing = fitted(problem, found.nothing, {.iterations = 25});
   found.fits = {found.nothing};
   grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
+  fit_nothing_again(problem, found);
   if (is_lost(problem, found.fits.front())) {
     const auto count = found.fits.front().causes.size();
     for (auto& fit : with_free_gains({problem, catalogue, limits, progress, 1})) {

@@ -11,6 +11,9 @@ namespace chladni::diagnosis {
 /// Into fits of descending evidence, the first `fixed` apart.
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
+/// The tolerances alone, also fitted from where a fit with causes has them: the better of the two.
+[[nodiscard]] Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit);
+
 /// Without one of its causes, fitted again unless that is known; `nothing` where it was the last.
 [[nodiscard]] Fit without(const Problem& problem, const Fit& fit, std::size_t which,
                           const Fit& nothing);
@@ -20,10 +23,15 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 [[nodiscard]] bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
                            const Fit& less, const Fit& more);
 
-/// With a simpler effect (simpler_of) in the place of each cause of the best fit that has one:
-/// where both explain the data as well it is meant, but it need not have been tried. After the
-/// best.
-void add_simpler(const Problem& problem, Found& found);
+/// What in ln of evidence another mesh or solver, and what each cause is only nearly
+/// (Effect::error), may have left of a fit: a further cause that brings less only mends that.
+[[nodiscard]] double cost_of_errors(const Problem& problem, const Fit& nothing, const Fit& fit);
+
+/// With simpler effects (simpler_of) in the place of each cause of the best fit that has some and
+/// pushes on the body about as they would: where both explain the data as well the simpler is
+/// meant, but it need not have been tried. After the best, and with two of them exchanged where one
+/// was within `equal` of evidence.
+void add_simpler(const Problem& problem, Found& found, double equal);
 
 /// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
 /// than `least_evidence`, or where neither its share nor what is left without it nor its own

@@ -45,9 +45,15 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
     first += fit.causes[c].x.size();
   }
   told.log_evidence = fit.log_evidence - found.nothing.log_evidence;
+  told.promise = fit.evidence_at_best() - fit.log_evidence;
   told.excess = fit.excess(problem.observed.number_count());
   told.strained = fit.strained();
   return told;
+}
+
+// Neither a place nor a frequency, which a pole shows by itself.
+bool is_a_size(const CauseParameter& parameter) {
+  return parameter.name != "u" && parameter.name != "v" && parameter.unit != "Hz";
 }
 
 bool same_name(const Cause& a, const Cause& b) {
@@ -58,9 +64,10 @@ bool same_name(const Cause& a, const Cause& b) {
 // where something has no counterpart.
 std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
                                                       const Explanation& other) {
-  const auto stands_for = [](const Cause& cause, const Cause& more) {
-    const Effect* simpler = simpler_of(effect(more.effect));
-    return simpler && simpler->name == cause.effect;
+  const auto is_simpler = [](const Cause& cause, const Cause& more) {
+    return std::ranges::any_of(simpler_of(effect(more.effect)), [&](const Simpler& simpler) {
+      return simpler.effect->name == cause.effect;
+    });
   };
   std::vector<const Cause*> left;
   for (const auto& cause : other.causes) left.push_back(&cause);
@@ -68,7 +75,7 @@ std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
   for (const auto& cause : simple.causes) {
     auto found = std::ranges::find_if(left, [&](auto* one) { return same_name(cause, *one); });
     if (found == left.end()) {
-      found = std::ranges::find_if(left, [&](auto* one) { return stands_for(cause, *one); });
+      found = std::ranges::find_if(left, [&](auto* one) { return is_simpler(cause, *one); });
     }
     if (found == left.end()) return std::nullopt;
     all.push_back(*found);
@@ -87,25 +94,42 @@ bool nested(const Explanation& simple, const Explanation& other) {
 }
 
 // Errors of the causes go in directions of their own, of which the data see some hundreds (modes
-// times channels): a twentieth of them goes along any one number, in units of its deviation.
+// times channels): a twentieth of them goes along any one number, in units of its deviation. What
+// another mesh or solver makes of a cause goes along its sizes all together.
 void widen_deviations(const Problem& problem, Explanation& told) {
   const double lost = lost_by(told.error_excess, problem.observed.number_count());
   const double wider = std::sqrt(1.0 + 0.005 * lost);
   for (auto& cause : told.causes) {
-    for (auto& parameter : cause.parameters) parameter.std *= wider;
+    const bool by_shapes = effect(cause.effect).error > 0.0;
+    for (auto& parameter : cause.parameters) {
+      const double solver = by_shapes && is_a_size(parameter)
+                                ? problem.solver_error * std::abs(parameter.value)
+                                : 0.0;
+      parameter.std = std::hypot(parameter.std * wider, solver);
+    }
   }
 }
 
-// What errors of simpler effects may have cost it, in ln of evidence.
-double cost_of_simplicity(const Explanation& simple, const Explanation& other) {
-  double cost = 0.0;
+// Part of what the general effect explains that the simpler may leave.
+double share_left_to(const Effect& simpler, const Effect& general) {
+  double share = std::pow(simpler.error, 2);
+  for (const auto& pair : simpler_of(general)) {
+    if (pair.effect == &simpler) share = std::max(share, pair.share);
+  }
+  return share;
+}
+
+// Simpler effects in the stead of some of as many causes: what they may leave, in ln of evidence;
+// none where nothing is simpler.
+std::optional<double> cost_of_simplicity(const Explanation& simple, const Explanation& other) {
   const auto found = counterparts(simple, other);
-  if (!found || simple.causes.size() != other.causes.size()) return cost;
+  if (!found || simple.causes.size() != other.causes.size()) return std::nullopt;
+  std::optional<double> cost;
   for (std::size_t c = 0; c < simple.causes.size(); ++c) {
     const Cause& instead = *(*found)[c];
     if (simple.causes[c].effect == instead.effect) continue;
-    const double error = effect(simple.causes[c].effect).error;
-    cost += error * error * std::max(instead.log_evidence_gain, 0.0);
+    const double share = share_left_to(effect(simple.causes[c].effect), effect(instead.effect));
+    cost = cost.value_or(0.0) + share * std::max(instead.log_evidence_gain, 0.0);
   }
   return cost;
 }
@@ -117,9 +141,9 @@ void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Ex
   told.error_excess = 0.0;
   for (std::size_t c = 0; c < told.causes.size(); ++c) {
     const Fit less = without(problem, fit, c, found.nothing);
-    told.causes[c].log_evidence_gain = fit.log_evidence - less.log_evidence;
+    told.causes[c].log_evidence_gain = fit.log_evidence - less.evidence_at_best();
     told.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
-    const double error = error_of(fit.causes[c], problem.structure);
+    const double error = error_of(problem, fit.causes[c]);
     told.error_excess +=
         excess_of(error * error * std::max(told.causes[c].log_evidence_gain, 0.0), n);
   }
@@ -165,7 +189,9 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   const double best = all.front().log_evidence;
   double sum = 0.0;
   for (auto& one : all) {
-    one.probability = std::exp(std::max(-700.0, (one.log_evidence - best) / temper));
+    // Another that has not converged may yet be better.
+    const double promise = &one == &all.front() ? 0.0 : one.promise;
+    one.probability = std::exp(std::max(-700.0, (one.log_evidence + promise - best) / temper));
     sum += one.probability;
   }
   for (auto& one : all) {
@@ -178,6 +204,34 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
           one.probability * (whole + (1.0 - whole) * beside_unnamed(cause, share, left));
     }
   }
+}
+
+// By how much it explains less; of as many numbers the width of a prior is no reason to prefer one.
+double behind(const Explanation& simple, const Explanation& other) {
+  return std::min(other.log_evidence - simple.log_evidence,
+                  0.5 * (simple.strained - other.strained));
+}
+
+// The simpler of two that explain as well: with fewer causes, or with simpler ones.
+bool stands_for(const Explanation& simple, const Explanation& other, double equal) {
+  if (!nested(simple, other)) return false;
+  if (simple.causes.size() < other.causes.size()) return behind(simple, other) <= equal;
+  const auto cost = cost_of_simplicity(simple, other);
+  return cost && behind(simple, other) <= std::max(equal, *cost);
+}
+
+// What it leaves of the one that it stands for is an error of its own: neither evidence against it
+// nor a reason to look for more.
+void put_first(const Problem& problem, const Found& found, std::size_t which,
+               std::vector<Explanation>& all) {
+  const double evidence = all.front().log_evidence;
+  const double left = std::max(behind(all[which], all.front()), 0.0);
+  const auto at = static_cast<std::ptrdiff_t>(which);
+  std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
+  auto& front = all.front();
+  weigh_causes(problem, found, found.fits[front.fit], front);
+  front.error_excess += excess_of(left, problem.observed.number_count());
+  front.log_evidence = std::max(front.log_evidence, evidence);
 }
 
 double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
@@ -224,29 +278,18 @@ double by_chance_so_near(const Structure& structure, const std::vector<Cause>& c
 }
 
 std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {
-  std::vector<const Fit*> once;
-  for (const auto& fit : found.fits) {
-    const bool again = std::ranges::any_of(
-        once, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
-    if (!again) once.push_back(&fit);
-  }
   std::vector<Explanation> all;
-  for (const auto* fit : once) all.push_back(explanation_of(problem, found, *fit));
-  // The simpler of two that explain as well.
-  weigh_causes(problem, found, *once.front(), all.front());
+  for (std::size_t n = 0; n < found.fits.size(); ++n) {
+    const bool again = std::ranges::any_of(all, [&](const Explanation& other) {
+      return alike(problem.structure, found.fits[other.fit], found.fits[n]);
+    });
+    if (again) continue;
+    all.push_back(explanation_of(problem, found, found.fits[n]));
+    all.back().fit = n;
+  }
+  weigh_causes(problem, found, found.fits[all.front().fit], all.front());
   for (std::size_t n = 1; n < all.size(); ++n) {
-    const Explanation& front = all.front();
-    if (!nested(all[n], front)) continue;
-    const double alike_within = std::max(equal, cost_of_simplicity(all[n], front));
-    // Of as many numbers the width of a prior is no reason to prefer one.
-    const double behind = std::min(front.log_evidence - all[n].log_evidence,
-                                   0.5 * (all[n].strained - front.strained));
-    if (behind > alike_within) continue;
-    const auto at = static_cast<std::ptrdiff_t>(n);
-    std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
-    std::rotate(once.begin(), once.begin() + at, once.begin() + at + 1);
-    weigh_causes(problem, found, *once.front(), all.front());
-    break;
+    if (stands_for(all[n], all.front(), equal)) put_first(problem, found, n, all);
   }
   std::erase_if(all, [&](const Explanation& other) {
     return &other != &all.front() && nested(all.front(), other);

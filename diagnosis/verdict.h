@@ -8,7 +8,9 @@ namespace chladni::diagnosis {
 
 /// Found fits as explanations, each once, with probabilities among them: evidence divided by
 /// χ²/N of the best where it leaves more than noise, so that what nobody explains makes nobody
-/// sure. Of two within `equal` of evidence the simpler comes first.
+/// sure. Of two within `equal` of evidence the simpler comes first, and so does one that leaves no
+/// more of what the other explains than Simpler::share and errors of its own; it then has the
+/// other's evidence.
 [[nodiscard]] std::vector<Explanation> explanations(const Problem& problem, const Found& found,
                                                     double equal);
 

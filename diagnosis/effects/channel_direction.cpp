@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "diagnosis/effects/entries.h"
+#include "diagnosis/effects/moved_channel.h"
 #include "diagnosis/effects/sides.h"
 
 namespace chladni::diagnosis {
@@ -60,7 +61,9 @@ const Effect sensor_direction{"sensor_direction",
                               tiltable<Side::sensors>,
                               the_channel<Side::sensors>,
                               tilt<Side::sensors>,
-                              upright<Side::sensors>};
+                              upright<Side::sensors>,
+                              nullptr,
+                              kMovedError};
 const Effect actuator_direction{"actuator_direction",
                                 "an actuator pushes at an angle",
                                 "its column of the shapes along the direction turned",
@@ -69,6 +72,8 @@ const Effect actuator_direction{"actuator_direction",
                                 tiltable<Side::actuators>,
                                 the_channel<Side::actuators>,
                                 tilt<Side::actuators>,
-                                upright<Side::actuators>};
+                                upright<Side::actuators>,
+                                nullptr,
+                                kMovedError};
 
 }  // namespace chladni::diagnosis

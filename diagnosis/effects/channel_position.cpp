@@ -56,7 +56,9 @@ const Effect sensor_position{"sensor_position",
                              all<Side::sensors>,
                              the_channel<Side::sensors>,
                              move<Side::sensors>,
-                             moves<Side::sensors>};
+                             moves<Side::sensors>,
+                             nullptr,
+                             kMovedError};
 const Effect actuator_position{"actuator_position",
                                "an actuator pushes at another point than it says",
                                "its column of the shapes at the place moved",
@@ -65,6 +67,8 @@ const Effect actuator_position{"actuator_position",
                                all<Side::actuators>,
                                the_channel<Side::actuators>,
                                move<Side::actuators>,
-                               moves<Side::actuators>};
+                               moves<Side::actuators>,
+                               nullptr,
+                               kMovedError};
 
 }  // namespace chladni::diagnosis

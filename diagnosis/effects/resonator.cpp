@@ -28,6 +28,14 @@ void carry(State& state, const Structure& structure, Eigen::Index /*option*/, co
   state.attached.push_back(std::move(one));
 }
 
+// Far below its frequency it is a mass, far above a spring and a dashpot to what stands still.
+std::optional<double> implied(std::string_view name, const VectorXd& x) {
+  const auto [mass, damping, stiffness] = oscillator(x);
+  if (name == "stiffness") return stiffness;
+  if (name == "damping") return damping;
+  return std::nullopt;
+}
+
 // Where a free complex number per line explains most, over masses and frequencies.
 std::vector<EffectStart> oscillators(const Scene& scene) {
   std::vector<VectorXd> sizes;
@@ -47,13 +55,16 @@ std::vector<EffectStart> oscillators(const Scene& scene) {
 const Effect resonator{"resonator",
                        "a mass on a spring hangs on the body: bracket, cable, loose part",
                        "m s^2 (k + c s) / (m s^2 + c s + k) at a place, Woodbury: one more pole",
-                       "frame mode; a plain mass where its frequency is far above the band",
+                       "frame mode; a mass where its frequency is far above the band, a spring "
+                       "where it is far below",
                        oscillator_and_place,
                        has_surface,
                        no_channels,
                        carry,
                        oscillators,
                        nullptr,
-                       kHungError};
+                       kHungError,
+                       nullptr,
+                       implied};
 
 }  // namespace chladni::diagnosis

@@ -54,5 +54,41 @@ TEST(Fitted, GoesOnWhereAPlaceStaysOnTheRim) {
   EXPECT_LT(found.chi_square, 1e-3 * fitted(problem, start, none_at_all).chi_square);
 }
 
+// A mass far from its place: what is told is of where the fit ended, and whether it could go on.
+TEST(Fitted, TellsWhereItEndsAndWhetherItCouldGoOn) {
+  const auto& plate = small_plate();
+  State truth = state_of(plate);
+  effect("point_mass").apply(truth, plate, 0, Eigen::Vector3d(0.3, 0.1, 0.07));
+  const Observed observed = observed_in(truth, 100.0);
+  const std::vector<Deviation> none;
+  const Problem problem{plate, observed, none};
+  Fit start;
+  start.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(0.15, 0.08, 0.09)}};
+  FitLimits standing;
+  standing.iterations = 0;
+  for (const int iterations : {1, 2, 3, 30}) {
+    FitLimits limits;
+    limits.iterations = iterations;
+    const Fit fit = fitted(problem, start, limits);
+    const Fit there = fitted(problem, fit, standing);
+    EXPECT_NEAR(fit.log_evidence, there.log_evidence, 0.1) << iterations;
+    EXPECT_NEAR(fit.promise, there.promise, 0.1 + 1e-6 * there.promise) << iterations;
+    EXPECT_EQ(fit.converged, iterations == 30) << fit.promise;
+    EXPECT_EQ(fit.converged, fit.promise < kNothingMore);
+  }
+}
+
+// Evidence that has not been reached counts for those that may reach it, within bounds.
+TEST(Fitted, MayBeBetterThanItIs) {
+  Fit fit;
+  fit.log_evidence = 10.0;
+  fit.promise = 3.0;
+  EXPECT_EQ(fit.evidence_at_best(), 13.0);
+  fit.promise = 1e6;
+  EXPECT_EQ(fit.evidence_at_best(), 18.0);
+  fit.converged = true;
+  EXPECT_EQ(fit.evidence_at_best(), 10.0);
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

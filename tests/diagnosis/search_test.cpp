@@ -109,7 +109,7 @@ TEST(Search, TriesTheSimplerEffectInTheEnd) {
   start.causes = {{&effect("mass_with_inertia"), 0,
                    Eigen::Vector4d(std::log(0.04), std::log(0.01), 0.1, -0.05)}};
   found.fits = {fitted(problem, start), found.nothing};
-  add_simpler(problem, found);
+  add_simpler(problem, found, 5.0);
   ASSERT_EQ(found.fits.size(), 3U);
   const Fit& simpler = found.fits[1];
   ASSERT_TRUE(has(simpler, "point_mass"));
@@ -120,17 +120,47 @@ TEST(Search, TriesTheSimplerEffectInTheEnd) {
 TEST(Search, HasASimplerEffectThatTakesOverWhatBothShare) {
   const auto& plate = small_plate();
   for (const auto* general : effects()) {
-    if (!simpler_of(*general)) continue;
+    if (simpler_of(*general).empty()) continue;
     VectorXd x(static_cast<Index>(general->parameters(plate).size()));
     for (Index i = 0; i < x.size(); ++i) x(i) = 0.01 * static_cast<double>(i + 1);
-    const auto simpler = simplified({general, 0, x}, plate);
-    ASSERT_TRUE(simpler) << general->name;
-    EXPECT_EQ(static_cast<std::size_t>(simpler->x.size()),
-              simpler->effect->parameters(plate).size());
     const Supposed whole{general, 0, x};
-    EXPECT_EQ(place_of(*simpler, plate), place_of(whole, plate)) << general->name;
+    const auto all = simplified(whole, plate);
+    ASSERT_EQ(all.size(), simpler_of(*general).size()) << general->name;
+    for (const auto& simpler : all) {
+      EXPECT_EQ(static_cast<std::size_t>(simpler.x.size()),
+                simpler.effect->parameters(plate).size());
+      EXPECT_EQ(place_of(simpler, plate), place_of(whole, plate)) << general->name;
+    }
   }
-  EXPECT_FALSE(simplified({&effect("density"), 0, VectorXd::Zero(1)}, plate));
+  EXPECT_TRUE(simplified({&effect("density"), 0, VectorXd::Zero(1)}, plate).empty());
+}
+
+// A fit of nothing that ended early: from where a rival has the tolerances it goes on.
+TEST(Search, FitsNothingAsWellAsItsRivals) {
+  const auto& plate = small_plate();
+  Tolerances tolerances = no_tolerances();
+  tolerances.modulus = 5e-3;
+  tolerances.frequency = 1e-3;
+  const auto tolerable = deviations(plate, tolerances, 900.0);
+  Observed observed = noisy(plate, {}, 9);
+  State truth = state_of(plate);
+  for (const auto& one : tolerable) one.apply(truth, 1.5);
+  observed.value = responses(truth, observed.omega);
+  const Problem problem{plate, observed, tolerable};
+  Fit rest;
+  rest.eta = VectorXd::Zero(std::ssize(tolerable));
+  FitLimits short_of_it;
+  short_of_it.iterations = 1;
+  const Fit early = fitted(problem, rest, short_of_it);
+  EXPECT_FALSE(early.converged);
+  Fit rival;
+  rival.causes = {{&effect("sensor_sign"), 1, VectorXd(0)}};
+  rival.eta = VectorXd::Constant(std::ssize(tolerable), 1.5);
+  const Fit nothing = nothing_beside(problem, early, rival);
+  EXPECT_TRUE(nothing.converged);
+  EXPECT_TRUE(nothing.causes.empty());
+  EXPECT_LT(nothing.objective, early.objective - 1.0);
+  EXPECT_EQ(nothing_beside(problem, nothing, rest).objective, nothing.objective);
 }
 
 // Resonances by 5 % and masses by 4 % off: no response at all would be nearer to the data, and what

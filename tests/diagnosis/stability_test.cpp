@@ -1,0 +1,93 @@
+// What rests on the last bits of the modes, on a fit that has not ended, on variances too large.
+#include "diagnosis/stability.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/diagnosed.h"
+#include "diagnosis/small_plate.h"
+#include "simulators/loaded_table.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::VectorXd;
+
+Supposed mass_at(double u) { return {&effect("point_mass"), 0, Eigen::Vector3d(0.2, u, 0.07)}; }
+Supposed gain_of(Eigen::Index sensor) {
+  return {&effect("sensor_gain"), sensor, VectorXd::Constant(1, 0.1)};
+}
+Fit fit_of(std::vector<Supposed> causes) {
+  Fit fit;
+  fit.causes = std::move(causes);
+  fit.converged = true;
+  return fit;
+}
+
+TEST(Nudged, IsTheSameStructureToNineDigits) {
+  const auto& plate = small_plate();
+  const Structure other = nudged(plate);
+  EXPECT_NE(other.frequency_hz, plate.frequency_hz);
+  EXPECT_NE(other.outputs.shapes, plate.outputs.shapes);
+  EXPECT_TRUE(other.frequency_hz.isApprox(plate.frequency_hz, 2e-9));
+  EXPECT_TRUE(other.inputs.shapes.isApprox(plate.inputs.shapes, 2e-9));
+  EXPECT_EQ(other.frequency_hz.head(plate.rigid_count).norm(), 0.0);
+  check(other);
+}
+
+TEST(NotRepeated, IsWhatASecondSearchNamesOtherwise) {
+  const auto& plate = small_plate();
+  using Which = std::vector<std::size_t>;
+  const Fit told = fit_of({mass_at(0.1), gain_of(1)});
+  EXPECT_EQ(not_repeated(plate, told, fit_of({gain_of(1), mass_at(0.101)})), Which{});
+  EXPECT_EQ(not_repeated(plate, told, fit_of({gain_of(1), mass_at(-0.1)})), Which{0});
+  EXPECT_EQ(not_repeated(plate, told, fit_of({mass_at(0.1), gain_of(2)})), Which{1});
+  EXPECT_EQ(not_repeated(plate, told, fit_of({})), (Which{0, 1}));
+}
+
+TEST(Convergence, IsDoubtedAloud) {
+  Fit ended = fit_of({mass_at(0.1)});
+  EXPECT_EQ(note_on_convergence(ended, ended), "");
+  Fit open = ended;
+  open.converged = false;
+  open.promise = 3.25;
+  EXPECT_NE(note_on_convergence(open, ended).find("promises 3.2"), std::string::npos);
+  EXPECT_NE(note_on_convergence(ended, open).find("tolerances alone"), std::string::npos);
+}
+
+// The deviations take as many numbers as they are known better than by their priors.
+TEST(Noise, IsDoubtedWhereLessIsLeft) {
+  constexpr double kNumbers = 20000.0;
+  Fit fit = fit_of({});
+  fit.eta = VectorXd::Zero(600);
+  fit.covariance = Eigen::MatrixXd::Zero(600, 600);  // each known exactly: 600 numbers are gone
+  fit.chi_square = kNumbers - 600.0;
+  EXPECT_EQ(note_on_noise(fit, kNumbers), "");
+  fit.chi_square = kNumbers / 1.1 - 600.0;
+  EXPECT_NE(note_on_noise(fit, kNumbers).find("by about 10 %"), std::string::npos);
+  fit.covariance.setIdentity();  // known as before: nothing is gone
+  fit.chi_square = kNumbers - 900.0;
+  EXPECT_NE(note_on_noise(fit, kNumbers).find("z = -4.5"), std::string::npos);
+}
+
+bool says(const Diagnosis& diagnosis, std::string_view words) {
+  return std::ranges::any_of(diagnosis.notes, [&](const std::string& note) {
+    return note.find(words) != std::string::npos;
+  });
+}
+
+// Variances stated twice too large.
+TEST(Diagnosed, DoubtsVariancesThatAreTooLarge) {
+  auto measured = simulators::loaded_table(simulators::believed_table(8), {.high_hz = 700.0});
+  DiagnosisOptions options;
+  options.only = {"sensor_sign"};
+  options.lines = 60;
+  EXPECT_FALSE(says(diagnosed(small_plate(), measured, options), "variances"));
+  for (auto& variance : measured.variance) variance *= 2.0;
+  EXPECT_TRUE(says(diagnosed(small_plate(), measured, options), "too large, by about"));
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
