@@ -36,7 +36,7 @@ Found fitted_again(const Problem& problem, const Found& found) {
   std::vector<const Fit*> taken;
   for (const auto& fit : found.fits) {
     if (fit.causes.empty()) continue;
-    const bool close = best - fit.log_evidence < 60.0 && taken.size() < kMost;
+    const bool close = best - fit.log_evidence < kOccamMargin && taken.size() < kMost;
     const bool known = std::ranges::any_of(
         taken, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
     if (known || !(close || &fit == &found.fits.front())) continue;
@@ -152,26 +152,6 @@ bool is_doubtful(const Diagnosis& diagnosis, const Fit& best) {
          (diagnosis.verdict != Verdict::unexplained && !best.converged);
 }
 
-// What a second search does not name again is no more than likely, and a name less than sure.
-std::string doubt(const Problem& problem, const Fit& best, const Fit& again, Diagnosis& diagnosis) {
-  constexpr double kNotSure = 0.5;
-  const auto lost = not_repeated(problem.structure, best, again);
-  if (lost.empty()) return "";
-  std::string names;
-  for (const auto which : lost) {
-    auto& cause = diagnosis.best.causes[which];
-    cause.probability = std::min(cause.probability, kNotSure);
-    names += (names.empty() ? "" : ", ") + cause.effect;
-  }
-  if (diagnosis.verdict == Verdict::named) diagnosis.verdict = Verdict::partial;
-  std::string instead;
-  for (const auto which : not_repeated(problem.structure, again, best)) {
-    instead += (instead.empty() ? "" : ", ") + std::string(again.causes[which].effect->name);
-  }
-  return fmt::format("not stable: a search from modes that differ by 1e-9 does not name {} again{}",
-                     names, instead.empty() ? "" : " but " + instead);
-}
-
 }  // namespace
 
 std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
@@ -205,7 +185,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   if (is_doubtful(diagnosis, best)) {
     tell(options.progress, "the same with the last bits of the modes changed");
     const auto other = prepared(nudged(structure), measured, options.tolerances);
-    notes.push_back(doubt(problem, best, searched_in(other, options).fits.front(), diagnosis));
+    notes.push_back(doubt(*given.structure, best, searched_in(other, options), diagnosis));
   }
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);

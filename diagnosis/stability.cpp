@@ -49,6 +49,32 @@ std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& tol
   return all;
 }
 
+std::string doubt(const Structure& structure, const Fit& best, const Found& second,
+                  Diagnosis& diagnosis) {
+  constexpr double kNotSure = 0.5;
+  const Fit& again = second.fits.front();
+  Fit any;
+  for (const auto& fit : second.fits) {
+    if (fit.log_evidence < again.log_evidence - kOccamMargin) continue;
+    any.causes.insert(any.causes.end(), fit.causes.begin(), fit.causes.end());
+  }
+  const auto lost = not_repeated(structure, best, any);
+  if (lost.empty()) return "";
+  std::string names;
+  for (const auto which : lost) {
+    auto& cause = diagnosis.best.causes[which];
+    cause.probability = std::min(cause.probability, kNotSure);
+    names += (names.empty() ? "" : ", ") + cause.effect;
+  }
+  if (diagnosis.verdict == Verdict::named) diagnosis.verdict = Verdict::partial;
+  std::string instead;
+  for (const auto which : not_repeated(structure, again, best)) {
+    instead += (instead.empty() ? "" : ", ") + std::string(again.causes[which].effect->name);
+  }
+  return fmt::format("not stable: a search from modes that differ by 1e-9 does not name {} again{}",
+                     names, instead.empty() ? "" : " but " + instead);
+}
+
 std::string note_on_convergence(const Fit& best, const Fit& nothing) {
   const auto promised = [](const Fit& fit) {
     return std::isfinite(fit.promise)

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/fit.h"
+#include "diagnosis/diagnosed.h"
+#include "diagnosis/search.h"
 
 namespace chladni::diagnosis {
 
@@ -16,6 +17,13 @@ namespace chladni::diagnosis {
 /// place.
 [[nodiscard]] std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& told,
                                                     const Fit& again);
+
+/// What a second search does not name again has a probability of 0.5 at most, and `named` becomes
+/// `partial`. Of its fits those count that a last word would take up.
+/// @param best  the fit that `diagnosis.best` was made of
+/// @return a note that says so, or empty: all is named again
+[[nodiscard]] std::string doubt(const Structure& structure, const Fit& best, const Found& second,
+                                Diagnosis& diagnosis);
 
 /// What to doubt in fits that were told, or empty: the number of numbers is that of the problem.
 [[nodiscard]] std::string note_on_convergence(const Fit& best, const Fit& nothing);

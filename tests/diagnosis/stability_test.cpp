@@ -47,6 +47,36 @@ TEST(NotRepeated, IsWhatASecondSearchNamesOtherwise) {
   EXPECT_EQ(not_repeated(plate, told, fit_of({})), (Which{0, 1}));
 }
 
+Diagnosis sure_of(const Fit& fit) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::named;
+  for (const auto& cause : fit.causes) {
+    diagnosis.best.causes.emplace_back().effect = cause.effect->name;
+    diagnosis.best.causes.back().probability = 0.99;
+  }
+  return diagnosis;
+}
+
+TEST(Doubt, TakesTheConfidenceFromWhatIsNotNamedAgain) {
+  const Fit told = fit_of({mass_at(0.1), gain_of(1)});
+  Found second;
+  second.fits = {fit_of({mass_at(-0.1), gain_of(1)}), fit_of({})};
+  auto diagnosis = sure_of(told);
+  EXPECT_EQ(doubt(small_plate(), told, second, diagnosis),
+            "not stable: a search from modes that differ by 1e-9 does not name point_mass again "
+            "but point_mass");
+  EXPECT_EQ(diagnosis.best.causes[0].probability, 0.5);
+  EXPECT_EQ(diagnosis.best.causes[1].probability, 0.99);
+  EXPECT_EQ(diagnosis.verdict, Verdict::partial);
+  // A rival within reach of its last word counts as named again.
+  second.fits.push_back(fit_of({mass_at(0.1)}));
+  diagnosis = sure_of(told);
+  EXPECT_EQ(doubt(small_plate(), told, second, diagnosis), "");
+  EXPECT_EQ(diagnosis.verdict, Verdict::named);
+  second.fits.back().log_evidence = -1000.0;
+  EXPECT_NE(doubt(small_plate(), told, second, diagnosis), "");
+}
+
 TEST(Convergence, IsDoubtedAloud) {
   Fit ended = fit_of({mass_at(0.1)});
   EXPECT_EQ(note_on_convergence(ended, ended), "");
