@@ -128,7 +128,7 @@ void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measu
 void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& comparison) {
   const auto& modes = comparison.modes;
   if (modes.mac.size() == 0) return;
-  io::draw_matrix(png, {.title = "MAC of simulated and measured modes",
+  io::draw_matrix(png, {.title = "MAC of simulated and measured modes, each shape by itself",
                         .row_label = "simulated",
                         .column_label = "measured",
                         .rows = frequencies(modes.simulated_hz),

@@ -107,6 +107,10 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
   add_picture(section, run, "prediction.png",
               "Measured responses, the simulation, and the simulation with the cause.");
   add_modes(section, one.comparison.modes);
+  if (one.comparison.modes.mac.size() > 0) {
+    add_picture(section, run, "mac.png",
+                "How much alike shapes are at the channels; repeated modes by themselves turn.");
+  }
   if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));

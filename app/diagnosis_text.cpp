@@ -13,6 +13,8 @@
 namespace chladni::app {
 namespace {
 
+constexpr double kTold = 1e-3;  // a rival that is less likely is not worth a line
+
 // A value with its deviation in a unit that people read.
 std::string quantity(const diagnosis::CauseParameter& one) {
   const auto [scale, unit] = readable(one.name, one.unit, one.value);
@@ -142,17 +144,22 @@ std::string gain_text(const Gain& gain) {
   return text;
 }
 
+std::string name_of(const diagnosis::Cause& cause) {
+  if (cause.channels.empty()) return cause.effect;
+  return fmt::format("{} of {}", cause.effect, fmt::join(cause.channels, ", "));
+}
+
 std::string causes_text(const diagnosis::Diagnosis& result) {
   std::string text;
   for (const auto& cause : result.best.causes) {
-    text += fmt::format(
-        "  {}\n    probability {:.3f}, ln evidence {:.1f}, {:.1f} % of the misfit\n",
-        cause_text(cause), cause.probability, cause.log_evidence_gain, 100.0 * cause.share);
+    text += fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}, {:.1f} % of the misfit\n",
+                        name_of(cause), cause.probability, cause.log_evidence_gain,
+                        100.0 * cause.share);
   }
   if (result.superclass) text += "  unknown, in: " + superclass_text(*result.superclass) + "\n";
   int shown = 0;
   for (const auto& rival : result.rivals) {
-    if (rival.causes.empty()) continue;
+    if (rival.causes.empty() || rival.probability < kTold) continue;
     if (++shown > 3) break;
     text += fmt::format("  instead: {} (probability {:.2g})\n", explanation_text(rival),
                         rival.probability);
@@ -166,8 +173,7 @@ std::string causes_text(const diagnosis::Diagnosis& result) {
 }  // namespace
 
 std::string cause_text(const diagnosis::Cause& cause) {
-  std::string text = cause.effect;
-  if (!cause.channels.empty()) text += fmt::format(" of {}", fmt::join(cause.channels, ", "));
+  const std::string text = name_of(cause);
   std::string numbers = cause.option;
   for (const auto& one : cause.parameters) {
     numbers += (numbers.empty() ? "" : ", ") + quantity(one);
