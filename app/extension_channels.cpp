@@ -175,9 +175,18 @@ std::vector<Found> sensors_of(const Extension& by) {
   return some;
 }
 
-// "mm" differentiated twice is "mm/s^2"; empty where that has no name: "g" once less.
+// "mm" differentiated twice is "mm/s^2", "mm/N" is "mm/s^2/N"; empty where that has no name: "g"
+// once less.
 std::string differentiated(std::string unit, long times) {
   constexpr std::array<std::string_view, 3> kPer{"", "/s", "/s^2"};
+  const auto is_of_time = [](const std::string& part) { return part == "/s" || part == "/s^2"; };
+  std::string per_force;
+  if (const auto stroke = unit.rfind('/'); stroke != std::string::npos) {
+    if (!is_of_time(unit.substr(stroke))) {
+      per_force = unit.substr(stroke);
+      unit.resize(stroke);
+    }
+  }
   long has = 0;
   for (long k = 1; k < 3; ++k) {
     if (unit.ends_with(kPer[static_cast<std::size_t>(k)])) has = k;
@@ -185,7 +194,7 @@ std::string differentiated(std::string unit, long times) {
   const long wanted = has + times;
   if (wanted < 0 || wanted > 2) return "";
   unit.resize(unit.size() - kPer[static_cast<std::size_t>(has)].size());
-  return unit + std::string(kPer[static_cast<std::size_t>(wanted)]);
+  return unit + std::string(kPer[static_cast<std::size_t>(wanted)]) + per_force;
 }
 
 // `[identification] unit` is of all sensors and of one quantity.

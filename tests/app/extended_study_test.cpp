@@ -181,6 +181,22 @@ TEST(ExtendedStudy, MovesTiltsAndRenamesChannels) {
             1e-9);
 }
 
+// The unit that the study states is of all sensors: it goes with a quantity of all of them.
+TEST(ExtendedStudy, DifferentiatesTheUnitWithTheQuantity) {
+  const auto with = [&](const std::string& unit, double times, std::vector<std::string> channels) {
+    return extended({cause("sensor_quantity", {{"derivative", times}}, channels)},
+                    kStudy + "[identification]\nunit = \"" + unit + "\"\n");
+  };
+  const std::vector<std::string> all = {"s1", "s2"};
+  EXPECT_EQ(read(with("mm", 2.0, all)).identification->unit, "mm/s^2");
+  EXPECT_EQ(read(with("um/N", 1.0, all)).identification->unit, "um/s/N");
+  EXPECT_EQ(read(with("mm", 2.0, all)).sensors[1].quantity, "acceleration");
+  const auto one = with("mm", 2.0, {"s1"});
+  ASSERT_EQ(one.unexpressed.size(), 1U);
+  EXPECT_NE(one.unexpressed[0].find("unit is that of all sensors"), std::string::npos);
+  EXPECT_EQ(parse_study(one.text, kFile).sensors[0].quantity, "displacement");
+}
+
 TEST(ExtendedStudy, WritesEveryStyleOfTable) {
   const std::string text = R"(geometry.plate.length = "600 mm"
 geometry.plate.width = "400 mm"
