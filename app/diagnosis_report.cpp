@@ -79,6 +79,16 @@ void add_picture(io::Section& section, const Run& run, const char* file, const c
   section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
 }
 
+void add_remarks(io::Section& section, const diagnosis::Diagnosis& result) {
+  for (const auto& note : result.notes) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(note)});
+  }
+  for (const auto& breach : result.breaches) {
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::warning, "Beyond its tolerance: " + breach + "."});
+  }
+}
+
 }  // namespace
 
 io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
@@ -115,13 +125,7 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));
   }
-  for (const auto& note : one.result.notes) {
-    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(note)});
-  }
-  for (const auto& breach : one.result.breaches) {
-    section.blocks.emplace_back(
-        io::Note{io::Note::Tone::warning, "Beyond its tolerance: " + breach + "."});
-  }
+  add_remarks(section, one.result);
   return section;
 }
 
