@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <numbers>
 
 #include "app/interpolation.h"
 #include "app/placement.h"
@@ -34,6 +35,19 @@ std::string box_stl(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
     text << "endloop\nendfacet\n";
   }
   return text.str() + "endsolid block\n";
+}
+
+// Any surface [mm].
+std::string stl_of(const mesh::Surface& surface) {
+  std::ostringstream text;
+  text.precision(12);
+  text << "solid body\n";
+  for (const auto triangle : surface.triangles.rowwise()) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const int p : triangle) text << "vertex " << 1e3 * surface.points.row(p) << "\n";
+    text << "endloop\nendfacet\n";
+  }
+  return text.str() + "endsolid body\n";
 }
 
 // Tetrahedra without any names, Gmsh 2.2 [mm].
@@ -216,6 +230,31 @@ TEST_F(OnFaces, TheSenseOfAChannelDoesNotMatter) {
   const auto up = found(kPlate, upward_channels() + priors).priors;
   EXPECT_EQ(down.matched_length, up.matched_length);
   EXPECT_LT((down.last().channel_error - up.last().channel_error).norm(), 1e-12);
+}
+
+// No bottom edge and no ceiling of a pocket among the places for devices.
+TEST_F(OnFaces, OfARibbedChuckFromAFileTheFaceSheetIsTaken) {
+  const mesh::WaferTable chuck{.length = 0.3,
+                               .width = 0.3,
+                               .height = 0.012,
+                               .face_sheet = 0.004,
+                               .pockets_x = 6,
+                               .pockets_y = 6,
+                               .rib = 0.004,
+                               .bores = {{{0.0, 0.09}, 0.01}, {{0.08, -0.05}, 0.01}}};
+  write("chuck.stl", stl_of(mesh::surface(chuck, 0.01)));
+  const Study study = study_of("{ file = \"chuck.stl\", unit = \"mm\" }");
+  const auto shell = outline_of(study).shell;
+  const auto faces = faces_of(study, shell, {}, "placement.on");
+  ASSERT_EQ(std::ssize(faces.looking), shell.faces.rows());
+  EXPECT_EQ(faces.direction, Eigen::Vector3d::UnitZ().eval());
+  double area = 0.0;
+  for (Eigen::Index f = 0; f < shell.faces.rows(); ++f) {
+    if (faces.looking[static_cast<std::size_t>(f)] == 0) continue;
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(shell.points(shell.faces(f, k), 2), 0.0, 1e-9);
+    area += mesh::area(shell.points, shell.faces.row(f));
+  }
+  EXPECT_NEAR(area, 0.09 - 2.0 * std::numbers::pi * 25e-6, 1e-6);
 }
 
 TEST_F(OnFaces, ASideIsLookedAtWhereItIsAskedFor) {
