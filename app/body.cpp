@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "io/read.h"
 #include "mesh/check.h"
+#include "mesh/disc.h"
 #include "mesh/patches.h"
 #include "mesh/tetrahedralize.h"
 
@@ -146,7 +147,10 @@ mesh::TetMesh body_of(const Study& study, const Outline& outline, const Progress
   const int own_order = from_file && !outline.surface ? body.order() : 0;
   const int order = order_for(study, body.tet_count(), own_order);
   tell(progress, "placing nodes");
+  const auto* disc = order > 1 ? std::get_if<mesh::Disc>(&study.geometry.body) : nullptr;
+  if (disc != nullptr) project_to_disc(body, *disc, order);
   if (order != body.order()) body = with_order(body, order);
+  if (disc != nullptr) project_to_disc(body, *disc, order);
   const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body);
   if (sphere != nullptr && !outline.surface) project_to_sphere(body, *sphere);
   if (own_order > 0) sort_in_space(body);

@@ -1,12 +1,16 @@
-// Round plates: rings of triangles, drawn up to layers of prisms.
+// Rings of triangles, drawn up to layers of prisms.
+#include "mesh/disc.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
-#include "mesh/bodies.h"
 #include "mesh/body_checks.h"
 
 namespace chladni::mesh {
@@ -216,6 +220,56 @@ Points stacked(const std::vector<Eigen::Vector2d>& plan, double thickness, int l
   return points;
 }
 
+// Lagrange's polynomial k on evenly spread nodes of [−1, 1], and its derivative.
+std::pair<double, double> lagrange(int order, int k, double at) {
+  double value = 1.0;
+  double derivative = 0.0;
+  for (int j = 0; j <= order; ++j) {
+    if (j == k) continue;
+    const double apart = 2.0 * (k - j) / order;
+    const double factor = (at + 1.0 - 2.0 * j / order) / apart;
+    derivative = derivative * factor + value / apart;
+    value *= factor;
+  }
+  return {value, derivative};
+}
+
+// Corners of a patch in the plane z = 0: as many as edges around it.
+int edges_around(const TetMesh& mesh, int patch) {
+  std::set<std::int32_t> corners;
+  const double level = 1e-6 * mesh.points.col(2).cwiseAbs().maxCoeff();
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    if (mesh.face_patch(f) != patch) continue;
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(mesh.points(mesh.faces(f, k), 2)) < level) corners.insert(mesh.faces(f, k));
+    }
+  }
+  return static_cast<int>(corners.size());
+}
+
+// Of a ring of n polynomials of `order` whose nodes are evenly spread chords' points moved onto it:
+// its radius over that of the circle of the same area, ½ ∮ x dy − y dx (three points of Gauss).
+double radius_of_equal_area(int n, int order) {
+  const double half = kPi / n;
+  std::vector<Eigen::Vector2d> nodes;
+  for (int k = 0; k <= order; ++k) {
+    const double angle = std::atan(std::tan(half) * (2.0 * k / order - 1.0));
+    nodes.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  double twice = 0.0;
+  for (const double at : {-std::sqrt(0.6), 0.0, std::sqrt(0.6)}) {
+    Eigen::Vector2d point = Eigen::Vector2d::Zero();
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+    for (int k = 0; k <= order; ++k) {
+      const auto [value, derivative] = lagrange(order, k, at);
+      point += value * nodes[static_cast<std::size_t>(k)];
+      slope += derivative * nodes[static_cast<std::size_t>(k)];
+    }
+    twice += (at == 0.0 ? 8.0 : 5.0) / 9.0 * (point.x() * slope.y() - point.y() * slope.x());
+  }
+  return std::sqrt(kPi / (0.5 * n * twice));
+}
+
 void put_faces(TetMesh& mesh, const std::vector<Face>& faces) {
   mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
   mesh.face_patch.resize(mesh.faces.rows());
@@ -262,6 +316,24 @@ TetMesh layered(const Disc& disc, const Layering& layering) {
   mesh.patch_names = {"top", "bottom", "rim"};
   if (!rings.hole.empty()) mesh.patch_names.emplace_back("hole");
   return mesh;
+}
+
+void project_to_disc(TetMesh& mesh, const Disc& disc, int order) {
+  require_fit(disc);
+  for (const std::string patch : {"rim", "hole"}) {
+    const auto found = std::find(mesh.patch_names.begin(), mesh.patch_names.end(), patch);
+    if (found == mesh.patch_names.end()) continue;
+    const auto number = static_cast<int>(found - mesh.patch_names.begin());
+    const double radius = (patch == "rim" ? disc.diameter : disc.hole_diameter) / 2.0 *
+                          radius_of_equal_area(edges_around(mesh, number), order);
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      if (mesh.face_patch(f) != number) continue;
+      for (const std::int32_t node : mesh.faces.row(f)) {
+        auto at = mesh.points.row(node).head<2>();
+        at *= radius / at.norm();
+      }
+    }
+  }
 }
 
 Surface surface(const Disc& disc, double edge_length) {

@@ -9,6 +9,9 @@
 namespace chladni::placement {
 namespace {
 
+constexpr int kPieces = 8;          // of a curved edge
+constexpr double kStraight = 1e-9;  // of its length: an inner node may be off so much
+
 bool forbids(const KeepOutBox& box, const Sites& sites, Eigen::Index i) {
   const Eigen::Array2d at = sites.position.row(i).head<2>().transpose();
   return (at >= box.from.array().min(box.to.array())).all() &&
@@ -47,6 +50,36 @@ bool forbids(const KeepFromPlaces& there, const Sites& sites, Eigen::Index i) {
 
 bool forbids(const WholeFootprints&, const Sites& sites, Eigen::Index i) {
   return sites.whole[static_cast<std::size_t>(i)] == 0;
+}
+
+// An edge of a face from end to end: its two ends where it is straight, else kPieces pieces of its
+// curve.
+Points points_along(const mesh::TetMesh& body, Eigen::Index face, int edge) {
+  const auto& [a, b] = mesh::kTriangleEdges[static_cast<std::size_t>(edge)];
+  const int inner = body.order() - 1;
+  Points nodes(2 + inner, 3);
+  nodes.row(0) = body.points.row(body.faces(face, a));
+  nodes.row(1) = body.points.row(body.faces(face, b));
+  double off = 0.0;
+  for (int k = 0; k < inner; ++k) {
+    nodes.row(2 + k) = body.points.row(body.faces(face, 3 + edge * inner + k));
+    const double t = (k + 1.0) / (inner + 1.0);
+    off = std::max(off, (nodes.row(2 + k) - (1.0 - t) * nodes.row(0) - t * nodes.row(1)).norm());
+  }
+  if (off <= kStraight * (nodes.row(1) - nodes.row(0)).norm()) return nodes.topRows(2);
+  Points line(kPieces + 1, 3);
+  for (int i = 0; i <= kPieces; ++i) {
+    const double t = static_cast<double>(i) / kPieces;
+    Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+    barycentric(a) = 1.0 - t;
+    barycentric(b) = t;
+    const Eigen::VectorXd shape = mesh::triangle_shape(body.order(), barycentric);
+    line.row(i).setZero();
+    for (Eigen::Index n = 0; n < shape.size(); ++n) {
+      line.row(i) += shape(n) * body.points.row(body.faces(face, n));
+    }
+  }
+  return line;
 }
 
 }  // namespace
@@ -96,26 +129,34 @@ KeepFromEdges edges_around(const mesh::TetMesh& body, const std::vector<char>& f
                            bool between_patches, double distance) {
   struct Use {
     int patch, wanted, others;
+    Eigen::Index face;
+    int edge;
   };
   std::map<std::pair<int, int>, Use> uses;
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
     const int patch = between_patches ? body.face_patch(f) : 0;
-    for (const auto& [a, b] : mesh::kTriangleEdges) {
+    for (int e = 0; e < 3; ++e) {
+      const auto& [a, b] = mesh::kTriangleEdges[static_cast<std::size_t>(e)];
       const auto key = std::minmax({body.faces(f, a), body.faces(f, b)});
-      Use& use = uses.try_emplace(key, Use{patch, 0, 0}).first->second;
+      Use& use = uses.try_emplace(key, Use{patch, 0, 0, f, e}).first->second;
       ++(faces[static_cast<std::size_t>(f)] != 0 ? use.wanted : use.others);
       if (use.patch != patch) ++use.others;
     }
   }
-  std::vector<std::pair<int, int>> ends;
-  for (const auto& [edge, use] : uses) {
-    if (use.wanted > 0 && (use.others > 0 || use.wanted != 2)) ends.push_back(edge);
+  std::vector<Eigen::RowVector3d> from;
+  std::vector<Eigen::RowVector3d> to;
+  for (const auto& [ends, use] : uses) {
+    if (use.wanted == 0 || (use.others == 0 && use.wanted == 2)) continue;
+    const Points line = points_along(body, use.face, use.edge);
+    for (Eigen::Index k = 0; k + 1 < line.rows(); ++k) {
+      from.emplace_back(line.row(k));
+      to.emplace_back(line.row(k + 1));
+    }
   }
-  KeepFromEdges edges{distance, Points(static_cast<Eigen::Index>(ends.size()), 3),
-                      Points(static_cast<Eigen::Index>(ends.size()), 3)};
-  for (std::size_t e = 0; e < ends.size(); ++e) {
-    edges.from.row(static_cast<Eigen::Index>(e)) = body.points.row(ends[e].first);
-    edges.to.row(static_cast<Eigen::Index>(e)) = body.points.row(ends[e].second);
+  KeepFromEdges edges{distance, Points(std::ssize(from), 3), Points(std::ssize(from), 3)};
+  for (std::size_t e = 0; e < from.size(); ++e) {
+    edges.from.row(static_cast<Eigen::Index>(e)) = from[e];
+    edges.to.row(static_cast<Eigen::Index>(e)) = to[e];
   }
   return edges;
 }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
+#include "mesh/disc.h"
 #include "shape_laws.h"
 
 namespace chladni::mesh {
@@ -235,6 +236,32 @@ TEST(LayeredSphere, IsSymmetricAsACubeAndWellShaped) {
   EXPECT_TRUE(symmetric_under(mesh, [](const Vec& p) { return Vec(p.y(), p.z(), p.x()); }));
   EXPECT_GT(quality(mesh).smallest_radius_ratio, 0.3);
   EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 20.0);
+}
+
+// Corners and all other nodes of rim and hole on the circles: as long and as heavy as it should be.
+TEST(LayeredDisc, OfCurvedCellsIsRound) {
+  for (const double hole : {0.0, 0.1}) {
+    const Disc disc{.diameter = 0.3, .thickness = 0.01, .hole_diameter = hole};
+    for (const int order : {2, 3}) {
+      TetMesh mesh = layered(disc, 0.05, 1);
+      project_to_disc(mesh, disc, order);
+      mesh = with_order(mesh, order);
+      project_to_disc(mesh, disc, order);
+      EXPECT_NO_THROW(check(mesh));
+      const auto box = bounding_box(mesh.points);
+      EXPECT_NEAR(box(1, 0) - box(0, 0), 0.3, 0.3 * 4e-5);
+      EXPECT_NEAR(box(1, 1) - box(0, 1), 0.3, 0.3 * 4e-5);
+      const double exact = 0.01 * kPi / 4.0 * (0.09 - hole * hole);
+      EXPECT_NEAR(volume(mesh) / exact, 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(LayeredSphere, CurvedCellsHaveTheVolumeOfTheBall) {
+  const Sphere ball{.diameter = 0.2};
+  TetMesh mesh = with_order(layered(ball, 0.03), 3);
+  project_to_sphere(mesh, ball);
+  EXPECT_NEAR(volume(mesh) / (kPi / 6.0 * 0.008), 1.0, 1e-4);
 }
 
 TEST(LayeredSphere, CurvedCellsKeepPositiveVolume) {

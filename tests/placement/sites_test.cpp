@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "mesh/disc.h"
 #include "placement/refine.h"
 #include "placement/rules.h"
 #include "tests/placement/plate.h"
@@ -120,6 +121,27 @@ TEST_F(RulesOf, EdgesKeepTheirDistance) {
     const auto at = sites_.position.row(i).cwiseAbs();
     const bool near = 0.3 - at.x() < 0.049 || 0.2 - at.y() < 0.049;
     EXPECT_EQ(forbidden(i) >= 0, near) << at;
+  }
+}
+
+// The distance is that from the circle, not from chords between its nodes.
+TEST(EdgesAround, OfARoundPlateAreItsCircle) {
+  const mesh::Disc disc{.diameter = 0.2, .thickness = 0.006};
+  for (const int order : {2, 3}) {
+    auto body = mesh::layered(disc, 0.04, 1);
+    mesh::project_to_disc(body, disc, order);
+    body = mesh::with_order(body, order);
+    mesh::project_to_disc(body, disc, order);
+    const auto edges = edges_of(body, {"top"}, 0.005);
+    double nearest = HUGE_VAL;
+    double farthest = 0.0;
+    for (Eigen::Index e = 0; e < edges.from.rows(); ++e) {
+      const Eigen::RowVector3d middle = 0.5 * (edges.from.row(e) + edges.to.row(e));
+      nearest = std::min(nearest, middle.head<2>().norm());
+      farthest = std::max(farthest, edges.from.row(e).head<2>().norm());
+    }
+    EXPECT_GT(nearest, 0.1 - 3e-5) << order;
+    EXPECT_LT(farthest, 0.1 + 3e-5) << order;
   }
 }
 
