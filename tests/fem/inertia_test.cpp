@@ -97,6 +97,10 @@ TEST(Inertia, ThatIsWrongIsNeverTrusted) {
   for (unsigned seed = 1; seed <= 2500; ++seed) {
     count_one(seed, 20 + int(seed % 60), 40 + 4 * int(seed % 60), 1 + int(seed % 3), tally);
   }
+  // Fronts that are wider than a panel of the dense kernels, and than a strip of columns.
+  for (unsigned seed = 3001; seed <= 3060; ++seed) {
+    count_one(seed, 220, 1500, 1 + int(seed % 3), tally);
+  }
   EXPECT_GE(tally.made, 1000);
   EXPECT_GE(tally.wrong, 30) << "the family is too tame to tell anything";
   EXPECT_GE(tally.made - tally.doubted, 200) << "a guard that doubts everything tells nothing";

@@ -86,21 +86,13 @@ inline RandomBody random_body(unsigned seed) {
   return result;
 }
 
-/// ω² of the lowest `count` modes, ascending, by LAPACK (an eighth of the time of Eigen's solver
-/// here), and what of each rounding may be: `value` ± `rounding`.
-struct DenseLambda {
-  Eigen::VectorXd value, rounding;
-};
-
-/// A dense solver's own values are off by rounding errors of the largest, 1e-2 of the first mode of
-/// a slender body. Its vectors are off by that over their distance from others, and a Rayleigh
-/// quotient by the square of it: taken in long double, the rigid-body motions taken out before.
-inline DenseLambda dense_lambda(const System& system, Eigen::Index count) {
+/// Shapes of the lowest `count` modes by LAPACK (an eighth of the time of Eigen's solver here),
+/// n×count; n×0 where it failed.
+inline Eigen::MatrixXd dense_shapes(const System& system, Eigen::Index count) {
   const OneBlasThread one_thread;  // for matrices of this size more cost more
   const int n = static_cast<int>(system.mass.rows());
   Eigen::MatrixXd k(system.stiffness);  // the lower triangles do
   Eigen::MatrixXd m(system.mass);
-  const double largest = 3.0 * k.diagonal().cwiseQuotient(m.diagonal()).maxCoeff();  // about
   Eigen::MatrixXd vectors(n, count);
   const int kind = 1, first = 1, last = static_cast<int>(count), room = 64 * n;
   const double none = 0.0;
@@ -110,8 +102,24 @@ inline DenseLambda dense_lambda(const System& system, Eigen::Index count) {
   dsygvx_(&kind, "V", "I", "L", &n, k.data(), &n, m.data(), &n, &none, &none, &first, &last, &none,
           &there, lambda.data(), vectors.data(), &n, work.data(), &room, places.data(),
           failed.data(), &info);
+  return info == 0 ? vectors : Eigen::MatrixXd(n, 0);
+}
+
+/// ω² of the lowest `count` modes, ascending, and what of each rounding may be: `value` ±
+/// `rounding`.
+struct DenseLambda {
+  Eigen::VectorXd value, rounding;
+};
+
+/// A dense solver's own values are off by rounding errors of the largest, 1e-2 of the first mode of
+/// a slender body. Its vectors are off by that over their distance from others, and a Rayleigh
+/// quotient by the square of it: taken in long double, the rigid-body motions taken out before.
+inline DenseLambda dense_lambda(const System& system, Eigen::Index count) {
+  const Eigen::MatrixXd vectors = dense_shapes(system, count);
+  const double largest =  // about
+      3.0 * system.stiffness.diagonal().cwiseQuotient(system.mass.diagonal()).maxCoeff();
   DenseLambda result{Eigen::VectorXd::Constant(count, std::nan("")), Eigen::VectorXd::Zero(count)};
-  if (info != 0) return result;
+  if (vectors.cols() < count) return result;
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
   const Eigen::SparseMatrix<long double> k_long =
       SparseMatrix(system.stiffness.selfadjointView<Eigen::Lower>()).cast<long double>();
@@ -133,7 +141,7 @@ inline DenseLambda dense_lambda(const System& system, Eigen::Index count) {
   }
   // Of suspended bodies `modes` takes springs at their word, and K has them in rounded entries.
   if (system.suspended.cols() > 0) {
-    const Eigen::MatrixXd none(n, 0);
+    const Eigen::MatrixXd none(vectors.rows(), 0);
     const auto flexible = count - system.rigid.cols();
     result.rounding.tail(flexible) += energy_rounding(system, none, vectors.rightCols(flexible));
   }
