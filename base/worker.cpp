@@ -29,9 +29,9 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kErrorsKept = std::size_t{64} << 10U;
-constexpr std::size_t kLeastOutput = std::size_t{1}
-                                     << 20U;  // is kept however little memory is left
-constexpr int kLibrariesMissing = 127;        // exit status of the dynamic linker
+// Is kept however little memory is left.
+constexpr std::size_t kLeastOutput = std::size_t{1} << 20U;
+constexpr int kLibrariesMissing = 127;  // exit status of the dynamic linker
 
 struct Pipe {
   int read_end = -1;
@@ -70,9 +70,7 @@ struct Pipes {
   setpgid(0, 0);  // so that what it starts itself can be ended with it
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXFSZ}) {
-    std::signal(signal, SIG_DFL);
-  }
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   pthread_sigmask(SIG_SETMASK, &none, nullptr);
