@@ -1,0 +1,16 @@
+// A libFuzzer target for one reader of our own texts, CHLADNI_READER: anything but a sound result
+// or InvalidInput is a find.
+#include <cstdint>
+
+#include "base/error.h"
+#include "tests/fuzz/texts.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+    if (!chladni::io::CHLADNI_READER(bytes)) __builtin_trap();
+  } catch (const chladni::InvalidInput&) {
+    return 0;
+  }
+  return 0;
+}
