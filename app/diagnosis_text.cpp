@@ -233,9 +233,9 @@ std::string diagnosis_table(const Diagnosed& one) {
       text += "  not in extended.toml: " + line + "\n";
     }
   }
-  text += "\n" + comparison_table(one.comparison);
+  text += fmt::format("\n{}", comparison_table(one.comparison));
   const auto sizes = detectable_table(one.detectable, one.least_evidence);
-  return sizes.empty() ? text : text + "\n" + sizes;
+  return sizes.empty() ? text : fmt::format("{}\n{}", text, sizes);
 }
 
 io::JsonObject diagnosis_json(const Diagnosed& one) {
