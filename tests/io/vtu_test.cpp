@@ -117,6 +117,36 @@ TEST_F(Vtu, AMeshReadsBackBitByBit) {
   }
 }
 
+// Nodes inside have none; on a border the smaller patch counts.
+TEST_F(Vtu, TheBoundarysNodesKnowTheirPatches) {
+  for (const int order : {1, 2, 3}) {
+    const mesh::TetMesh mesh =
+        with_order(mesh::layered(mesh::Plate{0.3, 0.2, 0.02}, 0.05, 2), order);
+    write_modes_vtu(file("modes.vtu"), mesh, two_modes(mesh));
+    const auto grid = grid_in(file("modes.vtu"));
+    auto* names =
+        vtkStringArray::SafeDownCast(grid->GetFieldData()->GetAbstractArray("patch_names"));
+    auto* patch = grid->GetPointData()->GetArray("patch");
+    ASSERT_NE(names, nullptr);
+    ASSERT_NE(patch, nullptr);
+    for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i) {
+      const Eigen::Array3d at = Eigen::Map<Eigen::Array3d>(grid->GetPoint(i));
+      const Eigen::Array3d off =
+          (at - Eigen::Array3d(0.0, 0.0, -0.01)).abs() / Eigen::Array3d(0.15, 0.1, 0.01);
+      const double number = patch->GetTuple1(i);
+      if (off.maxCoeff() < 1.0 - 1e-9) {
+        EXPECT_EQ(number, -1.0);
+        continue;
+      }
+      const std::string name = names->GetValue(static_cast<vtkIdType>(number));
+      const bool on_y_side = off.x() < 1.0 - 1e-9 && off.y() > 1.0 - 1e-9;
+      if (off.x() > 1.0 - 1e-9) EXPECT_EQ(name, at.x() > 0.0 ? "x_max" : "x_min");
+      if (on_y_side) EXPECT_EQ(name, at.y() > 0.0 ? "y_max" : "y_min");
+      if (off.head<2>().maxCoeff() < 1.0 - 1e-9) EXPECT_EQ(name, at.z() > -0.01 ? "top" : "bottom");
+    }
+  }
+}
+
 TEST_F(Vtu, ACubicMeshIsWrittenAsQuadraticCells) {
   write_vtu(file("mesh.vtu"), plate(3), {});
   const mesh::TetMesh back = read_vtu(file("mesh.vtu")), expected = plate(2);
@@ -132,7 +162,7 @@ TEST_F(Vtu, TheArraysOfTheModesHoldTheShapes) {
     write_modes_vtu(file("modes.vtu"), mesh, two_modes(mesh), "a <plate> & \"more\"");
     const auto grid = grid_in(file("modes.vtu"));
     EXPECT_EQ(grid->GetCellType(0), order == 1 ? 10 : 24);
-    EXPECT_EQ(grid->GetPointData()->GetNumberOfArrays(), 2);
+    EXPECT_EQ(grid->GetPointData()->GetNumberOfArrays(), 3);  // and the patches
     EXPECT_LT(distance_from(grid, "mode_002_178.92Hz", cubic_field), 1e-15) << order;
     EXPECT_EQ(distance_from(grid, "mode_001_0.00Hz",
                             [](const Points& p) { return Eigen::VectorXd::Ones(p.size()); }),
