@@ -210,6 +210,15 @@ io::Section provenance_of(const Study& study, Run& run) {
   return io::provenance_section(lines);
 }
 
+// Whether flat faces bound it: of round ones and of files a mesh may be a little too small.
+bool is_filled_exactly(const Geometry& geometry) {
+  if (const auto* table = std::get_if<mesh::WaferTable>(&geometry.body)) {
+    return table->bores.empty() && !(table->wafer_diameter > 0.0);
+  }
+  return std::holds_alternative<mesh::Plate>(geometry.body) ||
+         std::holds_alternative<mesh::Quadrilateral>(geometry.body);
+}
+
 }  // namespace
 
 void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run) {
@@ -219,7 +228,8 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   report.understood = solution.introduction.body.line();
   report.warnings = solution.introduction.warnings;
   report.sections.push_back(io::modes_section(model.body, solution.modes, solution.summary,
-                                              solution.frequency_error, markers_of(study, model)));
+                                              solution.frequency_error, markers_of(study, model),
+                                              is_filled_exactly(study.geometry)));
   if (run.has_painted("modes.png")) {
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));

@@ -136,7 +136,7 @@ Facts mesh_facts(const mesh::TetMesh& mesh, const mesh::Quality& quality, Eigen:
 
 Section modes_section(const mesh::TetMesh& mesh, const modal::Modes& modes,
                       const fem::ModesSummary& summary, const Eigen::VectorXd& frequency_error,
-                      const std::vector<Marker>& markers) {
+                      const std::vector<Marker>& markers, bool from_above) {
   require(summary.residual.size() == modes.mode_count(),
           fmt::format("report: {} residuals for {} modes", summary.residual.size(),
                       modes.mode_count()));
@@ -149,10 +149,11 @@ Section modes_section(const mesh::TetMesh& mesh, const modal::Modes& modes,
   section.blocks.emplace_back(Beside{{std::move(table), std::move(viewer)}});
   section.blocks.emplace_back(certificate(summary));
   if (frequency_error.size() > 0) {
-    section.blocks.emplace_back(
-        Note{Note::Tone::quiet,
-             "±: estimated error of the mesh; the exact frequency of the model lies below the one "
-             "listed. Not in it: material data, clamping, geometry."});
+    section.blocks.emplace_back(Note{
+        Note::Tone::quiet,
+        std::string("±: estimated error of the mesh") +
+            (from_above ? "; the exact frequency of the model lies below the one listed" : "") +
+            ". Not in it: material data, clamping, geometry."});
   }
   return section;
 }

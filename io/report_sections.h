@@ -12,11 +12,13 @@ namespace chladni::io {
 /// @param modes            shapes on all nodes: 3·nodes rows
 /// @param frequency_error  per mode, relative; empty where none was estimated
 /// @param markers          channels and attachments on the body
+/// @param from_above       the mesh fills the body exactly: no frequency of it is too low
 /// @throws InvalidInput    the arrays do not fit together
 [[nodiscard]] Section modes_section(const mesh::TetMesh& mesh, const modal::Modes& modes,
                                     const fem::ModesSummary& summary,
                                     const Eigen::VectorXd& frequency_error,
-                                    const std::vector<Marker>& markers = {});
+                                    const std::vector<Marker>& markers = {},
+                                    bool from_above = false);
 
 /// The shapes of the flexible modes on a skin of at most 20 000 vertices, and few enough that it
 /// takes about `bytes` in the page; the largest 64 modes at most.
