@@ -1,8 +1,45 @@
-// chladni check STUDY: what the study says in SI, and what it would cost; runs nothing heavy.
+// chladni check STUDY: what the study says in SI, and what it would cost; solves nothing.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/forecast.h"
+#include "app/problems.h"
 #include "app/solution.h"
 
 namespace chladni::app {
 namespace {
+
+constexpr double kMeshedAtOnce = 5e5;  // degrees of freedom as guessed: some seconds of the mesher
+
+// Walls thinner than an edge and slivers between a hole and a rib make several times the cells that
+// volume and area tell; only a mesh knows.
+void forecast_from_mesh(const Study& study, Introduction& introduction, Run& run) {
+  auto& cost = introduction.cost;
+  if (cost.exact || cost.degrees_of_freedom > kMeshedAtOnce) return;
+  const auto body = run.timed(
+      "mesh", [&] { return body_of(study, introduction.outline, run.talk().progress()); });
+  cost = forecast(study, body, introduction.body);
+}
+
+// Data that are named and are not there; what `simulate` will write is only told of.
+void look_for_files(const Study& study, Run& run) {
+  Problems problems(study.file.string());
+  for (const auto& file : study.files) {
+    if (std::filesystem::exists(file.path)) continue;
+    const bool to_come =
+        study.experiment && file.key != "measurement.truth" && file.key != "measurement.shapes";
+    if (to_come) {
+      run.talk().note(file.key + " \"" + file.path.filename().string() +
+                      "\" is not there yet: chladni simulate writes it");
+      continue;
+    }
+    problems.add(file.line, file.column,
+                 fmt::format("{} \"{}\" does not exist (looked for {})", file.key,
+                             file.path.filename().string(), file.path.string()));
+  }
+  problems.throw_if_any();
+}
 
 void run(const Study& study, Run& run) {
   auto introduction = introduced(study, run);
@@ -14,8 +51,11 @@ void run(const Study& study, Run& run) {
     run.talk().warn(warning);
   }
   static_cast<void>(materials_of(study, shell.region_names));
+  if (!run.options().expect) look_for_files(study, run);
+  if (!run.options().expect) forecast_from_mesh(study, introduction, run);
   run.show(introduction.cost.line() + "\n");
   run.leave("study.json", study_json(study, introduction), !run.options().expect);
+  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
   if (run.options().expect) judge(study, solved(study, std::move(introduction), run), run);
 }
 

@@ -1,4 +1,4 @@
-#include "app/estimate.h"
+#include "app/forecast.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/error.h"
+#include "base/memory.h"
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
 
@@ -15,6 +17,14 @@ namespace chladni::app {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kRigid = 6.0;
+constexpr double kInPlane = 3.0;         // motions as a whole that Weyl's law of a plate leaves out
+constexpr double kFreeRim = 1.75;        // share of a free rim in the modes of a plate, per wave
+constexpr double kFittedModes = 26.0;    // of the runs that the forecast is fitted to
+constexpr double kVectorsPerMode = 5.5;  // shapes and the iteration: 20 and 200 modes of a plate
+constexpr double kTimePerMode = 0.02;    // of the whole, per mode beyond those
+constexpr double kBelieved = 0.75;       // of a forecast without a mesh
+constexpr double kModesPerFreedom = 0.1;  // beyond, no mesh of any kind resolves them
 
 /// Length, width and thickness: the box's sides by size, and the thickness that its volume gives.
 struct Slab {
@@ -121,12 +131,35 @@ double node_count(const Count& count, int order) {
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
 }
 
+/// Time and memory for so many nodes and modes.
+Cost cost_of(double nodes, int order, double modes, bool exact) {
+  Cost cost;
+  cost.exact = exact;
+  cost.degrees_of_freedom = 3.0 * nodes;
+  const double size = cost.degrees_of_freedom / 1e5;
+  const double more = std::max(0.0, modes - kFittedModes);
+  cost.memory_bytes = 50e6 + (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) +
+                      kVectorsPerMode * 8.0 * cost.degrees_of_freedom * more;
+  cost.seconds = 7.8 * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
+  return cost;
+}
+
+/// By how much less than `hz` to ask for so that only `most` modes lie below.
+double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
+                       double most) {
+  double ratio = 1.0;
+  while (modes_below(body, material, ratio * hz) > 0.5 * most) ratio *= 0.9;
+  return ratio;
+}
+
 }  // namespace
 
 std::string Understood::line() const {
   const Eigen::Vector3d mm = 1e3 * extent_m;
-  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm  {:.{}f} {}  first {} estimate {:.{}f} Hz", mm(0),
-                     mm(1), mm(2), mass_kg < 1.0 ? 1e3 * mass_kg : mass_kg, 2,
+  const std::string round =
+      estimate_name == "disc" ? fmt::format(" (diameter {:.1f} mm)", mm(0)) : "";
+  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}  {:.{}f} {}  first {} estimate {:.{}f} Hz",
+                     mm(0), mm(1), mm(2), round, mass_kg < 1.0 ? 1e3 * mass_kg : mass_kg, 2,
                      mass_kg < 1.0 ? "g" : "kg", estimate_name, first_frequency_hz,
                      first_frequency_hz < 100.0 ? 1 : 0);
 }
@@ -135,6 +168,9 @@ Understood understood(const Study& study, const Outline& outline) {
   Understood body;
   const auto box = mesh::bounding_box(outline.shell.points);
   body.extent_m = (box.row(1) - box.row(0)).transpose();
+  if (const auto* disc = std::get_if<mesh::Disc>(&study.geometry.body)) {
+    body.extent_m = {disc->diameter, disc->diameter, disc->thickness};  // the outline is a polygon
+  }
   body.volume_m3 = outline.volume;
   body.mass_kg = mass_of(study, outline);
   const auto estimate = first_frequency(study, body, main_material(study, outline).material);
@@ -143,28 +179,80 @@ Understood understood(const Study& study, const Outline& outline) {
   return body;
 }
 
-Cost forecast(const Study& study, const Outline& outline) {
-  Cost cost;
-  cost.exact = !outline.surface.has_value();
-  int order = 0;
-  double nodes = 0.0;
-  if (outline.surface) {
-    const double edge = study.mesh.edge_length > 0.0 ? study.mesh.edge_length
-                                                     : default_edge_length(*outline.surface);
-    const Count count = tetgen_count(outline, edge);
-    order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
-    nodes = node_count(count, order);
-  } else {
-    const int own_order = study.geometry.kind == "file" ? outline.shell.order() : 0;
-    order = order_for(study, outline.shell.tet_count(), own_order);
-    nodes = order == outline.shell.order() ? static_cast<double>(outline.shell.node_count())
-                                           : node_count(outline.shell, order);
+double modes_below(const Understood& body, const fem::Material& material, double hz) {
+  const auto [modulus, poisson] = plane_constants(material);
+  Slab slab = slab_of(body);
+  const double area =
+      body.estimate_name == "disc" ? body.volume_m3 / body.extent_m(2) : slab.length * slab.width;
+  slab.thickness = body.volume_m3 / area;
+  const double density = body.mass_kg / body.volume_m3;
+  const double omega = 2.0 * kPi * hz;
+  const double in_plane = modulus / (density * (1.0 - poisson * poisson));  // c², of a thin plate
+  const double shear = 0.5 * modulus / (density * (1.0 + poisson));         // c²
+  const double wave = std::sqrt(omega * std::sqrt(12.0 / in_plane) / slab.thickness);  // [1/m]
+  const double rim = 2.0 * (slab.length + slab.width);
+  const double bending = (area * wave * wave + kFreeRim * rim * wave) / (4.0 * kPi);
+  const double membrane = omega * omega / (4.0 * kPi) * area * (1.0 / in_plane + 1.0 / shear);
+  const double pressure = shear * (2.0 - 2.0 * poisson) / std::max(1e-3, 1.0 - 2.0 * poisson);
+  const double solid = std::pow(omega, 3) / (6.0 * kPi * kPi) * body.volume_m3 *
+                       (std::pow(pressure, -1.5) + 2.0 * std::pow(shear, -1.5));
+  double beam = 0.0;
+  if (slab.length > 4.0 * slab.width) {
+    for (const double h : {slab.thickness, slab.width}) {
+      beam += slab.length / kPi * std::sqrt(omega / h) * std::pow(12.0 * density / modulus, 0.25);
+    }
   }
-  cost.degrees_of_freedom = 3.0 * nodes;
-  const double size = cost.degrees_of_freedom / 1e5;
-  cost.memory_bytes = 50e6 + (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17);
-  cost.seconds = 7.8 * std::pow(size, 1.08);
-  return cost;
+  return kInPlane + std::max(beam, bending + membrane) + solid;
+}
+
+double modes_wanted(const Study& study, const Understood& body) {
+  if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(study.modes.count);
+  return std::max(kRigid,
+                  modes_below(body, study.materials.front().material, study.modes.up_to_hz));
+}
+
+Cost forecast(const Study& study, const Outline& outline) {
+  const double modes = modes_wanted(study, understood(study, outline));
+  if (!outline.surface) {
+    const int own_order = study.geometry.kind == "file" ? outline.shell.order() : 0;
+    const int order = order_for(study, outline.shell.tet_count(), own_order);
+    const double nodes = order == outline.shell.order()
+                             ? static_cast<double>(outline.shell.node_count())
+                             : node_count(outline.shell, order);
+    return cost_of(nodes, order, modes, true);
+  }
+  const double edge =
+      study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
+  const Count count = tetgen_count(outline, edge);
+  const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
+  return cost_of(node_count(count, order), order, modes, false);
+}
+
+Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body) {
+  return cost_of(static_cast<double>(mesh.node_count()), mesh.order(), modes_wanted(study, body),
+                 true);
+}
+
+void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost) {
+  const double up_to = study.modes.up_to_hz;
+  const double modes = modes_wanted(study, body);
+  const double most = kModesPerFreedom * cost.degrees_of_freedom;
+  if (up_to > 0.0 && modes > most) {
+    throw InvalidInput(
+        fmt::format("{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of "
+                    "{:.0f} degrees "
+                    "of freedom has {:.0f} at most. Ask for less than about {:.2g} Hz, or shorten "
+                    "mesh.edge_length",
+                    study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
+                    up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
+  }
+  const double have = static_cast<double>(available_memory());
+  if ((cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have) return;
+  throw OutOfResources(fmt::format(
+      "{}: {:.0f} degrees of freedom and {:.0f} modes are forecast to need {:.1f} GB of memory and "
+      "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer modes",
+      study.file.string(), cost.degrees_of_freedom, modes, 1e-9 * cost.memory_bytes, 1e-9 * have,
+      std::pow(cost.memory_bytes / have, 0.4)));
 }
 
 std::string Cost::line() const {

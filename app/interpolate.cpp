@@ -1,10 +1,16 @@
 // chladni interpolate STUDY: every mode shape everywhere, from a few measured points.
 #include "app/interpolation.h"
 
+#include "base/error.h"
+
 namespace chladni::app {
 namespace {
 
 void run(const Study& study, Run& run) {
+  require(study.measurement && has_shapes(*study.measurement),  // before minutes of solving
+          study.file.string() +
+              ": nothing is measured; expected [measurement] with frf, time, shapes "
+              "or truth");
   const Solution solution = solved(study, run);
   const Interpolated result = interpolated(study, solution, run);
   run.show(interpolation_table(result));

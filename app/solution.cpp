@@ -8,9 +8,10 @@
 
 #include "app/blind_spots.h"
 #include "app/faces.h"
+#include "app/forecast.h"
+#include "app/problems.h"
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/memory.h"
 #include "fem/error_estimate.h"
 
 namespace chladni::app {
@@ -24,6 +25,28 @@ int wanted_count(const Study& study) {
     count = std::max(count, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
   }
   return count;
+}
+
+/// Modes that the study names and that will not be there.
+void require_modes(const Study& study) {
+  if (study.modes.up_to_hz > 0.0) return;
+  const int there = wanted_count(study);
+  Problems problems(study.file.string());
+  const auto look = [&](const char* key, int highest, int line, int column) {
+    if (highest <= there) return;
+    problems.add(line, column,
+                 fmt::format("{} asks for flexible mode {}, but {} will be computed; raise "
+                             "modes.count",
+                             key, highest, there));
+  };
+  if (const auto& plan = study.placement; plan && !plan->modes.empty()) {
+    look("placement.modes", *std::max_element(plan->modes.begin(), plan->modes.end()),
+         plan->modes_line, plan->modes_column);
+  }
+  if (const auto& plan = study.priors) {
+    look("priors.modes", plan->modes, plan->modes_line, plan->modes_column);
+  }
+  problems.throw_if_any();
 }
 
 fem::ModesOptions modes_options(const Study& study, const Run& run) {
@@ -71,17 +94,6 @@ fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& ru
   return result;
 }
 
-/// Forecasts are good to a third; what is beyond that need not be meshed first.
-void refuse_what_cannot_fit(const Study& study, const Cost& cost) {
-  const double have = static_cast<double>(available_memory());
-  if (0.75 * cost.memory_bytes <= have) return;
-  throw OutOfResources(fmt::format(
-      "{}: {:.0f} degrees of freedom are forecast to need {:.1f} GB of memory and there is {:.1f} "
-      "GB; edges {:.1f} times as long would fit (mesh.edge_length)",
-      study.file.string(), cost.degrees_of_freedom, 1e-9 * cost.memory_bytes, 1e-9 * have,
-      std::pow(cost.memory_bytes / have, 0.4)));
-}
-
 void warn(const std::vector<std::string>& lines, Solution& solution, Run& run) {
   for (const auto& line : lines) {
     solution.introduction.warnings.push_back(line);
@@ -89,9 +101,19 @@ void warn(const std::vector<std::string>& lines, Solution& solution, Run& run) {
   }
 }
 
+// The mesh is there: what it will cost is known now, and refused while nothing is lost.
+void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& solution, Run& run) {
+  auto& introduction = solution.introduction;
+  if (introduction.cost.exact) return;
+  introduction.cost = forecast(study, body, introduction.body);
+  run.talk().note("with the mesh: " + introduction.cost.line());
+  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+}
+
 }  // namespace
 
 Introduction introduced(const Study& study, Run& run) {
+  require_modes(study);
   Introduction introduction;
   introduction.warnings = study.warnings;
   for (const auto& warning : study.warnings) run.talk().warn(warning);
@@ -117,11 +139,12 @@ Solution solved(const Study& study, Run& run) {
 Solution solved(const Study& study, Introduction introduction, Run& run) {
   const auto progress = run.talk().progress();
   throw_if_interrupted();
-  refuse_what_cannot_fit(study, introduction.cost);
+  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
   Solution solution;
   solution.introduction = std::move(introduction);
   const auto& outline = solution.introduction.outline;
   auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
+  forecast_again(study, body, solution, run);
   solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) run.talk().note(note);
   warn(solution.model.warnings, solution, run);

@@ -1,0 +1,136 @@
+// What is said before the long step: counts, sizes, and what cannot be.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "app/forecast.h"
+#include "app/interpolation.h"
+#include "app/solution.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/surface.h"
+#include "quiet_run.h"
+
+namespace chladni::app {
+namespace {
+
+testing::AssertionResult says(const std::string& text, const std::string& part) {
+  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "\"" << part << "\" is not in\n" << text;
+}
+
+const std::string kAluminium =
+    "\nmaterial = { youngs_modulus = \"70 GPa\", poissons_ratio = 0.33, density = \"2700 kg/m^3\" "
+    "}\n";
+const std::string kSmall =
+    "geometry = { plate = { length = \"100 mm\", width = \"60 mm\", thickness = \"5 mm\" } }" +
+    kAluminium + "mesh = { edge_length = \"20 mm\", order = 2 }\n";
+
+class Before : public ::testing::Test {
+ protected:
+  Study study_of(const std::string& text) const {
+    return parse_study(text, folder_.path() / "study.toml");
+  }
+
+  // What `check` refuses, and says before.
+  std::string refusal(const std::string& text, const Command& command = check_command) {
+    const Study study = study_of(text);
+    QuietRun quiet(study, folder_.path() / "out");
+    std::string what;
+    try {
+      command.run(study, quiet.run());
+    } catch (const std::exception& e) {
+      what = e.what();
+    }
+    shown_ = quiet.shown();
+    return what;
+  }
+
+  TestFolder folder_{"forecast"};
+  std::string shown_;
+};
+
+// Flexible frequencies of a free square plate and of a strip (tests/app/imported_modes_test.cpp).
+TEST_F(Before, ModesAreCountedByWeylsLaw) {
+  const Study plate = study_of(
+      "geometry = { plate = { length = \"600 mm\", width = \"600 mm\", thickness = \"20 mm\" } }" +
+      kAluminium);
+  const auto body = understood(plate, outline_of(plate));
+  const auto& material = plate.materials[0].material;
+  EXPECT_NEAR(modes_below(body, material, 2620.0) / (6 + 21), 1.0, 0.2);
+  EXPECT_NEAR(modes_below(body, material, 1040.0) / (6 + 10), 1.0, 0.3);
+  const Study strip = study_of(
+      "geometry = { beam = { length = \"500 mm\", width = \"20 mm\", thickness = \"2 mm\" } }\n"
+      "material = { youngs_modulus = \"210 GPa\", poissons_ratio = 0.3, density = \"7850 kg/m^3\" "
+      "}");
+  EXPECT_NEAR(
+      modes_below(understood(strip, outline_of(strip)), strip.materials[0].material, 1240.0) /
+          (6 + 11),
+      1.0, 0.5);
+}
+
+TEST_F(Before, AFrequencyThatNoMeshReachesIsRefused) {
+  const std::string text = refusal(kSmall + "modes = { up_to = \"1 GHz\" }\n");
+  EXPECT_TRUE(says(text, "modes.up_to is 1e+09 Hz, and about "));
+  EXPECT_TRUE(says(text, "Ask for less than about "));
+  EXPECT_EQ(refusal(kSmall + "modes = { up_to = \"10 kHz\" }\n"), "");
+}
+
+TEST_F(Before, MoreModesCostMore) {
+  const Study few = study_of(kSmall + "modes = { count = 20 }\n");
+  const Study many = study_of(kSmall + "modes = { count = 200 }\n");
+  const auto outline = outline_of(few);
+  const auto little = forecast(few, outline);
+  const auto much = forecast(many, outline);
+  EXPECT_EQ(little.degrees_of_freedom, much.degrees_of_freedom);
+  EXPECT_GT(much.memory_bytes, little.memory_bytes + 180 * 8 * little.degrees_of_freedom);
+  EXPECT_GT(much.seconds, little.seconds);
+}
+
+// A guess may be a third off, a mesh that is there is believed.
+TEST_F(Before, WhatIsKnownIsRefusedSooner) {
+  const Study study = study_of(kSmall);
+  Cost cost;
+  cost.degrees_of_freedom = 1e5;
+  cost.memory_bytes = 1.2 * static_cast<double>(available_memory());
+  EXPECT_NO_THROW(refuse_what_cannot_fit(study, {}, cost));
+  cost.exact = true;
+  EXPECT_THROW(refuse_what_cannot_fit(study, {}, cost), OutOfResources);
+}
+
+TEST_F(Before, OfADiscItsDiameterIsTold) {
+  const Study mirror = study_of(
+      "geometry = { disc = { diameter = \"200 mm\", thickness = \"6 mm\" } }" + kAluminium);
+  const auto body = understood(mirror, outline_of(mirror));
+  EXPECT_TRUE(says(body.line(), "200.0 x 200.0 x 6.0 mm (diameter 200.0 mm)  "));
+}
+
+TEST_F(Before, CheckFindsModesThatWillNotBeThere) {
+  EXPECT_TRUE(says(refusal(kSmall + "modes = { count = 4 }\n[placement]\nmodes = [1, 99]\n"),
+                   "study.toml:6:9: placement.modes asks for flexible mode 99, but 4 will be"));
+  EXPECT_TRUE(says(refusal(kSmall + "modes = { count = 4 }\n[priors]\nmodes = 5\n"),
+                   "study.toml:6:9: priors.modes asks for flexible mode 5, but 4 will be"));
+  EXPECT_EQ(refusal(kSmall + "modes = { count = 4 }\n[placement]\nmodes = 4\n"), "");
+}
+
+TEST_F(Before, CheckFindsDataThatAreNotThere) {
+  const std::string channel =
+      "[[sensor]]\nname = \"s\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n";
+  const std::string text =
+      refusal(kSmall + channel + "[measurement]\nfrf = \"gone.csv\"\ntruth = \"real.toml\"\n");
+  EXPECT_TRUE(says(text, "study.toml:9:7: measurement.frf \"gone.csv\" does not exist"));
+  EXPECT_TRUE(says(text, "study.toml:10:9: measurement.truth \"real.toml\" does not exist"));
+  std::ofstream(folder_.path() / "gone.csv") << "freq_hz\n";
+  std::ofstream(folder_.path() / "real.toml") << "";
+  EXPECT_EQ(
+      refusal(kSmall + channel + "[measurement]\nfrf = \"gone.csv\"\ntruth = \"real.toml\"\n"), "");
+}
+
+TEST_F(Before, InterpolateSaysThatNothingIsMeasuredBeforeItSolves) {
+  EXPECT_TRUE(says(refusal(kSmall, interpolate_command), "nothing is measured"));
+  EXPECT_EQ(shown_, "");
+}
+
+}  // namespace
+}  // namespace chladni::app
