@@ -64,13 +64,14 @@ void expect_equal(const diagnosis::Tolerances& a, const diagnosis::Tolerances& b
   EXPECT_DOUBLE_EQ(a.residual, b.residual);
   EXPECT_DOUBLE_EQ(a.scale, b.scale);
   EXPECT_DOUBLE_EQ(a.mass, b.mass);
+  EXPECT_DOUBLE_EQ(a.loaded_damping, b.loaded_damping);
 }
 
 TEST(StudyDiagnosis, IsReadInSi) {
   const auto study = parsed(R"([diagnosis]
 band = ["20 Hz", "0.9 kHz"]
 hold_out_band = ["700 Hz", "900 Hz"]
-tolerances = { position = "1 mm", gain = "1 %", delay = "2 us", damping = 0.3 }
+tolerances = { position = "1 mm", gain = "1 %", delay = "2 us", damping = 0.3, loaded_damping = 0 }
 effects = ["point_mass", "sensor_gain"]
 most_causes = 2
 least_evidence = 10
@@ -93,6 +94,7 @@ lines = 200
   expected.gain = 0.01;
   expected.delay = 2e-6;
   expected.damping = 0.3;
+  expected.loaded_damping = 0.0;
   expect_equal(plan.tolerances, expected);
 }
 
