@@ -28,12 +28,14 @@ class Diagnose : public testing::Test {
  protected:
   modal::FrfSet measured_of(const std::vector<std::string>& kinds,
                             const std::vector<Eigen::Index>& sensors,
-                            const std::vector<Eigen::Index>& actuators, unsigned seed = 3) const {
+                            const std::vector<Eigen::Index>& actuators, unsigned seed = 3) {
     simulators::HiddenOptions options;
     options.lines = 120;
     options.degree = 12;
     options.severity = 0.7;
-    return modal::part(simulators::hidden_case(kinds, seed, options).measured, sensors, actuators);
+    const auto made = simulators::hidden_case(kinds, seed, options);
+    truth_ = made.truth;
+    return modal::part(made.measured, sensors, actuators);
   }
 
   Diagnosed diagnosed_from(const modal::FrfSet& measured, const std::string& plan = "") {
@@ -57,13 +59,28 @@ class Diagnose : public testing::Test {
     return result;
   }
 
-  static bool is_confident(const diagnosis::Diagnosis& result) {
-    return result.verdict == Verdict::named && !result.best.causes.empty() &&
-           result.best.causes.front().probability > 0.9;
+  // Whatever the verdict: no other name than `effect` ("": none at all) is sure.
+  static void expect_no_sure_name_but(const std::string& effect,
+                                      const diagnosis::Diagnosis& result) {
+    for (const auto& cause : result.best.causes) {
+      if (cause.effect != effect) {
+        EXPECT_LE(cause.probability, 0.9) << verdict_text(result);
+      }
+    }
+  }
+
+  // What was hidden, where it is, within its deviation.
+  void expect_the_mass(const diagnosis::Cause& cause, double within_m) const {
+    ASSERT_EQ(cause.effect, "point_mass");
+    EXPECT_LT((*cause.place - *truth_.front().place).norm(), within_m);
+    const auto& mass = cause.parameters.front();
+    ASSERT_EQ(mass.name, "mass");
+    EXPECT_NEAR(mass.value, truth_.front().size.at("mass"), 3.0 * mass.std);
   }
 
   TestFolder folder_{"diagnose"};
   std::string said_;
+  std::vector<simulators::HiddenEffect> truth_;
 };
 
 TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
@@ -93,8 +110,10 @@ TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
 
 TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}));
-  EXPECT_FALSE(is_confident(one.result) && one.result.best.causes.front().effect != "point_mass")
+  EXPECT_TRUE(one.result.verdict == Verdict::named || one.result.verdict == Verdict::ambiguous)
       << verdict_text(one.result);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  expect_the_mass(one.result.best.causes.front(), 10e-3);
 }
 
 TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
@@ -108,16 +127,17 @@ TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
 
 TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
-  ASSERT_FALSE(one.result.best.causes.empty());
-  EXPECT_TRUE(one.result.best.causes.front().effect == "point_mass" ||
-              one.result.verdict == Verdict::ambiguous)
-      << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::named) << verdict_text(one.result);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  expect_the_mass(one.result.best.causes.front(), 5e-3);
+  EXPECT_LT(one.result.best.causes.front().parameters.front().std,
+            0.05 * truth_.front().size.at("mass"));
 }
 
 TEST_F(Diagnose, AnotherTableIsNotExplained) {
   const auto one = diagnosed_from(measured_of({"other_plate"}, {0, 2}, {4, 6, 9}));
   EXPECT_EQ(one.result.verdict, Verdict::unexplained) << verdict_text(one.result);
-  EXPECT_FALSE(is_confident(one.result));
+  expect_no_sure_name_but("", one.result);
 }
 
 TEST_F(Diagnose, NoiseThatIsNotStatedIsEstimatedAndSaid) {
@@ -125,7 +145,8 @@ TEST_F(Diagnose, NoiseThatIsNotStatedIsEstimatedAndSaid) {
   measured.variance.clear();
   const auto one = diagnosed_from(measured, "effects = [\"point_mass\", \"sensor_gain\"]\n");
   EXPECT_NE(said_.find("state no variance: it is estimated"), std::string::npos) << said_;
-  EXPECT_FALSE(is_confident(one.result)) << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << verdict_text(one.result);
+  EXPECT_TRUE(one.result.best.causes.empty());
 }
 
 TEST_F(Diagnose, ABandWithoutModesIsRefused) {
