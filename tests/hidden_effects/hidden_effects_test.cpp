@@ -183,22 +183,19 @@ TEST(HiddenEffects, AMassIsFoundOnATableThatDeviates) {
 class TwoEffects : public testing::TestWithParam<std::vector<std::string>> {};
 
 TEST_P(TwoEffects, AreBothFound) {
+  const bool first = GetParam().front() == "ground_spring";
+  if (!first && !sample().all) GTEST_SKIP() << "beside the sample: CHLADNI_STUDIES=all";
   const auto made = hidden(GetParam(), 2);
   const auto score = simulators::scored(made, told(made));
   EXPECT_EQ(name(score.outcome), name(Outcome::right)) << score.told;
   for (const auto& effect : score.effects) expect_sizes(effect);
 }
 
-std::vector<std::vector<std::string>> some_pairs() {
-  std::vector<std::vector<std::string>> pairs{{"ground_spring", "actuator_gain"}};
-  if (sample().all) {
-    pairs.push_back({"point_mass", "sensor_gain"});
-    pairs.push_back({"youngs_modulus", "sensor_position"});
-  }
-  return pairs;
-}
+const std::vector<std::vector<std::string>> kPairs{{"ground_spring", "actuator_gain"},
+                                                   {"point_mass", "sensor_gain"},
+                                                   {"youngs_modulus", "sensor_position"}};
 
-INSTANTIATE_TEST_SUITE_P(AtOnce, TwoEffects, testing::ValuesIn(some_pairs()));
+INSTANTIATE_TEST_SUITE_P(AtOnce, TwoEffects, testing::ValuesIn(kPairs));
 
 // A diagnosis that knew the truth would know this seed's, too: the same record with other names.
 TEST(HiddenEffects, NamesOfChannelsAreAllThatTiesThemToPlaces) {
