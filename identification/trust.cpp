@@ -233,6 +233,16 @@ std::string difference(const ModalFit& found, const ModalFit& clean) {
   return text.str();
 }
 
+// Whether some mode has a third of its power in the lines of these values.
+bool lives_of(const ModalFit& fit, const FitData& data, const std::vector<OutlyingValue>& values) {
+  for (const auto& support : sole_supports(data, fit)) {
+    for (const auto& one : values) {
+      if (one.line == support.line && one.response == support.response) return true;
+    }
+  }
+  return false;
+}
+
 // The outlying values go into the judgement, and what they do to the result.
 void look_for_outliers(const Identified& found, const FitData& data,
                        const std::optional<IdentificationOptions>& again, Judgement& judgement) {
@@ -252,7 +262,11 @@ void look_for_outliers(const Identified& found, const FitData& data,
     const auto clean = identified(without(data, candidates), *again);
     judgement.outlying = confirmed(data, clean.fit, candidates);
     if (judgement.outlying.empty()) return;
-    const auto how = difference(found.fit, clean.fit);
+    // Where no variance is stated deviations are guesses, and weak modes come and go.
+    const bool bent = data.noise_stated || judgement.level > kBadLevel ||
+                      judgement.unexplained > kMostUnexplained ||
+                      lives_of(found.fit, data, judgement.outlying);
+    const auto how = bent ? difference(found.fit, clean.fit) : std::string();
     if (!how.empty()) judgement.reasons.push_back("outlying values decide the result: " + how);
   } catch (const InvalidInput&) {  // nothing is left without them
     judgement.outlying = std::move(candidates);

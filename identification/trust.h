@@ -49,7 +49,8 @@ struct Judgement {
 /// - that leaves a quarter of the data's power unexplained by itself or noise,
 /// - half of whose modes' power is in doubtful modes,
 /// - that outlying values decide: the same identification without them has other modes, by number
-///   or by more than five deviations.
+///   or by more than five deviations. Where no variance is stated only if a mode lives of them, or
+///   the fit leaves ten times the noise.
 /// Outlying is a value whose residual is beyond what noise has once in a million records of that
 /// size and eight times the median of its neighbours', to the fit without it. Where no variance
 /// explains what is left, an error of the model as large as the response usually has, and as
