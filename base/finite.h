@@ -2,11 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
-
-#include "base/error.h"
 
 namespace chladni {
+
+/// What `finite` says of a matrix with entries that are not.
+/// @throws NumericalFailure  always
+[[noreturn]] void refuse_infinite(const char* name, Eigen::Index bad, Eigen::Index size);
 
 /// The matrix itself where every entry is a finite number. Eigen's iterations on anything else may
 /// never end, or read outside of their arrays.
@@ -15,11 +16,7 @@ namespace chladni {
 template <typename Matrix>
 const Matrix& finite(const Matrix& matrix, const char* name) {
   if (matrix.allFinite()) return matrix;
-  const auto bad = matrix.size() - matrix.array().isFinite().count();
-  throw NumericalFailure(std::string(name) + ": " + std::to_string(bad) + " of " +
-                         std::to_string(matrix.size()) +
-                         " entries are infinite or no numbers; expected finite values (are the "
-                         "data of a sound size?)");
+  refuse_infinite(name, matrix.size() - matrix.array().isFinite().count(), matrix.size());
 }
 
 }  // namespace chladni
