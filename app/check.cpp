@@ -34,9 +34,11 @@ void look_for_files(const Study& study, Run& run) {
                       "\" is not there yet: chladni simulate writes it");
       continue;
     }
+    const bool measured = study.measurement && file.key.starts_with("measurement.");
     problems.add(file.line, file.column,
-                 fmt::format("{} \"{}\" does not exist (looked for {})", file.key,
-                             file.path.filename().string(), file.path.string()));
+                 fmt::format("{} \"{}\" does not exist (looked for {}){}", file.key,
+                             file.path.filename().string(), file.path.string(),
+                             measured ? source_text(*study.measurement) : ""));
   }
   problems.throw_if_any();
 }
