@@ -164,7 +164,7 @@ TEST_F(Priors, RefusesWhatCannotBeMeant) {
   refused("samples = \"many\"", "4 to 4000");
   refused("samples = []", "4 to 4000");
   refused("noise_ratio = 1e-12", "1e-8");
-  refused("modes = 40", "40 flexible modes");
+  refused("modes = 40", "flexible mode 40, but 12 will be computed");
   refused("on = [\"lid\"]", "lid");
   refused("by = \"luck\"", "leave_one_out");
   refused("smaples = [10]", "samples");
