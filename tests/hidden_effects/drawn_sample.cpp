@@ -53,7 +53,7 @@ DrawnSample drawn_sample(const std::string& asked, const TreeState& tree) {
   } else {
     const auto hash = std::stoul(tree.commit.substr(0, 8), nullptr, 16);
     const auto quarter = tree.is_shallow ? hash / 1000 : tree.landings;
-    sample.number = static_cast<unsigned>(4 * (hash % 1000) + quarter % 4);
+    sample.number = static_cast<unsigned>(quarter % 4);
     sample.from = fmt::format("commit {}{}", tree.commit.substr(0, 8),
                               tree.is_shallow ? ", of a shallow clone" : "");
   }
