@@ -199,9 +199,10 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
     const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
     const double left = lost_by(unexplained(one), n);
     const double whole = all_there_is(problem.structure, one);
-    for (auto& cause : one.causes) {
-      cause.probability =
-          one.probability * (whole + (1.0 - whole) * beside_unnamed(cause, share, left));
+    for (std::size_t c = 0; c < one.causes.size(); ++c) {
+      const double beside = beside_unnamed(one.causes[c], share, left) *
+                            of_its_own(problem.structure, one.causes, c);
+      one.causes[c].probability = one.probability * (whole + (1.0 - whole) * beside);
     }
   }
 }
@@ -232,6 +233,13 @@ void put_first(const Problem& problem, const Found& found, std::size_t which,
   weigh_causes(problem, found, found.fits[front.fit], front);
   front.error_excess += excess_of(left, problem.observed.number_count());
   front.log_evidence = std::max(front.log_evidence, evidence);
+}
+
+// Of the surface as near to the one as the other is; 1 where they are not of one kind.
+double share_as_near(const Structure& structure, const Cause& one, const Cause& other) {
+  if (!one.place || !other.place || one.effect != other.effect) return 1.0;
+  const double around = std::numbers::pi * (*one.place - *other.place).squaredNorm();
+  return std::min(1.0, around / structure.surface.area.sum());
 }
 
 double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
@@ -265,16 +273,24 @@ std::string_view name(Verdict verdict) {
 
 double by_chance_so_near(const Structure& structure, const std::vector<Cause>& causes) {
   double chance = 1.0;
-  for (auto one = causes.begin(); one != causes.end(); ++one) {
-    double share = 1.0;  // of the surface that is as near to one before
-    for (auto other = causes.begin(); other != one; ++other) {
-      if (!one->place || !other->place || one->effect != other->effect) continue;
-      const double around = std::numbers::pi * (*one->place - *other->place).squaredNorm();
-      share = std::min(share, around / structure.surface.area.sum());
+  for (std::size_t c = 1; c < causes.size(); ++c) {
+    double share = 1.0;
+    for (std::size_t before = 0; before < c; ++before) {
+      share = std::min(share, share_as_near(structure, causes[c], causes[before]));
     }
     chance *= share;
   }
   return chance;
+}
+
+double of_its_own(const Structure& structure, const std::vector<Cause>& causes,
+                  std::size_t which) {
+  constexpr double kPrior = 0.1;  // of what is spread out, beside one more of a kind
+  double share = 1.0;
+  for (std::size_t c = 0; c < causes.size(); ++c) {
+    if (c != which) share = std::min(share, share_as_near(structure, causes[which], causes[c]));
+  }
+  return share < 1.0 ? share / (share + kPrior) : 1.0;
 }
 
 std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {

@@ -19,6 +19,12 @@ namespace chladni::diagnosis {
 [[nodiscard]] double by_chance_so_near(const Structure& structure,
                                        const std::vector<Cause>& causes);
 
+/// How far cause `which` is one of its own, 0 to 1: 1 where no other of its kind is told; small
+/// where one is so near that a random place is hardly ever, as the parts are of one thing that is
+/// spread out.
+[[nodiscard]] double of_its_own(const Structure& structure, const std::vector<Cause>& causes,
+                                std::size_t which);
+
 /// The verdict on them; `explanations.front()` is the best.
 [[nodiscard]] Verdict judged(const Problem& problem, const Found& found,
                              const std::vector<Explanation>& explanations,

@@ -96,6 +96,24 @@ TEST_F(JudgedVerdict, TakesManyOfAKindInOneRegionForOneThingThatItLacks) {
   EXPECT_EQ(with(others), Verdict::named);
 }
 
+// Beside something unnamed, each of three springs in one region may be a part of it.
+TEST(OfItsOwn, IsWhatIsAloneAndHardlyWhatIsOneOfManyInARegion) {
+  const auto& plate = small_plate();
+  std::vector<Cause> all(3);
+  for (auto& one : all) one.effect = "ground_spring";
+  all[0].place = Eigen::Vector2d(-0.1, 0.0);
+  all[1].place = Eigen::Vector2d(-0.1, 0.01);
+  all[2].place = Eigen::Vector2d(0.12, 0.05);
+  EXPECT_EQ(of_its_own(plate, {all[0]}, 0), 1.0);
+  EXPECT_LT(of_its_own(plate, all, 0), 0.1);
+  EXPECT_EQ(of_its_own(plate, all, 0), of_its_own(plate, all, 1));
+  EXPECT_GT(of_its_own(plate, all, 2), 0.7);
+  all[1].effect = "point_mass";
+  EXPECT_GT(of_its_own(plate, all, 0), 0.7);
+  all[2].place.reset();
+  EXPECT_EQ(of_its_own(plate, all, 0), 1.0);
+}
+
 // Of a plate in which `truth` is, with 1 % of noise that is not drawn.
 class Explanations : public testing::Test {
  protected:
