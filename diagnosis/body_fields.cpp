@@ -18,27 +18,35 @@ BodyChange change(const Structure& structure, const ArrayXd& powered, const Arra
   return result;
 }
 
+// Of the box, 0 along an axis that one cell spans: nothing varies along it.
+Eigen::RowVector2d resolved_size(const BodyCells& cells) {
+  const Eigen::RowVector2d spread =
+      cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
+  Eigen::RowVector2d size = cells.size;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;
+  }
+  return size;
+}
+
+// From -1 to 1 over the box; 0 along an axis that is not resolved.
+ArrayXd along(const BodyCells& cells, const Eigen::MatrixX2d& places, Index axis) {
+  const double size = resolved_size(cells)(axis);
+  if (size <= 0.0) return ArrayXd::Zero(places.rows());
+  return 2.0 * (places.col(axis).array() - cells.from(axis)) / size - 1.0;
+}
+
 }  // namespace
 
 MatrixXd smooth_fields(const BodyCells& cells) { return smooth_fields(cells, cells.centres); }
 
 MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places) {
   if (cells.count() == 0) return {};
-  const Eigen::RowVector2d low = cells.from;
-  const Eigen::RowVector2d spread =
-      cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
-  Eigen::RowVector2d size = cells.size;
-  for (int axis = 0; axis < 2; ++axis) {
-    if (spread(axis) < 0.3 * size(axis)) size(axis) = 0.0;  // one cell spans it: nothing varies
-  }
-  const auto along = [&](int axis) -> Eigen::ArrayXd {
-    if (size(axis) <= 0.0) return Eigen::ArrayXd::Zero(places.rows());
-    return 2.0 * (places.col(axis).array() - low(axis)) / size(axis) - 1.0;
-  };
-  const Eigen::ArrayXd u = along(0);
-  const Eigen::ArrayXd v = along(1);
+  const auto size = resolved_size(cells);
+  const ArrayXd u = along(cells, places, 0);
+  const ArrayXd v = along(cells, places, 1);
   MatrixXd fields(places.rows(), 0);
-  const auto add = [&](const Eigen::ArrayXd& field) {
+  const auto add = [&](const ArrayXd& field) {
     fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
     fields.rightCols(1) = field.matrix();
   };
@@ -48,6 +56,25 @@ MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places) {
   if (size(0) > 0.0 && size(1) > 0.0) add(u * v);
   if (size(1) > 0.0) add(1.5 * v.square() - 0.5);
   return fields;
+}
+
+MatrixXd short_waves(const BodyCells& cells) {
+  constexpr Index kOrder = 6;
+  if (cells.count() == 0) return {};
+  const auto resolved = resolved_size(cells);
+  if (resolved.minCoeff() > 0.0) return {cells.count(), 0};
+  Index axis = 0;
+  resolved.maxCoeff(&axis);
+  const ArrayXd at = along(cells, cells.centres, axis);
+  MatrixXd orders(cells.count(), kOrder + 1);
+  orders.col(0).setOnes();
+  orders.col(1) = at;
+  for (Index n = 1; n < kOrder; ++n) {  // Bonnet's recursion
+    const auto k = static_cast<double>(n);
+    orders.col(n + 1) =
+        ((2.0 * k + 1.0) * at * orders.col(n).array() - k * orders.col(n - 1).array()) / (k + 1.0);
+  }
+  return orders.rightCols(kOrder - 2);
 }
 
 MatrixXd sum_of(const std::vector<MatrixXd>& cells, const VectorXd& weight) {
@@ -87,13 +114,15 @@ BodyChange thickness_slope(const Structure& structure, Index f) {
   const auto& waves = structure.cells.waves;
   const auto at = static_cast<std::size_t>(f);
   if (!waves.bent.empty()) return {waves.bent[at], waves.thickened[at]};
-  const ArrayXd field = smooth_fields(structure.cells).col(f).array();
-  return change(structure, structure.bending_power * field, field);
+  return thickness_slope(structure, VectorXd(smooth_fields(structure.cells).col(f)));
+}
+
+BodyChange thickness_slope(const Structure& structure, const VectorXd& field) {
+  return change(structure, structure.bending_power * field.array(), field.array());
 }
 
 BodyChange thickness_slope(const Structure& structure) {
-  const ArrayXd ones = ArrayXd::Ones(structure.cells.count());
-  return change(structure, structure.bending_power * ones, ones);
+  return thickness_slope(structure, VectorXd(VectorXd::Ones(structure.cells.count())));
 }
 
 MatrixXd stiffened_smoothly(const Structure& structure, const VectorXd& x) {

@@ -11,6 +11,9 @@ namespace chladni::diagnosis {
 [[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells);
 /// The same at other places, n×2 [m].
 [[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places);
+/// Along a body whose cells lie in one line, Legendre's polynomials of third to sixth order: b×4,
+/// so that it has as many waves as a face; b×0 on a face.
+[[nodiscard]] Eigen::MatrixXd short_waves(const BodyCells& cells);
 
 /// Σ_c weight_c A_c.
 [[nodiscard]] Eigen::MatrixXd sum_of(const std::vector<Eigen::MatrixXd>& cells,
@@ -27,6 +30,8 @@ struct BodyChange {
 [[nodiscard]] BodyChange thickened_smoothly(const Structure& structure, const Eigen::VectorXd& x);
 /// Its derivative by x_f, at 0.
 [[nodiscard]] BodyChange thickness_slope(const Structure& structure, Eigen::Index f);
+/// Its derivative by the size of any field, a value per cell.
+[[nodiscard]] BodyChange thickness_slope(const Structure& structure, const Eigen::VectorXd& field);
 /// The same of the whole body at once.
 [[nodiscard]] BodyChange thickness_slope(const Structure& structure);
 /// What K gains when Young's modulus becomes 1 + smooth_fields times x.

@@ -69,20 +69,28 @@ std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double
   return all;
 }
 
+// What two modes of a cluster share: a part of the root of both's product.
+void couple(Eigen::MatrixXd& entries, Index i, Index j, double part) {
+  const double more = part * std::sqrt(entries(i, i) * entries(j, j));
+  entries(i, j) += more;
+  entries(j, i) += more;
+}
+
 // What the modes i and j of a cluster share of stiffness or damping; of repeated modes the whole
 // block is theirs, or a deviation would depend on how the solver turned them.
-void add_entry(Eigen::MatrixXd State::*matrix, Index i, Index j, double by, std::string name,
-               std::vector<Deviation>& all) {
+void add_frequency(Index i, Index j, double by, std::string name, std::vector<Deviation>& all) {
   if (by <= 0.0) return;
   all.push_back({std::move(name), [=](State& state, double eta) {
-                   auto& entries = state.*matrix;
-                   if (i == j) {
-                     entries(i, i) *= std::exp(by * eta);
-                     return;
-                   }
-                   const double more = by * eta * std::sqrt(entries(i, i) * entries(j, j));
-                   entries(i, j) += more;
-                   entries(j, i) += more;
+                   if (i == j) state.stiffness(i, i) *= std::exp(by * eta);
+                   if (i != j) couple(state.stiffness, i, j, by * eta);
+                 }});
+}
+
+void add_damping(Index i, Index j, double by, std::string name, std::vector<Deviation>& all) {
+  if (by <= 0.0) return;
+  all.push_back({std::move(name), [=](State& state, double eta) {
+                   if (i == j) deviate_damping(state, i, by * eta);
+                   if (i != j) couple(state.damping, i, j, by * eta);
                  }});
 }
 
@@ -97,16 +105,43 @@ double frequency_tolerance(const Structure& structure, const Tolerances& toleran
 
 void add_modes(const Structure& structure, const Tolerances& tolerances, double high_hz,
                std::vector<Deviation>& all) {
-  for (const auto& [first, size] : clusters(structure, 1.5 * high_hz)) {
+  for (const auto& [first, size] : clusters(structure, high_hz)) {
     for (Index i = first; i < first + size; ++i) {
       for (Index j = i; j < first + size; ++j) {
         const auto of = fmt::format("{} {:.4g} Hz", i == j ? "of the mode at" : "between modes at",
                                     structure.frequency_hz(i));
-        add_entry(&State::stiffness, i, j, 2.0 * frequency_tolerance(structure, tolerances, i, j),
-                  "frequency " + of, all);
-        add_entry(&State::damping, i, j, tolerances.damping, "damping " + of, all);
+        add_frequency(i, j, 2.0 * frequency_tolerance(structure, tolerances, i, j),
+                      "frequency " + of, all);
+        add_damping(i, j, tolerances.damping, "damping " + of, all);
       }
     }
+  }
+}
+
+// The shorter waves of a line are lower: as one over their order less one.
+void add_thickness(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
+  all.push_back({"thickness", [by = thickness_slope(structure), t = tolerance,
+                               power = structure.bending_power](State& state, double eta) {
+                   state.stiffness += t * eta * by.stiffness;
+                   state.mass += t * eta * by.mass;
+                   scale_residual(state, std::exp(-power * t * eta));
+                 }});
+  std::vector<std::pair<BodyChange, double>> waves;
+  for (Index f = 0; f < smooth_fields(structure.cells).cols(); ++f) {
+    waves.emplace_back(thickness_slope(structure, f), tolerance);
+  }
+  const MatrixXd shorter = short_waves(structure.cells);
+  for (Index f = 0; f < shorter.cols(); ++f) {
+    const auto order = static_cast<double>(f + 3);
+    waves.emplace_back(thickness_slope(structure, VectorXd(shorter.col(f))),
+                       tolerance / (order - 1.0));
+  }
+  for (std::size_t n = 0; n < waves.size(); ++n) {
+    all.push_back({fmt::format("smooth wave {} of thickness", n + 1),
+                   [by = waves[n].first, t = waves[n].second](State& state, double eta) {
+                     state.stiffness += t * eta * by.stiffness;
+                     state.mass += t * eta * by.mass;
+                   }});
   }
 }
 
@@ -137,21 +172,8 @@ void add_body(const Structure& structure, const Tolerances& tolerances,
     add("stiffness along u", structure.directional.along_u);
     add("stiffness in shear", structure.directional.shear);
   }
-  if (tolerances.thickness <= 0.0 || structure.cells.count() == 0) return;
-  all.push_back({"thickness", [by = thickness_slope(structure), t = tolerances.thickness,
-                               power = structure.bending_power](State& state, double eta) {
-                   state.stiffness += t * eta * by.stiffness;
-                   state.mass += t * eta * by.mass;
-                   scale_residual(state, std::exp(-power * t * eta));
-                 }});
-  const Index waves = smooth_fields(structure.cells).cols();
-  for (Index f = 0; f < waves; ++f) {
-    all.push_back(
-        {fmt::format("smooth wave {} of thickness", f + 1),
-         [by = thickness_slope(structure, f), t = tolerances.thickness](State& state, double eta) {
-           state.stiffness += t * eta * by.stiffness;
-           state.mass += t * eta * by.mass;
-         }});
+  if (tolerances.thickness > 0.0 && structure.cells.count() > 0) {
+    add_thickness(structure, tolerances.thickness, all);
   }
 }
 

@@ -17,7 +17,7 @@ struct Deviation {
   std::function<void(State&, double eta)> apply;
 };
 
-/// In the order in which they act; before any effect. Modes up to 1.5 times `high_hz` have their
+/// In the order in which they act; before any effect. Modes up to `high_hz` have their
 /// own frequency and damping; neighbours nearer than two half-power bandwidths have a
 /// symmetric block of both. A frequency may be off by the tolerance and by what its own mesh leaves
 /// (Structure::frequency_error), squares added.

@@ -216,7 +216,7 @@ class About {
         moved[c].effect->apply(state, problem_.structure, moved[c].option, moved[c].x);
       }
     }
-    if (state.loaded_damping != 0.0) add_loaded(state, loaded_damping(problem_.structure, moved));
+    if (state.loaded_damping != 0.0) take_in(loaded_damping(problem_.structure, moved), state);
     return state;
   }
 
@@ -225,10 +225,11 @@ class About {
     for (const auto& change : changes_) change(state);
     if (state.loaded_damping == 0.0 || changes_.empty()) return state;
     std::call_once(once_, [&] { loaded_ = loaded_damping(problem_.structure, causes_); });
-    add_loaded(state, loaded_);
+    take_in(loaded_, state);
     return state;
   }
-  static void add_loaded(State& state, const MatrixXd& gained) {
+  static void take_in(const LoadedDamping& loaded, State& state) {
+    const MatrixXd gained = loaded.gained(state.relative_damping);
     if (gained.size() > 0) state.damping += state.loaded_damping * gained;
   }
 
@@ -237,7 +238,7 @@ class About {
   const VectorXd& eta_;
   std::vector<std::function<void(State&)>> changes_;
   mutable std::once_flag once_;
-  mutable MatrixXd loaded_;  // loaded_damping of the causes, made on first use
+  mutable LoadedDamping loaded_;  // of the causes, made on first use
 };
 
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {

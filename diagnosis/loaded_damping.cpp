@@ -23,20 +23,33 @@ void take_in(const std::vector<Attached>& all, MatrixXd& stiffness, MatrixXd& ma
 }
 
 // Of the modes one by one, as a state damps those of the structure.
-VectorXd ratios(const Structure& structure, const State& state) {
-  const VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
+VectorXd losses_of(const State& state) {
   VectorXd own = state.damping.diagonal();
   if (state.dashpots.size() > 0) own -= state.dashpots.diagonal();
+  return own;
+}
+
+VectorXd ratios(const Structure& structure, const VectorXd& losses) {
+  const VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
   const Index flexible = structure.mode_count() - structure.rigid_count;
   VectorXd ratio(omega.size());
-  ratio.tail(flexible) = own.tail(flexible).cwiseQuotient(2.0 * omega.tail(flexible));
+  ratio.tail(flexible) = losses.tail(flexible).cwiseQuotient(2.0 * omega.tail(flexible));
   ratio.head(structure.rigid_count).setConstant(ratio.tail(flexible).mean());
   return ratio;
 }
 
 }  // namespace
 
-MatrixXd loaded_damping(const Structure& structure, const std::vector<Supposed>& causes) {
+MatrixXd LoadedDamping::gained(const VectorXd& relative) const {
+  if (factor.size() == 0) return {};
+  VectorXd share = VectorXd::Ones(factor.cols());
+  if (relative.size() > 0) share += relative;
+  MatrixXd more = factor * share.asDiagonal() * factor.transpose();
+  more.diagonal() -= share.cwiseProduct(bare.cwiseAbs2());
+  return more;
+}
+
+LoadedDamping loaded_damping(const Structure& structure, const std::vector<Supposed>& causes) {
   const State bare = state_of(structure);
   State loaded = bare;
   for (const auto& cause : causes) change_of(cause, structure)(loaded);
@@ -47,11 +60,10 @@ MatrixXd loaded_damping(const Structure& structure, const std::vector<Supposed>&
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness, mass);
   if (modes.info() != Eigen::Success) throw NumericalFailure("a mass that is not positive");
   const VectorXd omega = modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const MatrixXd seen = mass * modes.eigenvectors();
-  const VectorXd losses = 2.0 * ratios(structure, loaded).cwiseProduct(omega);
-  MatrixXd gained = seen * losses.asDiagonal() * seen.transpose() - loaded.damping;
-  if (loaded.dashpots.size() > 0) gained += loaded.dashpots;
-  return gained;
+  const VectorXd own = losses_of(loaded);
+  const VectorXd losses = 2.0 * ratios(structure, own).cwiseProduct(omega);
+  return {mass * modes.eigenvectors() * losses.cwiseMax(0.0).cwiseSqrt().asDiagonal(),
+          own.cwiseMax(0.0).cwiseSqrt()};
 }
 
 }  // namespace chladni::diagnosis

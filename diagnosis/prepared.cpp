@@ -29,7 +29,10 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
   auto [own, observed, notes] = seen(structure, measured, high_hz);
   const double band_hz = observed.omega(observed.line_count() - 1) / (2.0 * std::numbers::pi);
   auto kept = std::make_shared<const Structure>(std::move(own));
-  auto tolerable = deviations(*kept, tolerances, band_hz);
+  // Those above the band too: some hundredths of what they add within it are loss, which a fifth of
+  // their damping makes uncertain by more than the noise of thousands of lines. Masses of -14 g
+  // were made of it.
+  auto tolerable = deviations(*kept, tolerances, kept->frequency_hz(kept->mode_count() - 1));
   auto shapes = shape_deviations(*kept, tolerances.response, band_hz);
   return {std::move(kept),
           std::move(observed),

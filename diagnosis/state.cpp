@@ -96,6 +96,13 @@ void scale_damping(State& state, double factor) {
   state.loss *= factor;
 }
 
+void deviate_damping(State& state, Eigen::Index i, double by) {
+  auto& relative = state.relative_damping;
+  if (relative.size() == 0) relative = Eigen::VectorXd::Zero(state.mode_count());
+  state.damping(i, i) *= std::exp(by);
+  relative(i) += (1.0 + relative(i)) * std::expm1(by);
+}
+
 void attach_stiffness(State& state, const Eigen::MatrixXd& springs) {
   attach(state.stiffness, state.springs, springs);
 }

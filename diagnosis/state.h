@@ -47,6 +47,9 @@ struct State {
   /// Share in which damping ratios are those of the modes with all that hangs on the body: what
   /// that changes (loaded_damping.h) is in `damping` once all causes are there.
   double loaded_damping = 0.0;
+  /// r, or empty for 0: by how much, relative, the loss of each mode deviates; it is in `damping`
+  /// as that of the structure's modes.
+  Eigen::VectorXd relative_damping;
   /// Which output (input) of the structure a row (column) of the record shows.
   std::vector<Eigen::Index> output_of, input_of;
   /// q, by columns of the record: by how much, relative, the body was stiffer while that column was
@@ -76,6 +79,9 @@ void scale_stiffness(State& state, double factor);
 /// The same of its mass and of the losses of its modes.
 void scale_mass(State& state, double factor);
 void scale_damping(State& state, double factor);
+
+/// The loss of mode i by exp(by), in `damping` and in `relative_damping`.
+void deviate_damping(State& state, Eigen::Index i, double by);
 
 /// Something that is not the body: it stays when the body is scaled. r×r each.
 void attach_stiffness(State& state, const Eigen::MatrixXd& springs);

@@ -139,9 +139,9 @@ Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
   free.frequency = 0.03;
   free.damping = 0.7;
   free.residual = Tolerances{}.residual;
-  const auto omega = problem.observed.omega;
-  const auto loose =
-      deviations(problem.structure, free, omega(omega.size() - 1) / (2.0 * std::numbers::pi));
+  const auto& omega = problem.observed.omega;
+  const double band_hz = omega(omega.size() - 1) / (2.0 * std::numbers::pi);
+  const auto loose = deviations(problem.structure, free, 1.5 * band_hz);
   std::vector<Deviation> all = problem.deviations;
   all.insert(all.end(), loose.begin(), loose.end());
   FitLimits limits;

@@ -35,7 +35,7 @@ TEST(LoadedDamping, GivesEachLoadedModeTheRatioOfTheStudy) {
   mass += 0.4 * there * there.transpose();
   stiffness += 8e4 * foot * foot.transpose();
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness, mass);
-  const MatrixXd damping = bare.damping + loaded_damping(plate, {kMass, kGain, kSpring});
+  const MatrixXd damping = bare.damping + loaded_damping(plate, {kMass, kGain, kSpring}).gained({});
   const MatrixXd seen = modes.eigenvectors().transpose() * damping * modes.eigenvectors();
   const VectorXd expected = 0.01 * modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   EXPECT_LT((seen - MatrixXd(expected.asDiagonal())).norm(), 1e-6 * expected.norm());
@@ -43,8 +43,47 @@ TEST(LoadedDamping, GivesEachLoadedModeTheRatioOfTheStudy) {
 }
 
 TEST(LoadedDamping, IsNoOtherWhereNothingHangs) {
-  EXPECT_EQ(loaded_damping(small_plate(), {kGain}).size(), 0);
-  EXPECT_EQ(loaded_damping(small_plate(), {}).size(), 0);
+  EXPECT_EQ(loaded_damping(small_plate(), {kGain}).gained({}).size(), 0);
+  EXPECT_EQ(loaded_damping(small_plate(), {}).gained({}).size(), 0);
+}
+
+// A tolerance of a mode's damping is that of the loaded mode where the ratios are.
+TEST(LoadedDamping, DeviatesByLoadedModes) {
+  const auto& plate = small_plate();
+  Tolerances tolerances = no_tolerances();
+  tolerances.damping = 0.2;
+  tolerances.loaded_damping = 1.0;
+  const auto tolerable = deviations(plate, tolerances, 500.0);
+  const Observed observed = observed_in(state_of(plate), 1.0);
+  const Problem problem{plate, observed, tolerable};
+  VectorXd eta = VectorXd::Zero(std::ssize(tolerable));
+  eta.tail(1).setOnes();
+  const std::vector<Supposed> causes{kMass, kSpring};
+  const State even = state_of(problem, causes, eta);
+  const auto own = std::ranges::find(tolerable, true, [&](const Deviation& one) {
+    return one.name.starts_with("damping of the mode");
+  });
+  ASSERT_NE(own, tolerable.end());
+  eta(own - tolerable.begin()) = 2.0;
+  const State uneven = state_of(problem, causes, eta);
+  // One loaded mode alone is damped more: the change has rank one.
+  const MatrixXd change = uneven.damping - even.damping;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(change);
+  const VectorXd size = parts.eigenvalues().cwiseAbs();
+  EXPECT_LT(size.head(size.size() - 1).maxCoeff(), 1e-9 * size.maxCoeff());
+  // And it is that mode: its loss is larger by exp(0.4).
+  MatrixXd stiffness = even.stiffness;
+  MatrixXd mass = even.mass;
+  for (const auto& one : even.attached) {
+    stiffness += one.stiffness * one.shapes * one.shapes.transpose();
+    mass += one.mass * one.shapes * one.shapes.transpose();
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness, mass);
+  const auto losses = [&](const State& state) -> VectorXd {
+    return (modes.eigenvectors().transpose() * state.damping * modes.eigenvectors()).diagonal();
+  };
+  const VectorXd times = losses(uneven).cwiseQuotient(losses(even).cwiseMax(1e-12));
+  EXPECT_NEAR(times.maxCoeff(), std::exp(0.4), 1e-6);
 }
 
 // Of every coordinate and deviation, where the ratios are partly those of the loaded modes.
@@ -95,7 +134,7 @@ class LoadedTable : public testing::Test {
  protected:
   static constexpr double kCarried = 0.4;
 
-  static Diagnosis told(double loaded_damping) {
+  static Diagnosis told(double loaded_damping, double spread = 0.0) {
     static const Structure plate = plate_of(30, 15);
     simulators::LoadedTable table;
     table.mass = kCarried;
@@ -103,6 +142,7 @@ class LoadedTable : public testing::Test {
     table.place = {0.12, 0.08};
     table.lines = 80;
     table.high_hz = 700.0;
+    table.damping_spread = spread;
     const auto measured = simulators::loaded_table(simulators::believed_table(8), table);
     DiagnosisOptions options;
     options.lines = 60;
@@ -126,6 +166,14 @@ TEST_F(LoadedTable, HasAMassAndNoDamper) {
   EXPECT_LT(std::abs(size.value - kCarried), 2.5 * size.std);
   EXPECT_LT(size.std, 0.03 * kCarried);
   EXPECT_LT((*mass.place - Eigen::Vector2d(0.12, 0.08)).norm(), 3e-3);
+}
+
+// No matrix that damps the modes of the bare table one by one does that.
+TEST_F(LoadedTable, HasAMassAloneWhereEachLoadedModeHasARatioOfItsOwn) {
+  const auto diagnosis = told(1.0, 0.3);
+  EXPECT_EQ(diagnosis.verdict, Verdict::named) << diagnosis.best.excess;
+  ASSERT_EQ(diagnosis.best.causes.size(), 1U) << diagnosis.best.causes.back().effect;
+  EXPECT_EQ(diagnosis.best.causes.front().effect, "point_mass");
 }
 
 // Where the ratios are held to be those of the bare table, something is left or damps it.

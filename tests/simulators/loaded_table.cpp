@@ -76,11 +76,16 @@ modal::FrfSet loaded_table(const RitzModes& plate, const LoadedTable& table) {
   set.outputs = channels(channel.output_names, channel.outputs, "m");
   set.inputs = channels(channel.input_names, channel.inputs, "N");
   set.frequency_hz = VectorXd::LinSpaced(table.lines, table.low_hz, table.high_hz);
+  VectorXd ratio = VectorXd::Constant(lambda.size(), table.damping_ratio);
+  if (table.damping_spread > 0.0) {
+    Dice spread(table.seed + 1000);
+    for (double& one : ratio) one *= std::exp(table.damping_spread * spread.normal());
+  }
   for (const double hz : set.frequency_hz) {
     const double omega = 2.0 * std::numbers::pi * hz;
     Eigen::VectorXcd modal(lambda.size());
     modal.real() = lambda.array() - omega * omega;
-    modal.imag() = 2.0 * table.damping_ratio * omega * lambda.cwiseSqrt();
+    modal.imag() = 2.0 * omega * ratio.cwiseProduct(lambda.cwiseSqrt());
     set.value.emplace_back(outputs.cast<Complex>() * modal.cwiseInverse().asDiagonal() *
                            inputs.transpose().cast<Complex>());
   }

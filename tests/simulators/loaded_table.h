@@ -13,6 +13,7 @@ struct LoadedTable {
   double spring = 0.0;                              ///< [N/m], to ground
   Eigen::Vector2d foot = Eigen::Vector2d::Zero();   ///< [m]: of the spring
   double damping_ratio = 5e-3;                      ///< of each mode that is not rigid
+  double damping_spread = 0.0;                      ///< of the logarithm, drawn for each mode
   double noise = 3e-3;  ///< circular, of |G| of the same line and response, and of its median
   int lines = 160;
   double low_hz = 20.0, high_hz = 900.0;

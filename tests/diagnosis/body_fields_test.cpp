@@ -1,0 +1,74 @@
+#include "diagnosis/body_fields.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnosis/deviations.h"
+#include "diagnosis/small_plate.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// `n` cells along u, `across` along v, of a body of 2 by 0.2 m whose middle is at (1, 0).
+BodyCells cells_of(Index n, Index across) {
+  BodyCells cells;
+  cells.from = {0.0, -0.1};
+  cells.size = {2.0, 0.2};
+  cells.area = Eigen::VectorXd::Constant(n * across, 0.4 / static_cast<double>(n * across));
+  cells.centres.resize(n * across, 2);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < across; ++j) {
+      cells.centres(i * across + j, 0) =
+          2.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+      cells.centres(i * across + j, 1) =
+          -0.1 + 0.2 * (static_cast<double>(j) + 0.5) / static_cast<double>(across);
+    }
+  }
+  return cells;
+}
+
+// Legendre's polynomials: orthogonal on the line, to each other and to the smooth fields, of norm
+// 1 / (2n + 1).
+TEST(ShortWaves, AreOrthogonalAlongALine) {
+  const auto cells = cells_of(2000, 1);
+  const MatrixXd smooth = smooth_fields(cells);
+  const MatrixXd shorter = short_waves(cells);
+  ASSERT_EQ(smooth.cols(), 2);
+  ASSERT_EQ(shorter.cols(), 4);
+  MatrixXd all(2000, 6);
+  all << smooth, shorter;
+  const MatrixXd products = all.transpose() * all / 2000.0;
+  for (Index i = 0; i < 6; ++i) {
+    for (Index j = 0; j < 6; ++j) {
+      const double expected = i == j ? 1.0 / static_cast<double>(2 * i + 3) : 0.0;
+      EXPECT_NEAR(products(i, j), expected, 1e-4) << i << ' ' << j;
+    }
+  }
+}
+
+TEST(ShortWaves, AreThoseOfALineOnly) {
+  EXPECT_EQ(short_waves(cells_of(10, 10)).cols(), 0);
+  EXPECT_EQ(short_waves(BodyCells{}).cols(), 0);
+}
+
+// Whatever varies along it, a line has as many tolerances of its thickness as a face.
+TEST(ShortWaves, GiveALineAsManyTolerancesAsAFace) {
+  Tolerances thick = no_tolerances();
+  thick.thickness = 1e-3;
+  Structure plate = small_plate();
+  const auto on_a_face = deviations(plate, thick, 1e3).size();
+  auto& cells = plate.cells;
+  cells.waves = {};
+  const auto line = cells_of(cells.count(), 1);
+  cells.centres = line.centres;
+  cells.from = line.from;
+  cells.size = line.size;
+  EXPECT_EQ(deviations(plate, thick, 1e3).size(), on_a_face + 1);
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
