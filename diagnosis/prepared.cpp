@@ -11,6 +11,10 @@ namespace {
 // found off by 1 to 3 %.
 constexpr double kOfACause = 10.0;
 
+// A mode at this part of the band yields as much within it as where it is at rest: its shape
+// counts.
+constexpr double kBeyondBand = 1.6;
+
 }  // namespace
 
 Observed Prepared::for_search(int lines) const {
@@ -33,7 +37,7 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
   // their damping makes uncertain by more than the noise of thousands of lines. Masses of -14 g
   // were made of it.
   auto tolerable = deviations(*kept, tolerances, kept->frequency_hz(kept->mode_count() - 1));
-  auto shapes = shape_deviations(*kept, tolerances.response, band_hz);
+  auto shapes = shape_deviations(*kept, tolerances.response, kBeyondBand * band_hz);
   return {std::move(kept),
           std::move(observed),
           std::move(notes),

@@ -175,7 +175,7 @@ TEST(Deviations, MoveTheResponsesALittleAndCanBeUndone) {
   const auto& plate = small_plate();
   const auto omega = some_lines();
   const MatrixXcd before = responses(state_of(plate), omega);
-  const auto all = deviations(plate, Tolerances{}, 900.0);
+  const auto all = deviations(plate, Tolerances{}, 1350.0);
   std::size_t seen = 0;
   for (const auto& deviation : all) {
     State off = state_of(plate);
