@@ -1,0 +1,207 @@
+"""Bodies of 20-node bricks: made, changed, solved by CalculiX (package calculix-ccx), written as STL."""
+import os
+import subprocess
+import sys
+from dataclasses import dataclass, field
+
+import numpy as np
+
+ALUMINIUM = (70e9, 0.33, 2700.0)
+STEEL = (210e9, 0.3, 7850.0)
+
+
+@dataclass
+class Bricks:
+    """Cells of a grid, some of them empty; coordinates in metres."""
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    filled: np.ndarray                      # i, j, k
+    materials: list = field(default_factory=lambda: [ALUMINIUM])
+    material: np.ndarray = None             # i, j, k: which
+    masses: list = field(default_factory=list)   # (x, y, kg)
+    taper: tuple = (0.0, 0.0)               # of the thickness, over half the length
+
+    def __post_init__(self):
+        self.material = np.zeros(self.filled.shape, int)
+
+
+def cells(length, count):
+    return np.linspace(-length / 2, length / 2, count + 1)
+
+
+def plate(length, width, thickness, count, layers=1):
+    shape = (count, max(1, round(count * width / length)), layers)
+    return Bricks(cells(length, shape[0]), cells(width, shape[1]), np.linspace(-thickness, 0, layers + 1),
+                  np.ones(shape, bool))
+
+
+def halves(lines):
+    both = np.empty(2 * len(lines) - 1)
+    both[::2] = lines
+    both[1::2] = 0.5 * (lines[1:] + lines[:-1])
+    return both
+
+
+# Corners, then the middles of edges, as C3D20R has them, on a lattice of half cells.
+OFFSETS = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2),
+           (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2),
+           (0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)]
+
+
+def numbered(body):
+    numbers = {}
+    elements = []
+    for cell in np.argwhere(body.filled):
+        nodes = [tuple(int(v) for v in 2 * cell + np.array(o)) for o in OFFSETS]
+        for node in nodes:
+            numbers.setdefault(node, len(numbers) + 1)
+        elements.append((body.material[tuple(cell)], [numbers[n] for n in nodes]))
+    return numbers, elements
+
+
+def places(body, numbers):
+    x, y, z = halves(body.x), halves(body.y), halves(body.z)
+    at = np.array([(x[i], y[j], z[k]) for i, j, k in numbers])
+    u, v = at[:, 0] / np.abs(body.x).max(), at[:, 1] / np.abs(body.y).max()
+    at[:, 2] = (at[:, 2] + 0.5 * (body.z[-1] - body.z[0])) * (1 + body.taper[0] * u + body.taper[1] * v)
+    return at
+
+
+def node_at(body, numbers, at, x, y):
+    """The highest node of a vertical there; it must be one of the lattice."""
+    apart = np.hypot(at[:, 0] - x, at[:, 1] - y)
+    near = np.flatnonzero(apart < apart.min() + 1e-9)
+    return int(near[np.argmax(at[near, 2])]) + 1
+
+
+def deck(body, numbers, elements, at, modes):
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{n}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for n, p in zip(numbers.values(), at)]
+    for m, (e, nu, rho) in enumerate(body.materials):
+        lines.append(f"*ELEMENT, TYPE=C3D20R, ELSET=E{m}")
+        for n, (which, nodes) in enumerate(elements):
+            if which == m:
+                lines.append(f"{n + 1}, " + ", ".join(map(str, nodes[:15])) + ",")
+                lines.append("  " + ", ".join(map(str, nodes[15:])))
+        lines += [f"*MATERIAL, NAME=M{m}", "*ELASTIC", f"{e:.12g}, {nu:.12g}", "*DENSITY", f"{rho:.12g}",
+                  f"*SOLID SECTION, ELSET=E{m}, MATERIAL=M{m}"]
+    number = len(elements)
+    for n, (x, y, kg) in enumerate(body.masses):
+        number += 1
+        lines += [f"*ELEMENT, TYPE=MASS, ELSET=W{n}", f"{number}, {node_at(body, numbers, at, x, y)}",
+                  f"*MASS, ELSET=W{n}", f"{kg:.12g}"]
+    lines += ["*STEP", f"*FREQUENCY\n{modes}", "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def solved(body, folder, modes):
+    """Frequencies [Hz], shapes modes x nodes x 3 of unit mass, places, by ccx; kept in the folder."""
+    kept = folder / "modes.npz"
+    numbers, elements = numbered(body)
+    at = places(body, numbers)
+    if kept.exists():
+        data = np.load(kept)
+        return data["hz"], data["shapes"], at, numbers
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "truth.inp").write_text(deck(body, numbers, elements, at, modes))
+    env = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
+    done = subprocess.run(["ccx", "truth"], cwd=folder, env=env, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{folder}: ccx failed: {done.stdout[-500:]}")
+    hz, shapes, current = [], [], None
+    for line in (folder / "truth.dat").read_text().splitlines():
+        words = line.split()
+        if line.lstrip().startswith("displacements"):
+            current = np.zeros((len(at), 3))
+            shapes.append(current)
+        elif current is not None and len(words) == 4:
+            current[int(words[0]) - 1] = [float(w) for w in words[1:]]
+        elif current is None and len(words) == 5 and words[0].isdigit():
+            hz.append(float(words[3]))
+    hz = np.array(hz[:len(shapes)])
+    shapes = np.array(shapes)
+    np.savez(kept, hz=hz, shapes=shapes)
+    for name in ("truth.inp", "truth.dat", "truth.frd"):
+        (folder / name).unlink(missing_ok=True)
+    return hz, shapes, at, numbers
+
+
+def row_at(body, numbers, at, shapes, x, y, direction=(0.0, 0.0, 1.0)):
+    """Displacement of all modes at (x, y) of the upper face: serendipity functions of the brick's face."""
+    i = int(np.clip(np.searchsorted(body.x, x) - 1, 0, len(body.x) - 2))
+    j = int(np.clip(np.searchsorted(body.y, y) - 1, 0, len(body.y) - 2))
+    k = int(np.flatnonzero(body.filled[i, j] & (body.material[i, j] != 99)).max())
+    s = 2 * (x - body.x[i]) / (body.x[i + 1] - body.x[i]) - 1
+    t = 2 * (y - body.y[j]) / (body.y[j + 1] - body.y[j]) - 1
+    row = np.zeros(shapes.shape[0])
+    for a in range(3):
+        for b in range(3):
+            if a == 1 and b == 1:
+                continue
+            p, q = a - 1, b - 1
+            if p and q:
+                w = 0.25 * (1 + s * p) * (1 + t * q) * (s * p + t * q - 1)
+            elif p:
+                w = 0.5 * (1 - t * t) * (1 + s * p)
+            else:
+                w = 0.5 * (1 - s * s) * (1 + t * q)
+            row += w * (shapes[:, numbers[(2 * i + a, 2 * j + b, 2 * k + 2)] - 1] @ np.array(direction))
+    return row
+
+
+def with_region(body, inside, material, layers=None):
+    body.materials = [*body.materials, material]
+    x = 0.5 * (body.x[1:] + body.x[:-1])
+    y = 0.5 * (body.y[1:] + body.y[:-1])
+    where = inside(*np.meshgrid(x, y, indexing="ij"))
+    for k in range(body.filled.shape[2]) if layers is None else layers:
+        body.material[where, k] = len(body.materials) - 1
+    return body
+
+
+def with_block(body, low, high, height, material):
+    """A block on the upper face, of bricks of its own, as one with it."""
+    body.z = np.append(body.z, body.z[-1] + height)
+    shape = body.filled.shape
+    body.filled = np.concatenate([body.filled, np.zeros((*shape[:2], 1), bool)], axis=2)
+    body.material = np.concatenate([body.material, np.zeros((*shape[:2], 1), int)], axis=2)
+    body.materials = [*body.materials, material]
+    x = 0.5 * (body.x[1:] + body.x[:-1])
+    y = 0.5 * (body.y[1:] + body.y[:-1])
+    over = ((x > low[0]) & (x < high[0]))[:, None] & ((y > low[1]) & (y < high[1]))[None, :]
+    body.filled[over, -1] = True
+    body.material[over, -1] = len(body.materials) - 1
+    return body
+
+
+def write_stl(body, path):
+    """The surface of the filled cells, two triangles per face, in millimetres."""
+    x, y, z = 1e3 * body.x, 1e3 * body.y, 1e3 * body.z
+    def is_in(cell):
+        return all(0 <= cell[a] < body.filled.shape[a] for a in range(3)) and body.filled[tuple(cell)]
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("solid body\n")
+        for cell in np.argwhere(body.filled):
+            for axis in range(3):
+                for side in (0, 1):
+                    beside = cell.copy()
+                    beside[axis] += 2 * side - 1
+                    if is_in(beside):
+                        continue
+                    b, c = (axis + 1) % 3, (axis + 2) % 3
+                    corners = []
+                    for db, dc in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        node = cell.copy()
+                        node[axis] += side
+                        node[b] += db
+                        node[c] += dc
+                        corners.append((x[node[0]], y[node[1]], z[node[2]]))
+                    if side == 0:
+                        corners.reverse()
+                    for tri in ((0, 1, 2), (0, 2, 3)):
+                        file.write("facet normal 0 0 0\nouter loop\n")
+                        for n in tri:
+                            file.write("vertex {:.9g} {:.9g} {:.9g}\n".format(*corners[n]))
+                        file.write("endloop\nendfacet\n")
+        file.write("endsolid body\n")
