@@ -51,9 +51,9 @@ void state_variance(modal::FrfSet& set, Run& run) {
   }
 }
 
-MeasuredFrfs measured_within(const Study& study, const DiagnosisPlan& plan, double highest_hz,
-                             Run& run) {
-  auto measured = measured_frfs(study, run);
+// What of the responses a diagnosis works on; modes end at `highest_hz`.
+MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
+                         double highest_hz, Run& run) {
   auto& set = measured.all;
   set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
@@ -293,10 +293,11 @@ Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extend
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
+  auto measured = measured_frfs(study, run);  // what is missing is told before minutes of solving
   one.before = solved(with_modes_for_diagnosis(study), run);
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
-  one.measured = measured_within(study, plan, highest_hz, run);
+  one.measured = within_band(std::move(measured), study, plan, highest_hz, run);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
   one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });

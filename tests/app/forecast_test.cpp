@@ -132,5 +132,18 @@ TEST_F(Before, InterpolateSaysThatNothingIsMeasuredBeforeItSolves) {
   EXPECT_EQ(shown_, "");
 }
 
+TEST_F(Before, DiagnoseSaysThatNothingIsMeasuredBeforeItSolves) {
+  EXPECT_TRUE(says(refusal(kSmall, diagnose_command), "no responses are measured"));
+  EXPECT_EQ(shown_, "");
+  EXPECT_TRUE(says(refusal(kSmall + "[measurement]\nfrf = \"gone.csv\"\n", diagnose_command),
+                   "gone.csv: there is no such file"));
+  EXPECT_EQ(shown_, "");
+}
+
+TEST_F(Before, IdentifySaysThatNothingIsMeasuredBeforeItSolves) {
+  EXPECT_TRUE(says(refusal(kSmall, identify_command), "no responses are measured"));
+  EXPECT_EQ(shown_, "");
+}
+
 }  // namespace
 }  // namespace chladni::app
