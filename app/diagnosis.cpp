@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "app/channel_paths.h"
+#include "app/diagnosis_faces.h"
 #include "app/diagnosis_structure.h"
 #include "app/study_parts.h"
 #include "base/atomic_file.h"
@@ -195,8 +196,10 @@ std::vector<std::filesystem::path> allowed_for(const Study& study, const Run& ru
 void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one, Run& run) {
   const auto& causes = one.result.best.causes;
   const auto allowed = allowed_for(study, run);
+  const auto& body = one.before.model.body;
+  const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
   one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface, causes,
-                                run / "", allowed);
+                                run / "", allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
   const auto part = run.part("extended: ");
   const Study extended =
@@ -300,6 +303,9 @@ Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extend
   one.measured = within_band(std::move(measured), study, plan, highest_hz, run);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
+  for (const auto& note : diagnosed_faces(study, solution.model.body).notes) {
+    run.talk().note(note);
+  }
   one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });
   auto options = options_of(plan, run);
   run.timed("comparison", [&] {
