@@ -130,6 +130,11 @@ TEST_F(Before, CheckFindsDataThatAreNotThere) {
 TEST_F(Before, InterpolateSaysThatNothingIsMeasuredBeforeItSolves) {
   EXPECT_TRUE(says(refusal(kSmall, interpolate_command), "nothing is measured"));
   EXPECT_EQ(shown_, "");
+  for (const std::string key : {"frf", "shapes", "truth"}) {
+    const auto gone = kSmall + "[measurement]\n" + key + " = \"gone.csv\"\n";
+    EXPECT_TRUE(says(refusal(gone, interpolate_command), "gone.csv: there is no such file"));
+    EXPECT_EQ(shown_, "") << key;
+  }
 }
 
 TEST_F(Before, DiagnoseSaysThatNothingIsMeasuredBeforeItSolves) {
