@@ -103,15 +103,14 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
   return cells;
 }
 
-// Materials that resist transverse shear only: that with `normal` in it.
-std::vector<fem::Material> shear_only(std::vector<fem::Material> materials, Eigen::Index normal) {
+// Materials that resist transverse shear only: that with the chart's normal in it.
+std::vector<fem::Material> shear_only(std::vector<fem::Material> materials, const Chart& chart) {
   for (auto& material : materials) {
-    const Eigen::Matrix<double, 6, 6> whole = material.stiffness;
-    material.stiffness.setZero();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const Eigen::Index s = shear_of(i, normal);
-      if (i != normal) material.stiffness(s, s) = whole(s, s);
-    }
+    fem::Material own = fem::turned(material, chart.axes.transpose());  // in the chart's frame
+    const Eigen::Matrix<double, 6, 6> whole = own.stiffness;
+    own.stiffness.setZero();
+    for (const Eigen::Index s : {shear_of(0, 2), shear_of(1, 2)}) own.stiffness(s, s) = whole(s, s);
+    material = fem::turned(own, chart.axes);
   }
   return materials;
 }
@@ -125,11 +124,13 @@ struct BendingParts {
   std::vector<fem::Material> shearing;
   Eigen::MatrixXd turning;  // the shapes, in the plane only
   BendingParts(const Model& model, const modal::Modes& modes, const Chart& chart) {
-    Eigen::Index normal = 0;
-    chart.axes.col(2).cwiseAbs().maxCoeff(&normal);
-    shearing = shear_only(model.materials, normal);
+    shearing = shear_only(model.materials, chart);
     turning = modes.shapes;
-    for (Eigen::Index row = normal; row < turning.rows(); row += 3) turning.row(row).setZero();
+    const Eigen::Matrix3d in_plane =
+        chart.axes.leftCols<2>() * chart.axes.leftCols<2>().transpose();
+    for (Eigen::Index row = 0; row < turning.rows(); row += 3) {
+      turning.middleRows<3>(row) = (in_plane * turning.middleRows<3>(row)).eval();
+    }
   }
 };
 

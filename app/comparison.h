@@ -8,6 +8,7 @@
 
 #include "diagnosis/compare.h"
 #include "io/json.h"
+#include "io/matrix_picture.h"
 
 namespace chladni::app {
 
@@ -33,7 +34,9 @@ void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measu
 /// The MAC of simulated against measured modes. Nothing where no mode was compared.
 void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
 
-/// How wrong each response is: sensors × actuators.
+/// How wrong each response is: sensors × actuators. Of a response that was not measured nothing is
+/// known: its square stays empty, and the largest error that is known is the darkest.
+[[nodiscard]] io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison);
 void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
 
 }  // namespace chladni::app

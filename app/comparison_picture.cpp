@@ -7,7 +7,6 @@
 #include "app/comparison.h"
 #include "app/response_series.h"
 #include "base/error.h"
-#include "io/matrix_picture.h"
 #include "io/plot.h"
 
 namespace chladni::app {
@@ -136,18 +135,27 @@ void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& com
                         .value = modes.mac});
 }
 
-void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison) {
+io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison) {
   const auto& r = comparison.responses;
   const Eigen::MatrixXd in_percent = 100.0 * r.error;
-  const Eigen::MatrixXd known = in_percent.array().isFinite().select(in_percent, 0.0);
-  io::draw_matrix(png, {.title = "Error of each response, % of its size",
-                        .row_label = "sensor",
-                        .column_label = "actuator",
-                        .rows = r.outputs,
-                        .columns = r.inputs,
-                        .value = in_percent,
-                        .dark = std::max(known.maxCoeff(), 1e-9),
-                        .decimals = known.maxCoeff() < 10.0 ? 1 : 0});
+  double largest = -1.0;  // none is known
+  for (const double one : in_percent.reshaped()) {
+    if (std::isfinite(one)) largest = std::max(largest, one);
+  }
+  const bool all_known = in_percent.allFinite();
+  return {.title = std::string("Error of each response, % of its size") +
+                   (all_known ? "" : "; empty: not known"),
+          .row_label = "sensor",
+          .column_label = "actuator",
+          .rows = r.outputs,
+          .columns = r.inputs,
+          .value = in_percent,
+          .dark = largest > 0.0 ? largest : 1.0,
+          .decimals = largest < 10.0 ? 1 : 0};
+}
+
+void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison) {
+  io::draw_matrix(png, errors_picture(comparison));
 }
 
 }  // namespace chladni::app

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "app/channel_paths.h"
+#include "app/diagnosis_faces.h"
 #include "app/diagnosis_structure.h"
 #include "app/study_parts.h"
 #include "base/atomic_file.h"
@@ -51,9 +52,9 @@ void state_variance(modal::FrfSet& set, Run& run) {
   }
 }
 
-MeasuredFrfs measured_within(const Study& study, const DiagnosisPlan& plan, double highest_hz,
-                             Run& run) {
-  auto measured = measured_frfs(study, run);
+// What of the responses a diagnosis works on; modes end at `highest_hz`.
+MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
+                         double highest_hz, Run& run) {
   auto& set = measured.all;
   set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
@@ -195,8 +196,10 @@ std::vector<std::filesystem::path> allowed_for(const Study& study, const Run& ru
 void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one, Run& run) {
   const auto& causes = one.result.best.causes;
   const auto allowed = allowed_for(study, run);
+  const auto& body = one.before.model.body;
+  const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
   one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface, causes,
-                                run / "", allowed);
+                                run / "", allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
   const auto part = run.part("extended: ");
   const Study extended =
@@ -293,12 +296,16 @@ Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extend
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
+  auto measured = measured_frfs(study, run);  // what is missing is told before minutes of solving
   one.before = solved(with_modes_for_diagnosis(study), run);
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
-  one.measured = measured_within(study, plan, highest_hz, run);
+  one.measured = within_band(std::move(measured), study, plan, highest_hz, run);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
+  for (const auto& note : diagnosed_faces(study, solution.model.body).notes) {
+    run.talk().note(note);
+  }
   one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });
   auto options = options_of(plan, run);
   run.timed("comparison", [&] {

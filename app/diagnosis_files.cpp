@@ -8,7 +8,7 @@
 
 #include "app/comparison.h"
 #include "app/diagnosis.h"
-#include "app/upper_face.h"
+#include "app/diagnosis_faces.h"
 #include "base/atomic_file.h"
 #include "io/heat_map_picture.h"
 #include "io/vtu.h"
@@ -24,9 +24,11 @@ struct Top {
   Cells triangles;
 };
 
-Top top_of(const mesh::TetMesh& body, const Chart& chart) {
+Top top_of(const mesh::TetMesh& body, const DiagnosedFaces& looked_at) {
+  const auto& [chart, chosen, notes] = looked_at;
   std::vector<Index> kept;
   for (Index f = 0; f < body.faces.rows(); ++f) {
+    if (!chosen.empty() && chosen[static_cast<std::size_t>(f)] == 0) continue;
     const Eigen::Vector3d a = body.points.row(body.faces(f, 0));
     const Eigen::Vector3d b = body.points.row(body.faces(f, 1));
     const Eigen::Vector3d c = body.points.row(body.faces(f, 2));
@@ -72,8 +74,9 @@ void leave_map(const Study& study, const Diagnosed& one, Run& run) {
   const auto& surface = one.structure.surface;
   const auto& map = one.result.map;
   if (map.explained.size() == 0) return;
-  const auto chart = chart_of(solution.model.body);
-  const Top top = top_of(solution.model.body, chart);
+  const auto faces = diagnosed_faces(study, solution.model.body);
+  const auto& chart = faces.chart;
+  const Top top = top_of(solution.model.body, faces);
   const Eigen::VectorXd explained = at_points(surface, map.explained, top, chart);
   const Eigen::VectorXd posterior =
       at_points(surface, map.posterior.cwiseQuotient(surface.area.cwiseMax(1e-300)), top, chart);

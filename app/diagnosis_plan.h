@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/place.h"
 #include "diagnosis/tolerances.h"
 
 namespace chladni::app {
@@ -15,6 +16,7 @@ struct DiagnosisPlan {
   std::filesystem::path tolerances_file;  ///< or empty
   diagnosis::Tolerances tolerances;       ///< of the file, of the study, or the usual ones
   std::vector<std::string> effects;       ///< names; empty: all
+  FacePlan on;                            ///< faces on which causes are sought (app/faces.h)
   int most_causes = 3;
   double least_evidence = 8.0, rival_within = 5.0;  ///< ln Z
   int lines = 320;                                  ///< of the search, at most

@@ -6,6 +6,7 @@
 
 #include "app/at_channels.h"
 #include "app/body_cells.h"
+#include "app/diagnosis_faces.h"
 #include "app/modal_stiffness.h"
 #include "app/plane_stress.h"
 #include "app/study_parts.h"
@@ -106,20 +107,18 @@ Eigen::MatrixXd upper_rows(const std::vector<Channel>& channels,
 
 diagnosis::Directional directional_of(const Model& model, const modal::Modes& modes,
                                       const Chart& chart) {
-  Eigen::Index u = 0;
-  Eigen::Index v = 0;
-  chart.axes.col(0).maxCoeff(&u);
-  chart.axes.col(1).maxCoeff(&v);
+  const Eigen::Matrix3d body_axes = chart.axes.transpose();  // in the chart's frame
   const auto doubled = [&](Eigen::Index row, Eigen::Index col, int constant_row, int constant_col) {
     return modal_stiffness(model, modes, [&](const fem::Material& material) {
-      Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
-      change(row, col) = change(col, row) =
-          plane_stress(material.stiffness, u, v)(constant_row, constant_col);
-      return change;
+      const auto own = fem::turned(material, body_axes);
+      fem::Material change{Eigen::Matrix<double, 6, 6>::Zero(), material.density};
+      change.stiffness(row, col) = change.stiffness(col, row) =
+          plane_stress(own.stiffness, 0, 1)(constant_row, constant_col);
+      return fem::turned(change, chart.axes).stiffness;
     });
   };
-  const Eigen::Index s = shear_of(u, v);
-  return {doubled(u, u, 0, 0), doubled(v, v, 1, 1), doubled(u, v, 0, 1), doubled(s, s, 2, 2)};
+  const Eigen::Index s = shear_of(0, 1);
+  return {doubled(0, 0, 0, 0), doubled(1, 1, 1, 1), doubled(0, 1, 0, 1), doubled(s, s, 2, 2)};
 }
 
 // What the modes hold beside the body: their own stiffness and mass less the body's.
@@ -150,10 +149,12 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   const auto& model = solution.model;
   const modal::Modes modes = first(solution.modes, count);
   const auto reduced = at_channels(study, solution, count);
-  const auto chart = chart_of(model.body);
+  const auto faces = diagnosed_faces(study, model.body);
+  const auto& chart = faces.chart;
   const mesh::SiteFinder finder(model.body);
   const auto beyond = above(solution.modes, count, chart.is_slender());
-  const auto face = std::make_shared<const UpperFace>(chart, model.body, modes.shapes, beyond);
+  const auto face =
+      std::make_shared<const UpperFace>(chart, model.body, modes.shapes, beyond, faces.chosen);
   diagnosis::Structure structure;
   structure.frequency_hz = reduced.frequency_hz;
   structure.damping_ratio = reduced.damping_ratio;

@@ -17,13 +17,13 @@ namespace chladni::app {
 /// the study attaches to its body is in them; Structure::springs and masses say how much of their
 /// stiffness and mass that is. What the mesh leaves of each frequency is the solution's estimate.
 ///
-/// The chart is the plane of the body's two longest sides, seen from the side that the third of its
-/// axes points to: for a plate its top, u = x and v = y of the body's own frame. Where several
-/// things lie above each other the uppermost counts. Slopes are differences over short steps on the
+/// The faces are those of `[diagnosis] on` (app/diagnosis_faces.h): for a plate its top, u = x and
+/// v = y of the body's own frame. Where several things lie above each other the uppermost counts.
+/// Slopes are differences over short steps on the
 /// surface (their mean at the borders of elements). A body that is more than eight times as long as
 /// wide is scanned along its middle line and divided along its length only. Thickness is the extent
-/// along the third axis; it counts (bending_power 3) where it is less than an eighth of both sides,
-/// and so does orthotropy: plane-stress constants.
+/// of the body along the chart's normal; it counts (bending_power 3) where it is less than an
+/// eighth of both sides, and so does orthotropy: plane-stress constants.
 ///
 /// `surface.at` owns what it needs and may be called from several threads at once; some 20 µs.
 /// Cost: one assembly, one factorisation, and per element some r² times its nodes.

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "fem/error_estimate.h"
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
 
@@ -22,6 +23,7 @@ constexpr double kInPlane = 3.0;         // motions as a whole that Weyl's law o
 constexpr double kFreeRim = 1.75;        // share of a free rim in the modes of a plate, per wave
 constexpr double kFittedModes = 26.0;    // of the runs that the forecast is fitted to
 constexpr double kVectorsPerMode = 5.5;  // shapes and the iteration: 20 and 200 modes of a plate
+constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of freedom, order 2
 constexpr double kTimePerMode = 0.02;    // of the whole, per mode beyond those
 constexpr double kBelieved = 0.75;       // of a forecast without a mesh
 constexpr double kModesPerFreedom = 0.1;  // beyond, no mesh of any kind resolves them
@@ -131,15 +133,20 @@ double node_count(const Count& count, int order) {
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
 }
 
-/// Time and memory for so many nodes and modes.
-Cost cost_of(double nodes, int order, double modes, bool exact) {
+/// Time and memory for so many nodes, tetrahedra and modes. The peak is that of the solution or,
+/// when its factor is gone, of the estimate of the mesh's error: system, shapes twice, its own.
+Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
   Cost cost;
   cost.exact = exact;
   cost.degrees_of_freedom = 3.0 * nodes;
   const double size = cost.degrees_of_freedom / 1e5;
   const double more = std::max(0.0, modes - kFittedModes);
-  cost.memory_bytes = 50e6 + (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) +
-                      kVectorsPerMode * 8.0 * cost.degrees_of_freedom * more;
+  const double vector = 8.0 * cost.degrees_of_freedom;
+  const double solving =
+      (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) + kVectorsPerMode * vector * more;
+  const double estimating = kSystemBytes * cost.degrees_of_freedom + 2.0 * modes * vector +
+                            fem::frequency_error_bytes(tets);
+  cost.memory_bytes = 50e6 + std::max(solving, estimating);
   cost.seconds = 7.8 * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
   return cost;
 }
@@ -219,18 +226,18 @@ Cost forecast(const Study& study, const Outline& outline) {
     const double nodes = order == outline.shell.order()
                              ? static_cast<double>(outline.shell.node_count())
                              : node_count(outline.shell, order);
-    return cost_of(nodes, order, modes, true);
+    return cost_of(nodes, static_cast<double>(outline.shell.tet_count()), order, modes, true);
   }
   const double edge =
       study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
   const Count count = tetgen_count(outline, edge);
   const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
-  return cost_of(node_count(count, order), order, modes, false);
+  return cost_of(node_count(count, order), count.tets, order, modes, false);
 }
 
 Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body) {
-  return cost_of(static_cast<double>(mesh.node_count()), mesh.order(), modes_wanted(study, body),
-                 true);
+  return cost_of(static_cast<double>(mesh.node_count()), static_cast<double>(mesh.tet_count()),
+                 mesh.order(), modes_wanted(study, body), true);
 }
 
 void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost) {

@@ -38,13 +38,13 @@ void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
 ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
                              const diagnosis::Surface& chart,
                              const std::vector<diagnosis::Cause>& causes, const fs::path& folder,
-                             const std::vector<fs::path>& allowed) {
+                             const std::vector<fs::path>& allowed, bool fits_variations) {
   ExtendedStudy result{std::string(bytes), {}};
   for (const auto& cause : causes) {
     // One after the other: each finds what those before it left.
     const Study study = parse_study(result.text, file, allowed);
     TomlEdit edit(result.text, file.string());
-    const Extension by{edit, study, chart, cause};
+    const Extension by{edit, study, chart, cause, fits_variations};
     const auto how = extend(cause.effect);
     const auto refused = how == nullptr ? std::string("a study has no key for it") : how(by);
     if (!refused.empty()) {

@@ -23,16 +23,15 @@ struct ExtendedStudy {
 ///
 /// @param file     of `bytes`: its folder is where paths in it are looked up
 /// @param chart    where u and v of the causes are
+/// @param fits_variations  whether the chart's axes are those of [[variation]]
 /// @param folder   where the study will be written: paths are made to lead there and back
 /// @param allowed  as read_study
 /// @throws InvalidInput  `bytes` is no study, a cause names a channel that it lacks, a number that
 ///                       the effect needs is missing, or a changed value cannot be (a negative
 ///                       modulus)
-[[nodiscard]] ExtendedStudy extended_study(std::string_view bytes,
-                                           const std::filesystem::path& file,
-                                           const diagnosis::Surface& chart,
-                                           const std::vector<diagnosis::Cause>& causes,
-                                           const std::filesystem::path& folder,
-                                           const std::vector<std::filesystem::path>& allowed = {});
+[[nodiscard]] ExtendedStudy extended_study(
+    std::string_view bytes, const std::filesystem::path& file, const diagnosis::Surface& chart,
+    const std::vector<diagnosis::Cause>& causes, const std::filesystem::path& folder,
+    const std::vector<std::filesystem::path>& allowed = {}, bool fits_variations = true);
 
 }  // namespace chladni::app

@@ -16,6 +16,7 @@ struct Extension {
   const Study& study;               ///< what the document says now
   const diagnosis::Surface& chart;  ///< of the cause's u and v
   const diagnosis::Cause& cause;
+  bool fits_variations = true;  ///< the chart's axes are those of [[variation]]
 
   /// A number that was fitted, or that the cause's option fixes.
   /// @throws InvalidInput  the cause has no number of that name

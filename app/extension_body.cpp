@@ -33,6 +33,11 @@ std::string density(const Extension& by) {
   return scale_materials(by, {"density"}, 1.0 + by.number("relative"));
 }
 
+// From above or from below.
+bool looks_along_z(const Extension& by) {
+  return by.chart.axis_u.cross(by.chart.axis_v).cwiseAbs().z() > 1.0 - 1e-9;
+}
+
 // All that lies along z.
 void scale_heights(const Extension& by, const TomlNode& body, double factor) {
   for (const auto* key : {"thickness", "height", "face_sheet"}) {
@@ -46,10 +51,13 @@ void scale_heights(const Extension& by, const TomlNode& body, double factor) {
   }
 }
 
+constexpr auto kOtherChart = "the diagnosis looks at the body along another axis than the key";
+
 std::string thickness(const Extension& by) {
   const auto* geometry = member(by.edit.tree(), "geometry");
   if (by.study.geometry.kind == "file") return "the body's thickness is in a file of geometry";
   if (by.study.geometry.kind == "sphere") return "a sphere has no thickness";
+  if (!looks_along_z(by)) return kOtherChart;
   scale_heights(by, *member(*geometry, by.study.geometry.kind), 1.0 + by.number("relative"));
   return {};
 }
@@ -59,6 +67,7 @@ std::string size_error(const Extension& by) {
   const auto& kind = by.study.geometry.kind;
   if (kind == "file") return "the body's size is in a file of geometry";
   if (kind == "sphere") return "a sphere has no size seen along z alone";
+  if (!looks_along_z(by)) return kOtherChart;
   const auto* body = member(*member(by.edit.tree(), "geometry"), kind);
   for (const auto* key : {"length", "width", "diameter"}) {
     if (const auto* value = member(*body, key)) scale(by, *value, 1.0 + by.number("relative"));
@@ -144,6 +153,7 @@ std::string orthotropy(const Extension& by) {
 using Members = std::vector<std::pair<std::string, std::string>>;
 
 std::string append_waves(const Extension& by, const char* of) {
+  if (!by.fits_variations) return kOtherChart;
   Members members{{"of", toml_text(of)}};
   for (const auto wave : kVariationWaves) {
     if (by.has(wave)) members.emplace_back(std::string(wave), digits(by.number(wave)));
@@ -155,6 +165,7 @@ std::string modulus_field(const Extension& by) { return append_waves(by, "stiffn
 std::string thickness_field(const Extension& by) { return append_waves(by, "thickness"); }
 
 std::string local_stiffness(const Extension& by) {
+  if (!by.fits_variations) return kOtherChart;
   by.edit.append("variation",
                  {{"of", toml_text("stiffness")},
                   {"at", place(by)},

@@ -151,6 +151,7 @@ void require_faces(const Study& study, const mesh::TetMesh& body) {
   look(study.placement, "placement.on");
   look(study.interpolation, "interpolation.on");
   look(study.priors, "priors.on");
+  look(study.diagnosis, "diagnosis.on");
   if (study.placement) {
     for (const auto& zone : study.placement->keep_out) {
       if (zone.shape != "patch" || has_patch(body, zone.patch)) continue;

@@ -49,8 +49,8 @@ template <typename Plan>
 
 /// Everything in the study that names faces of the body, looked up.
 /// @param body  may be a shell
-/// @throws InvalidInput  patches that are not there, in placement, priors, interpolation and
-///                       supports: all at once, with line and column
+/// @throws InvalidInput  patches that are not there, in placement, priors, interpolation, diagnosis
+///                       and supports: all at once, with line and column
 void require_faces(const Study& study, const mesh::TetMesh& body);
 
 }  // namespace chladni::app

@@ -1,16 +1,26 @@
 // chladni interpolate STUDY: every mode shape everywhere, from a few measured points.
 #include "app/interpolation.h"
 
+#include <filesystem>
+
 #include "base/error.h"
 
 namespace chladni::app {
 namespace {
+
+void require_there(const MeasurementPlan& plan) {
+  for (const auto& path : {plan.shapes, plan.truth, plan.frf, plan.time}) {
+    require(path.empty() || std::filesystem::exists(path),
+            path.string() + ": there is no such file" + source_text(plan));
+  }
+}
 
 void run(const Study& study, Run& run) {
   require(study.measurement && has_shapes(*study.measurement),  // before minutes of solving
           study.file.string() +
               ": nothing is measured; expected [measurement] with frf, time, shapes "
               "or truth");
+  require_there(*study.measurement);
   const Solution solution = solved(study, run);
   const Interpolated result = interpolated(study, solution, run);
   run.show(interpolation_table(result));

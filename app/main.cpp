@@ -121,6 +121,9 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   verb.add_flag("--quiet", options.quiet, "no notes and no progress; warnings and errors still");
   verb.add_flag("--json", options.json, "the result as JSON on the standard output");
   verb.add_flag("--reproducible", options.reproducible, "no wall times in the results");
+  if (command.name != "check") {
+    verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
+  }
   if (command.name == "mesh") return;
   verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
   if (command.name == "check") {
@@ -135,7 +138,6 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
     verb.add_flag("--keep-best", options.keep_best,
                   "Ctrl-C stops a fit, and its best so far is written");
   }
-  verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
   verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
       ->check(CLI::PositiveNumber);
 }

@@ -1,5 +1,6 @@
 // chladni mesh STUDY: the body's surface checked and filled with tetrahedra.
 #include "app/solution.h"
+#include "io/patches_picture.h"
 #include "io/vtu.h"
 
 namespace chladni::app {
@@ -7,6 +8,11 @@ namespace chladni::app {
 void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result) {
   io::write_vtu(run / "mesh.vtu", body, {});
   run.leave("mesh.json", mesh_json(body), main_result);
+}
+
+void paint_patches(const Study& study, const mesh::TetMesh& body, Run& run) {
+  if (run.options().pictures) tell(run.talk().progress(), "painting the patches");
+  run.paint("mesh.png", [&](const auto& png) { io::draw_patches(png, body, study.title); });
 }
 
 namespace {
@@ -17,6 +23,7 @@ void run(const Study& study, Run& run) {
       run.timed("mesh", [&] { return body_of(study, outline, run.talk().progress()); });
   run.show(mesh_text(body));
   leave_mesh(body, run, true);
+  paint_patches(study, body, run);
 }
 
 }  // namespace

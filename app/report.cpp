@@ -246,6 +246,11 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   if (found.shapes != nullptr) report.sections.push_back(shapes_section(study, *found.shapes, run));
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
                                              solution.degrees_of_freedom));
+  if (run.has_painted("mesh.png")) {
+    report.sections.push_back(io::picture_section(
+        "Patches", run / "mesh.png",
+        "Names that `on`, `keep_out` and supports may take; on = { facing = \"z\" } needs none."));
+  }
   if (!study.sensors.empty() || !study.actuators.empty()) {
     report.sections.push_back(channels_of(study, solution));
   }

@@ -55,6 +55,8 @@ void leave_modes(const Study& study, const Solution& solution, Run& run);
 
 /// mesh.vtu, mesh.json
 void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
+/// mesh.png: the patches with their names
+void paint_patches(const Study& study, const mesh::TetMesh& body, Run& run);
 [[nodiscard]] io::JsonObject mesh_json(const mesh::TetMesh& body);
 [[nodiscard]] std::string mesh_text(const mesh::TetMesh& body);
 

@@ -76,6 +76,7 @@ void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study) 
   read_band(*table, "band", plan.low_hz, plan.high_hz);
   read_band(*table, "hold_out_band", plan.hold_out_low_hz, plan.hold_out_high_hz);
   read_tolerances_part(*table, folder, plan);
+  plan.on = read_faces(*table, "on");
   plan.effects = table->texts("effects");
   refuse_strangers(*table, "effects", "effect (chladni list effects)", plan.effects,
                    effect_names());

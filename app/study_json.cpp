@@ -314,6 +314,7 @@ io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
                                     {"response", t.response},
                                     {"scale", t.scale},
                                     {"mass_kg", t.mass}}},
+      {"on", faces_json(plan.on)},
       {"effects", io::Json::texts(plan.effects)},
       {"most_causes", plan.most_causes},
       {"least_evidence", plan.least_evidence},

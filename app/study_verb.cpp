@@ -23,6 +23,8 @@ void run(const Study& study, Run& run) {
   const Solution solution = solved(study, run);
   run.show(modes_table(solution));
   leave_mesh(solution.model.body, run, false);
+  // Of a body that is given by its dimensions the names are known.
+  if (study.geometry.kind == "file") paint_patches(study, solution.model.body, run);
   leave_modes(study, solution, run);
   std::optional<Placed> placement;
   if (study.placement) {

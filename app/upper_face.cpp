@@ -80,14 +80,20 @@ std::optional<Eigen::Vector2d> middle(const Chart& chart, const UpperFace& face,
 
 Chart chart_of(const mesh::TetMesh& body) {
   const auto [first, second] = longest_sides(body);
-  const Eigen::Index n = 3 - first - second;
-  const auto box = mesh::bounding_box(body.points);
+  return chart_along(body, Eigen::Vector3d::Unit(3 - first - second));
+}
+
+Chart chart_along(const mesh::TetMesh& body, const Eigen::Vector3d& normal) {
+  Eigen::Index n = 0;
+  normal.cwiseAbs().maxCoeff(&n);
+  Eigen::Vector3d u = Eigen::Vector3d::Unit((n + 1) % 3);
+  if (normal.dot(u) != 0.0) u = (u - normal.dot(u) * normal).normalized();
   Chart chart;
-  chart.axes << Eigen::Vector3d::Unit((n + 1) % 3), Eigen::Vector3d::Unit((n + 2) % 3),
-      Eigen::Vector3d::Unit(n);
-  chart.origin = box(1, n) * Eigen::Vector3d::Unit(n);
-  chart.from = chart.axes.leftCols<2>().transpose() * box.row(0).transpose();
-  const Eigen::Vector3d size = (box.row(1) - box.row(0)) * chart.axes;
+  chart.axes << u, normal.cross(u), normal;
+  const auto box = mesh::bounding_box(body.points * chart.axes);
+  chart.origin = box(1, 2) * normal;
+  chart.from = box.row(0).head<2>().transpose();
+  const Eigen::Vector3d size = (box.row(1) - box.row(0)).transpose();
   chart.size = size.head<2>();
   chart.height = size(2);
   return chart;
@@ -123,8 +129,9 @@ Eigen::VectorXd slope(const std::function<std::optional<Eigen::VectorXd>(double 
 }
 
 UpperFace::UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
-                     const ModesAbove& above)
+                     const ModesAbove& above, std::vector<char> chosen)
     : shell_(shell_of(chart, body, nodes_)),
+      chosen_(std::move(chosen)),
       finder_(shell_),
       motion_(shell_.node_count(), shapes.cols() + above.shapes.cols()),
       beyond_(above.beyond),
@@ -138,12 +145,17 @@ UpperFace::UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen:
   }
 }
 
-bool UpperFace::holds(const Eigen::Vector2d& place) const {
-  return finder_.from_above(place(0), place(1)).has_value();
+std::optional<mesh::Site> UpperFace::uppermost(const Eigen::Vector2d& place) const {
+  auto site = finder_.from_above(place(0), place(1));
+  const bool counts =
+      site && (chosen_.empty() || chosen_[static_cast<std::size_t>(site->face)] != 0);
+  return counts ? std::move(site) : std::nullopt;
 }
 
+bool UpperFace::holds(const Eigen::Vector2d& place) const { return uppermost(place).has_value(); }
+
 std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place) const {
-  const auto here = finder_.from_above(place(0), place(1));
+  const auto here = uppermost(place);
   if (!here) return {};
   const Eigen::VectorXd value = value_at(*here, motion_);
   const auto along = [&](const Eigen::Vector2d& axis) {
@@ -194,7 +206,9 @@ Eigen::MatrixXd coverage(const Chart& chart, const UpperFace& face, const Eigen:
 diagnosis::Surface surface_of(const Chart& chart, std::shared_ptr<const UpperFace> face) {
   // Bodies with large openings are scanned as densely as others.
   const double covered = coverage(chart, *face, grid_counts(chart, kScan, kScanAlong)).mean();
-  require(covered > 0.0, "diagnosis: nothing of the body is seen along its shortest side");
+  require(covered > 0.0,
+          "diagnosis: none of the faces that it looks at is uppermost; "
+          "[diagnosis] on names others");
   const Eigen::Vector2i counts =
       grid_counts(chart, kScan / covered, static_cast<int>(std::lround(kScanAlong / covered)));
   const Eigen::MatrixXd part = coverage(chart, *face, counts);

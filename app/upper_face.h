@@ -11,10 +11,10 @@
 
 namespace chladni::app {
 
-/// The plane of a body's two longest sides.
+/// A plane that a body is seen on.
 struct Chart {
   Eigen::Vector3d origin;      ///< [m]: that of the body's frame, raised to the height of its top
-  Eigen::Matrix3d axes;        ///< columns u, v and the normal: axes of the body, right-handed
+  Eigen::Matrix3d axes;        ///< columns u, v and the normal, right-handed
   Eigen::Vector2d from, size;  ///< [m]: the body's box on it
   double height = 0.0;         ///< [m]: extent of the body along the normal
 
@@ -25,7 +25,11 @@ struct Chart {
   [[nodiscard]] bool is_slender() const { return size.maxCoeff() > 8.0 * size.minCoeff(); }
 };
 
+/// Of the body's two longest sides, seen from where the third axis points to.
 [[nodiscard]] Chart chart_of(const mesh::TetMesh& body);
+/// Seen against `normal` (unit). Along an axis of the body u and v are axes too: for z they are x
+/// and y, and so on in turn; from behind v is turned.
+[[nodiscard]] Chart chart_along(const mesh::TetMesh& body, const Eigen::Vector3d& normal);
 
 /// Places in the plane, `counts` along u and v, evenly over the box: (i + 1/2) / count.
 [[nodiscard]] Eigen::Vector2d grid_place(const Chart& chart, const Eigen::Vector2i& counts, int i,
@@ -51,19 +55,24 @@ class UpperFace {
  public:
   /// @param shapes  3·nodes×r
   /// @param above   modes that yield at once where something hangs
+  /// @param chosen  per boundary face 1 where it counts; empty: all do
   UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
-            const ModesAbove& above = {});
+            const ModesAbove& above = {}, std::vector<char> chosen = {});
   UpperFace(const UpperFace&) = delete;
   UpperFace& operator=(const UpperFace&) = delete;
 
+  /// Whether what is uppermost there counts.
   [[nodiscard]] bool holds(const Eigen::Vector2d& place) const;
   /// Along the chart's normal; none beside the body. What yields at once: u modes and one for all
   /// beyond, or none. Cost: five searches, logarithmic in the faces.
   [[nodiscard]] std::optional<diagnosis::PointMotion> at(const Eigen::Vector2d& place) const;
 
  private:
+  [[nodiscard]] std::optional<mesh::Site> uppermost(const Eigen::Vector2d& place) const;
+
   std::vector<Eigen::Index> nodes_;  // of the body, per node of the shell
   mesh::TetMesh shell_;              // boundary only, in the chart's coordinates
+  std::vector<char> chosen_;         // per face of the shell; empty: all
   mesh::SiteFinder finder_;
   Eigen::MatrixXd motion_;  // shell nodes × (r + u)
   Eigen::VectorXd beyond_;  // u

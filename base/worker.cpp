@@ -145,11 +145,28 @@ void refuse_failed_start(const fs::path& program, int start) {
                    "): " + std::generic_category().message(error));
 }
 
-std::string last_line(std::string_view text) {
+// Without the sequences that colour a terminal: ESC [ ... letter.
+std::string uncoloured(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '\033') {
+      plain += text[i];
+      continue;
+    }
+    if (i + 1 < text.size() && text[i + 1] == '[') ++i;
+    while (i + 1 < text.size() && (text[i + 1] < '@' || text[i + 1] > '~')) ++i;
+    ++i;
+  }
+  return plain;
+}
+
+std::string last_line(std::string_view errors) {
+  const std::string text = uncoloured(errors);
   const auto end = text.find_last_not_of(" \t\r\n");
-  if (end == std::string_view::npos) return {};
-  text = text.substr(0, end + 1);
-  return ": " + std::string(text.substr(text.find_last_of('\n') + 1));
+  if (end == std::string::npos) return {};
+  const auto before = text.find_last_of('\n', end);
+  const auto begin = before == std::string::npos ? 0 : before + 1;
+  return ": " + text.substr(begin, end + 1 - begin);
 }
 
 // Moves what the pipes take and give without waiting.

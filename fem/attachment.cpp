@@ -65,11 +65,30 @@ void add_square(std::vector<Eigen::Triplet<double>>& to, double value, const Row
   }
 }
 
+// The tetrahedra at the places of an attachment: its own, and the other end of a link.
+struct Below {
+  Eigen::Index here = -1, there = -1;
+};
+
+std::vector<Below> below_all(const mesh::TetMesh& body, const std::vector<Attachment>& all) {
+  std::vector<mesh::Site> sites;
+  for (const auto& one : all) {
+    const auto* link = std::get_if<LinkSpring>(&one.what);
+    sites.push_back(one.site);
+    sites.push_back(link != nullptr ? link->other : one.site);
+  }
+  const auto tets = tets_below(body, sites);
+  std::vector<Below> below(all.size());
+  for (std::size_t i = 0; i < below.size(); ++i) below[i] = {tets[2 * i], tets[2 * i + 1]};
+  return below;
+}
+
 // Adds one attachment of each kind.
 class Adder {
  public:
-  Adder(const mesh::TetMesh& body, const Attachment& attachment, AttachmentTerms& to)
-      : body_(body), attachment_(attachment), checks_(attachment), to_(to) {}
+  Adder(const mesh::TetMesh& body, const Attachment& attachment, const Below& below,
+        AttachmentTerms& to)
+      : body_(body), attachment_(attachment), below_(below), checks_(attachment), to_(to) {}
 
   void operator()(const PointMass& mass) const {
     checks_.not_negative(mass.mass, "mass", "kg");
@@ -80,7 +99,7 @@ class Adder {
     checks_.not_negative(
         principal.eigenvalues()(0) < -1e-12 * largest ? principal.eigenvalues()(0) : 0.0,
         "smallest principal moment of inertia", "kg m^2");
-    const auto motion = motion_at(attachment_.site);
+    const auto motion = motion_at(attachment_.site, below_.here);
     for (int axis = 0; axis < 3; ++axis) {
       Row move;
       add(move, motion, motion.displacement, Eigen::Vector3d::Unit(axis));
@@ -96,7 +115,7 @@ class Adder {
     checks_.unit_vector(spring.direction, "direction");
     checks_.not_negative(spring.stiffness, "stiffness", "N/m");
     checks_.not_negative(spring.damping, "damping", "N s/m");
-    const auto motion = motion_at(attachment_.site);
+    const auto motion = motion_at(attachment_.site, below_.here);
     Row row;
     add(row, motion, motion.displacement, spring.direction);
     add_spring(row, spring.stiffness, spring.damping);
@@ -106,7 +125,7 @@ class Adder {
     checks_.unit_vector(spring.axis, "axis");
     checks_.not_negative(spring.stiffness, "stiffness", "N m/rad");
     checks_.not_negative(spring.damping, "damping", "N m s/rad");
-    const auto motion = motion_at(attachment_.site);
+    const auto motion = motion_at(attachment_.site, below_.here);
     Row row;
     add(row, motion, motion.rotation, spring.axis);
     add_spring(row, spring.stiffness, spring.damping);
@@ -125,8 +144,8 @@ class Adder {
       direction = line.normalized();
     }
     checks_.unit_vector(direction, "direction");
-    const auto here = motion_at(attachment_.site);
-    const auto there = motion_at(link.other);
+    const auto here = motion_at(attachment_.site, below_.here);
+    const auto there = motion_at(link.other, below_.there);
     Row row;
     add(row, there, there.displacement, direction);
     add(row, here, here.displacement, -direction);
@@ -144,7 +163,7 @@ class Adder {
     checks_.positive(resonator.mass, "mass", "kg");
     checks_.positive(resonator.stiffness, "stiffness", "N/m");
     checks_.not_negative(resonator.damping, "damping", "N s/m");
-    const auto motion = motion_at(attachment_.site);
+    const auto motion = motion_at(attachment_.site, below_.here);
     const Eigen::Index own = 3 * body_.node_count() + to_.extra_count();
     to_.extras.push_back({.position = attachment_.site.position, .direction = resonator.direction});
     add_square(to_.mass, resonator.mass, Row{{own, 1.0}});
@@ -161,11 +180,11 @@ class Adder {
   }
 
  private:
-  [[nodiscard]] SiteMotion motion_at(const mesh::Site& site) const {
+  [[nodiscard]] SiteMotion motion_at(const mesh::Site& site, Eigen::Index tet) const {
     checks_.not_negative(attachment_.footprint, "footprint", "m");
     try {
       return attachment_.footprint > 0.0 ? footprint_motion(body_, site, attachment_.footprint)
-                                         : point_motion(body_, site);
+                                         : point_motion(body_, site, tet);
     } catch (const InvalidInput& error) {
       checks_.hold(false, error.what());
       throw;
@@ -180,6 +199,7 @@ class Adder {
 
   const mesh::TetMesh& body_;
   const Attachment& attachment_;
+  const Below& below_;
   Checks checks_;
   AttachmentTerms& to_;
 };
@@ -188,8 +208,9 @@ class Adder {
 
 AttachmentTerms terms(const mesh::TetMesh& body, const std::vector<Attachment>& attachments) {
   AttachmentTerms result;
-  for (const auto& attachment : attachments) {
-    std::visit(Adder(body, attachment, result), attachment.what);
+  const auto below = below_all(body, attachments);
+  for (std::size_t i = 0; i < attachments.size(); ++i) {
+    std::visit(Adder(body, attachments[i], below[i], result), attachments[i].what);
   }
   return result;
 }

@@ -39,7 +39,7 @@ struct Symbolic::Tree {
   std::int64_t tallest_front = 0;       ///< rows
   std::int64_t stack_size[2] = {0, 0};  ///< doubles of waiting update blocks per thread, at most,
                                         ///< by the parity of their depth
-  std::int64_t detached_size = 0;  ///< doubles of those outside the stacks
+  std::int64_t detached_size = 0;       ///< doubles of those outside the stacks
   double flops = 0.0;
   double entries = 0.0;  ///< of the pattern
   int threads = 1;       ///< it was cut up for
@@ -59,7 +59,13 @@ struct QuotientGraph {
 };
 [[nodiscard]] QuotientGraph quotient_graph(const SparseMatrix& pattern);
 
-/// new -> old group, by nested dissection.
-[[nodiscard]] std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph);
+/// Groups from which on METIS takes longer than Ctrl-C should wait: about a second.
+inline constexpr std::size_t kLargeGraph = 50'000;
+
+/// new -> old group, by nested dissection. Of `large` groups and more in a worker, which Ctrl-C
+/// ends within 0.2 s.
+/// @throws Interrupted, WorkerDied, OutOfResources
+[[nodiscard]] std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph,
+                                                          std::size_t large = kLargeGraph);
 
 }  // namespace chladni::fem

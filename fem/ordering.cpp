@@ -1,13 +1,11 @@
-// The only file that knows METIS.
-#include <fmt/format.h>
-
-#include <metis.h>
-
+// Degrees of freedom taken together, and the order in which the groups are eliminated.
 #include <algorithm>
-#include <string>
+#include <chrono>
+#include <filesystem>
 
-#include "base/error.h"
+#include "base/worker.h"
 #include "fem/elimination_tree.h"
+#include "fem/metis_order.h"
 
 namespace chladni::fem {
 namespace {
@@ -67,32 +65,18 @@ QuotientGraph quotient_graph(const SparseMatrix& pattern) {
   return graph;
 }
 
-std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph) {
-  static_assert(sizeof(idx_t) == sizeof(std::int32_t), "METIS with 32-bit indices");
-  auto count = static_cast<idx_t>(graph.first.size() - 1);
-  std::vector<std::int32_t> order(static_cast<std::size_t>(count));
-  std::vector<std::int32_t> position(order.size());
-  if (graph.neighbour.empty()) {
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
-    return order;
+std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph, std::size_t large) {
+  const std::size_t count = graph.first.size() - 1;
+  if (count < large) return metis_order(graph);
+  std::filesystem::path worker;
+  try {
+    worker = worker_path("chladni-order");
+  } catch (const WorkerDied&) {  // of a library without its programs: Ctrl-C is heard later
+    return metis_order(graph);
   }
-  std::vector<idx_t> weight(order.size());
-  for (std::size_t g = 0; g < order.size(); ++g) weight[g] = graph.first[g + 1] - graph.first[g];
-  auto start = graph.start;  // METIS takes pointers to non-const and may renumber in place
-  auto neighbour = graph.neighbour;
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_SEED] = 1;
-  // Halves may differ by 3 to 1 for a smaller separator: a tenth less fill, a seventh of the work
-  // on plates. (At 1000 a half may be empty, and METIS does not end.)
-  options[METIS_OPTION_UFACTOR] = 500;
-  const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
-                                  order.data(), position.data());
-  if (status != METIS_OK) {
-    throw OutOfResources("ordering: METIS failed with status " + fmt::to_string(status) + " on " +
-                         fmt::to_string(count) + " nodes");
-  }
-  return order;
+  const WorkerLimits limits{.time = std::chrono::hours(24), .memory_bytes = 0};
+  const auto reply = run_worker(worker, {}, bytes_of(graph), limits);
+  return reply_of(worker, [&] { return order_from(reply.output, count); });
 }
 
 }  // namespace chladni::fem

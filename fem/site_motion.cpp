@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <sstream>
+#include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
@@ -36,14 +37,11 @@ void require_on(const mesh::TetMesh& body, const mesh::Site& site) {
           "the site is not on a face of this body; find it with a SiteFinder of the same mesh");
 }
 
-// The tetrahedron that has the three corners of the site's face.
-Eigen::Index tet_below(const mesh::TetMesh& body, const mesh::Site& site) {
-  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    const auto corners = body.tets.row(t).head<4>();
-    const auto has = [&](int node) { return (corners.array() == node).any(); };
-    if (has(site.nodes(0)) && has(site.nodes(1)) && has(site.nodes(2))) return t;
-  }
-  throw InvalidInput("the site's face belongs to no tetrahedron of this body");
+// Whether the three corners of the site's face are corners of the tetrahedron.
+bool has_face(const mesh::TetMesh& body, Eigen::Index tet, const mesh::Site& site) {
+  const auto corners = body.tets.row(tet).head<4>();
+  const auto has = [&](int node) { return (corners.array() == node).any(); };
+  return has(site.nodes(0)) && has(site.nodes(1)) && has(site.nodes(2));
 }
 
 // Barycentric coordinates of the site in tetrahedron `tet`: shape functions reproduce those of the
@@ -258,9 +256,34 @@ SiteMotion nearest_rigid_motion(const mesh::TetMesh& body, const std::vector<Sam
 
 }  // namespace
 
-SiteMotion point_motion(const mesh::TetMesh& body, const mesh::Site& site) {
+std::vector<Eigen::Index> tets_below(const mesh::TetMesh& body,
+                                     const std::vector<mesh::Site>& sites) {
+  std::vector<Eigen::Index> below(sites.size(), -1);
+  // By the first corner of its face: which sites may be on a tetrahedron that has it.
+  std::vector<char> is_first(static_cast<std::size_t>(body.node_count()), 0);
+  std::unordered_multimap<int, std::size_t> site_of;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const auto& nodes = sites[i].nodes;
+    if (nodes.size() < 3 || nodes(0) < 0 || nodes(0) >= body.node_count()) continue;
+    is_first[static_cast<std::size_t>(nodes(0))] = 1;
+    site_of.emplace(nodes(0), i);
+  }
+  for (Eigen::Index t = 0; t < body.tet_count() && !site_of.empty(); ++t) {
+    for (const auto corner : body.tets.row(t).head<4>()) {
+      if (is_first[static_cast<std::size_t>(corner)] == 0) continue;
+      const auto [begin, end] = site_of.equal_range(corner);
+      for (auto one = begin; one != end; ++one) {
+        if (below[one->second] < 0 && has_face(body, t, sites[one->second])) below[one->second] = t;
+      }
+    }
+  }
+  return below;
+}
+
+SiteMotion point_motion(const mesh::TetMesh& body, const mesh::Site& site, Eigen::Index tet) {
   require_on(body, site);
-  const auto tet = tet_below(body, site);
+  require(tet >= 0 && tet < body.tet_count() && has_face(body, tet, site),
+          "the site's face belongs to no tetrahedron of this body");
   const auto values = shape(element(body.order()), barycentric_in(body, site, tet));
   const auto count = body.tets.cols();
   SiteMotion motion{.nodes = body.tets.row(tet).transpose(),

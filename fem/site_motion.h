@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "mesh/site.h"
 
@@ -15,10 +16,16 @@ struct SiteMotion {
   Eigen::Matrix<double, 3, Eigen::Dynamic> rotation;      ///< 3×3k [1/m], small angles [rad]
 };
 
-/// At the point itself: the face's shape functions, and half the curl of the displacement in the
-/// tetrahedron below the face. Cost: one pass over the tetrahedra.
-/// @throws InvalidInput  the site is not on a face of `body`
-[[nodiscard]] SiteMotion point_motion(const mesh::TetMesh& body, const mesh::Site& site);
+/// The tetrahedra that the sites' faces belong to; −1 where a site is on no face of `body`.
+/// Cost: one pass over the tetrahedra, however many sites there are.
+[[nodiscard]] std::vector<Eigen::Index> tets_below(const mesh::TetMesh& body,
+                                                   const std::vector<mesh::Site>& sites);
+
+/// At the point itself: the face's shape functions, and half the curl of the displacement in `tet`,
+/// the tetrahedron below the face.
+/// @throws InvalidInput  the site is not on a face of `body`, or not on one of `tet`
+[[nodiscard]] SiteMotion point_motion(const mesh::TetMesh& body, const mesh::Site& site,
+                                      Eigen::Index tet);
 
 /// Of a rigid disc of `diameter` [m] that touches the body evenly: the rigid motion nearest, in the
 /// mean square over the area, to that of the surface within the disc, taken at the site (the

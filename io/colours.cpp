@@ -79,4 +79,20 @@ Colour sequential(double value) {
   return between(steps, std::max(value, 0.0));
 }
 
+Colour categorical(int number) {
+  static const std::array<Colour, kCategories> colours{{{0.553, 0.827, 0.780},
+                                                        {1.000, 1.000, 0.702},
+                                                        {0.745, 0.729, 0.855},
+                                                        {0.984, 0.502, 0.447},
+                                                        {0.502, 0.694, 0.827},
+                                                        {0.992, 0.706, 0.384},
+                                                        {0.702, 0.871, 0.412},
+                                                        {0.988, 0.804, 0.898},
+                                                        {0.851, 0.851, 0.851},
+                                                        {0.737, 0.502, 0.741},
+                                                        {0.800, 0.922, 0.773},
+                                                        {1.000, 0.929, 0.435}}};
+  return colours[static_cast<std::size_t>(number) % kCategories];
+}
+
 }  // namespace chladni::io

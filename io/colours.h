@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace chladni::io {
 
@@ -14,5 +15,10 @@ using Colour = std::array<double, 3>;  // sRGB in [0, 1]
 /// From dark to light: 0 violet, 1 yellow, in even steps of CIELAB between five colours of
 /// matplotlib's viridis (van der Walt and Smith 2015). @param value  is cut off at 0 and 1
 [[nodiscard]] Colour sequential(double value);
+
+/// Light colours that are easily told apart, for dark letters on them: ColorBrewer's Set3
+/// (C. Brewer 2003). @param number  from 0; counts anew after kCategories
+inline constexpr std::size_t kCategories = 12;
+[[nodiscard]] Colour categorical(int number);
 
 }  // namespace chladni::io

@@ -37,7 +37,8 @@ std::string painted(const Message& request) {
   const WorkerLimits limits{
       .time = std::chrono::seconds(120), .memory_bytes = 0, .output_bytes = kLargestPicture};
   const std::filesystem::path xvfb = program_on_path("Xvfb");
-  if (xvfb.empty() && std::getenv("DISPLAY") == nullptr) {
+  const char* display = std::getenv("DISPLAY");
+  if (xvfb.empty() && (display == nullptr || *display == '\0')) {
     throw WorkerDied("the painter has no display; install the package xvfb");
   }
   const std::vector<std::string> arguments =

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "base/atomic_file.h"
@@ -54,6 +55,39 @@ double metres_per_number(const std::string& in_file, const std::string& asked) {
   return in_file.empty() ? unit_factor(asked, "m") : 1e-3;
 }
 
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+// Where a parameter is written as other programs print what is no number: nan, -inf, 1.#QNAN.
+// OpenCASCADE takes such a coordinate and does not end. STEP itself has words in front of a bracket
+// and between dots only.
+std::size_t no_number(std::string_view bytes) {
+  bool in_text = false;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] == '\'') in_text = !in_text;
+    if (in_text || (bytes[i] != '(' && bytes[i] != ',')) continue;
+    const std::size_t first = bytes.find_first_not_of(" \t\r\n+-", i + 1);
+    if (first == std::string_view::npos) break;
+    std::size_t end = first;
+    while (end < bytes.size() && is_letter(bytes[end])) ++end;
+    const std::string word = upper(std::string(bytes.substr(first, end - first)));
+    const bool is_word = word == "NAN" || word == "INF" || word == "INFINITY" || word == "IND";
+    if (is_word && end < bytes.size() && bytes[end] != '(') return first;
+    if (bytes.substr(first, 3) == "1.#") return first;
+  }
+  return std::string_view::npos;
+}
+
+void require_numbers(const std::string& bytes) {
+  const auto at = no_number(bytes);
+  if (at == std::string_view::npos) return;
+  const auto line =
+      1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  const auto end = bytes.find_first_of(",) \r\n", at);
+  throw InvalidInput("line " + std::to_string(line) + ": found " +
+                     shown(bytes.substr(at, end - at)) +
+                     ", expected a number: export the body anew");
+}
+
 Geometry geometry_of(const Message& found, const std::string& unit) {
   const std::string& refused = found.head.at("refused").string();
   require(refused.empty(), refused);
@@ -92,6 +126,11 @@ Geometry read_step(const std::filesystem::path& file, const std::string& unit) {
   const std::string bytes = read_whole(file, kLargestFile);
   require(bytes.find("ISO-10303-21") < 1024,
           file.string() + ": no 'ISO-10303-21' at the start, expected a STEP file");
+  try {
+    require_numbers(bytes);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(file.string() + ": " + error.what());
+  }
   const WorkerLimits limits{.time = std::chrono::seconds(120),
                             .memory_bytes = (std::size_t{2} << 30U) + 64 * bytes.size(),
                             .output_bytes = (std::size_t{64} << 20U) + 64 * bytes.size()};

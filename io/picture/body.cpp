@@ -3,6 +3,7 @@
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkContourFilter.h>
 #include <vtkDoubleArray.h>
 #include <vtkLight.h>
@@ -13,6 +14,7 @@
 #include <vtkPolyDataMapper.h>
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -154,6 +156,29 @@ void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value)
   actor->SetMapper(mapper);
   actor->GetProperty()->LightingOff();
   panel->AddActor(actor);
+}
+
+void add_parts(vtkRenderer* panel, const Body& body, const Cells& colour) {
+  auto skin = skin_of(body, body.points, Eigen::VectorXd::Zero(body.points.rows()));
+  skin->GetPointData()->SetScalars(nullptr);
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetNumberOfComponents(3);
+  for (const auto number : colour.reshaped()) {
+    for (const double part : io::categorical(number)) {
+      colours->InsertNextValue(static_cast<unsigned char>(std::lround(255.0 * part)));
+    }
+  }
+  skin->GetCellData()->SetScalars(colours);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(skin);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetInterpolationToFlat();
+  actor->GetProperty()->SetAmbient(0.86);
+  actor->GetProperty()->SetDiffuse(0.16);
+  actor->GetProperty()->SetSpecular(0.0);
+  panel->AddActor(actor);
+  add_lines(panel, outline_of(body, body.points), {0.30, 0.31, 0.34}, 2.0F);
 }
 
 void add_plain(vtkRenderer* panel, const Body& body, const Colour& colour) {

@@ -29,6 +29,8 @@ void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
                     const Colour& colour = {0.0, 0.0, 0.0}, float width = 4.0F);
 /// Triangles coloured by `value` (V, in [0, 1]) from dark to light, without light and shade.
 void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value);
+/// Triangles coloured by their number (T×1, io/colours.h), softly lit; the outline dark.
+void add_parts(vtkRenderer* panel, const Body& body, const Cells& colour);
 /// Triangles in one colour.
 void add_plain(vtkRenderer* panel, const Body& body, const Colour& colour);
 /// Sets the panel's camera: `view`, centred, `height` px high.

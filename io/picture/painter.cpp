@@ -20,7 +20,8 @@ using Picture = std::string (*)(const chladni::io::Message&);
 const std::map<std::string, Picture> kPictures{{"contact_sheet", chladni::picture::contact_sheet},
                                                {"drawing", chladni::picture::drawing},
                                                {"heat_map", chladni::picture::heat_map},
-                                               {"layouts", chladni::picture::layouts}};
+                                               {"layouts", chladni::picture::layouts},
+                                               {"patches", chladni::picture::patches}};
 
 }  // namespace
 

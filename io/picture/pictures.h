@@ -28,6 +28,14 @@ namespace chladni::picture {
 /// Arrays, in the paper's frame: `points` V×3, `triangles` T×3, `values` V×P, `places_0`, ... M×3.
 [[nodiscard]] std::string layouts(const io::Message& request);
 
+/// A body from two sides, its parts in colours, with their names; PNG.
+///
+/// head: `title`, `panel_width`, `panel_height` [px]; `panels`: list of {`title`, `labels`: list of
+/// {`words`, `size`}}; `rows`: list of {`number`, `name`, `area`, `colour`}; `more`: how many have
+/// no row. Arrays: `triangles` T×3, `outline` E×2, `colours` T×1 (io/colours.h, categorical); per
+/// panel, in the paper's frame, `points_0`, ... V×3 and `labels_0`, ... L×2.
+[[nodiscard]] std::string patches(const io::Message& request);
+
 /// Flat shapes and words by their pixels; PNG.
 ///
 /// head: `width`, `height`; `shapes`: list of {`kind` (lines, polygons), `colour` (three numbers in

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "app/interpolation.h"
 #include "base/error.h"
@@ -94,6 +96,25 @@ TEST(ComparisonJson, HasANumberForEach) {
   EXPECT_GT(json.at("relative_error").number(), 0.1);
   EXPECT_EQ(json.at("exchanged").array().front().at("side").string(), "sensors");
   EXPECT_FALSE(io::text(json).empty());
+}
+
+// An error that is not known is not an error of zero.
+TEST(ComparisonPictures, LeaveWhatIsNotKnownEmpty) {
+  auto known = comparison();
+  EXPECT_EQ(errors_picture(known).title, "Error of each response, % of its size");
+  auto& error = known.responses.error;
+  error.setConstant(0.02);
+  error(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  error(0, 1) = std::numeric_limits<double>::infinity();
+  const auto some = errors_picture(known);
+  EXPECT_TRUE(std::isnan(some.value(1, 2)));
+  EXPECT_DOUBLE_EQ(some.dark, 2.0);
+  EXPECT_NE(some.title.find("empty: not known"), std::string::npos);
+  error.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto none = errors_picture(known);
+  EXPECT_FALSE(none.value.array().isFinite().any());
+  EXPECT_GT(none.dark, none.light);
+  EXPECT_GT(none.dark, 1e-3);  // no scale that any error would be dark on
 }
 
 TEST(ComparisonPictures, AreThere) {

@@ -130,6 +130,24 @@ TEST_F(Before, CheckFindsDataThatAreNotThere) {
 TEST_F(Before, InterpolateSaysThatNothingIsMeasuredBeforeItSolves) {
   EXPECT_TRUE(says(refusal(kSmall, interpolate_command), "nothing is measured"));
   EXPECT_EQ(shown_, "");
+  for (const std::string key : {"frf", "shapes", "truth"}) {
+    const auto gone = kSmall + "[measurement]\n" + key + " = \"gone.csv\"\n";
+    EXPECT_TRUE(says(refusal(gone, interpolate_command), "gone.csv: there is no such file"));
+    EXPECT_EQ(shown_, "") << key;
+  }
+}
+
+TEST_F(Before, DiagnoseSaysThatNothingIsMeasuredBeforeItSolves) {
+  EXPECT_TRUE(says(refusal(kSmall, diagnose_command), "no responses are measured"));
+  EXPECT_EQ(shown_, "");
+  EXPECT_TRUE(says(refusal(kSmall + "[measurement]\nfrf = \"gone.csv\"\n", diagnose_command),
+                   "gone.csv: there is no such file"));
+  EXPECT_EQ(shown_, "");
+}
+
+TEST_F(Before, IdentifySaysThatNothingIsMeasuredBeforeItSolves) {
+  EXPECT_TRUE(says(refusal(kSmall, identify_command), "no responses are measured"));
+  EXPECT_EQ(shown_, "");
 }
 
 }  // namespace

@@ -49,6 +49,13 @@ TEST(Worker, DeathSaysTheSignalAndTheLastWord) {
   EXPECT_NE(said.find("bad facet 7"), std::string::npos) << said;
 }
 
+// OpenCASCADE and VTK colour what they print, whatever reads it.
+TEST(Worker, DeathSaysNoColours) {
+  const auto said =
+      death({"-c", R"(printf '\033[31;1mbad face 3\033[0m\n\033[0m\n\n' >&2; exit 4)"});
+  EXPECT_TRUE(said.ends_with("exit status 4: bad face 3")) << said;
+}
+
 TEST(Worker, DeathSaysTheExitStatus) {
   EXPECT_NE(death({"-c", "exit 9"}).find("exit status 9"), std::string::npos);
 }

@@ -20,10 +20,45 @@ Eigen::VectorXd gathered(const mesh::TetMesh& body, const SiteMotion& motion, co
   return u;
 }
 
+SiteMotion motion_at(const mesh::TetMesh& body, const mesh::Site& site) {
+  return point_motion(body, site, tets_below(body, {site}).front());
+}
+
+// One pass finds for many sites what a pass each finds; two sites may share a face.
+TEST(SiteMotion, FindsTheTetrahedraBelowAllSitesAtOnce) {
+  const auto body = plate();
+  const mesh::SiteFinder finder(body);
+  std::vector<mesh::Site> sites;
+  for (int i = 0; i < 50; ++i) {
+    sites.push_back(finder.from_above(-0.14 + 0.0057 * i, 0.09 - 0.0035 * i).value());
+  }
+  sites.push_back(sites.front());
+  sites.push_back(mesh::Site{});
+  auto elsewhere = sites.front();
+  elsewhere.nodes(2) = elsewhere.nodes(1);
+  elsewhere.nodes(1) = body.tets(body.tet_count() - 1, 0);
+  sites.push_back(elsewhere);
+  const auto below = tets_below(body, sites);
+  ASSERT_EQ(below.size(), sites.size());
+  for (std::size_t i = 0; i < 51; ++i) {
+    ASSERT_GE(below[i], 0) << i;
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_TRUE((body.tets.row(below[i]).head<4>().array() == sites[i].nodes(k)).any()) << i;
+    }
+    EXPECT_EQ(below[i], tets_below(body, {sites[i]}).front()) << i;
+  }
+  EXPECT_EQ(below[50], below[0]);
+  EXPECT_EQ(below[51], -1);
+  EXPECT_EQ(below[52], -1);
+  EXPECT_THROW((void)point_motion(body, sites[0], -1), InvalidInput);
+  EXPECT_THROW((void)point_motion(body, sites[0], below[49]), InvalidInput);
+  EXPECT_TRUE(tets_below(body, {}).empty());
+}
+
 TEST(SiteMotion, OfAPointIsThatOfAQuadraticFieldExactly) {
   const auto body = plate();
   const auto site = site_on(body, 0.033, 0.041);
-  const auto motion = point_motion(body, site);
+  const auto motion = motion_at(body, site);
   const Field field = [](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(x.y() * x.z(), x.x() * x.x(), x.x() * x.y());
   };
@@ -47,7 +82,7 @@ TEST(SiteMotion, RotationOfABentPlateConvergesWithTheMesh) {
     double sum = 0.0;
     for (int i = 0; i < 40; ++i) {
       const double x = -0.14 + 0.007 * i;
-      const auto motion = point_motion(body, finder.from_above(x, 0.09 - 0.0043 * i).value());
+      const auto motion = motion_at(body, finder.from_above(x, 0.09 - 0.0043 * i).value());
       const Eigen::Vector3d turned = motion.rotation * gathered(body, motion, kBend);
       sum += (turned - Eigen::Vector3d(0.0, -10.0 * std::cos(10.0 * x), 0.0)).squaredNorm();
     }
@@ -63,7 +98,7 @@ TEST(SiteMotion, OfAFootprintTendsToThatOfThePoint) {
   const Field field = [](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(x.y() * x.y(), x.x() * x.x(), 20.0 * x.x() * x.x() * x.y());
   };
-  const auto point = point_motion(body, site);
+  const auto point = motion_at(body, site);
   const Eigen::Vector3d moved = point.displacement * gathered(body, point, field);
   const double in_plane_turn = (point.rotation * gathered(body, point, field))(2);
   std::vector<double> errors;
@@ -103,7 +138,7 @@ TEST(SiteMotion, RefusesAFootprintThatTakesInTooMuch) {
 
 TEST(SiteMotion, RefusesASiteOfAnotherMesh) {
   const auto site = site_on(plate(3), 0.0, 0.0);
-  EXPECT_THROW((void)point_motion(plate(2), site), InvalidInput);
+  EXPECT_THROW((void)motion_at(plate(2), site), InvalidInput);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <map>
 #include <numbers>
 
+#include "base/atomic_file.h"
+#include "base/error.h"
 #include "io/read.h"
 #include "mesh/tetrahedralize.h"
 #include "tests/io/samples.h"
@@ -59,6 +61,34 @@ TEST_F(Step, PlateWithAHoleIsClosedAndHasItsFaces) {
   EXPECT_EQ(plate.patch_names[0], "face_1");
   const auto box = mesh::bounding_box(plate.points);
   EXPECT_TRUE(box.row(1).isApprox(Eigen::RowVector3d(0.06, 0.04, 0.01), 1e-12));
+}
+
+// OpenCASCADE reads them and does not end.
+TEST_F(Step, CoordinatesThatAreNoNumbersAreRefusedByTheirLine) {
+  const std::string whole = read_whole(data("plate_with_hole.step"));
+  const auto place = whole.find("CARTESIAN_POINT('',(") + 20;
+  const auto end = whole.find(',', place);
+  const auto line = 1 + std::count(whole.begin(), whole.begin() + static_cast<long>(place), '\n');
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("chladni_step_" + std::to_string(getpid()) + ".step");
+  for (const std::string word : {"NaN", "-nan", "inf", "-Infinity", "1.#QNAN"}) {
+    std::string bytes = whole;
+    bytes.replace(place, end - place, word);
+    write_atomically(file, bytes);
+    try {
+      (void)surface_of(file);
+      ADD_FAILURE() << word << " is taken";
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("line " + std::to_string(line) + ": found "),
+                std::string::npos)
+          << error.what();
+    }
+  }
+  std::string named = whole;  // a text may say what it likes
+  named.replace(named.find("CARTESIAN_POINT('") + 17, 0, "(nan,inf)");
+  write_atomically(file, named);
+  EXPECT_NO_THROW((void)surface_of(file));
+  std::filesystem::remove(file);
 }
 
 TEST_F(Step, SeamsArePutTogether) {
