@@ -128,8 +128,13 @@ struct SimplerPair {
 // band, or is damped away.
 constexpr double kPoleUnseen = 0.01;
 
+// What turns with the body goes with the slopes of the shapes, in which solvers differ more than in
+// the shapes: a point mass that another solver found was told with a radius of gyration of 12 mm
+// for 0.0006 of what it explains. Radii from 25 mm on bring a tenth and more.
+constexpr double kTurnsOtherwise = 0.002;
+
 constexpr std::array kSimpler{
-    SimplerPair{"mass_with_inertia", "point_mass"},
+    SimplerPair{"mass_with_inertia", "point_mass", kTurnsOtherwise},
     SimplerPair{"resonator", "point_mass", kPoleUnseen},
     SimplerPair{"resonator", "ground_spring", kPoleUnseen},
     SimplerPair{"resonator", "ground_damper", kPoleUnseen},
