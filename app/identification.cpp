@@ -34,6 +34,7 @@ identification::FitDataOptions data_options(const IdentificationPlan& plan,
     options.weighting = identification::Weighting::inverse_magnitude;
   }
   options.cut_off_db = plan.cut_off_db;
+  options.clip_db = plan.clip_db;
   options.model_error = plan.model_error.value_or(set.variance.empty() ? kAssumedModelError : 0.0);
   return options;
 }
@@ -95,6 +96,10 @@ identification::Identified found(const IdentificationPlan& plan, const Study& st
   identification::ThesisOptions thesis{.modes = plan.modes};
   thesis.rigid_count = std::max<Eigen::Index>(0, options.rigid_count);
   thesis.residual = plan.residual;
+  thesis.degree = plan.fraction_degree;
+  thesis.sanathanan_koerner = plan.sanathanan_koerner;
+  thesis.levenberg_marquardt = plan.levenberg_marquardt;
+  thesis.modal_iterations = plan.modal_iterations;
   thesis.progress = options.fit.progress;
   // Delays are compensated before the fit (4.1).
   const auto delays = identification::delays_at_start(data, options);

@@ -3,12 +3,15 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "app/corrections.h"
 #include "app/faces.h"
 #include "app/interpolation.h"
 #include "app/placement.h"
+#include "base/error.h"
+#include "identification/suspension.h"
 #include "priors/learned_corrections.h"
 
 namespace chladni::app {
@@ -107,12 +110,24 @@ bool needs_simulation(const IdentifiedModel& model) {
                      [&](const auto& pair) { return distance(model.seen, pair) > 1e-3; });
 }
 
-// Where all channels move along z and are told apart, the rigid-body modes have a geometry.
-std::optional<identification::RigidGeometry> rigid_geometry(const IdentifiedModel& model) {
-  const auto& fit = model.found.fit.model;
-  const auto& seen = model.seen;
-  const auto rigid = fit.rigid_count;
-  if (rigid != 2 && rigid != 3) return std::nullopt;
+// So many motions of a body as a whole along z as the channels' places tell apart: 2 of a line
+// along x, 3 of a plane.
+Eigen::Index motions_told(const modal::FrfSet& seen) {
+  constexpr double kLine = 1e-3;  // [m]
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  for (const auto* side : {&seen.outputs, &seen.inputs}) {
+    for (const auto& one : *side) {
+      least = std::min(least, one.position->y());
+      most = std::max(most, one.position->y());
+    }
+  }
+  return most - least > kLine ? 3 : 2;
+}
+
+// Where all channels move along z and are told apart, motions as a whole have a geometry.
+std::optional<identification::RigidGeometry> geometry_of(const modal::FrfSet& seen,
+                                                         Eigen::Index motions) {
   const auto rows = [&](const std::vector<modal::MeasuredChannel>& channels) {
     Eigen::MatrixX3d places(static_cast<Eigen::Index>(channels.size()), 3);
     Eigen::VectorXd sign(places.rows());
@@ -121,17 +136,46 @@ std::optional<identification::RigidGeometry> rigid_geometry(const IdentifiedMode
       sign(static_cast<Eigen::Index>(i)) = channels[i].direction.z();
     }
     return Eigen::MatrixXd(sign.asDiagonal() *
-                           identification::rigid_directions(places, rigid_motion(rigid)));
+                           identification::rigid_directions(places, rigid_motion(motions)));
   };
   const auto along_z = [](const auto& one) { return std::abs(one.direction.z()) > 0.999; };
   if (!std::all_of(seen.outputs.begin(), seen.outputs.end(), along_z) ||
       !std::all_of(seen.inputs.begin(), seen.inputs.end(), along_z)) {
     return std::nullopt;
   }
-  identification::RigidGeometry geometry{rows(seen.outputs), rows(seen.inputs), {}, 0.0};
+  identification::RigidGeometry geometry{rows(seen.outputs), rows(seen.inputs), {}, 0.0, true};
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> outputs(geometry.outputs);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> inputs(geometry.inputs);
-  if (std::max(outputs.rank(), inputs.rank()) < rigid) return std::nullopt;
+  if (std::max(outputs.rank(), inputs.rank()) < motions) return std::nullopt;
+  return geometry;
+}
+
+// What the body does as a whole: at 0 Hz, or on the springs that hold it.
+std::optional<identification::RigidGeometry> rigid_geometry(const Study& study,
+                                                            const IdentifiedModel& model) {
+  const auto plan = identification_plan(study);
+  const auto& fit = model.found.fit;
+  const auto rigid = fit.model.rigid_count;
+  if (rigid > 0) {
+    return rigid == 2 || rigid == 3 ? geometry_of(model.seen, rigid) : std::nullopt;
+  }
+  if (plan.suspended_modes == 0) return std::nullopt;
+  auto geometry = geometry_of(model.seen, motions_told(model.seen));
+  require(
+      geometry || plan.suspended_modes < 0,
+      study.file.string() +
+          ": identification.suspended_modes needs channels that all act along z, on one side as "
+          "many as tell the motions of the body as a whole apart");
+  if (!geometry) return std::nullopt;
+  if (plan.suspended_modes < 0 && !study.supports.empty()) return std::nullopt;
+  const auto found = plan.suspended_modes > 0
+                         ? identification::stated_suspension(fit, geometry->outputs,
+                                                             geometry->inputs, plan.suspended_modes)
+                         : identification::suspension(fit, geometry->outputs, geometry->inputs);
+  geometry->suspended = found.modes;
+  // 5.2.6 is the thesis' remedy against blended modes; of others it loses what the actuators know.
+  geometry->pairs_first = plan.gain != "thesis" || plan.suspended_modes < 0;
+  geometry->bending = found.bending;
   return geometry;
 }
 
@@ -220,7 +264,7 @@ identification::GainMatch matched(const Study& study, const Solution* solution,
   if (plan.gain_errors == "sensors") options.fault = identification::GainFault::outputs;
   if (plan.gain_errors == "actuators") options.fault = identification::GainFault::inputs;
   model.corrects_gains = plan.gain_errors != "none";
-  options.geometry = rigid_geometry(model);
+  options.geometry = rigid_geometry(study, model);
   const auto& fit = model.found.fit;
   auto match = identification::gain_match(fit, model.seen.outputs, model.seen.inputs, options);
   if (solution == nullptr || !is_untold(match, fit.model.rigid_count)) return match;

@@ -175,9 +175,14 @@ struct IdentificationPlan {
   std::string damping = "modal";       ///< or "general": complex shapes
   std::string weighting = "variance";  ///< or "inverse_magnitude"
   double cut_off_db = 40.0;            ///< of inverse_magnitude
+  double clip_db = 0.0;                ///< of inverse_magnitude: its minima; 0: not clipped
+  // Of the thesis' path: the least degree that holds the modes where it is 0.
+  int fraction_degree = 0;
+  int sanathanan_koerner = 30, levenberg_marquardt = 10, modal_iterations = 10;
   std::optional<double> model_error;  ///< of |G|; none: 0 where the file states variances, else 1 %
   int modes = 0;                      ///< flexible ones; 0: found
   int rigid_body_modes = -1;          ///< at 0 Hz; −1: found where nothing holds the body
+  int suspended_modes = -1;           ///< above 0 Hz, as a whole on springs; −1: found
   bool delay = true, residual = true;  ///< fitted
   std::string delay_of = "all";        ///< of each of the "sensors" or "actuators" its own
   std::string unit;                    ///< of the sensors where the file states none

@@ -28,6 +28,39 @@ void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan
   plan.pairs_within = table.quantity("pairs_within", "m", Sign::positive).value_or(1e-3);
 }
 
+// What only one way of fitting has is refused of the others: it would change nothing there.
+void refuse_unless(bool allowed, TableReader& table, const char* key, const char* expected) {
+  if (allowed || !table.has(key)) return;
+  table.wrong(*table.find(key),
+              table.name(key) + " changes nothing here; expected " + expected + " beside it");
+}
+
+void read_weighting(TableReader& table, IdentificationPlan& plan) {
+  // The thesis weighs by magnitude; what is said here rules.
+  plan.weighting = table.choice("weighting", {"variance", "inverse_magnitude"})
+                       .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");
+  plan.cut_off_db = table.quantity("cut_off_db", "1", Sign::positive).value_or(plan.cut_off_db);
+  plan.clip_db = table.quantity("clip_db", "1", Sign::positive).value_or(plan.clip_db);
+  refuse_unless(plan.weighting == "inverse_magnitude", table, "clip_db",
+                "weighting = \"inverse_magnitude\"");
+  if (plan.clip_db >= plan.cut_off_db) {
+    table.wrong(*table.find("clip_db"), table.name("clip_db") +
+                                            " is not below cut_off_db: all lines would weigh the "
+                                            "same; expected a smaller one");
+  }
+}
+
+void read_thesis_path(TableReader& table, IdentificationPlan& plan) {
+  const auto whole = [&](const char* key, int& value, int least, int most) {
+    value = static_cast<int>(table.integer(key, least, most).value_or(value));
+    refuse_unless(plan.method == "thesis", table, key, "method = \"thesis\"");
+  };
+  whole("fraction_degree", plan.fraction_degree, 1, 200);
+  whole("sanathanan_koerner", plan.sanathanan_koerner, 1, 10000);
+  whole("levenberg_marquardt", plan.levenberg_marquardt, 0, 10000);
+  whole("modal_iterations", plan.modal_iterations, 1, 10000);
+}
+
 }  // namespace
 
 void read_identification(TableReader& root, Study& study) {
@@ -43,14 +76,14 @@ void read_identification(TableReader& root, Study& study) {
                      " is \"general\"; the thesis' path has real modes, expected "
                      "method = \"likelihood\"");
   }
-  // The thesis weighs by magnitude; what is said here rules.
-  plan.weighting = table->choice("weighting", {"variance", "inverse_magnitude"})
-                       .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");
-  plan.cut_off_db = table->quantity("cut_off_db", "1", Sign::positive).value_or(plan.cut_off_db);
+  read_weighting(*table, plan);
+  read_thesis_path(*table, plan);
   plan.model_error = table->quantity("model_error", "1", Sign::not_negative);
   plan.modes = static_cast<int>(table->integer("modes", 1, 1000).value_or(0));
   plan.rigid_body_modes =
       static_cast<int>(table->integer("rigid_body_modes", 0, 6).value_or(plan.rigid_body_modes));
+  plan.suspended_modes =
+      static_cast<int>(table->integer("suspended_modes", 0, 3).value_or(plan.suspended_modes));
   plan.delay = table->truth("delay").value_or(plan.delay);
   plan.delay_of =
       table->choice("delay_of", {"all", "sensors", "actuators"}).value_or(plan.delay_of);

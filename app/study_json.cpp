@@ -1,5 +1,6 @@
 // A study in SI: what `chladni check` leaves.
 #include "app/solution.h"
+#include "app/study_measured_json.h"
 #include "mesh/tetrahedralize.h"
 
 namespace chladni::app {
@@ -223,65 +224,6 @@ io::Json priors_plan_json(const PriorsPlan& plan) {
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
 }
 
-io::Json measurement_json(const MeasurementPlan& plan) {
-  return io::JsonObject{{"frf", plan.frf.filename().string()},
-                        {"time", plan.time.filename().string()},
-                        {"shapes", plan.shapes.filename().string()},
-                        {"truth", plan.truth.filename().string()},
-                        {"noise", plan.noise},
-                        {"modes", plan.modes},
-                        {"hold_out", io::Json::texts(plan.hold_out)},
-                        {"source", plan.source}};
-}
-
-io::Json experiment_json(const ExperimentPlan& plan) {
-  return io::JsonObject{{"structure", plan.structure},
-                        {"sample_rate_hz", plan.sample_rate_hz},
-                        {"samples", plan.samples},
-                        {"periods", plan.periods},
-                        {"realisations", plan.realisations},
-                        {"warm_up", plan.warm_up},
-                        {"amplitude_n", plan.amplitude},
-                        {"band_hz", vector(Eigen::Vector2d(plan.low_hz, plan.high_hz))},
-                        {"lines", plan.lines},
-                        {"inputs", plan.inputs},
-                        {"noise", plan.noise},
-                        {"noise_ratio", plan.noise_ratio},
-                        {"process_noise_n", plan.process_noise},
-                        {"quantisation", plan.quantisation},
-                        {"delay_s", plan.delay},
-                        {"compensate", plan.compensate},
-                        {"cubic_stiffness_n_per_m3", plan.cubic_stiffness},
-                        {"controlled", io::Json::texts(plan.controlled)},
-                        {"bandwidth_hz", plan.bandwidth_hz},
-                        {"leaves", plan.leaves_time ? "time" : "frf"}};
-}
-
-io::Json identification_json(const IdentificationPlan& plan) {
-  io::JsonArray pairs;
-  for (const auto& [sensor, actuator] : plan.pairs) {
-    pairs.push_back(io::JsonObject{{"sensor", sensor}, {"actuator", actuator}});
-  }
-  return io::JsonObject{
-      {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
-      {"method", plan.method},
-      {"damping", plan.damping},
-      {"weighting", plan.weighting},
-      {"cut_off_db", plan.cut_off_db},
-      {"model_error", plan.model_error ? io::Json(*plan.model_error) : io::Json()},
-      {"modes", plan.modes},
-      {"rigid_body_modes", plan.rigid_body_modes},
-      {"delay", plan.delay},
-      {"delay_of", plan.delay_of},
-      {"residual", plan.residual},
-      {"unit", plan.unit},
-      {"pairs", pairs},
-      {"pairs_within_m", plan.pairs_within},
-      {"gain", plan.gain},
-      {"gain_errors", plan.gain_errors},
-      {"stabilisation", plan.stabilisation}};
-}
-
 io::Json interpolation_json(const InterpolationPlan& plan) {
   io::JsonArray points;
   for (const auto& point : plan.points) {
@@ -292,6 +234,7 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
       {"on", faces_json(plan.on)},
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
       {"points", points},
+      {"predicted", plan.predicted},
       {"table_pitch_m", plan.table_pitch},
       {"polynomial_degree", plan.polynomial_degree}};
 }

@@ -44,7 +44,8 @@ enum class GainFault { nobody, outputs, inputs };
 struct RigidGeometry {
   Eigen::MatrixXd outputs, inputs;      ///< p×r, q×r, as rigid_directions gives them
   std::vector<Eigen::Index> suspended;  ///< modes above 0 Hz that move (nearly) as a rigid body
-  double bending = 0.0;  ///< of those: deviation from rigid motion, a part of the shape's rms
+  double bending = 0.0;      ///< of those: deviation from rigid motion, a part of the shape's rms
+  bool pairs_first = false;  ///< the motion tells only those modes that no pair does
 };
 
 /// What a simulation says, for modes that no pair tells (priors/gain.h).

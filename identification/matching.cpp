@@ -277,6 +277,21 @@ bool is_suspended(const Matching& state, Eigen::Index mode) {
                                        state.options.geometry->suspended.end();
 }
 
+// By what the shape may bend, a part of its rms: rows that follow the motion are off by it.
+void widen_by_bending(Matching& state, Eigen::Index mode, bool only_at_inputs) {
+  const double bending = state.options.geometry->bending;
+  auto& match = state.match;
+  const auto shape = match.shapes.col(mode).head(state.p());
+  const double off = bending * shape.norm() / std::sqrt(static_cast<double>(state.p()));
+  const auto widen = [&](auto deviation) {
+    deviation = (deviation.array().square() + off * off).sqrt();
+  };
+  widen(state.at_inputs_std.col(mode));
+  if (only_at_inputs) return;
+  widen(match.deviation.col(mode).head(state.p()));
+  widen(match.input_deviation.row(mode));
+}
+
 void match_by_motion(Matching& state, std::size_t group) {
   const auto& geometry = *state.options.geometry;
   const bool by_sensors =
@@ -289,6 +304,7 @@ void match_by_motion(Matching& state, std::size_t group) {
                    : scaled_by_motion(at, geometry.outputs, geometry.inputs, geometry.bending);
       },
       by_sensors ? MatchedBy::pairs : MatchedBy::geometry);
+  widen_by_bending(state, state.groups[group].first, by_sensors);
   if (by_sensors) return;
   auto& told = state.match.modes[static_cast<std::size_t>(state.groups[group].first)];
   told.freedoms = std::max<Eigen::Index>(state.p() + state.q() - 1 - geometry.outputs.cols(), 0);
@@ -304,6 +320,13 @@ void match_by_pairs(Matching& state, std::size_t group) {
   if (tied) told.freedoms = ties_of(state, group).count() - 1;
 }
 
+// Whether the motion tells a mode, be there pairs or not.
+bool goes_by_motion(const Matching& state, std::size_t group) {
+  const auto& modes = state.groups[group];
+  if (modes.size != 1 || !is_suspended(state, modes.first)) return false;
+  return !state.options.geometry->pairs_first || ties_of(state, group).count() == 0;
+}
+
 // @returns  whether anything told it; what failed goes to the warnings
 bool matched(Matching& state, std::size_t group) {
   const auto& modes = state.groups[group];
@@ -313,7 +336,7 @@ bool matched(Matching& state, std::size_t group) {
       match_by_mass(state, modes);
       return true;
     }
-    if (modes.size == 1 && is_suspended(state, modes.first)) {
+    if (goes_by_motion(state, group)) {
       match_by_motion(state, group);
       return true;
     }

@@ -66,6 +66,92 @@ Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& normal) {
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
+// The two-way layout: gains, and what is left of each entry in deviations.
+struct Layout {
+  Eigen::VectorXd log_gain;
+  Eigen::MatrixXd covariance;
+  std::vector<Eigen::VectorXd> left;  // of each mode, in the order of its entries
+};
+
+Layout layout_of(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(pairs, pairs);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(pairs);
+  for (const auto& mode : modes) {
+    const Eigen::MatrixXd weight = weight_without_scale(mode.covariance);
+    normal(mode.pairs, mode.pairs) += weight;
+    right(mode.pairs) += weight * mode.value;
+  }
+  Layout layout;
+  layout.covariance = inverse_of_told(normal);
+  layout.log_gain = layout.covariance * right;
+  for (const auto& mode : modes) {
+    const Eigen::MatrixXd weight = weight_without_scale(mode.covariance);
+    const Eigen::VectorXd gap = weight * (mode.value - layout.log_gain(mode.pairs));
+    layout.left.emplace_back(gap.cwiseQuotient(weight.diagonal().cwiseSqrt()));
+  }
+  return layout;
+}
+
+// The entry furthest off, in deviations.
+struct Worst {
+  std::size_t mode = 0;
+  Eigen::Index entry = 0;
+  double off = 0.0;
+};
+
+Worst worst_of(const Layout& layout) {
+  Worst worst;
+  for (std::size_t g = 0; g < layout.left.size(); ++g) {
+    Eigen::Index entry = 0;
+    const double off = layout.left[g].cwiseAbs().maxCoeff(&entry);
+    if (off > worst.off) worst = {g, entry, off};
+  }
+  return worst;
+}
+
+LogRatios without(const LogRatios& mode, Eigen::Index entry) {
+  std::vector<Eigen::Index> kept;
+  LogRatios result;
+  for (Eigen::Index k = 0; k < mode.value.size(); ++k) {
+    if (k == entry) continue;
+    kept.push_back(k);
+    result.pairs.push_back(mode.pairs[static_cast<std::size_t>(k)]);
+  }
+  result.value = mode.value(kept);
+  result.covariance = mode.covariance(kept, kept);
+  return result;
+}
+
+// How many modes tell each pair's gain; 0: none does.
+std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
+  std::vector<Eigen::Index> count(static_cast<std::size_t>(pairs), 0);
+  for (const auto& mode : modes) {
+    for (const auto c : mode.pairs) ++count[static_cast<std::size_t>(c)];
+  }
+  return count;
+}
+
+// Without entries that the others contradict, the worst first, as long as two modes tell each
+// pair: a gain is the same in all modes, and one entry that is not one place would pull it with the
+// certainty of the fit.
+std::vector<LogRatios> consistent(std::vector<LogRatios> modes, Eigen::Index pairs) {
+  constexpr double kContradicts = 5.0;  // deviations
+  while (true) {
+    const auto worst = worst_of(layout_of(modes, pairs));
+    if (worst.off < kContradicts) return modes;
+    auto fewer = modes;
+    auto& mode = fewer[worst.mode];
+    mode = without(mode, worst.entry);
+    if (mode.pairs.size() < 2) fewer.erase(fewer.begin() + static_cast<long>(worst.mode));
+    const auto before = told_by(modes, pairs);
+    const auto after = told_by(fewer, pairs);
+    for (std::size_t c = 0; c < after.size(); ++c) {
+      if (before[c] > 0 && after[c] < 2) return modes;
+    }
+    modes = std::move(fewer);
+  }
+}
+
 }  // namespace
 
 PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index modes,
@@ -172,33 +258,30 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
   PairGains result;
   result.gains.resize(pairs.size());
   result.left = Eigen::MatrixXd::Zero(n, std::ssize(groups));
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-  std::vector<LogRatios> logs(groups.size());
+  std::vector<LogRatios> all;
+  std::vector<Eigen::Index> of_group;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (groups[g].size != 1) continue;
-    logs[g] =
-        log_ratios(fit, groups[g].first, static_cast<Eigen::Index>(g), pairs, ratios, residues);
-    if (logs[g].pairs.size() < 2) continue;
-    const Eigen::MatrixXd weight = weight_without_scale(logs[g].covariance);
-    normal(logs[g].pairs, logs[g].pairs) += weight;
-    right(logs[g].pairs) += weight * logs[g].value;
-    for (const auto c : logs[g].pairs) ++result.gains[static_cast<std::size_t>(c)].modes;
+    const auto group = static_cast<Eigen::Index>(g);
+    auto logs = log_ratios(fit, groups[g].first, group, pairs, ratios, residues);
+    if (logs.pairs.size() < 2) continue;
+    all.push_back(std::move(logs));
+    of_group.push_back(group);
   }
-  if (normal.trace() == 0.0) return result;
-  const Eigen::MatrixXd covariance = inverse_of_told(normal);
-  const Eigen::VectorXd log_gain = covariance * right;
+  if (all.empty()) return result;
+  const auto kept = consistent(all, n);
+  const auto layout = layout_of(kept, n);
+  const auto count = told_by(kept, n);
   for (Eigen::Index c = 0; c < n; ++c) {
     auto& gain = result.gains[static_cast<std::size_t>(c)];
-    gain.ratio = std::exp(log_gain(c));
-    gain.ratio_std = gain.ratio * std::sqrt(std::max(covariance(c, c), 0.0));
+    gain.modes = count[static_cast<std::size_t>(c)];
+    gain.ratio = std::exp(layout.log_gain(c));
+    gain.ratio_std = gain.ratio * std::sqrt(std::max(layout.covariance(c, c), 0.0));
   }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (logs[g].pairs.size() < 2) continue;
-    const Eigen::MatrixXd weight = weight_without_scale(logs[g].covariance);
-    const Eigen::VectorXd gap = weight * (logs[g].value - log_gain(logs[g].pairs));
-    result.left(logs[g].pairs, static_cast<Eigen::Index>(g)) =
-        gap.cwiseQuotient(weight.diagonal().cwiseSqrt());
+  for (std::size_t g = 0; g < all.size(); ++g) {
+    const Eigen::MatrixXd weight = weight_without_scale(all[g].covariance);
+    const Eigen::VectorXd gap = weight * (all[g].value - layout.log_gain(all[g].pairs));
+    result.left(all[g].pairs, of_group[g]) = gap.cwiseQuotient(weight.diagonal().cwiseSqrt());
   }
   return result;
 }

@@ -29,11 +29,30 @@ TEST(StudyJson, TellsEachKeyOfTheIdentification) {
   for (const auto* key :
        {"band = [\"20 Hz\", \"90 Hz\"]", "method = \"thesis\"", "damping = \"general\"",
         "weighting = \"inverse_magnitude\"", "cut_off_db = 60", "model_error = 0.02", "modes = 4",
-        "rigid_body_modes = 3", "delay = false", "delay_of = \"sensors\"", "residual = false",
-        "unit = \"mm\"", "pairs_within = \"2 mm\"", "gain = \"thesis\"",
+        "rigid_body_modes = 3", "suspended_modes = 2", "delay = false", "delay_of = \"sensors\"",
+        "residual = false", "unit = \"mm\"", "pairs_within = \"2 mm\"", "gain = \"thesis\"",
         "gain_errors = \"sensors\"", "stabilisation = 30"}) {
     EXPECT_NE(told("identification", key), told("identification", "")) << key;
   }
+}
+
+TEST(StudyJson, TellsEachKeyOfTheThesisPath) {
+  const std::string path = "method = \"thesis\"\n";
+  for (const auto* key : {"clip_db = 20", "fraction_degree = 12", "sanathanan_koerner = 100",
+                          "levenberg_marquardt = 20", "modal_iterations = 20"}) {
+    EXPECT_NE(told("identification", path + key), told("identification", path)) << key;
+  }
+}
+
+TEST(StudyJson, TellsEachKeyOfTheExperiment) {
+  const std::string spring = "cubic_spring = { stiffness = \"1e9 N/m^3\", ";
+  const auto text = told("experiment", spring + "sensor = \"s1\", actuator = \"a1\" }");
+  EXPECT_NE(text.find("\"cubic_sensor\": \"s1\""), std::string::npos) << text;
+  EXPECT_NE(text.find("\"cubic_actuator\": \"a1\""), std::string::npos) << text;
+}
+
+TEST(StudyJson, TellsTheFileOfPredictedResponses) {
+  EXPECT_NE(told("interpolation", "predicted = \"rows.csv\""), told("interpolation", ""));
 }
 
 TEST(StudyJson, TellsEachKeyOfTheDiagnosis) {

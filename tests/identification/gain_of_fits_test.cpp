@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -152,6 +153,26 @@ TEST(GainOfFits, WeighTheTableByItsModesAtZero) {
   const Eigen::MatrixXd known = truth_at(found.match, made.truth).leftCols(3);
   const Eigen::MatrixXd wanted = known * known.transpose();
   EXPECT_LT((shapes * shapes.transpose() - wanted).norm(), 1e-3 * wanted.norm());
+}
+
+// One mode that is blended at a pair is warned of, and pulls the gains of that pair no longer.
+TEST(GainOfFits, LeavesOutOfTheGainsWhatTheOtherModesContradict) {
+  const auto made = simulators::beam5x3();
+  const auto options = with_pairs(made);
+  const auto plain = extended(made, options);
+  auto fit = plain.fit;
+  fit.model.output_shapes(0, 3) *= 2.0;
+  const auto match = matched(made, fit, options);
+  for (std::size_t c = 0; c < match.pairs.size(); ++c) {
+    const auto& gain = match.pairs[c];
+    EXPECT_NEAR(gain.ratio, 1.0, 4.0 * gain.ratio_std) << c;
+    EXPECT_NEAR(gain.ratio, plain.match.pairs[c].ratio, 2.0 * gain.ratio_std) << c;
+    EXPECT_LT(gain.ratio_std, 2.0 * plain.match.pairs[c].ratio_std) << c;
+  }
+  const auto named = [](const std::string& text) {
+    return text.find("y1/u1") != std::string::npos && text.find("disagrees") != std::string::npos;
+  };
+  EXPECT_TRUE(std::ranges::any_of(match.warnings, named));
 }
 
 }  // namespace

@@ -1,0 +1,79 @@
+#include "identification/suspension.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kLeastApart = 3.0;  // of the next mode's frequency over that of a suspended one
+constexpr double kMostBent = 0.2;    // of a suspended mode's rms
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+// What a motion as a whole leaves of a shape, of its size. NaN: the places do not tell.
+double bent_part(const Eigen::VectorXd& shape, const Eigen::MatrixXd& directions) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions);
+  if (directions.rows() <= directions.cols() || qr.rank() < directions.cols()) return kUnknown;
+  const double size = shape.norm();
+  return size > 0.0 ? (shape - directions * qr.solve(shape)).norm() / size : kUnknown;
+}
+
+// At the side that tells, the one with more channels first.
+double bent_part(const ModalFit& fit, Eigen::Index mode, const Eigen::MatrixXd& outputs,
+                 const Eigen::MatrixXd& inputs) {
+  const double left = bent_part(fit.model.output_shapes.col(mode), outputs);
+  const double right = bent_part(fit.model.input_shapes.row(mode).transpose(), inputs);
+  const bool sensors = outputs.rows() >= inputs.rows();
+  const double first = sensors ? left : right;
+  return std::isfinite(first) ? first : (sensors ? right : left);
+}
+
+Suspension lowest(const ModalFit& fit, const Eigen::MatrixXd& outputs,
+                  const Eigen::MatrixXd& inputs, Eigen::Index count) {
+  Suspension found;
+  const auto& frequency = fit.model.frequency_hz;
+  const auto first = fit.model.rigid_count;
+  for (auto m = first; m < first + count; ++m) {
+    found.modes.push_back(m);
+    const double bent = bent_part(fit, m, outputs, inputs);
+    if (std::isfinite(bent)) found.bending = std::max(found.bending, bent);
+  }
+  if (count > 0 && first + count < fit.model.mode_count()) {
+    const double ratio = frequency(first + count - 1) / frequency(first + count);
+    found.bending = std::max(found.bending, ratio * ratio);
+  }
+  return found;
+}
+
+}  // namespace
+
+Suspension suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
+                      const Eigen::MatrixXd& inputs) {
+  const auto& frequency = fit.model.frequency_hz;
+  if (fit.model.rigid_count > 0) return {};
+  Eigen::Index count = 0;
+  const auto most = std::min(outputs.cols(), fit.model.mode_count());
+  while (count < most && bent_part(fit, count, outputs, inputs) < kMostBent) ++count;
+  while (count > 0 && !(count < fit.model.mode_count() &&
+                        kLeastApart * frequency(count - 1) < frequency(count))) {
+    --count;
+  }
+  return lowest(fit, outputs, inputs, count);
+}
+
+Suspension stated_suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
+                             const Eigen::MatrixXd& inputs, Eigen::Index count) {
+  const auto flexible = fit.model.mode_count() - fit.model.rigid_count;
+  require(count >= 0 && count <= std::min(flexible, outputs.cols()),
+          std::to_string(count) + " suspended modes of " + std::to_string(flexible) +
+              " above 0 Hz and " + std::to_string(outputs.cols()) +
+              " motions of the body as a whole");
+  return lowest(fit, outputs, inputs, count);
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,110 @@
+// How well noise that nobody states is estimated: against records whose noise is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "identification/fit_data.h"
+#include "identification/identified.h"
+#include "simulators/frf_cases.h"
+#include "simulators/portable_random.h"
+
+namespace chladni::identification {
+namespace {
+
+using simulators::FrfCase;
+using simulators::FrfFaults;
+
+// White noise of accelerometers: of receptances it falls with the square of the frequency.
+void whiten_as_acceleration(FrfCase& made, double part, unsigned seed) {
+  simulators::Dice dice(seed);
+  auto& set = made.measured;
+  for (Eigen::Index j = 0; j < set.input_count(); ++j) {
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
+      double square = 0.0;
+      for (std::size_t k = 0; k < set.value.size(); ++k) {
+        const double w = set.frequency_hz(static_cast<Eigen::Index>(k));
+        square += std::norm(made.exact[k](i, j) * w * w) / static_cast<double>(set.value.size());
+      }
+      for (std::size_t k = 0; k < set.value.size(); ++k) {
+        const double w = set.frequency_hz(static_cast<Eigen::Index>(k));
+        const double deviation = part * std::sqrt(square) / (w * w);
+        set.value[k](i, j) =
+            made.exact[k](i, j) +
+            deviation * std::sqrt(0.5) * std::complex<double>(dice.normal(), dice.normal());
+        set.variance[k](i, j) = deviation * deviation;
+      }
+    }
+  }
+}
+
+// Geometric mean over all lines and responses of the estimated deviation over the true one, to
+// which the error that a model may have is added.
+double deviation_ratio(const FitData& data, const FrfCase& made, double model_error) {
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < data.line_count(); ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+      const auto i = e % data.outputs;
+      const auto j = e / data.outputs;
+      const double truth = std::hypot(std::sqrt(made.measured.variance[line](i, j)),
+                                      model_error * std::abs(made.exact[line](i, j)));
+      sum -= std::log(data.weight(k, e) * truth);
+    }
+  }
+  return std::exp(sum / static_cast<double>(data.weight.size()));
+}
+
+struct Estimate {
+  double deviation = 0.0;  // over the true one
+  double cost = 0.0;       // over what noise alone is expected to leave
+};
+
+// As the program does: from the data, then from what the first fit leaves.
+Estimate estimated(const FrfCase& made, double model_error) {
+  auto set = made.measured;
+  set.variance.clear();
+  FitDataOptions options;
+  options.model_error = model_error;
+  auto data = fit_data(set, options);
+  data = reweighted(data, responses(identified(data).fit, data.frequency_hz), options);
+  const auto fit = identified(data).fit;
+  return {deviation_ratio(data, made, model_error), fit.cost / fit.expected_cost};
+}
+
+FrfCase relative(double part) {
+  FrfFaults faults;
+  faults.relative_noise = part;
+  return simulators::beam5x3(faults);
+}
+
+FrfCase of_accelerometers(double part) {
+  auto made = relative(part);
+  whiten_as_acceleration(made, part, 5);
+  return made;
+}
+
+// A record of 5 % noise leaves what its noise leaves: estimates are 8 % low at most (a median of
+// squares, and what a fit takes), never a third too high.
+TEST(NoiseEstimate, IsThatOfTheRecord) {
+  for (const auto& made :
+       {relative(0.01), relative(0.05), of_accelerometers(0.01), of_accelerometers(0.05)}) {
+    const auto found = estimated(made, 0.0);
+    EXPECT_NEAR(found.deviation, 0.99, 0.06);
+    EXPECT_GT(found.cost, 1.0);
+    EXPECT_LT(found.cost, 1.25);
+  }
+}
+
+// What a study without variances assumes that a model is off by (1 %) is a part of the deviations,
+// and no noise: where the noise is as small the cost is half of what is expected.
+TEST(NoiseEstimate, HoldsTheErrorThatTheModelMayHave) {
+  const auto found = estimated(relative(0.01), 0.01);
+  EXPECT_NEAR(found.deviation, 1.0, 0.06);
+  EXPECT_NEAR(found.cost, 0.5, 0.05);
+  const auto noisy = estimated(of_accelerometers(0.05), 0.01);
+  EXPECT_NEAR(noisy.deviation, 0.97, 0.06);
+  EXPECT_GT(noisy.cost, 1.0);
+}
+
+}  // namespace
+}  // namespace chladni::identification
