@@ -64,24 +64,57 @@ void paint_star(Canvas& canvas, const Eigen::Vector2d& at, double radius) {
   canvas.polygon(corners, kBest, kWhite, 1.2);
 }
 
+struct Box {
+  Eigen::Vector2d low, high;  // [px]
+
+  [[nodiscard]] bool meets(const Box& other) const {
+    return (low.array() < other.high.array()).all() && (other.low.array() < high.array()).all();
+  }
+};
+
+// Beside a star, on the right where there is room, and above or below where others stand already;
+// not below `bottom`.
+Box room_for(double wide, const Eigen::Vector2d& star, const std::vector<Box>& taken,
+             double bottom) {
+  constexpr double high = 26.0, away = 20.0;
+  Box box{};
+  for (int step = 0; step < 40; ++step) {  // 0, 0, −1, −1, 1, 1, −2, ...: rows, to the right first
+    const int row = (step / 2 + 1) / 2 * (step / 2 % 2 == 1 ? -1 : 1);
+    const double left = step % 2 == 0 ? star.x() + away : star.x() - away - wide;
+    box.low = {left, star.y() - 0.55 * high + row * (high + 4.0)};
+    box.high = box.low + Eigen::Vector2d(wide, high);
+    const bool inside = left > 4.0 && box.high.x() < kWidth - 4.0 && box.low.y() > kHeader - high &&
+                        box.high.y() < bottom;
+    const bool is_free = std::none_of(taken.begin(), taken.end(),
+                                      [&](const Box& other) { return box.meets(other); });
+    if (inside && is_free) break;
+  }
+  return box;
+}
+
 void paint_best(Canvas& canvas, const io::Message& request, const MapFrame& frame) {
   const auto& places = request.numbers("best");
   const auto& labels = request.head.at("best").array();
   const TextStyle style{.size = 18.0, .colour = kInk, .bold = true};
-  for (Eigen::Index k = places.rows() - 1; k >= 0; --k) {
-    const Eigen::Vector2d at = frame.on_canvas(places.row(k).transpose());
-    paint_star(canvas, at, 13.0);
-    const std::string& words = labels[static_cast<std::size_t>(k)].string();
-    const double wide = canvas.text_width(words, style) + 12.0;
-    const bool to_the_left = at.x() + 20.0 + wide > kWidth - kMargin;
-    const double left = to_the_left ? at.x() - 20.0 - wide : at.x() + 20.0;
-    canvas.polygon({{left, at.y() - 14.0},
-                    {left + wide, at.y() - 14.0},
-                    {left + wide, at.y() + 12.0},
-                    {left, at.y() + 12.0}},
-                   kWhite, kGrey, 0.6);
-    canvas.text({left + 6.0, at.y() + 6.0}, words, style);
+  const double bottom = frame.corner.y() + frame.size.y() + 18.0;
+  std::vector<Box> taken;
+  std::vector<Eigen::Vector2d> stars;
+  for (const auto place : places.rowwise()) {
+    stars.push_back(frame.on_canvas(place.transpose()));
+    taken.push_back({stars.back().array() - 13.0, stars.back().array() + 13.0});
   }
+  for (std::size_t k = 0; k < stars.size(); ++k) {
+    const std::string& words = labels[k].string();
+    const Box box = room_for(canvas.text_width(words, style) + 12.0, stars[k], taken, bottom);
+    taken.push_back(box);
+    const double near = std::clamp(stars[k].x(), box.low.x(), box.high.x());
+    const Eigen::Vector2d middle(near, 0.5 * (box.low.y() + box.high.y()));
+    canvas.polygon({stars[k], middle}, kWhite, kGrey, 1.0);  // a line between them
+    canvas.polygon({box.low, {box.high.x(), box.low.y()}, box.high, {box.low.x(), box.high.y()}},
+                   kWhite, kGrey, 0.6);
+    canvas.text({box.low.x() + 6.0, box.low.y() + 20.0}, words, style);
+  }
+  for (auto star = stars.rbegin(); star != stars.rend(); ++star) paint_star(canvas, *star, 13.0);
 }
 
 void paint_bar(Canvas& canvas, const io::Message& request, double top) {
