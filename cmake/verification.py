@@ -1,7 +1,8 @@
 """Checks a study in models/ against what it expects and against docs/reference/verification.md.
 
     verification.py check CHLADNI STUDY    one study: its expectations, and its numbers on the page
-    verification.py write CHLADNI          computes all studies and writes the page anew
+    verification.py write CHLADNI          computes all studies and writes their tables anew; what
+                                           stands above the first of them is kept
 """
 import re
 import subprocess
@@ -14,33 +15,6 @@ PAGE = ROOT / "docs" / "reference" / "verification.md"
 # Frequencies repeat to 1e-9 between machines; the page rounds them to seven digits.
 AGREES = 2e-6
 LINE = re.compile(r"(met   |FAILED)  (\S+)\s+expected (\S+)(?: (\S+))? within (\S+)(?: \S+)?, found (\S+)")
-
-HEAD = """# Verification: what is compared with what
-
-Every table below is a study in `models/` and a test of the same name, `models.<study>`: it runs
-`chladni check --expect`, which fails where a value is outside its tolerance, a mode is missing (an
-inertia count) or a residual exceeds 10⁻⁸, and compares what it finds with this page. The sources of
-the references stand at the head of each study. `python3 cmake/verification.py write
-build/release/bin/chladni` writes this page anew. Tests that take more than 20 s carry the label
-`slow`.
-
-What has no study:
-
-| case | reference | tolerance | test |
-|---|---|---|---|
-| NAFEMS FV42, hollow sphere 1.8/6.0 m, radial modes | 369.943 838.033 1451.192 2116.956 2795.814 Hz | 0.1 % | `fem.HollowSphere.BreathesAtThePublishedFrequencies` |
-| free steel strip, order of bending and torsion | w1 w2 w3 w4 v1 w5 t1 w6 w7 v2 t2 | exact | `fem.Strip.BendsAndTwistsInThePublishedOrder` |
-| Lamb's sphere by tet10, multiplicities 5 5 3 7 7 | 12343.553 13059.571 17421.141 19073.009 19431.805 Hz | 0.2 % | `fem.Modes.OfABallHaveAllTheirMultiplicities` |
-| order of convergence of eigenvalues | 4 for tet10 | 0.3 | `fem.Modes.OfACubeBetweenWallsConvergeWithOrderFour` |
-| a rigid block on soft springs, 3 and 0.3 Hz | closed form | 3·10⁻⁷ and 4·10⁻⁹ (what the block gives way) | `fem.Fem/SoftSuspension` |
-| error estimate over true error | 1 | 0.7 to 3 on the sphere | `fem.Fem/EstimateOfASphere` |
-| modes of random plates, beams and pairs | dense solver, inertia | none lost | `fem.Modes.OfRandomBodiesAreNeverLost` |
-
-A deviation is that of the found value from the reference. The studies under `oat/` and
-`deformable_mirror` state where their values come from; not all are independent of Chladni. Mode 1
-of `reference/wafer_table` is met, but its reference is not the limit: finer meshes go below it (85.43
-Hz at 1.07·10⁶ degrees of freedom; the head of the study).
-"""
 
 
 def name_of(study):
@@ -129,7 +103,7 @@ def check(binary, study):
 
 
 def write(binary):
-    parts = [HEAD]
+    parts = [PAGE.read_text(encoding="utf-8").split("\n## `")[0].rstrip("\n") + "\n"]
     for study in sorted((ROOT / "models").rglob("study.toml")):
         code, text, values = run(binary, study)
         print(f"{name_of(study)}: {code}", flush=True)
