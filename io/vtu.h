@@ -33,10 +33,13 @@ struct Units {
 /// The name of a mode's array: mode_007_178.92Hz, counted from 1 with the rigid-body modes.
 [[nodiscard]] std::string mode_name(Eigen::Index index, double frequency_hz);
 
-/// The mesh with quadratic cells (linear where the mesh is), cell arrays "region" and, for each
-/// field, a point array. A cubic mesh is written as quadratic cells with the cubic fields
-/// evaluated at the mid-edge nodes. 64-bit floats: a shape read back gives the same MAC and mass.
-/// The same input gives the same bytes. @throws as write_atomically
+/// The mesh with quadratic cells (linear where the mesh is). Cell array "region", named by the
+/// field data "region_names"; where the boundary has patches the point array "patch" counts the
+/// names of the field data "patch_names" from 0 (-1 inside the body, the smaller patch on a
+/// border); a point array per field; field data "units" and, where there is one, "title". A cubic
+/// mesh is written as quadratic cells with the cubic fields evaluated at the mid-edge nodes. 64-bit
+/// floats: a shape read back gives the same MAC and mass. The same input gives the same bytes.
+/// @throws as write_atomically
 /// @throws InvalidInput  a field has neither nodes nor 3·nodes rows (names it)
 void write_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                const std::vector<NodeField>& fields, const Units& units = {});

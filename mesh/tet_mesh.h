@@ -70,7 +70,9 @@ void name_patches(TetMesh& mesh, double angle_degrees = 40.0);
 /// patches unchanged; corners no longer come first. Cost: n log n.
 void sort_in_space(TetMesh& mesh);
 
-/// Sum of the volumes of the tetrahedra's straight-sided corners [m^3].
+/// What the boundary encloses [m^3]: the tetrahedra between their corners, and of curved cells what
+/// their outer faces bulge beyond the flat ones. Cells that curve inside the body only shift it.
+/// Cost: linear. Needs the boundary (`find_boundary`) where cells are curved.
 [[nodiscard]] double volume(const TetMesh& mesh);
 
 /// How well the tetrahedra are shaped (corners only).
