@@ -11,9 +11,11 @@ namespace {
 // found off by 1 to 3 %.
 constexpr double kOfACause = 10.0;
 
-// A mode at this part of the band yields as much within it as where it is at rest: its shape
-// counts.
-constexpr double kBeyondBand = 1.6;
+// Modes up to these parts of the band have frequencies and dampings of their own, and shapes. Some
+// hundredths of what modes above it add within it are loss, which a fifth of their damping makes
+// uncertain by more than the noise of thousands of lines: masses of -14 g were made of it.
+constexpr double kOwnFrequencies = 3.0;
+constexpr double kOwnShapes = 1.6;
 
 }  // namespace
 
@@ -33,11 +35,8 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
   auto [own, observed, notes] = seen(structure, measured, high_hz);
   const double band_hz = observed.omega(observed.line_count() - 1) / (2.0 * std::numbers::pi);
   auto kept = std::make_shared<const Structure>(std::move(own));
-  // Those above the band too: some hundredths of what they add within it are loss, which a fifth of
-  // their damping makes uncertain by more than the noise of thousands of lines. Masses of -14 g
-  // were made of it.
-  auto tolerable = deviations(*kept, tolerances, kept->frequency_hz(kept->mode_count() - 1));
-  auto shapes = shape_deviations(*kept, tolerances.response, kBeyondBand * band_hz);
+  auto tolerable = deviations(*kept, tolerances, kOwnFrequencies * band_hz);
+  auto shapes = shape_deviations(*kept, tolerances.response, kOwnShapes * band_hz);
   return {std::move(kept),
           std::move(observed),
           std::move(notes),
