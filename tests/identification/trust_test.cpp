@@ -67,7 +67,7 @@ TEST(Trust, NeverDoubtsASoundFit) {
 
 TEST(Trust, SaysThatWhatIsLeftIsMoreThanNoise) {
   FrfFaults faults;
-  faults.dashpot = 0.3;  // complex modes
+  faults.dashpot = 0.1;  // complex modes; at 0.3 the kernel of the BLAS decides how bad it is
   faults.relative_noise = 1e-3;
   const auto real = judgement_of(beam(faults), true);
   EXPECT_EQ(real.trust, Trust::systematic) << told(real);
