@@ -34,6 +34,7 @@ class PoleProducts {
   [[nodiscard]] Eigen::VectorXd sums() const;
 
   [[nodiscard]] Eigen::Index response_count() const { return responses_; }
+  [[nodiscard]] Eigen::Index denominator_count() const { return 2 * poles_.size() + 1; }
   [[nodiscard]] Eigen::Index function_count() const { return 2 * poles_.size() + 1 + rigid_; }
 
  private:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "base/error.h"
@@ -183,6 +184,23 @@ FitData without(const FitData& data, const std::vector<OutlyingValue>& values) {
   return result;
 }
 
+// All measured values of the candidates' lines, where those are few: what spoils one value of a
+// line often spoils others, and the ones that stay would bend the fit again.
+std::vector<OutlyingValue> whole_lines(const FitData& data, std::vector<OutlyingValue> candidates) {
+  std::set<Eigen::Index> lines;
+  for (const auto& one : candidates) lines.insert(one.line);
+  if (static_cast<double>(lines.size()) > kMostOutlying * static_cast<double>(data.line_count())) {
+    return candidates;
+  }
+  candidates.clear();
+  for (const auto line : lines) {
+    for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+      if (data.weight(line, e) > 0.0) candidates.push_back({line, e, 0.0, 0.0});
+    }
+  }
+  return candidates;
+}
+
 // What of the candidates the fit without them contradicts.
 std::vector<OutlyingValue> confirmed(const FitData& data, const ModalFit& clean,
                                      const std::vector<OutlyingValue>& candidates) {
@@ -258,6 +276,7 @@ void look_for_outliers(const Identified& found, const FitData& data,
   if (judgement.level > kBadLevel || judgement.unexplained > kMostUnexplained) add(jumps_of(data));
   const double values = 0.5 * static_cast<double>(data.measured_count());
   if (candidates.empty() || static_cast<double>(candidates.size()) > kMostOutlying * values) return;
+  candidates = whole_lines(data, std::move(candidates));
   try {
     const auto clean = identified(without(data, candidates), *again);
     judgement.outlying = confirmed(data, clean.fit, candidates);

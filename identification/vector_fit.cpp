@@ -1,6 +1,5 @@
 #include "identification/vector_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,7 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "identification/denominator.h"
 #include "identification/pole_products.h"
 #include "priors/dense.h"
 
@@ -21,8 +20,6 @@ using Complex = std::complex<double>;
 
 constexpr double kStartDamping = 0.01;
 constexpr double kLeastDamping = 1e-7;  // of a pole that came out on the axis
-constexpr double kJitter = 1e-13;       // of products scaled to a unit diagonal
-constexpr std::size_t kShares = 8;      // of the responses, for the threads
 
 // Equally apart; where the band spans two decades, half of them by ratio.
 Eigen::VectorXcd start_poles(const Eigen::VectorXd& x, Eigen::Index order) {
@@ -56,54 +53,6 @@ Eigen::VectorXcd with_known(const Eigen::VectorXcd& known, const Eigen::VectorXd
   Eigen::VectorXcd all(known.size() + spread.size());
   all << known, spread;
   return all;
-}
-
-// S −= Mᵀ A⁻¹ M, A scaled to a unit diagonal first.
-void eliminate(Eigen::MatrixXd a, Eigen::MatrixXd m, Eigen::MatrixXd& s) {
-  const Eigen::VectorXd scale = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  a = scale.asDiagonal() * a * scale.asDiagonal();
-  a.diagonal().array() += kJitter;
-  m = scale.asDiagonal() * m;
-  const Eigen::LLT<Eigen::MatrixXd> factor(a);
-  if (factor.info() == Eigen::Success) {
-    const Eigen::MatrixXd half = factor.matrixL().solve(m);
-    s.noalias() -= half.transpose() * half;
-  } else {
-    s.noalias() -= m.transpose() * Eigen::LDLT<Eigen::MatrixXd>(a).solve(m);
-  }
-}
-
-// Σ over the responses of what is left of the denominator's products.
-Eigen::MatrixXd denominator_products(const PoleProducts& products, Eigen::Index unknowns) {
-  // Shares that do not depend on the threads, added in order: the same bits on any number of cores.
-  const auto count = static_cast<std::size_t>(products.response_count());
-  const auto parts = std::min<std::size_t>(count, kShares);
-  std::vector<Eigen::MatrixXd> sums(parts, Eigen::MatrixXd::Zero(unknowns, unknowns));
-  parallel_ranges(parts, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t part = begin; part < end; ++part) {
-      for (std::size_t e = part * count / parts; e < (part + 1) * count / parts; ++e) {
-        const auto one = products.of(static_cast<Eigen::Index>(e));
-        if (one.functions.diagonal().maxCoeff() == 0.0) continue;
-        Eigen::MatrixXd s = one.data;
-        eliminate(one.functions, one.mixed, s);
-        sums[part] += s;
-      }
-    }
-  });
-  for (std::size_t part = 1; part < parts; ++part) sums[0] += sums[part];
-  return sums[0];
-}
-
-// Coefficients of the denominator, the last being its constant: least cᵀ S c with sums·c = K.
-Eigen::VectorXd denominator(const Eigen::MatrixXd& s, const Eigen::VectorXd& sums) {
-  const Eigen::VectorXd scale = s.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * s * scale.asDiagonal();
-  scaled.diagonal().array() += kJitter;
-  const Eigen::VectorXd right = scale.cwiseProduct(sums);
-  Eigen::VectorXd c = Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(right);
-  c = scale.cwiseProduct(c);
-  const double all = sums.dot(c);
-  return c * (sums(sums.size() - 1) / all);
 }
 
 // Zeros of d + Σ c φ: eigenvalues of A − b cᵀ/d.
@@ -166,19 +115,21 @@ Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options
   for (int i = 0; i < options.iterations; ++i) {
     throw_if_interrupted();
     products.set_poles(poles);
-    const auto s = denominator_products(products, 2 * poles.size() + 1);
-    const Eigen::VectorXd c = denominator(s, products.sums());
-    if (!c.allFinite()) {
+    auto found = least_denominator(denominator_by_sums(products), products.sums());
+    if (!found.sound()) {
+      found =
+          least_denominator(denominator_by_rows(data, x, poles, options.rigid), products.sums());
+    }
+    if (!found.coefficient.allFinite()) {
       throw NumericalFailure(
           "vector fit: the responses determine no poles; are they constant, or beyond what is "
           "measured?");
     }
-    const auto next = pairs_of(zeros(poles, c));
-    const double here = c.dot(s * c);
+    const auto next = pairs_of(zeros(poles, found.coefficient));
     const double change = largest_change(next, poles);
     poles = next;
-    const bool settled = std::abs(here - value) < options.enough_value * value;
-    value = here;
+    const bool settled = std::abs(found.left - value) < options.enough_value * value;
+    value = found.left;
     if (change < options.enough || settled) break;
   }
   return scale * poles;

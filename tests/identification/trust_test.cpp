@@ -169,6 +169,8 @@ TEST(Trust, RefusesResponsesThatAreAllOne) {
     EXPECT_EQ(found.trust, Trust::none) << told(found);
   } catch (const NumericalFailure& e) {  // the same exit code
     EXPECT_NE(std::string(e.what()).find("constant"), std::string::npos) << e.what();
+  } catch (const InvalidInput& e) {  // rounding is all that is left for a pole to explain
+    EXPECT_NE(std::string(e.what()).find("no resonance"), std::string::npos) << e.what();
   }
 }
 

@@ -65,6 +65,27 @@ TEST(VectorFit, FindsEveryModeWithinAFractionOfItsBandwidth) {
   }
 }
 
+// More poles than the data need leave functions that are nearly dependent: sums of products hold
+// them no better than to the square root of rounding.
+TEST(VectorFit, DeterminesPolesAtAnyOrder) {
+  for (const double dashpot : {0.02, 0.05, 0.1, 0.2}) {
+    FrfFaults faults;
+    faults.dashpot = dashpot;
+    faults.relative_noise = 1e-3;
+    const auto made = simulators::beam5x3(faults);
+    VectorFitOptions options;
+    options.order = 5;  // as many as there are
+    const auto enough = vector_fit(fit_data(made.measured), options);
+    for (options.order = 6; options.order <= 30; options.order += 3) {
+      const auto found = vector_fit(fit_data(made.measured), options);
+      for (const auto& pole : enough) {
+        EXPECT_LT((found.array() - pole).abs().minCoeff(), -0.3 * pole.real())
+            << dashpot << " " << options.order;
+      }
+    }
+  }
+}
+
 TEST(VectorFit, ScalesWithTheUnitOfTime) {
   const auto made = simulators::beam5x3();
   const auto data = fit_data(made.measured);
