@@ -1,10 +1,13 @@
 """Bodies of 20-node bricks: made, changed, solved by CalculiX (package calculix-ccx), written as STL."""
+import hashlib
 import os
 import subprocess
 import sys
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.sparse import csc_matrix, load_npz, save_npz, triu
+from scipy.sparse.linalg import splu
 
 ALUMINIUM = (70e9, 0.33, 2700.0)
 STEEL = (210e9, 0.3, 7850.0)
@@ -75,7 +78,18 @@ def node_at(body, numbers, at, x, y):
     return int(near[np.argmax(at[near, 2])]) + 1
 
 
-def deck(body, numbers, elements, at, modes):
+@dataclass
+class Solved:
+    """What CalculiX says of a body: modes of unit mass, and the matrices that they are of."""
+    hz: np.ndarray
+    shapes: np.ndarray                      # modes x nodes x 3
+    at: np.ndarray
+    numbers: dict
+    stiffness: csc_matrix                   # three rows per node
+    mass: csc_matrix
+
+
+def deck(body, numbers, elements, at, frequency):
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{n}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for n, p in zip(numbers.values(), at)]
     for m, (e, nu, rho) in enumerate(body.materials):
@@ -91,50 +105,72 @@ def deck(body, numbers, elements, at, modes):
         number += 1
         lines += [f"*ELEMENT, TYPE=MASS, ELSET=W{n}", f"{number}, {node_at(body, numbers, at, x, y)}",
                   f"*MASS, ELSET=W{n}", f"{kg:.12g}"]
-    lines += ["*STEP", f"*FREQUENCY\n{modes}", "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    lines += ["*STEP", frequency, "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
     return "\n".join(lines) + "\n"
 
 
-def solved(body, folder, modes):
-    """Frequencies [Hz], shapes modes x nodes x 3 of unit mass, places, by ccx; kept in the folder."""
-    kept = folder / "modes.npz"
-    numbers, elements = numbered(body)
-    at = places(body, numbers)
-    if kept.exists():
-        data = np.load(kept)
-        return data["hz"], data["shapes"], at, numbers
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "truth.inp").write_text(deck(body, numbers, elements, at, modes))
+def run(folder, text):
+    (folder / "truth.inp").write_text(text)
     env = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
     done = subprocess.run(["ccx", "truth"], cwd=folder, env=env, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"{folder}: ccx failed: {done.stdout[-500:]}")
+
+
+def modes_printed(folder, nodes):
     hz, shapes, current = [], [], None
     for line in (folder / "truth.dat").read_text().splitlines():
         words = line.split()
         if line.lstrip().startswith("displacements"):
-            current = np.zeros((len(at), 3))
+            current = np.zeros((nodes, 3))
             shapes.append(current)
         elif current is not None and len(words) == 4:
             current[int(words[0]) - 1] = [float(w) for w in words[1:]]
         elif current is None and len(words) == 5 and words[0].isdigit():
             hz.append(float(words[3]))
-    hz = np.array(hz[:len(shapes)])
-    shapes = np.array(shapes)
-    np.savez(kept, hz=hz, shapes=shapes)
-    for name in ("truth.inp", "truth.dat", "truth.frd"):
-        (folder / name).unlink(missing_ok=True)
-    return hz, shapes, at, numbers
+    return np.array(hz[:len(shapes)]), np.array(shapes)
 
 
-def row_at(body, numbers, at, shapes, x, y, direction=(0.0, 0.0, 1.0)):
-    """Displacement of all modes at (x, y) of the upper face: serendipity functions of the brick's face."""
+def matrix_stored(path, dofs, size):
+    row, column, value = np.loadtxt(path, unpack=True)
+    row, column = dofs[row.astype(int) - 1], dofs[column.astype(int) - 1]
+    half = csc_matrix((value, (np.minimum(row, column), np.maximum(row, column))), shape=(size, size))
+    return (half + triu(half, 1).T).tocsc()
+
+
+def solved(body, folder, modes):
+    """Modes and matrices by ccx; kept in the folder for the same input."""
+    numbers, elements = numbered(body)
+    at = places(body, numbers)
+    asked = deck(body, numbers, elements, at, f"*FREQUENCY\n{modes}")
+    name = "modes-" + hashlib.sha256(asked.encode()).hexdigest()[:12]
+    kept = {what: folder / f"{name}{what}.npz" for what in ("", "-stiffness", "-mass")}
+    if not all(path.exists() for path in kept.values()):
+        folder.mkdir(parents=True, exist_ok=True)
+        run(folder, asked)
+        hz, shapes = modes_printed(folder, len(at))
+        if len(hz) != modes or not hz[6] > 1.0:
+            sys.exit(f"{folder}: ccx found {len(hz)} modes of {modes}, the seventh at {hz[6]} Hz")
+        run(folder, asked.replace("*FREQUENCY", "*FREQUENCY, SOLVER=MATRIXSTORAGE"))
+        numbers_of = np.array([line.split(".") for line in (folder / "truth.dof").read_text().split()], int)
+        dofs = 3 * (numbers_of[:, 0] - 1) + numbers_of[:, 1] - 1
+        save_npz(kept["-stiffness"], matrix_stored(folder / "truth.sti", dofs, 3 * len(at)))
+        save_npz(kept["-mass"], matrix_stored(folder / "truth.mas", dofs, 3 * len(at)))
+        np.savez(kept[""], hz=hz, shapes=shapes)
+        for path in folder.glob("truth.[!j]*"):
+            path.unlink()
+    data = np.load(kept[""])
+    return Solved(data["hz"], data["shapes"], at, numbers, load_npz(kept["-stiffness"]), load_npz(kept["-mass"]))
+
+
+def row_at(body, modal, x, y, direction=(0.0, 0.0, 1.0)):
+    """Of all degrees of freedom at (x, y) of the upper face: serendipity functions of the brick's face."""
     i = int(np.clip(np.searchsorted(body.x, x) - 1, 0, len(body.x) - 2))
     j = int(np.clip(np.searchsorted(body.y, y) - 1, 0, len(body.y) - 2))
-    k = int(np.flatnonzero(body.filled[i, j] & (body.material[i, j] != 99)).max())
+    k = int(np.flatnonzero(body.filled[i, j]).max())
     s = 2 * (x - body.x[i]) / (body.x[i + 1] - body.x[i]) - 1
     t = 2 * (y - body.y[j]) / (body.y[j + 1] - body.y[j]) - 1
-    row = np.zeros(shapes.shape[0])
+    row = np.zeros((len(modal.at), 3))
     for a in range(3):
         for b in range(3):
             if a == 1 and b == 1:
@@ -146,8 +182,25 @@ def row_at(body, numbers, at, shapes, x, y, direction=(0.0, 0.0, 1.0)):
                 w = 0.5 * (1 - t * t) * (1 + s * p)
             else:
                 w = 0.5 * (1 - s * s) * (1 + t * q)
-            row += w * (shapes[:, numbers[(2 * i + a, 2 * j + b, 2 * k + 2)] - 1] @ np.array(direction))
-    return row
+            row[modal.numbers[(2 * i + a, 2 * j + b, 2 * k + 2)] - 1] = w * np.array(direction)
+    return row.ravel()
+
+
+def seen(modal, rows):
+    """Of all modes at these rows of degrees of freedom."""
+    return rows @ modal.shapes.reshape(len(modal.hz), -1).T
+
+
+def remainder(modal, rows):
+    """What all modes above those that are kept add between these rows [m/N]: taken at half the first
+    flexible frequency, from one solution of the whole."""
+    w = 2 * np.pi * np.where(modal.hz < 1.0, 0.0, modal.hz)
+    at = 0.5 * w[w > 0.0].min()
+    factor = splu(modal.stiffness - at ** 2 * modal.mass, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01,
+                  options={"SymmetricMode": True})
+    whole = rows @ factor.solve(rows.T)
+    kept = seen(modal, rows)
+    return whole - kept @ ((1.0 / (w ** 2 - at ** 2))[:, None] * kept.T)
 
 
 def with_region(body, inside, material, layers=None):

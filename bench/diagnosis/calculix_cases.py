@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calculix_bricks import ALUMINIUM, STEEL, Bricks, plate, row_at, with_block, with_region
+from calculix_bricks import (ALUMINIUM, STEEL, Bricks, plate, remainder, row_at, seen, with_block,
+                             with_region)
+
 
 @dataclass
 class Rig:
@@ -30,7 +32,6 @@ class Case:
 
 
 def responses(case, modal, omega, seed):
-    hz, shapes, at, numbers = modal
     rng = np.random.default_rng(seed)
     rig = case.rig
     def rows(points, moved, tilted):
@@ -38,28 +39,28 @@ def responses(case, modal, omega, seed):
         for n, (x, y) in enumerate(points):
             dx, dy = moved.get(n, (0.0, 0.0))
             ex, ey = rng.normal(0, 5e-4, 2)
-            found.append(row_at(case.body, numbers, at, shapes, x + dx + ex, y + dy + ey,
-                                tilted.get(n, (0.0, 0.0, 1.0))))
-        return np.array(found)
-    out = rows(rig.sensors, case.moved, case.tilted)
-    act = rows(rig.actuators, {}, {})
-    low = hz < 1.0
-    w = np.where(low, 0.0, 2 * np.pi * hz)
-    zeta = rig.damping * np.exp(rng.normal(0, 0.2, len(hz)))
-    hang = np.array([row_at(case.body, numbers, at, shapes, x, y) for x, y, _ in case.hung])
+            found.append(row_at(case.body, modal, x + dx + ex, y + dy + ey, tilted.get(n, (0.0, 0.0, 1.0))))
+        return found
+    places = [*rows(rig.sensors, case.moved, case.tilted), *rows(rig.actuators, {}, {})]
+    out, act = slice(0, len(rig.sensors)), slice(len(rig.sensors), len(places))
+    hang = slice(len(places), len(places) + len(case.hung))
+    places = np.array(places + [row_at(case.body, modal, x, y) for x, y, _ in case.hung])
+    kept, above = seen(modal, places), remainder(modal, places)
+    w = np.where(modal.hz < 1.0, 0.0, 2 * np.pi * modal.hz)
+    zeta = rig.damping * np.exp(rng.normal(0, 0.2, len(w)))
     late = 1e-6 * rng.normal()
-    gains_out, gains_in = (1 + rng.normal(0, 5e-3, len(side)) for side in (out, act))
+    gains_out, gains_in = (1 + rng.normal(0, 5e-3, len(side)) for side in (rig.sensors, rig.actuators))
     for n, gain in case.gains.items():
         gains_out[n] *= gain
-    g = np.empty((len(omega), len(out), len(act)), complex)
+    g = np.empty((len(omega), len(rig.sensors), len(rig.actuators)), complex)
     for n, one in enumerate(omega):
         s = 1j * one
         h = 1.0 / (w ** 2 + 2 * zeta * w * s + s * s)
-        g[n] = out @ (h[:, None] * act.T)
-        if len(hang):
+        all_of = kept @ (h[:, None] * kept.T) + above
+        g[n] = all_of[out, act]
+        if case.hung:
             force = np.diag([1.0 / f(s) for _, _, f in case.hung])
-            inner = np.linalg.inv(force + hang @ (h[:, None] * hang.T))
-            g[n] -= (out @ (h[:, None] * hang.T)) @ inner @ (hang @ (h[:, None] * act.T))
+            g[n] -= all_of[out, hang] @ np.linalg.solve(force + all_of[hang, hang], all_of[hang, act])
         g[n] *= np.outer(gains_out, gains_in) * np.exp(-s * late)
     if case.swapped:
         a, b = case.swapped
@@ -94,8 +95,8 @@ def study_text(rig):
     return text
 
 
-def table_bricks():
-    return plate(0.6, 0.6, 0.02, 24)
+def table_bricks(count=24):
+    return plate(0.6, 0.6, 0.02, count)
 
 
 def pocketed_bricks():
@@ -153,8 +154,6 @@ STEPPED = Rig("stepped", '{ file = "body.stl", unit = "mm" }',
               high_hz=1500.0, drawn=stepped_bricks)
 
 
-
-
 def scaled(material, modulus=1.0, density=1.0):
     return (material[0] * modulus, material[1], material[2] * density)
 
@@ -188,7 +187,8 @@ def all_cases():
         [("swapped_sensors", None, {}), ("ground_spring", (-0.1, 0.225), {"stiffness": 140e3})],
         swapped=(0, 2), **spring(-0.1, 0.225, 140e3))
     add("table_taper", TABLE, tapered(table_bricks(), (0.03, 0.0)), [("thickness_field", None, {"u1": 0.03})])
-    add("table_moved", TABLE, table_bricks(), [("sensor_position", None, {})], moved={1: (0.015, 0.0)})
+    # Within a brick of 25 mm the face's functions are off by 0.4 % of the shapes above the band.
+    add("table_moved", TABLE, table_bricks(48), [("sensor_position", None, {})], moved={1: (0.015, 0.0)})
     add("table_soft_strip", TABLE,
         with_region(table_bricks(), lambda x, y: (abs(x - 0.0875) < 0.0125) & (abs(y - 0.05) < 0.076),
                     scaled(ALUMINIUM, modulus=0.4)), [("local_stiffness", (0.0875, 0.05), {})])

@@ -18,12 +18,8 @@ std::vector<Parameter> offsets(const Structure& structure) {
 template <Side side>
 void move(State& state, const Structure& structure, Index option, const VectorXd& x) {
   const Eigen::Vector2d by_place(x(0), x.size() > 1 ? x(1) : 0.0);
-  const VectorXd by = shape_change(structure, channels_of<side>(structure), option, by_place);
-  if (side == Side::sensors) {
-    state.outputs.row(option) += by.transpose();
-  } else {
-    state.inputs.col(option) += by;
-  }
+  const auto change = channel_change(structure, channels_of<side>(structure), option, by_place);
+  move_channel(state, side, option, change);
 }
 
 template <Side side>

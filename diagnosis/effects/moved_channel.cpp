@@ -6,23 +6,52 @@ namespace chladni::diagnosis {
 
 using Eigen::VectorXd;
 
-VectorXd shape_change(const Structure& structure, const ChannelSide& side, Eigen::Index i,
-                      const Eigen::Vector2d& by) {
+namespace {
+
+// Of a point's motion: its last one is what the modes have that no channel sees one by one.
+VectorXd upper_of(const PointMotion& motion, Eigen::Index size) {
+  VectorXd result = motion.upper;
+  if (result.size() != size || size == 0) return {};
+  result(size - 1) = 0.0;
+  return result;
+}
+
+}  // namespace
+
+ChannelChange channel_change(const Structure& structure, const ChannelSide& side, Eigen::Index i,
+                             const Eigen::Vector2d& by) {
   const Eigen::Vector2d place = side.places.row(i);
   const VectorXd first_order =
       (by(0) * side.slope_u.row(i) + by(1) * side.slope_v.row(i)).transpose();
-  if (structure.surface.at == nullptr) return first_order;
+  if (structure.surface.at == nullptr) return {first_order, {}};
   const auto here = structure.surface.at(place);
   const auto there = structure.surface.at(place + by);
-  if (!here || !there) return first_order;
+  if (!here || !there) return {first_order, {}};
   // Only along the surface's normal does the surface know it.
   const double along = here->shape.dot(side.shapes.row(i));
   const double own = here->shape.squaredNorm();
-  if (own <= 0.0) return first_order;
+  if (own <= 0.0) return {first_order, {}};
   const double sign = along / own;
   const bool normal = std::abs(std::abs(sign) - 1.0) < 0.02;
-  if (!normal) return first_order;
-  return sign * (there->shape - here->shape);
+  if (!normal) return {first_order, {}};
+  const auto above = side.upper.cols();
+  const VectorXd upper = sign * (upper_of(*there, above) - upper_of(*here, above));
+  return {sign * (there->shape - here->shape), upper};
+}
+
+void move_channel(State& state, Side side, Eigen::Index i, const ChannelChange& change) {
+  const bool above = change.upper.size() > 0 && change.upper.size() == state.output_upper.cols();
+  if (side == Side::sensors) {
+    state.outputs.row(i) += change.shape.transpose();
+    if (!above) return;
+    state.residual.row(i) += (state.input_upper * change.upper).transpose();
+    state.output_upper.row(i) += change.upper.transpose();
+  } else {
+    state.inputs.col(i) += change.shape;
+    if (!above) return;
+    state.residual.col(i) += state.output_upper * change.upper;
+    state.input_upper.row(i) += change.upper.transpose();
+  }
 }
 
 }  // namespace chladni::diagnosis

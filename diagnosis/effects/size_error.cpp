@@ -26,15 +26,18 @@ MatrixXd all_of(const std::vector<MatrixXd>& cells, double weight, Index modes) 
   return sum_of(cells, VectorXd::Constant(static_cast<Index>(cells.size()), weight));
 }
 
-// The channels stay where they are, so that on the body they move: one in each row.
-MatrixXd moved(const Structure& structure, const ChannelSide& side, double longer) {
+// The channels stay where they are, so that on the body they move.
+template <Side side>
+std::vector<ChannelChange> moved(const Structure& structure, double longer) {
   const Vector2d middle = structure.cells.from + 0.5 * structure.cells.size;
-  MatrixXd by(side.count(), structure.mode_count());
-  for (Index i = 0; i < side.count(); ++i) {
-    const Vector2d place = side.places.row(i);
-    by.row(i) = shape_change(structure, side, i, (1.0 / longer - 1.0) * (place - middle));
+  const auto& channels = channels_of<side>(structure);
+  std::vector<ChannelChange> changes;
+  for (Index i = 0; i < channels.count(); ++i) {
+    const Vector2d place = channels.places.row(i);
+    changes.push_back(
+        channel_change(structure, channels, i, (1.0 / longer - 1.0) * (place - middle)));
   }
-  return by;
+  return changes;
 }
 
 // w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ²; what the shear resists and what turns
@@ -46,14 +49,18 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
   const Index r = structure.mode_count();
   return [area, shear = all_of(structure.cells.shear, 1.0 - 1.0 / area, r),
           turning = all_of(structure.cells.rotary, 1.0 - area, r),
-          outputs = moved(structure, structure.outputs, longer),
-          inputs = moved(structure, structure.inputs, longer)](State& state) {
+          outputs = moved<Side::sensors>(structure, longer),
+          inputs = moved<Side::actuators>(structure, longer)](State& state) {
     scale_stiffness(state, 1.0 / area);
     scale_mass(state, area);
     state.stiffness += shear;
     state.mass += turning;
-    state.outputs += outputs;
-    state.inputs += inputs.transpose();
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      move_channel(state, Side::sensors, static_cast<Index>(i), outputs[i]);
+    }
+    for (std::size_t j = 0; j < inputs.size(); ++j) {
+      move_channel(state, Side::actuators, static_cast<Index>(j), inputs[j]);
+    }
   };
 }
 

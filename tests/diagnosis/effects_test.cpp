@@ -232,6 +232,33 @@ TEST(Cells, ASoftPlaceMovesTheModesAboveToo) {
   EXPECT_LT((softened(plate) - truth).norm(), 0.002 * change);
 }
 
+// A channel elsewhere sees the modes above elsewhere, too: against a structure of twice as many.
+TEST(MovedChannels, SeeTheModesAboveFromThere) {
+  const auto& plate = small_plate();
+  const auto more = plate_of(2 * plate.mode_count());
+  const VectorXd omega = 2.0 * std::numbers::pi * VectorXd::LinSpaced(60, 50.0, 1000.0);
+  const auto with_cause = [&](const Structure& structure, const char* name, const VectorXd& x) {
+    State state = state_of(structure);
+    effect(name).apply(state, structure, 0, x);
+    return responses(state, omega);
+  };
+  const auto near_to = [&](const char* name, const VectorXd& x) {
+    auto at_rest = plate;  // the modes above stay as they were seen
+    for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+    const MatrixXcd change = with_cause(more, name, x) - responses(state_of(more), omega);
+    const auto off = [&](const Structure& structure) {
+      const MatrixXcd found =
+          with_cause(structure, name, x) - responses(state_of(structure), omega);
+      return (found - change).norm() / change.norm();
+    };
+    EXPECT_LT(off(plate), 0.3 * off(at_rest)) << name << ": " << off(plate) << " " << off(at_rest);
+    EXPECT_LT(off(plate), 0.005) << name;
+  };
+  near_to("sensor_position", Eigen::Vector2d(0.015, -0.004));
+  near_to("actuator_position", Eigen::Vector2d(-0.01, 0.012));
+  near_to("size_error", VectorXd::Constant(1, 0.02));
+}
+
 TEST(Cells, NoPlaceLosesMoreStiffnessThanItHas) {
   State state = state_of(small_plate());
   const auto& fine = small_plate().fine;
