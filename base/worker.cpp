@@ -64,6 +64,13 @@ struct Pipes {
   Pipe start;  // carries the error number of an exec that failed; closed by one that did not
 };
 
+// Sanitizers reserve terabytes of addresses: under a limit the worker could not start.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 // Between fork and exec only calls that are safe in a signal handler are allowed.
 [[noreturn]] void become(char* const* arguments, const Pipes& pipes, const WorkerLimits& limits,
                          pid_t parent) {
@@ -77,7 +84,7 @@ struct Pipes {
   const rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const rlimit memory = {limits.memory_bytes, limits.memory_bytes};
-  if (limits.memory_bytes > 0) setrlimit(RLIMIT_AS, &memory);
+  if (limits.memory_bytes > 0 && !kSanitized) setrlimit(RLIMIT_AS, &memory);
   dup2(pipes.input.read_end, STDIN_FILENO);
   dup2(pipes.output.write_end, STDOUT_FILENO);
   dup2(pipes.errors.write_end, STDERR_FILENO);

@@ -28,7 +28,7 @@ std::string word_of(std::string_view field) {
 
 int direction_of(const UffLines& lines, std::string_view word) {
   const auto direction = uff_integer(lines, word, "direction");
-  if (std::abs(direction) <= 6) return static_cast<int>(direction);
+  if (direction >= -6 && direction <= 6) return static_cast<int>(direction);
   lines.fail("direction " + std::to_string(direction) + ", expected -6 to 6");
 }
 
@@ -137,7 +137,7 @@ UffAxis read_axis(UffLines& lines, const char* what) {
   UffAxis axis;
   const auto small = [&](std::string_view word, const char* name, long long most) {
     const auto value = uff_integer(lines, word, name);
-    if (std::abs(value) > most) lines.fail(std::string(name) + " " + std::to_string(value));
+    if (value < -most || value > most) lines.fail(std::string(name) + " " + std::to_string(value));
     return static_cast<int>(value);
   };
   axis.type = small(words[0], "type of data", 1000);

@@ -129,6 +129,10 @@ TEST(FrfUff, RefusalsNameBoth) {
   Sample58 time;
   time.function_type = 1;
   refused(dataset_58(time), "no frequency response", "time response");
+  // The least integer has no absolute value.
+  std::string least = dataset_58({});
+  least.replace(least.find("  12   3"), 8, "  12 -9223372036854775808");
+  refused(least, "direction -9223372036854775808", "-6 to 6");
 }
 
 TEST(FrfUff, ReadsBackWhatItWrote) {
