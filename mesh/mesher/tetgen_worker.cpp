@@ -8,23 +8,14 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <stdexcept>
 #include <string>
 
+#include "base/worker_stdio.h"
 #include "mesh/mesher/wire.h"
 
 namespace wire = chladni::mesh::wire;
 
 namespace {
-
-std::string all_of_stdin() {
-  std::string bytes;
-  char chunk[1U << 16U];
-  while (const std::size_t count = std::fread(chunk, 1, sizeof chunk, stdin)) {
-    bytes.append(chunk, count);
-  }
-  return bytes;
-}
 
 void set_triangle(tetgenio::facet& facet, const std::int32_t* corners) {
   facet.polygonlist = new tetgenio::polygon[1];
@@ -112,16 +103,13 @@ const char* meaning_of(int code) {
 }
 
 int run() {
-  const wire::Request request = wire::request_from(all_of_stdin());
+  const wire::Request request = wire::request_from(chladni::all_of_stdin());
   tetgenio plc;
   tetgenio mesh;
   fill(plc, request);
   std::string text = switches(request);
   tetrahedralize(text.data(), &plc, &mesh);
-  const std::string reply = wire::bytes_of(reply_of(mesh));
-  const bool written = std::fwrite(reply.data(), 1, reply.size(), stdout) == reply.size() &&
-                       std::fflush(stdout) == 0;
-  if (!written) throw std::runtime_error("cannot write the reply");
+  chladni::write_to_stdout(wire::bytes_of(reply_of(mesh)));
   return 0;
 }
 
