@@ -172,13 +172,24 @@ double promised(const Problem& problem, const std::vector<Column>& columns,
   return rest.promised(rest.step(0.0));
 }
 
-// Laplace's approximation at the mode.
+// Laplace's approximation at the mode. Two causes that do the same may leave less of the prior's
+// curvature than rounding of the data's: then it counts as what rounding is.
 void conclude(const MatrixXd& curvature, Fit& fit) {
-  const Eigen::LLT<MatrixXd> factor(curvature);
-  if (factor.info() != Eigen::Success) throw NumericalFailure("a fit that nothing determines");
-  const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  const VectorXd scale = curvature.diagonal().cwiseSqrt().cwiseInverse();
+  MatrixXd scaled = scale.asDiagonal() * curvature * scale.asDiagonal();
+  const double rounding =
+      static_cast<double>(scale.size()) * std::numeric_limits<double>::epsilon();
+  scaled.diagonal().array() += rounding;
+  const Eigen::LLT<MatrixXd> factor(scaled);
+  if (factor.info() != Eigen::Success) {
+    throw NumericalFailure("a fit that nothing determines");
+  }
+  const double log_determinant =
+      2.0 * (factor.matrixLLT().diagonal().array().log().sum() - scale.array().log().sum());
   const auto coordinates = static_cast<double>(fit.coordinate_count());
-  fit.covariance = factor.solve(MatrixXd::Identity(curvature.rows(), curvature.cols()));
+  fit.covariance = scale.asDiagonal() *
+                   factor.solve(MatrixXd::Identity(curvature.rows(), curvature.cols())) *
+                   scale.asDiagonal();
   fit.log_evidence =
       -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
 }

@@ -90,5 +90,23 @@ TEST(Fitted, MayBeBetterThanItIs) {
   EXPECT_EQ(fit.evidence_at_best(), 10.0);
 }
 
+// Two causes in one place that do the same: what tells them apart is below the rounding of the
+// data.
+TEST(Fitted, EndsWhereTwoCausesAreOne) {
+  VectorXd x(3);
+  x << std::log(0.05), 0.083, -0.127;
+  const Supposed mass{&effect("point_mass"), 0, x};
+  State state = state_of(small_plate());
+  for (int n = 0; n < 2; ++n) change_of(mass, small_plate())(state);
+  const Observed observed = observed_in(state, 1e9);
+  const std::vector<Deviation> none;
+  Fit start;
+  start.causes = {mass, mass};
+  const Fit found = fitted({small_plate(), observed, none}, start);
+  EXPECT_TRUE(std::isfinite(found.log_evidence));
+  EXPECT_TRUE(found.covariance.allFinite());
+  EXPECT_GT(found.covariance.diagonal().minCoeff(), 0.0);
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis
