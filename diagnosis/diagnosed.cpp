@@ -49,25 +49,6 @@ Found fitted_again(const Problem& problem, const Found& found) {
   return fine;
 }
 
-// The last word: those, without what leaves too little evidence for itself then.
-Found refined(const Problem& problem, const Found& found, const SearchLimits& limits,
-              double equal) {
-  Found fine = fitted_again(problem, found);
-  const auto count = fine.fits.front().causes.size();
-  if (count == 0) return fine;
-  Fit simpler = pruned(problem, fine.fits.front(), fine.nothing, limits);
-  if (simpler.causes.size() < count) {
-    // What was more is not worth its evidence: it is no rival either.
-    std::erase_if(fine.fits,
-                  [&](const Fit& fit) { return fit.causes.size() >= simpler.causes.size(); });
-    fine.fits.insert(fine.fits.begin(), std::move(simpler));
-  } else {
-    fine.fits.front() = std::move(simpler);  // the same, with what it is without each cause
-  }
-  add_simpler(problem, fine, equal);
-  return fine;
-}
-
 // Where the place of the best explanation's first cause in a place may be.
 CauseMap map_of(const Problem& problem, const Fit& best) {
   Fit without = best;
@@ -174,7 +155,8 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   const Observed fine = thinned(given.observed, 2 * options.lines);
   const auto deviations = given.all_deviations();
   const Problem problem{*given.structure, fine, deviations, given.solver_error};
-  const Found found = refined(problem, first, limits_of(given, options), options.rival_within);
+  Found found = fitted_again(problem, first);
+  trim(problem, found, limits_of(given, options), options.rival_within);
   Diagnosis diagnosis = told_of(problem, found, options);
   const Fit& best = found.fits[diagnosis.best.fit];
   auto notes = given.notes;

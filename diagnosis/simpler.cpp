@@ -109,7 +109,7 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
   return best;
 }
 
-void add_simpler(const Problem& problem, Found& found, double equal) {
+Fit add_simpler(const Problem& problem, Found& found, double equal) {
   Fit best = found.fits.front();
   for (std::size_t c = 0; c < best.causes.size(); ++c) {
     const Fit general = best;  // what came before may have been exchanged
@@ -126,6 +126,29 @@ void add_simpler(const Problem& problem, Found& found, double equal) {
       keep(found.fits, std::move(fit), 1);
     }
   }
+  return best;
+}
+
+void trim(const Problem& problem, Found& found, const SearchLimits& limits, double equal) {
+  // What was more is not worth its evidence: it is no rival either.
+  const auto put_first = [&](Fit fit) {
+    std::erase_if(found.fits,
+                  [&](const Fit& other) { return other.causes.size() >= fit.causes.size(); });
+    found.fits.insert(found.fits.begin(), std::move(fit));
+  };
+  const auto count = found.fits.front().causes.size();
+  if (count == 0) return;
+  Fit lean = pruned(problem, found.fits.front(), found.nothing, limits);
+  if (lean.causes.size() < count) {
+    put_first(std::move(lean));
+  } else {
+    found.fits.front() = std::move(lean);  // the same, with what it is without each cause
+  }
+  const auto left = found.fits.front().causes.size();
+  const Fit exchanged = add_simpler(problem, found, equal);
+  if (left < 2) return;
+  lean = pruned(problem, exchanged, found.nothing, limits);
+  if (lean.causes.size() < left) put_first(std::move(lean));
 }
 
 }  // namespace chladni::diagnosis

@@ -85,6 +85,28 @@ TEST_F(Pole, IsASpringFarBelowTheBand) {
   EXPECT_NEAR(all.front().causes.front().parameters.front().value, stiffness, 0.05 * stiffness);
 }
 
+// What mends the poorer cause is nothing beside the simpler one in its place.
+TEST_F(Pole, TakesWithItWhatMendedIt) {
+  const double stiffness = 62e3;
+  VectorXd x(3);
+  x << std::log(stiffness), 0.1, -0.05;
+  (void)told({&effect("ground_spring"), 0, x});
+  const double hz = 19.0;
+  Fit start;
+  start.causes = {resonator(stiffness / std::pow(2.0 * std::numbers::pi * hz, 2), hz, 1e-3),
+                  resonator(1e-3, 24.0, 0.01)};
+  Fit poor = fitted(problem_, start);
+  poor.less = {found_.nothing, found_.nothing};  // as if each were worth its evidence
+  found_.fits = {std::move(poor), found_.nothing};
+  trim(problem_, found_, {}, 5.0);
+  const auto all = explanations(problem_, found_, 5.0);
+  ASSERT_EQ(all.front().causes.size(), 1U);
+  EXPECT_EQ(all.front().causes.front().effect, "ground_spring");
+  for (const auto& one : all) {
+    for (const auto& cause : one.causes) EXPECT_GT(cause.log_evidence_gain, 0.0) << cause.effect;
+  }
+}
+
 TEST_F(Pole, IsOneWithinTheBand) {
   const auto all = told(resonator(0.05, 240.0, 0.02));
   EXPECT_EQ(all.front().causes.front().effect, "resonator");
