@@ -16,19 +16,24 @@ using Eigen::VectorXd;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
+void put(std::vector<Deviation>& all, std::string name,
+         std::function<void(State&, double eta)> apply) {
+  all.push_back({std::move(name), std::move(apply)});
+}
+
 void add_gains(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
   if (tolerance <= 0.0) return;
   for (Index i = 0; i < structure.output_count(); ++i) {
-    all.push_back({"gain of sensor " + structure.outputs.names[at(i)],
-                   [i, tolerance](State& state, double eta) {
-                     state.output_paths[at(i)].gain *= std::exp(tolerance * eta);
-                   }});
+    put(all, "gain of sensor " + structure.outputs.names[at(i)],
+        [i, tolerance](State& state, double eta) {
+          state.output_paths[at(i)].gain *= std::exp(tolerance * eta);
+        });
   }
   for (Index j = 0; j < structure.input_count(); ++j) {
-    all.push_back({"gain of actuator " + structure.inputs.names[at(j)],
-                   [j, tolerance](State& state, double eta) {
-                     state.input_paths[at(j)].gain *= std::exp(tolerance * eta);
-                   }});
+    put(all, "gain of actuator " + structure.inputs.names[at(j)],
+        [j, tolerance](State& state, double eta) {
+          state.input_paths[at(j)].gain *= std::exp(tolerance * eta);
+        });
   }
 }
 
@@ -39,15 +44,16 @@ void add_positions(const ChannelSide& side, bool outputs, double tolerance,
     for (const auto* slopes : {&side.slope_u, &side.slope_v}) {
       const VectorXd by = tolerance * slopes->row(i).transpose();
       if (by.isZero(0.0)) continue;
-      all.push_back({fmt::format("place of {} {} along {}", outputs ? "sensor" : "actuator",
-                                 side.names[at(i)], slopes == &side.slope_u ? "u" : "v"),
-                     [i, by, outputs](State& state, double eta) {
-                       if (outputs) {
-                         state.outputs.row(i) += eta * by.transpose();
-                       } else {
-                         state.inputs.col(i) += eta * by;
-                       }
-                     }});
+      put(all,
+          fmt::format("place of {} {} along {}", outputs ? "sensor" : "actuator", side.names[at(i)],
+                      slopes == &side.slope_u ? "u" : "v"),
+          [i, by, outputs](State& state, double eta) {
+            if (outputs) {
+              state.outputs.row(i) += eta * by.transpose();
+            } else {
+              state.inputs.col(i) += eta * by;
+            }
+          });
     }
   }
 }
@@ -80,18 +86,18 @@ void couple(Eigen::MatrixXd& entries, Index i, Index j, double part) {
 // block is theirs, or a deviation would depend on how the solver turned them.
 void add_frequency(Index i, Index j, double by, std::string name, std::vector<Deviation>& all) {
   if (by <= 0.0) return;
-  all.push_back({std::move(name), [=](State& state, double eta) {
-                   if (i == j) state.stiffness(i, i) *= std::exp(by * eta);
-                   if (i != j) couple(state.stiffness, i, j, by * eta);
-                 }});
+  put(all, std::move(name), [=](State& state, double eta) {
+    if (i == j) state.stiffness(i, i) *= std::exp(by * eta);
+    if (i != j) couple(state.stiffness, i, j, by * eta);
+  });
 }
 
 void add_damping(Index i, Index j, double by, std::string name, std::vector<Deviation>& all) {
   if (by <= 0.0) return;
-  all.push_back({std::move(name), [=](State& state, double eta) {
-                   if (i == j) deviate_damping(state, i, by * eta);
-                   if (i != j) couple(state.damping, i, j, by * eta);
-                 }});
+  put(all, std::move(name), [=](State& state, double eta) {
+    if (i == j) deviate_damping(state, i, by * eta);
+    if (i != j) couple(state.damping, i, j, by * eta);
+  });
 }
 
 // Of the modes i and j together: what their own mesh leaves comes on top of what any may. Nothing
@@ -120,60 +126,91 @@ void add_modes(const Structure& structure, const Tolerances& tolerances, double 
 
 // The shorter waves of a line are lower: as one over their order less one.
 void add_thickness(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
-  all.push_back({"thickness", [by = thickness_slope(structure), t = tolerance,
-                               power = structure.bending_power](State& state, double eta) {
-                   state.stiffness += t * eta * by.stiffness;
-                   state.mass += t * eta * by.mass;
-                   scale_residual(state, std::exp(-power * t * eta));
-                 }});
-  std::vector<std::pair<BodyChange, double>> waves;
+  put(all, "thickness",
+      [by = thickness_slope(structure), t = tolerance, power = structure.bending_power](
+          State& state, double eta) {
+        state.stiffness += t * eta * by.stiffness;
+        state.mass += t * eta * by.mass;
+        scale_residual(state, std::exp(-power * t * eta));
+      });
+  Index waves = 0;
+  const auto add_wave = [&](const BodyChange& by, double t) {
+    put(all, fmt::format("smooth wave {} of thickness", ++waves),
+        [by, t](State& state, double eta) {
+          state.stiffness += t * eta * by.stiffness;
+          state.mass += t * eta * by.mass;
+        });
+  };
   for (Index f = 0; f < smooth_fields(structure.cells).cols(); ++f) {
-    waves.emplace_back(thickness_slope(structure, f), tolerance);
+    add_wave(thickness_slope(structure, f), tolerance);
   }
   const MatrixXd shorter = short_waves(structure.cells);
   for (Index f = 0; f < shorter.cols(); ++f) {
     const auto order = static_cast<double>(f + 3);
-    waves.emplace_back(thickness_slope(structure, VectorXd(shorter.col(f))),
-                       tolerance / (order - 1.0));
-  }
-  for (std::size_t n = 0; n < waves.size(); ++n) {
-    all.push_back({fmt::format("smooth wave {} of thickness", n + 1),
-                   [by = waves[n].first, t = waves[n].second](State& state, double eta) {
-                     state.stiffness += t * eta * by.stiffness;
-                     state.mass += t * eta * by.mass;
-                   }});
+    add_wave(thickness_slope(structure, VectorXd(shorter.col(f))), tolerance / (order - 1.0));
   }
 }
 
 void add_body(const Structure& structure, const Tolerances& tolerances,
               std::vector<Deviation>& all) {
   if (tolerances.modulus > 0.0) {
-    all.push_back({"Young's modulus", [t = tolerances.modulus](State& state, double eta) {
-                     scale_stiffness(state, std::exp(t * eta));
-                   }});
+    put(all, "Young's modulus", [t = tolerances.modulus](State& state, double eta) {
+      scale_stiffness(state, std::exp(t * eta));
+    });
   }
   if (tolerances.density > 0.0) {
-    all.push_back({"density", [t = tolerances.density](State& state, double eta) {
-                     scale_mass(state, std::exp(t * eta));
-                   }});
+    put(all, "density", [t = tolerances.density](State& state, double eta) {
+      scale_mass(state, std::exp(t * eta));
+    });
   }
   for (const auto* side : {&structure.outputs, &structure.inputs}) {
     if (tolerances.mass <= 0.0) break;
     const MatrixXd by = tolerances.mass * side->shapes.transpose() * side->shapes;
-    all.push_back({side == &structure.outputs ? "mass of every sensor" : "mass of every actuator",
-                   [by](State& state, double eta) { attach_mass(state, eta * by); }});
+    put(all, side == &structure.outputs ? "mass of every sensor" : "mass of every actuator",
+        [by](State& state, double eta) { attach_mass(state, eta * by); });
   }
   if (tolerances.orthotropy > 0.0 && structure.directional.along_u.size() > 0) {
     const auto add = [&](const char* what, const MatrixXd& matrix) {
-      all.push_back({what, [matrix, t = tolerances.orthotropy](State& state, double eta) {
-                       state.stiffness += t * eta * matrix;
-                     }});
+      put(all, what, [matrix, t = tolerances.orthotropy](State& state, double eta) {
+        state.stiffness += t * eta * matrix;
+      });
     };
     add("stiffness along u", structure.directional.along_u);
     add("stiffness in shear", structure.directional.shear);
   }
   if (tolerances.thickness > 0.0 && structure.cells.count() > 0) {
     add_thickness(structure, tolerances.thickness, all);
+  }
+}
+
+void add_modes_above(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
+  if (tolerance <= 0.0 || structure.residual.isZero(0.0)) return;
+  put(all, "modes above those in use",
+      [t = tolerance](State& state, double eta) { scale_residual(state, std::exp(t * eta)); });
+  // A frame far above the band does the same.
+  put(all, "what all responses share of the modes above",
+      [t = tolerance](State& state, double eta) {
+        state.residual.array() += t * eta * state.residual.cwiseAbs().mean();
+      });
+}
+
+// What is one for all channels.
+void add_shared(const Tolerances& tolerances, std::vector<Deviation>& all) {
+  if (tolerances.loaded_damping > 0.0) {
+    put(all, "damping ratios of the modes with what hangs on them",
+        [t = tolerances.loaded_damping](State& state, double eta) {
+          state.loaded_damping += t * eta;
+        });
+  }
+  if (tolerances.scale > 0.0) {
+    put(all, "scale of all responses", [t = tolerances.scale](State& state, double eta) {
+      for (auto& path : state.output_paths) path.gain *= std::exp(t * eta);
+    });
+  }
+  if (tolerances.delay > 0.0) {
+    put(all, "delay", [t = tolerances.delay](State& state, double eta) {
+      for (auto& path : state.output_paths) path.delay += t * eta;
+    });
   }
 }
 
@@ -187,32 +224,8 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
   add_gains(structure, tolerances.gain, all);
   add_positions(structure.outputs, true, tolerances.position, all);
   add_positions(structure.inputs, false, tolerances.position, all);
-  if (tolerances.residual > 0.0 && !structure.residual.isZero(0.0)) {
-    all.push_back({"modes above those in use", [t = tolerances.residual](State& state, double eta) {
-                     scale_residual(state, std::exp(t * eta));
-                   }});
-    // A frame far above the band does the same.
-    all.push_back({"what all responses share of the modes above",
-                   [t = tolerances.residual](State& state, double eta) {
-                     state.residual.array() += t * eta * state.residual.cwiseAbs().mean();
-                   }});
-  }
-  if (tolerances.loaded_damping > 0.0) {
-    all.push_back({"damping ratios of the modes with what hangs on them",
-                   [t = tolerances.loaded_damping](State& state, double eta) {
-                     state.loaded_damping += t * eta;
-                   }});
-  }
-  if (tolerances.scale > 0.0) {
-    all.push_back({"scale of all responses", [t = tolerances.scale](State& state, double eta) {
-                     for (auto& path : state.output_paths) path.gain *= std::exp(t * eta);
-                   }});
-  }
-  if (tolerances.delay > 0.0) {
-    all.push_back({"delay", [t = tolerances.delay](State& state, double eta) {
-                     for (auto& path : state.output_paths) path.delay += t * eta;
-                   }});
-  }
+  add_modes_above(structure, tolerances.residual, all);
+  add_shared(tolerances, all);
   return all;
 }
 
@@ -227,11 +240,11 @@ std::vector<Deviation> shape_deviations(const Structure& structure, double respo
       const auto channels = static_cast<double>(side->count());
       const double by = response * side->shapes.col(k).norm() / std::sqrt(channels);
       for (Index i = 0; i < side->count(); ++i) {
-        all.push_back(
-            {fmt::format("shape at {:.4g} Hz of {}", structure.frequency_hz(k), side->names[at(i)]),
-             [=](State& state, double eta) {
-               (outputs ? state.outputs(i, k) : state.inputs(k, i)) += by * eta;
-             }});
+        put(all,
+            fmt::format("shape at {:.4g} Hz of {}", structure.frequency_hz(k), side->names[at(i)]),
+            [=](State& state, double eta) {
+              (outputs ? state.outputs(i, k) : state.inputs(k, i)) += by * eta;
+            });
       }
     }
   }
