@@ -16,6 +16,7 @@
 #include "diagnosis/deviations.h"
 #include "diagnosis/elsewhere.h"
 #include "diagnosis/hints.h"
+#include "diagnosis/overlap.h"
 #include "diagnosis/scene.h"
 #include "diagnosis/simpler.h"
 #include "diagnosis/starts.h"
@@ -53,30 +54,6 @@ MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
           .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
           .array();
   return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
-}
-
-// Two in one place, of which one is a patch: together they are one thing of another shape.
-bool overlap(const Structure& structure, const Supposed& a, const Supposed& b) {
-  const auto here = place_of(a, structure);
-  const auto there = place_of(b, structure);
-  return here && there && (*here - *there).norm() < reach_of(a, structure) + reach_of(b, structure);
-}
-
-bool overlaps_itself(const Structure& structure, const Fit& fit) {
-  const auto& causes = fit.causes;
-  for (auto one = causes.begin(); one != causes.end(); ++one) {
-    const auto with = [&](const Supposed& other) { return overlap(structure, *one, other); };
-    if (std::any_of(one + 1, causes.end(), with)) return true;
-  }
-  return false;
-}
-
-// A channel has one gain, the body one modulus; what hangs in a place may hang in several.
-bool is_there_already(const Structure& structure, const Fit& base, const Supposed& cause) {
-  return std::ranges::any_of(base.causes, [&](const Supposed& other) {
-    if (place_of(cause, structure)) return overlap(structure, cause, other);
-    return other.effect == cause.effect && other.option == cause.option;
-  });
 }
 
 struct Level {
