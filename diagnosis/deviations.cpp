@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/body_fields.h"
+#include "diagnosis/effects/moved_channel.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -37,22 +38,34 @@ void add_gains(const Structure& structure, double tolerance, std::vector<Deviati
   }
 }
 
-void add_positions(const ChannelSide& side, bool outputs, double tolerance,
+// What a channel sees more where it is one step further along an axis: of the modes above from the
+// surface, on both sides.
+ChannelChange place_slope(const Structure& structure, Side which, Index i, Index axis,
+                          double step) {
+  const auto& side = which == Side::sensors ? structure.outputs : structure.inputs;
+  const Eigen::Vector2d by = step * Eigen::Vector2d::Unit(axis);
+  const VectorXd plus = channel_change(structure, side, i, by).upper;
+  const VectorXd minus = channel_change(structure, side, i, -by).upper;
+  const auto& slopes = axis == 0 ? side.slope_u : side.slope_v;
+  ChannelChange change{step * slopes.row(i).transpose(), {}};
+  if (plus.size() > 0 && minus.size() > 0) change.upper = 0.5 * (plus - minus);
+  return change;
+}
+
+void add_positions(const Structure& structure, Side which, double tolerance,
                    std::vector<Deviation>& all) {
   if (tolerance <= 0.0) return;
+  const bool outputs = which == Side::sensors;
+  const auto& side = outputs ? structure.outputs : structure.inputs;
   for (Index i = 0; i < side.count(); ++i) {
-    for (const auto* slopes : {&side.slope_u, &side.slope_v}) {
-      const VectorXd by = tolerance * slopes->row(i).transpose();
-      if (by.isZero(0.0)) continue;
+    for (const Index axis : {0, 1}) {
+      const auto by = place_slope(structure, which, i, axis, tolerance);
+      if (by.shape.isZero(0.0)) continue;
       put(all,
           fmt::format("place of {} {} along {}", outputs ? "sensor" : "actuator", side.names[at(i)],
-                      slopes == &side.slope_u ? "u" : "v"),
-          [i, by, outputs](State& state, double eta) {
-            if (outputs) {
-              state.outputs.row(i) += eta * by.transpose();
-            } else {
-              state.inputs.col(i) += eta * by;
-            }
+                      axis == 0 ? "u" : "v"),
+          [i, by, which](State& state, double eta) {
+            move_channel(state, which, i, {eta * by.shape, eta * by.upper});
           });
     }
   }
@@ -222,8 +235,8 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
   add_modes(structure, tolerances, high_hz, all);
   add_body(structure, tolerances, all);
   add_gains(structure, tolerances.gain, all);
-  add_positions(structure.outputs, true, tolerances.position, all);
-  add_positions(structure.inputs, false, tolerances.position, all);
+  add_positions(structure, Side::sensors, tolerances.position, all);
+  add_positions(structure, Side::actuators, tolerances.position, all);
   add_modes_above(structure, tolerances.residual, all);
   add_shared(tolerances, all);
   return all;

@@ -3,10 +3,11 @@
     calculix_rigs.py CHLADNI OUT [--cases a,b] [--seed N] [--lines K] [--noise X] [--solve-only | --told]
 
 Every truth is a mesh of 20-node bricks (packages calculix-ccx, python3-scipy): its modes, and what all
-above them add from one solution of its matrices. Its channels deviate by the usual tolerances, its responses carry noise; the study is what somebody would write of the drawing:
-a plate, a wafer table with pockets, an STL. Nothing of the truth's code or of its random numbers is
-shared with the diagnosis. Each case leaves a folder under OUT: study.toml, measured.csv.gz, truth.json
-and out/diagnosis.json. One line per case says what is true, what was told and how far off.
+above them add from one solution of its matrices. Its channels deviate by the usual tolerances, its
+responses carry noise; the study is what somebody would write of the drawing: a plate, a wafer table with
+pockets, an STL. Nothing of the truth's code or of its random numbers is shared with the diagnosis. Each case
+leaves a folder under OUT: study.toml, measured.csv.gz, truth.json and out/diagnosis.json. One line per
+case says what is true, what was told and how far off.
 """
 import argparse
 import json

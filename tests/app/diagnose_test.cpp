@@ -108,12 +108,23 @@ TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
   EXPECT_NE(diagnosis_table(one).find("99 times in 100: point_mass of"), std::string::npos);
 }
 
+// A soft patch may do the same to one response, or a mass elsewhere: then none is sure.
 TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
-  const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}));
-  EXPECT_TRUE(one.result.verdict == Verdict::named || one.result.verdict == Verdict::ambiguous)
-      << verdict_text(one.result);
-  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
-  expect_the_mass(one.result.best.causes.front(), 10e-3);
+  int named = 0;
+  for (const unsigned seed : {3U, 4U}) {
+    const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}, seed));
+    const auto& result = one.result;
+    ASSERT_FALSE(result.best.causes.empty()) << seed;
+    if (result.verdict != Verdict::named) {
+      EXPECT_EQ(result.verdict, Verdict::ambiguous) << seed << verdict_text(result);
+      expect_no_sure_name_but("", result);
+      continue;
+    }
+    ++named;
+    ASSERT_EQ(result.best.causes.size(), 1U) << seed << verdict_text(result);
+    expect_the_mass(result.best.causes.front(), 10e-3);
+  }
+  EXPECT_GE(named, 1);
 }
 
 TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {

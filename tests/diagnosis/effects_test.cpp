@@ -259,6 +259,35 @@ TEST(MovedChannels, SeeTheModesAboveFromThere) {
   near_to("size_error", VectorXd::Constant(1, 0.02));
 }
 
+// To first order: against the same tolerance in a structure of twice as many modes.
+TEST(MovedChannels, SeeTheModesAboveWithinTheirTolerance) {
+  const auto& plate = small_plate();
+  const auto more = plate_of(2 * plate.mode_count());
+  const VectorXd omega = 2.0 * std::numbers::pi * VectorXd::LinSpaced(60, 50.0, 1000.0);
+  auto at_rest = plate;
+  for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+  auto tolerances = no_tolerances();
+  tolerances.position = 1e-3;
+  const auto changes = [&](const Structure& structure) {
+    std::vector<MatrixXcd> all;
+    for (const auto& one : deviations(structure, tolerances, 0.0)) {
+      State state = state_of(structure);
+      one.apply(state, 1.0);
+      all.push_back(responses(state, omega) - responses(state_of(structure), omega));
+    }
+    return all;
+  };
+  const auto truth = changes(more);
+  const auto found = changes(plate);
+  const auto left = changes(at_rest);
+  ASSERT_EQ(truth.size(), 2 * (plate.outputs.count() + plate.inputs.count()));
+  for (std::size_t n = 0; n < truth.size(); ++n) {
+    const double off = (found[n] - truth[n]).norm() / truth[n].norm();
+    EXPECT_LT(off, 0.5 * (left[n] - truth[n]).norm() / truth[n].norm()) << n;
+    EXPECT_LT(off, 0.01) << n;
+  }
+}
+
 TEST(Cells, NoPlaceLosesMoreStiffnessThanItHas) {
   State state = state_of(small_plate());
   const auto& fine = small_plate().fine;
