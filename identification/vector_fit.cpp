@@ -115,10 +115,10 @@ Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options
   for (int i = 0; i < options.iterations; ++i) {
     throw_if_interrupted();
     products.set_poles(poles);
-    auto found = least_denominator(denominator_by_sums(products), products.sums());
+    const auto sums = products.sums();
+    auto found = least_denominator(denominator_by_sums(products), sums);
     if (!found.sound()) {
-      found =
-          least_denominator(denominator_by_rows(data, x, poles, options.rigid), products.sums());
+      found = least_denominator(denominator_by_rows(data, x, poles, options.rigid), sums);
     }
     if (!found.coefficient.allFinite()) {
       throw NumericalFailure(
