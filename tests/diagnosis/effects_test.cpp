@@ -212,6 +212,12 @@ TEST(Cells, FineOnesSumToTheBodyAndTheModesAbove) {
   EXPECT_LT(off.rightCols(sum.rows() - r).norm(), 1e-6 * std::sqrt(whole.norm()));
 }
 
+// What the modes above yield stays as it was seen, whatever changes.
+Structure with_modes_above_at_rest(Structure plate) {
+  for (auto* side : {&plate.outputs, &plate.inputs}) side->upper.resize(side->count(), 0);
+  return plate;
+}
+
 // What a soft place does to twice as many modes: with those above at rest, and with them yielding.
 TEST(Cells, ASoftPlaceMovesTheModesAboveToo) {
   const auto& plate = small_plate();
@@ -224,8 +230,7 @@ TEST(Cells, ASoftPlaceMovesTheModesAboveToo) {
     effect("local_stiffness").apply(state, structure, 0, x);
     return responses(state, omega);
   };
-  auto at_rest = plate;
-  for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+  const auto at_rest = with_modes_above_at_rest(plate);
   const MatrixXcd truth = softened(more);
   const double change = (truth - responses(state_of(more), omega)).norm();
   EXPECT_GT((softened(at_rest) - truth).norm(), 0.01 * change);
@@ -243,8 +248,7 @@ TEST(MovedChannels, SeeTheModesAboveFromThere) {
     return responses(state, omega);
   };
   const auto near_to = [&](const char* name, const VectorXd& x) {
-    auto at_rest = plate;  // the modes above stay as they were seen
-    for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+    const auto at_rest = with_modes_above_at_rest(plate);
     const MatrixXcd change = with_cause(more, name, x) - responses(state_of(more), omega);
     const auto off = [&](const Structure& structure) {
       const MatrixXcd found =
@@ -264,8 +268,7 @@ TEST(MovedChannels, SeeTheModesAboveWithinTheirTolerance) {
   const auto& plate = small_plate();
   const auto more = plate_of(2 * plate.mode_count());
   const VectorXd omega = 2.0 * std::numbers::pi * VectorXd::LinSpaced(60, 50.0, 1000.0);
-  auto at_rest = plate;
-  for (auto* side : {&at_rest.outputs, &at_rest.inputs}) side->upper.resize(side->count(), 0);
+  const auto at_rest = with_modes_above_at_rest(plate);
   auto tolerances = no_tolerances();
   tolerances.position = 1e-3;
   const auto changes = [&](const Structure& structure) {
