@@ -191,15 +191,14 @@ def seen(modal, rows):
     return rows @ modal.shapes.reshape(len(modal.hz), -1).T
 
 
-def remainder(modal, rows):
-    """What all modes above those that are kept add between these rows [m/N]: taken at half the first
-    flexible frequency, from one solution of the whole."""
+def remainder(modal, rows, kept):
+    """What all modes above those that are kept (seen there) add between these rows [m/N]: taken at half the
+    first flexible frequency, from one solution of the whole."""
     w = 2 * np.pi * np.where(modal.hz < 1.0, 0.0, modal.hz)
     at = 0.5 * w[w > 0.0].min()
     factor = splu(modal.stiffness - at ** 2 * modal.mass, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01,
                   options={"SymmetricMode": True})
     whole = rows @ factor.solve(rows.T)
-    kept = seen(modal, rows)
     return whole - kept @ ((1.0 / (w ** 2 - at ** 2))[:, None] * kept.T)
 
 
