@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <unordered_map>
+#include <set>
 
 #include "mesh/cgal_quiet.h"
 #include "mesh/defects.h"
@@ -131,14 +131,10 @@ bool between_patches(const FanMesh& fans, Mesh::Edge_index edge) {
 }
 
 // Patches of one edge length are resampled together: each call looks at the whole mesh.
-std::map<double, std::vector<Mesh::Face_index>> faces_by_length(
-    const FanMesh& fans, const std::vector<double>& edge_length) {
-  std::map<double, std::vector<Mesh::Face_index>> faces;
-  for (const Mesh::Face_index face : fans.mesh.faces()) {
-    const double length = edge_length[static_cast<std::size_t>(fans.patch[face])];
-    if (length > 0.0) faces[length].push_back(face);
-  }
-  return faces;
+std::set<double> lengths_of(const std::vector<double>& edge_length) {
+  std::set<double> lengths(edge_length.begin(), edge_length.end());
+  lengths.erase(0.0);
+  return lengths;
 }
 
 void keep_edges(FanMesh& fans, const std::vector<Eigen::Vector2i>& kept) {
@@ -178,6 +174,68 @@ std::optional<FanMesh> fan_mesh(const Surface& surface, const std::vector<Eigen:
   }
   keep_edges(fans, kept);
   return fans;
+}
+
+// What CGAL is told of the mesh while the patches of one edge length are resampled: all other faces
+// are one patch, and of the kept edges there are those of the faces in turn. Else its check that no
+// kept edge is too long (remesh.h, protect_constraints) refuses for edges that no face in turn has.
+struct Turn {
+  Mesh::Property_map<Mesh::Face_index, int> patch;  // kOther where it is not their turn
+  Mesh::Property_map<Mesh::Edge_index, bool> kept;
+  std::vector<Mesh::Face_index> faces;
+};
+constexpr int kOther = -1;
+
+Turn turn_of(FanMesh& fans, const std::vector<double>& edge_length, double length) {
+  auto& mesh = fans.mesh;
+  Turn turn;
+  turn.patch = mesh.add_property_map<Mesh::Face_index, int>("f:turn", kOther).first;
+  turn.kept = mesh.add_property_map<Mesh::Edge_index, bool>("e:turn", false).first;
+  for (const Mesh::Face_index face : mesh.faces()) {
+    turn.patch[face] = kOther;
+    if (edge_length[static_cast<std::size_t>(fans.patch[face])] != length) continue;
+    turn.patch[face] = fans.patch[face];
+    turn.faces.push_back(face);
+  }
+  for (const Mesh::Edge_index edge : mesh.edges()) turn.kept[edge] = false;
+  for (const Mesh::Face_index face : turn.faces) {
+    for (const Mesh::Halfedge_index half : mesh.halfedges_around_face(mesh.halfedge(face))) {
+      turn.kept[mesh.edge(half)] = fans.kept[mesh.edge(half)];
+    }
+  }
+  return turn;
+}
+
+// CGAL promises an end only where every kept edge is at most 4/3 of the length; it checks that
+// where its assertions are compiled in.
+bool kept_are_short(const FanMesh& fans, const Turn& turn, double length) {
+  const double longest = 4.0 / 3.0 * length * (1.0 + 1e-9);
+  return std::ranges::all_of(fans.mesh.edges(), [&](Mesh::Edge_index edge) {
+    if (!turn.kept[edge]) return true;
+    const auto& a = fans.mesh.point(fans.mesh.vertex(edge, 0));
+    const auto& b = fans.mesh.point(fans.mesh.vertex(edge, 1));
+    return CGAL::squared_distance(a, b) <= longest * longest;
+  });
+}
+
+// False where kept edges are too long for that.
+bool resample(FanMesh& fans, const std::vector<double>& edge_length, double length) {
+  Turn turn = turn_of(fans, edge_length, length);
+  const bool short_enough = kept_are_short(fans, turn, length);
+  if (short_enough) {
+    pmp::isotropic_remeshing(turn.faces, length, fans.mesh,
+                             CGAL::parameters::number_of_iterations(5)
+                                 .number_of_relaxation_steps(3)
+                                 .protect_constraints(true)
+                                 .edge_is_constrained_map(turn.kept)
+                                 .face_patch_map(turn.patch));
+    for (const Mesh::Face_index face : fans.mesh.faces()) {
+      if (turn.patch[face] != kOther) fans.patch[face] = turn.patch[face];
+    }
+  }
+  fans.mesh.remove_property_map(turn.patch);
+  fans.mesh.remove_property_map(turn.kept);
+  return short_enough;
 }
 
 // Points on kept edges are the surface's own again, shared by all their fans.
@@ -260,13 +318,8 @@ std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen
   std::optional<FanMesh> fans = fan_mesh(surface, kept);
   if (!fans) return std::nullopt;
   try {
-    for (const auto& [length, faces] : faces_by_length(*fans, edge_length)) {
-      pmp::isotropic_remeshing(faces, length, fans->mesh,
-                               CGAL::parameters::number_of_iterations(5)
-                                   .number_of_relaxation_steps(3)
-                                   .protect_constraints(true)
-                                   .edge_is_constrained_map(fans->kept)
-                                   .face_patch_map(fans->patch));
+    for (const double length : lengths_of(edge_length)) {
+      if (!resample(*fans, edge_length, length)) return std::nullopt;
     }
   } catch (const CGAL::Failure_exception&) {
     return std::nullopt;

@@ -36,10 +36,11 @@ struct Crossing {
 [[nodiscard]] std::vector<Eigen::Vector3i> filling(const Surface& surface,
                                                    const std::vector<int>& loop);
 
-/// `surface` with isotropic triangles of `edge_length` [m], one per patch, 0 for those that are left
-/// as they are. The edges of `kept`, those between patches and those with other than two triangles
-/// stay, and so do their points; triangles of one patch are resampled on themselves. None where the
-/// triangles of two neighbours run against each other.
+/// `surface` with isotropic triangles of `edge_length` [m], one per patch, 0 for those that are
+/// left as they are. The edges of `kept`, those between patches and those with other than two
+/// triangles stay, and so do their points; triangles of one patch are resampled on themselves. None
+/// where the triangles of two neighbours run against each other, or where an edge that stays is
+/// longer than 4/3 of what its triangles are to have.
 [[nodiscard]] std::optional<Surface> isotropic(const Surface& surface,
                                                const std::vector<Eigen::Vector2i>& kept,
                                                const std::vector<double>& edge_length);

@@ -54,6 +54,20 @@ double worst_shape(const Surface& surface) {
   return worst;
 }
 
+// CGAL promises an end only where the edges that stay are at most 4/3 of the wanted length.
+TEST(Isotropic, RefusesKeptEdgesThatAreTooLong) {
+  const Surface body = cube();
+  const auto lengths = [&](double length) {
+    return std::vector<double>(body.patch_names.size(), length);
+  };
+  EXPECT_TRUE(isotropic(body, {}, lengths(0.8)));
+  EXPECT_FALSE(isotropic(body, {}, lengths(0.1)));
+  auto one = lengths(0.0);
+  EXPECT_TRUE(isotropic(body, {}, one));
+  one.front() = 0.1;
+  EXPECT_FALSE(isotropic(body, {}, one));
+}
+
 TEST(Remesh, KeepsVolumesAndPatches) {
   for (const Surface& body : {cube(), box({0, 0, 0}, {0.6, 0.6, 0.02}), shapes::tetrahedron()}) {
     const Surface after = remesh(body, 0.04);
