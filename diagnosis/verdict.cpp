@@ -157,20 +157,26 @@ double share_left(const Problem& problem, const Found& found, const Explanation&
   return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
 }
 
-// z that neither noise nor errors of the causes explain.
-double unexplained(const Explanation& told) {
-  return std::max(told.excess - told.error_excess, 0.0);
+// z that neither noise nor errors of the causes explain. What a stretched tolerance takes of the
+// misfit counts by its own square: the sum is χ² of N wherever the tolerances are right.
+double unexplained(const Problem& problem, const Explanation& told) {
+  const double n = problem.observed.number_count();
+  double sizes = 0.0;
+  for (const auto& cause : told.causes) sizes += static_cast<double>(cause.parameters.size());
+  const double left = (told.strained - n + sizes) / std::sqrt(2.0 * n);
+  return std::max(left - told.error_excess, 0.0);
 }
 
 // That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is
 // as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes the story
 // four times less likely beside it, and as much less as it is by chance that it is near another of
 // its kind: together they may be one thing that is spread out.
-double all_there_is(const Structure& structure, const Explanation& told) {
+double all_there_is(const Problem& problem, const Explanation& told) {
   constexpr double kOther = 0.1 / 60.0;
   const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
-  const double prior = 0.7 * std::pow(0.25, further) * by_chance_so_near(structure, told.causes);
-  const double z = unexplained(told);
+  const double prior =
+      0.7 * std::pow(0.25, further) * by_chance_so_near(problem.structure, told.causes);
+  const double z = unexplained(problem, told);
   const double noise = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
   return prior * noise / (prior * noise + kOther);
 }
@@ -197,8 +203,8 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   for (auto& one : all) {
     one.probability /= sum;
     const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
-    const double left = lost_by(unexplained(one), n);
-    const double whole = all_there_is(problem.structure, one);
+    const double left = lost_by(unexplained(problem, one), n);
+    const double whole = all_there_is(problem, one);
     for (std::size_t c = 0; c < one.causes.size(); ++c) {
       const double beside = beside_unnamed(one.causes[c], share, left) *
                             of_its_own(problem.structure, one.causes, c);
@@ -318,7 +324,7 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
 Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
-  const bool explained = all_there_is(problem.structure, best) > 0.5;
+  const bool explained = all_there_is(problem, best) > 0.5;
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   if (!explained) {
     const double left = share_left(problem, found, best);

@@ -28,15 +28,17 @@ class JudgedVerdict : public testing::Test {
     found_.nothing.chi_square = 1e6;
   }
 
-  Verdict with(std::size_t causes, double excess, double error_excess = 0.0) const {
-    return with(std::vector<Cause>(causes), excess, error_excess);
+  Verdict with(std::size_t causes, double excess, double error_excess = 0.0,
+               double stretch = 0.0) const {
+    return with(std::vector<Cause>(causes), excess, error_excess, stretch);
   }
-  Verdict with(std::vector<Cause> causes, double excess = 0.0, double error_excess = 0.0) const {
+  Verdict with(std::vector<Cause> causes, double excess = 0.0, double error_excess = 0.0,
+               double stretch = 0.0) const {
     Explanation best;
     best.causes = std::move(causes);
     best.excess = excess;
     best.error_excess = error_excess;
-    best.strained = 2e4 + excess * std::sqrt(4e4);
+    best.strained = 2e4 + excess * std::sqrt(4e4) + stretch;
     return judged({small_plate(), observed_, none_}, found_, {best}, {});
   }
 
@@ -62,6 +64,16 @@ TEST_F(JudgedVerdict, NamesWhatLeavesNoise) {
 TEST_F(JudgedVerdict, BelievesALongStoryLess) {
   EXPECT_EQ(with(1, 2.7), Verdict::named);
   EXPECT_EQ(with(3, 2.7), Verdict::partial);
+}
+
+// Two causes that fit to the noise because ten tolerances are stretched by six and more: not told
+// apart from something that nobody named.
+TEST_F(JudgedVerdict, TakesStretchedTolerancesForMisfit) {
+  EXPECT_EQ(with(2, 1.2), Verdict::named);
+  EXPECT_EQ(with(2, 1.2, 0.0, 30.0), Verdict::named);
+  EXPECT_EQ(with(2, 1.2, 0.0, 500.0), Verdict::partial);
+  EXPECT_EQ(with(0, 0.0, 0.0, 30.0), Verdict::no_discrepancy);
+  EXPECT_EQ(with(0, 0.0, 0.0, 1000.0), Verdict::unexplained);
 }
 
 TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
