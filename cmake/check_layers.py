@@ -21,7 +21,7 @@ DOORS = {
     r"udunits2": ["base/quantity.cpp"],
     r"tetgen": ["mesh/mesher/tetgen_worker.cpp"],
     r"CGAL/": ["mesh/cgal_*.cpp", "mesh/cgal_*.h"],
-    r"metis": ["fem/metis_order.cpp"],
+    r"metis": ["fem/factor/metis_order.cpp"],
     r".*mumps|Eigen/CholmodSupport|cholmod|SuiteSparse": ["bench/peers/*.cpp"],
     r"cblas|openblas": ["fem/blas.cpp"],
     r"vtk": ["io/vtu*.cpp", "io/picture/*.cpp", "io/picture/*.h"],

@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
-#include "fem/element_matrices.h"
-#include "fem/rigid_body.h"
+#include "fem/body/rigid_body.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {

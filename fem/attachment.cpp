@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "fem/site_motion.h"
+#include "fem/body/site_motion.h"
 
 namespace chladni::fem {
 namespace {

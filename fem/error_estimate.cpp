@@ -8,8 +8,8 @@
 
 #include "base/interrupt.h"
 #include "base/parallel.h"
-#include "fem/bubbles.h"
-#include "fem/element_matrices.h"
+#include "fem/element/bubbles.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {

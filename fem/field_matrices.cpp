@@ -4,8 +4,8 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "fem/blas.h"
-#include "fem/dense.h"
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
+#include "fem/factor/dense.h"
 
 namespace chladni::fem {
 namespace {

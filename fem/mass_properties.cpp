@@ -1,7 +1,7 @@
 #include <Eigen/Dense>
 
 #include "fem/assemble.h"
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {

@@ -11,13 +11,13 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "fem/canonical.h"
-#include "fem/certificate.h"
-#include "fem/factorization.h"
-#include "fem/lanczos.h"
-#include "fem/mode_checks.h"
-#include "fem/residual.h"
-#include "fem/symmetric_product.h"
+#include "fem/eigen/canonical.h"
+#include "fem/eigen/certificate.h"
+#include "fem/eigen/lanczos.h"
+#include "fem/eigen/mode_checks.h"
+#include "fem/eigen/residual.h"
+#include "fem/eigen/symmetric_product.h"
+#include "fem/factor/factorization.h"
 #include "modal/repeated.h"
 
 namespace chladni::fem {

@@ -13,7 +13,7 @@ namespace chladni::fem {
 struct ModesOptions {
   int count = 20;           ///< flexible modes; a repeated one is never cut, so there may be more
   double shift_hz = 0.0;    ///< K + (2π shift)² M is factorised; 0: chosen from the system
-  double tolerance = 1e-9;  ///< relative residual (fem/residual.h) asked of the iteration
+  double tolerance = 1e-9;  ///< relative residual (fem/eigen/residual.h) asked of the iteration
   int block = 4;            ///< vectors per Lanczos step
   bool certificate = true;  ///< count the eigenvalues by inertia
   std::size_t memory_limit_bytes = 0;  ///< 0: what the machine has free
@@ -27,7 +27,7 @@ struct Cluster {
 
 /// How well it went.
 struct ModesSummary {
-  Eigen::VectorXd residual;    ///< per mode, relative (fem/residual.h)
+  Eigen::VectorXd residual;    ///< per mode, relative (fem/eigen/residual.h)
   double orthogonality = 0.0;  ///< max |ΦᵀMΦ − I|
   bool complete = false;  ///< an inertia count proves that none below counted_below_hz is missed
   double counted_below_hz = 0.0;

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 
 namespace chladni::fem {
 namespace {

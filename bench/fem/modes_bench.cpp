@@ -10,7 +10,7 @@
 #include "fem/assemble.h"
 #include "fem/blas.h"
 #include "fem/error_estimate.h"
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 #ifdef CHLADNI_PEER_CHOLMOD

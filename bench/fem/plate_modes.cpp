@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "fem/assemble.h"
 #include "fem/blas.h"
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 

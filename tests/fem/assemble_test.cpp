@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 

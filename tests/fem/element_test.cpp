@@ -7,7 +7,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -18,7 +18,7 @@
 #include "base/parallel.h"
 #include "fem/assemble.h"
 #include "fem/blas.h"
-#include "fem/elimination_tree.h"
+#include "fem/factor/elimination_tree.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 

@@ -7,8 +7,8 @@
 #include <random>
 #include <sstream>
 
-#include "fem/elimination_tree.h"
-#include "fem/factorization.h"
+#include "fem/factor/elimination_tree.h"
+#include "fem/factor/factorization.h"
 
 namespace chladni::fem {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "fem/metis_order.h"
+#include "fem/factor/metis_order.h"
 
 namespace chladni::fem {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "fem/assemble.h"
 #include "fem/blas.h"
-#include "fem/mode_checks.h"
+#include "fem/eigen/mode_checks.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 #include "mesh/site.h"

@@ -1,4 +1,4 @@
-#include "fem/site_motion.h"
+#include "fem/body/site_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 namespace chladni::fem {
 
-/// Residuals (fem/residual.h) above which a mode is warned of, and those with which it is refused.
+/// Residuals (fem/eigen/residual.h) above which a mode is warned of, and those with which it is refused.
 inline constexpr double kWorthAWarning = 1e-9;
 inline constexpr double kNotTrusted = 1e-4;
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/progress.h"
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 #include "fem/system.h"
 
 namespace chladni::fem {

@@ -1,4 +1,4 @@
-#include "fem/certificate.h"
+#include "fem/eigen/certificate.h"
 
 #include <fmt/format.h>
 

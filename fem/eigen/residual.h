@@ -1,7 +1,7 @@
 // How well modes solve their equation, and their last digits.
 #pragma once
 
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 #include "fem/system.h"
 
 namespace chladni::fem {

@@ -2,7 +2,7 @@
 // BLAS packs the panel first, which costs more than the product; here it is read once.
 #pragma once
 
-#include "fem/dense.h"
+#include "fem/factor/dense.h"
 
 namespace chladni::fem::dense {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "fem/dense.h"
-#include "fem/elimination_tree.h"
-#include "fem/storage.h"
+#include "fem/factor/dense.h"
+#include "fem/factor/elimination_tree.h"
+#include "fem/factor/storage.h"
 
 namespace chladni::fem {
 

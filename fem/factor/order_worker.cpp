@@ -1,11 +1,11 @@
 // chladni-order: reads a graph from stdin and writes the order of its elimination to stdout
-// (fem/metis_order.h). A program of its own, because METIS cannot be stopped and takes SIGTERM for
+// (fem/factor/metis_order.h). A program of its own, because METIS cannot be stopped and takes SIGTERM for
 // itself. Ends with status 0, or 1 and a line that says why.
 #include <cstdio>
 #include <exception>
 
 #include "base/worker_stdio.h"
-#include "fem/metis_order.h"
+#include "fem/factor/metis_order.h"
 
 int main() {
   try {

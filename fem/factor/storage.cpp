@@ -1,4 +1,4 @@
-#include "fem/storage.h"
+#include "fem/factor/storage.h"
 
 #include <fmt/format.h>
 

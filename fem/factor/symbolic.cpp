@@ -2,7 +2,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "fem/elimination_tree.h"
+#include "fem/factor/elimination_tree.h"
 
 namespace chladni::fem {
 namespace {

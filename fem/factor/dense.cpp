@@ -1,4 +1,4 @@
-#include "fem/dense.h"
+#include "fem/factor/dense.h"
 
 #include <algorithm>
 #include <cmath>

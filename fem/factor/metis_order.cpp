@@ -1,5 +1,5 @@
 // The only file that knows METIS.
-#include "fem/metis_order.h"
+#include "fem/factor/metis_order.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
-#include "fem/symmetric_product.h"
+#include "fem/eigen/symmetric_product.h"
 
 #include <algorithm>
 
-#include "fem/wide.h"
+#include "fem/factor/wide.h"
 
 namespace chladni::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/canonical.h"
+#include "fem/eigen/canonical.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "fem/elimination_tree.h"
-#include "fem/storage.h"
+#include "fem/factor/elimination_tree.h"
+#include "fem/factor/storage.h"
 
 namespace chladni::fem {
 

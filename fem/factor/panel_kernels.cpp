@@ -1,8 +1,8 @@
-#include "fem/panel_kernels.h"
+#include "fem/factor/panel_kernels.h"
 
 #include <algorithm>
 
-#include "fem/wide.h"
+#include "fem/factor/wide.h"
 
 namespace chladni::fem::dense {
 namespace {

@@ -1,9 +1,9 @@
-#include "fem/bubbles.h"
+#include "fem/element/bubbles.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "base/worker.h"
-#include "fem/elimination_tree.h"
-#include "fem/metis_order.h"
+#include "fem/factor/elimination_tree.h"
+#include "fem/factor/metis_order.h"
 
 namespace chladni::fem {
 namespace {

@@ -3,7 +3,7 @@
 // and hands its own update block up. Subtrees run on all cores, then all cores on the blocks of one
 // front at a time; BLAS itself stays on one thread. Sums are in a fixed order, so the bits do not
 // depend on which core does what.
-#include "fem/multifrontal.h"
+#include "fem/factor/multifrontal.h"
 
 #include <algorithm>
 #include <atomic>
@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "fem/blas.h"
-#include "fem/fronts.h"
+#include "fem/factor/fronts.h"
 
 namespace chladni::fem {
 namespace {

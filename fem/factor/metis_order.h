@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fem/elimination_tree.h"
+#include "fem/factor/elimination_tree.h"
 
 namespace chladni::fem {
 

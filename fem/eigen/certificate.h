@@ -1,7 +1,7 @@
 // Counting eigenvalues in a gap, with a place to count that can be trusted.
 #pragma once
 
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 #include "fem/system.h"
 
 namespace chladni::fem {

@@ -1,4 +1,4 @@
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "fem/wide.h"
+#include "fem/factor/wide.h"
 
 namespace chladni::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/lanczos.h"
+#include "fem/eigen/lanczos.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/memory.h"
-#include "fem/panel_kernels.h"
-#include "fem/symmetric_product.h"
+#include "fem/eigen/symmetric_product.h"
+#include "fem/factor/panel_kernels.h"
 #include "modal/repeated.h"
 
 namespace chladni::fem {

@@ -1,4 +1,4 @@
-#include "fem/mode_checks.h"
+#include "fem/eigen/mode_checks.h"
 
 #include <fmt/format.h>
 

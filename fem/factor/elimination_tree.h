@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/arrays.h"
-#include "fem/factorization.h"
+#include "fem/factor/factorization.h"
 
 namespace chladni::fem {
 

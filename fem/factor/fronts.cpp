@@ -1,4 +1,4 @@
-#include "fem/fronts.h"
+#include "fem/factor/fronts.h"
 
 #include <algorithm>
 

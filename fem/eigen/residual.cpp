@@ -1,4 +1,4 @@
-#include "fem/residual.h"
+#include "fem/eigen/residual.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,11 +1,11 @@
-#include "fem/rigid_body.h"
+#include "fem/body/rigid_body.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "fem/assemble.h"
-#include "fem/element_matrices.h"
+#include "fem/element/element_matrices.h"
 
 namespace chladni::fem {
 namespace {
