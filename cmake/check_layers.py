@@ -20,7 +20,7 @@ MAY_INCLUDE = {
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],
     r"tetgen": ["mesh/mesher/tetgen_worker.cpp"],
-    r"CGAL/": ["mesh/cgal_*.cpp", "mesh/cgal_*.h"],
+    r"CGAL/": ["mesh/*/cgal_*.cpp", "mesh/*/cgal_*.h"],
     r"metis": ["fem/factor/metis_order.cpp"],
     r".*mumps|Eigen/CholmodSupport|cholmod|SuiteSparse": ["bench/peers/*.cpp"],
     r"cblas|openblas": ["fem/blas.cpp"],

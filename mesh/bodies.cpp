@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "mesh/body_checks.h"
-#include "mesh/brick_grid.h"
+#include "mesh/shapes/body_checks.h"
+#include "mesh/shapes/brick_grid.h"
 
 namespace chladni::mesh {
 namespace {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "mesh/clean.h"
-#include "mesh/defects.h"
-#include "mesh/shells.h"
+#include "mesh/soundness/clean.h"
+#include "mesh/soundness/defects.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

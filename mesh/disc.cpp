@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "mesh/body_checks.h"
+#include "mesh/shapes/body_checks.h"
 
 namespace chladni::mesh {
 namespace {

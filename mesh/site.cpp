@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "mesh/triangle.h"
+#include "mesh/tets/triangle.h"
 
 namespace chladni::mesh {
 namespace {

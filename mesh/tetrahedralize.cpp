@@ -13,11 +13,11 @@
 
 #include "base/error.h"
 #include "base/worker.h"
-#include "mesh/attempts.h"
 #include "mesh/mesher/wire.h"
-#include "mesh/relax.h"
-#include "mesh/remesh.h"
-#include "mesh/shells.h"
+#include "mesh/remesh/attempts.h"
+#include "mesh/remesh/remesh.h"
+#include "mesh/soundness/shells.h"
+#include "mesh/tets/relax.h"
 
 namespace chladni::mesh {
 namespace {

@@ -2,7 +2,7 @@
 set(fuzzed_parsers
   io/scan io/triangles io/stl io/off io/ply io/obj io/tets io/tet_shape io/msh io/msh_cell io/inp
   io/inp_deck io/inp_sets
-  mesh/boundary mesh/numbering mesh/order mesh/patches mesh/quality mesh/surface mesh/triangle)
+  mesh/tets/boundary mesh/numbering mesh/tets/order mesh/patches mesh/tets/quality mesh/surface mesh/tets/triangle)
 set(fuzzed_measured
   base/atomic_file base/control_group base/memory base/quantity modal/frf_set io/channel_names
   io/csv io/csv_table

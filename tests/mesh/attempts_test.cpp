@@ -1,4 +1,4 @@
-#include "mesh/attempts.h"
+#include "mesh/remesh/attempts.h"
 
 #include <gtest/gtest.h>
 

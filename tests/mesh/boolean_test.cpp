@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "mesh/check.h"
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 #include "shapes.h"
 
 namespace chladni::mesh {

@@ -6,8 +6,8 @@
 #include "base/error.h"
 #include "mesh/bodies.h"
 #include "mesh/check.h"
-#include "mesh/defects.h"
-#include "mesh/shells.h"
+#include "mesh/soundness/defects.h"
+#include "mesh/soundness/shells.h"
 #include "shapes.h"
 
 namespace chladni::mesh {

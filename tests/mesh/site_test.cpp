@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
-#include "mesh/triangle.h"
+#include "mesh/tets/triangle.h"
 #include "random_meshes.h"
 
 namespace chladni::mesh {

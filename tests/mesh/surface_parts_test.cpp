@@ -9,11 +9,11 @@
 
 #include "mesh/bodies.h"
 #include "mesh/check.h"
-#include "mesh/feature_lines.h"
-#include "mesh/plane_triangles.h"
-#include "mesh/relax.h"
-#include "mesh/restore_volumes.h"
-#include "mesh/smooth_parts.h"
+#include "mesh/remesh/feature_lines.h"
+#include "mesh/remesh/plane_triangles.h"
+#include "mesh/remesh/restore_volumes.h"
+#include "mesh/remesh/smooth_parts.h"
+#include "mesh/tets/relax.h"
 #include "shapes.h"
 
 namespace chladni::mesh {

@@ -1,10 +1,10 @@
-#include "mesh/plane_triangles.h"
+#include "mesh/remesh/plane_triangles.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 
-#include "mesh/flat.h"
+#include "mesh/remesh/flat.h"
 
 namespace chladni::mesh {
 namespace {

@@ -1,10 +1,10 @@
-#include "mesh/split_edges.h"
+#include "mesh/remesh/split_edges.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "mesh/clean.h"
+#include "mesh/soundness/clean.h"
 
 namespace chladni::mesh {
 namespace {

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <optional>
 
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

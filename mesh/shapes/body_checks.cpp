@@ -1,4 +1,4 @@
-#include "mesh/body_checks.h"
+#include "mesh/shapes/body_checks.h"
 
 #include <fmt/format.h>
 

@@ -12,10 +12,10 @@
 #include <map>
 #include <set>
 
-#include "mesh/cgal_quiet.h"
-#include "mesh/defects.h"
 #include "mesh/disjoint_sets.h"
-#include "mesh/shells.h"
+#include "mesh/remesh/cgal_quiet.h"
+#include "mesh/soundness/defects.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "mesh/relax.h"
+#include "mesh/tets/relax.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 #include "mesh/surface.h"
 
 namespace chladni::mesh {

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
-#include "mesh/body_checks.h"
-#include "mesh/brick_grid.h"
-#include "mesh/table.h"
+#include "mesh/shapes/body_checks.h"
+#include "mesh/shapes/brick_grid.h"
+#include "mesh/shapes/table.h"
 
 namespace chladni::mesh {
 namespace {

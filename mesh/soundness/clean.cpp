@@ -1,4 +1,4 @@
-#include "mesh/clean.h"
+#include "mesh/soundness/clean.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

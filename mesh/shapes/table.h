@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mesh/bodies.h"
-#include "mesh/brick_grid.h"
+#include "mesh/shapes/brick_grid.h"
 
 namespace chladni::mesh {
 

@@ -1,4 +1,4 @@
-#include "mesh/inside_point.h"
+#include "mesh/soundness/inside_point.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

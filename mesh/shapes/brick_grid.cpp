@@ -1,4 +1,4 @@
-#include "mesh/brick_grid.h"
+#include "mesh/shapes/brick_grid.h"
 
 #include <fmt/format.h>
 

@@ -15,7 +15,7 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
-#include "mesh/body_checks.h"
+#include "mesh/shapes/body_checks.h"
 
 namespace chladni::mesh {
 namespace {

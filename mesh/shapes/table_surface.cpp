@@ -5,10 +5,10 @@
 #include <string>
 
 #include "mesh/bodies.h"
-#include "mesh/body_checks.h"
-#include "mesh/brick_grid.h"
 #include "mesh/check.h"
-#include "mesh/table.h"
+#include "mesh/shapes/body_checks.h"
+#include "mesh/shapes/brick_grid.h"
+#include "mesh/shapes/table.h"
 
 namespace chladni::mesh {
 namespace {

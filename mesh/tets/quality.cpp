@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "mesh/tet_mesh.h"
-#include "mesh/triangle.h"
+#include "mesh/tets/triangle.h"
 
 namespace chladni::mesh {
 namespace {

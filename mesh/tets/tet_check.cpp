@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "mesh/disjoint_sets.h"
-#include "mesh/joints.h"
 #include "mesh/tet_mesh.h"
+#include "mesh/tets/joints.h"
 
 namespace chladni::mesh {
 namespace {

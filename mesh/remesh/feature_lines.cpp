@@ -1,4 +1,4 @@
-#include "mesh/feature_lines.h"
+#include "mesh/remesh/feature_lines.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "mesh/remesh.h"
+#include "mesh/remesh/remesh.h"
 
 #include <fmt/format.h>
 
@@ -11,14 +11,14 @@
 
 #include "base/error.h"
 #include "mesh/check.h"
-#include "mesh/clean.h"
-#include "mesh/defects.h"
-#include "mesh/feature_lines.h"
-#include "mesh/plane_triangles.h"
-#include "mesh/restore_volumes.h"
-#include "mesh/shells.h"
-#include "mesh/smooth_parts.h"
-#include "mesh/split_edges.h"
+#include "mesh/remesh/feature_lines.h"
+#include "mesh/remesh/plane_triangles.h"
+#include "mesh/remesh/restore_volumes.h"
+#include "mesh/remesh/smooth_parts.h"
+#include "mesh/remesh/split_edges.h"
+#include "mesh/soundness/clean.h"
+#include "mesh/soundness/defects.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

@@ -1,11 +1,11 @@
-#include "mesh/defects.h"
+#include "mesh/soundness/defects.h"
 
 #include <algorithm>
 #include <map>
 #include <set>
 
 #include "mesh/disjoint_sets.h"
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "mesh/restore_volumes.h"
+#include "mesh/remesh/restore_volumes.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "mesh/cgal_quiet.h"
-#include "mesh/flat.h"
+#include "mesh/remesh/cgal_quiet.h"
+#include "mesh/remesh/flat.h"
 
 namespace chladni::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "mesh/triangle.h"
+#include "mesh/tets/triangle.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -12,11 +12,11 @@
 #include <set>
 
 #include "base/error.h"
-#include "mesh/cgal_quiet.h"
 #include "mesh/check.h"
-#include "mesh/clean.h"
-#include "mesh/inside_point.h"
-#include "mesh/shells.h"
+#include "mesh/remesh/cgal_quiet.h"
+#include "mesh/soundness/clean.h"
+#include "mesh/soundness/inside_point.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {

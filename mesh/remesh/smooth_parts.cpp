@@ -1,4 +1,4 @@
-#include "mesh/smooth_parts.h"
+#include "mesh/remesh/smooth_parts.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

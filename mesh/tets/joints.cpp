@@ -1,4 +1,4 @@
-#include "mesh/joints.h"
+#include "mesh/tets/joints.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "mesh/shells.h"
+#include "mesh/soundness/shells.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
