@@ -31,7 +31,7 @@ DOORS = {
     r"fftw3": ["identification/fft.cpp"],
     r".*\.hxx": ["io/step*.cpp"],
     r"pybind11/": ["python/*.cpp", "python/*.h"],
-    r"nlopt": ["priors/optimum.cpp"],
+    r"nlopt": ["priors/gaussian_process/optimum.cpp"],
     r"toml": ["app/study*.cpp"],
     r"CLI/": ["app/main.cpp"],
 }

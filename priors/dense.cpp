@@ -2,7 +2,7 @@
 
 #include <mutex>
 
-#include "priors/exponential.h"
+#include "priors/gaussian_process/exponential.h"
 
 // The Fortran interfaces, declared here: no header of a BLAS is needed.
 extern "C" {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "priors/random_coefficients.h"
+#include "priors/residual/random_coefficients.h"
 
 namespace chladni::priors {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "priors/dynamic_residual.h"
-#include "priors/residual_evidence.h"
+#include "priors/residual/residual_evidence.h"
 
 namespace chladni::priors {
 

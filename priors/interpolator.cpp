@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "priors/interpolators.h"
+#include "priors/methods/interpolators.h"
 
 namespace chladni::priors {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "priors/exponential.h"
+#include "priors/gaussian_process/exponential.h"
 
 namespace chladni::priors {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
-#include "priors/optimum.h"
+#include "priors/gaussian_process/optimum.h"
 
 namespace chladni::priors {
 namespace {

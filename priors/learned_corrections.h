@@ -1,7 +1,7 @@
 // What measured shapes and frequencies together say of a simulation's stiffness and mass.
 #pragma once
 
-#include "priors/corrections.h"
+#include "priors/residual/corrections.h"
 
 namespace chladni::priors {
 

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "base/error.h"
-#include "priors/line_search.h"
-#include "priors/optimum.h"
+#include "priors/gaussian_process/line_search.h"
+#include "priors/gaussian_process/optimum.h"
 
 namespace chladni::priors {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "priors/gaussian_process.h"
+#include "priors/gaussian_process/gaussian_process.h"
 
 namespace chladni::priors {
 

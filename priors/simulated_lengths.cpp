@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "priors/euclidean_field.h"
+#include "priors/methods/euclidean_field.h"
 
 namespace chladni::priors {
 namespace {

@@ -1,6 +1,6 @@
 #include <numbers>
 
-#include "priors/exponential.h"
+#include "priors/gaussian_process/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {

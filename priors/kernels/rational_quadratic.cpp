@@ -1,4 +1,4 @@
-#include "priors/exponential.h"
+#include "priors/gaussian_process/exponential.h"
 #include "priors/kernels/radial.h"
 
 namespace chladni::priors {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "priors/corrections.h"
+#include "priors/residual/corrections.h"
 #include "quiet_run.h"
 
 namespace chladni::app {

@@ -6,7 +6,7 @@
 
 #include "gain_case.h"
 #include "identification/gain_match.h"
-#include "priors/residual_evidence.h"
+#include "priors/residual/residual_evidence.h"
 #include "simulators/plate_study.h"
 
 namespace chladni::identification {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "priors/interpolator.h"
-#include "priors/shape_symmetry.h"
+#include "priors/methods/shape_symmetry.h"
 #include "priors/simulated_lengths.h"
 
 namespace chladni::priors {

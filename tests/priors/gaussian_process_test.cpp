@@ -1,4 +1,4 @@
-#include "priors/gaussian_process.h"
+#include "priors/gaussian_process/gaussian_process.h"
 
 #include <gtest/gtest.h>
 

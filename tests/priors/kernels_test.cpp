@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "priors/exponential.h"
+#include "priors/gaussian_process/exponential.h"
 #include "priors/kernel.h"
 
 namespace chladni::priors {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "priors/line_search.h"
+#include "priors/gaussian_process/line_search.h"
 
 namespace chladni::priors {
 namespace {

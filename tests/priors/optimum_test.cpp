@@ -1,4 +1,4 @@
-#include "priors/optimum.h"
+#include "priors/gaussian_process/optimum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "priors/random_coefficients.h"
+#include "priors/residual/random_coefficients.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "priors/residual_evidence.h"
+#include "priors/residual/residual_evidence.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 
 #include "base/draw.h"
 #include "plate_case.h"
-#include "priors/modal_field.h"
-#include "priors/orthogonality.h"
+#include "priors/methods/modal_field.h"
+#include "priors/residual/orthogonality.h"
 
 namespace chladni::priors {
 namespace {

@@ -1,4 +1,4 @@
-#include "priors/smoother.h"
+#include "priors/spline/smoother.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "priors/thin_plate_spline.h"
+#include "priors/spline/thin_plate_spline.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::priors {

@@ -1,4 +1,4 @@
-#include "priors/surface_kernel.h"
+#include "priors/spline/surface_kernel.h"
 
 #include <gtest/gtest.h>
 

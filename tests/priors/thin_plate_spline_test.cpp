@@ -1,4 +1,4 @@
-#include "priors/thin_plate_spline.h"
+#include "priors/spline/thin_plate_spline.h"
 
 #include <gtest/gtest.h>
 

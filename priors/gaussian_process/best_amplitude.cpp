@@ -1,0 +1,70 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/finite.h"
+#include "priors/gaussian_process/gaussian_process.h"
+
+namespace chladni::priors {
+namespace {
+
+// −2 ln p(z) + const of independent z_j ~ N(0, 1 + a² λ_j).
+double misfit(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double log_variance) {
+  const Eigen::ArrayXd variance = 1.0 + std::exp(log_variance) * lambda;
+  return (variance.log() + square / variance).sum();
+}
+
+// The best of a coarse scan, then golden sections.
+double smallest(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double low,
+                double high) {
+  constexpr int kScan = 60;
+  constexpr double kGolden = 0.6180339887498949;
+  const double step = (high - low) / kScan;
+  double best = low;
+  for (int k = 1; k <= kScan; ++k) {
+    const double here = low + k * step;
+    if (misfit(lambda, square, here) < misfit(lambda, square, best)) best = here;
+  }
+  double left = std::max(low, best - step);
+  double right = std::min(high, best + step);
+  while (right - left > 1e-7) {
+    const double a = right - kGolden * (right - left);
+    const double b = left + kGolden * (right - left);
+    (misfit(lambda, square, a) < misfit(lambda, square, b) ? right : left) =
+        misfit(lambda, square, a) < misfit(lambda, square, b) ? b : a;
+  }
+  return 0.5 * (left + right);
+}
+
+}  // namespace
+
+// Whitened by the noise and freed of the trend, the values are independent in the eigenbasis of the
+// covariance.
+double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& noise_variance,
+                      const Eigen::MatrixXd& trend, const Eigen::VectorXd& values) {
+  require((noise_variance.array() > 0.0).all(),
+          "amplitude of a Gaussian process: a noise variance is not positive");
+  const Eigen::VectorXd white = noise_variance.cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd matrix = covariance.selfadjointView<Eigen::Lower>();
+  matrix = white.asDiagonal() * matrix * white.asDiagonal();
+  Eigen::VectorXd z = white.cwiseProduct(values);
+  if (trend.cols() > 0) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(white.asDiagonal() * trend);
+    const Eigen::MatrixXd all = qr.householderQ();
+    const auto rest = all.rightCols(values.size() - trend.cols());
+    matrix = rest.transpose() * matrix * rest;
+    z = rest.transpose() * z;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      finite(matrix, "covariance of a Gaussian process"));
+  const Eigen::ArrayXd lambda = eigen.eigenvalues().array().max(0.0);
+  const Eigen::ArrayXd square = (eigen.eigenvectors().transpose() * z).array().square();
+  // Ten thousandths of the noise to a thousand times what all of the values would need.
+  const double mean = lambda.mean();
+  const double low = std::log(1e-4 / mean);
+  const double high = std::max(low + 1.0, std::log(1e6 * (1.0 + square.mean()) / mean));
+  return std::exp(0.5 * smallest(lambda, square, low, high));
+}
+
+}  // namespace chladni::priors

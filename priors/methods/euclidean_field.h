@@ -1,0 +1,49 @@
+// Mode fields of Gaussian processes that know distances only: one direction for all places.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "priors/gaussian_process/gaussian_process.h"
+#include "priors/interpolator.h"
+
+namespace chladni::priors {
+
+/// One shape: its process and its values.
+struct EuclideanShape {
+  GaussianProcess process;
+  Eigen::VectorXd values;  ///< s
+  double log_evidence = 0.0;
+  double widening = 1.0;  ///< of the deviation: the amplitude is known from few values only
+};
+
+/// The process of a shape with its amplitude by marginal likelihood and the noise known. The
+/// deviation is that of Student's distribution, which the amplitude's own uncertainty makes of a
+/// normal one.
+[[nodiscard]] EuclideanShape euclidean_shape(const MeasuredShapes& measured, Eigen::Index mode,
+                                             const Kernel& kernel,
+                                             const Eigen::VectorXd& parameters, const Trend& trend);
+
+class EuclideanField : public ModeField {
+ public:
+  /// @param direction  unit, of all places
+  EuclideanField(std::vector<EuclideanShape> shapes, const Eigen::RowVector3d& direction,
+                 std::string method, FitSummary summary);
+
+  /// @throws InvalidInput  a place has another direction
+  [[nodiscard]] Field at(const Places& places) const override;
+
+ private:
+  std::vector<EuclideanShape> shapes_;
+  Eigen::RowVector3d direction_;
+  std::string method_;
+};
+
+/// The direction of all places.
+/// @throws InvalidInput  two differ by more than 1e-6
+[[nodiscard]] Eigen::RowVector3d common_direction(const std::string& method, const Places& places);
+
+/// The rigid trend of places in one direction, or none where it would leave nothing to learn from.
+[[nodiscard]] Trend trend_of(const Places& places);
+
+}  // namespace chladni::priors

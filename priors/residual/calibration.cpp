@@ -1,0 +1,61 @@
+#include "priors/residual/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace chladni::priors {
+namespace {
+
+constexpr Eigen::Index kParts = 4;
+constexpr Eigen::Index kFewest = 8;  // places
+constexpr double kNarrowest = 0.75;
+constexpr double kWidest = 4.0;
+constexpr double kHeld = 0.95;
+
+MeasuredShapes part_of(const MeasuredShapes& measured, const std::vector<Eigen::Index>& rows) {
+  return {part(measured.places, rows), measured.frequency_hz, measured.values(rows, Eigen::all),
+          measured.noise(rows, Eigen::all)};
+}
+
+// Per value that was left out: the factor with which the band just holds it.
+std::vector<double> factors_of(const MeasuredShapes& measured, Eigen::Index which,
+                               const Fitting& fit) {
+  std::vector<Eigen::Index> kept;
+  std::vector<Eigen::Index> left;
+  for (Eigen::Index k = 0; k < measured.places.count(); ++k) {
+    (k % kParts == which ? left : kept).push_back(k);
+  }
+  const auto hidden = part_of(measured, left);
+  const auto field = fit(part_of(measured, kept))->at(hidden.places);
+  std::vector<double> factors;
+  for (Eigen::Index i = 0; i < hidden.values.cols(); ++i) {
+    for (Eigen::Index k = 0; k < hidden.values.rows(); ++k) {
+      const double away = (hidden.values(k, i) - field.mean(k, i)) / kTwoSided95;
+      const double excess = away * away - hidden.noise(k, i) * hidden.noise(k, i);
+      factors.push_back(std::sqrt(std::max(excess, 0.0)) / field.deviation(k, i));
+    }
+  }
+  return factors;
+}
+
+}  // namespace
+
+double band_factor(const MeasuredShapes& measured, const Fitting& fit) {
+  if (measured.places.count() < kFewest) return 1.0;
+  std::vector<std::vector<double>> by_part(kParts);
+  parallel_ranges(kParts, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      by_part[k] = factors_of(measured, static_cast<Eigen::Index>(k), fit);
+    }
+  });
+  std::vector<double> all;
+  for (const auto& factors : by_part) all.insert(all.end(), factors.begin(), factors.end());
+  const auto at =
+      all.begin() + static_cast<std::ptrdiff_t>(kHeld * static_cast<double>(all.size()));
+  std::nth_element(all.begin(), at, all.end());
+  return std::clamp(*at, kNarrowest, kWidest);
+}
+
+}  // namespace chladni::priors

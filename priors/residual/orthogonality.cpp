@@ -1,0 +1,103 @@
+#include "priors/residual/orthogonality.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace chladni::priors {
+namespace {
+
+// Shape i given that its products with the others of `known` are near zero. `alone` is what was
+// known of it from its own values.
+ShapeCoefficients given_others(const ShapeCoefficients& alone,
+                               const std::vector<ShapeCoefficients>& known, std::size_t i,
+                               double tolerance) {
+  const auto m = static_cast<Eigen::Index>(known.size());
+  const Eigen::Index k = alone.root.cols();
+  const Eigen::VectorXd& mean = known[i].mean;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(m, alone.mean.size());
+  for (Eigen::Index j = 0; j < m; ++j) {
+    const auto& other = known[static_cast<std::size_t>(j)];
+    const double length = other.mean.norm();
+    if (static_cast<std::size_t>(j) == i || length == 0.0) continue;
+    const double variance = tolerance * tolerance * mean.squaredNorm() +
+                            (other.root.transpose() * mean).squaredNorm() / (length * length);
+    if (variance > 0.0) rows.row(j) = other.mean.transpose() / (length * std::sqrt(variance));
+  }
+  const Eigen::MatrixXd seen = rows * alone.root;
+  const Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(k, k) + seen.transpose() * seen;
+  const Eigen::LLT<Eigen::MatrixXd> factor(precision);
+  if (factor.info() != Eigen::Success) {
+    throw NumericalFailure("orthogonality: the shapes leave no positive covariance");
+  }
+  ShapeCoefficients better = alone;
+  better.mean -= alone.root * factor.solve(seen.transpose() * (rows * alone.mean));
+  better.root = factor.matrixU().solve<Eigen::OnTheRight>(alone.root);
+  return better;
+}
+
+// Squares of the products of unit shapes, and how well each product is known.
+struct Products {
+  std::vector<double> square, variance;
+};
+
+Products products_of(const std::vector<ShapeCoefficients>& shapes) {
+  Products products;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double lengths = shapes[i].mean.squaredNorm() * shapes[j].mean.squaredNorm();
+      if (lengths == 0.0) continue;
+      const double product = shapes[i].mean.dot(shapes[j].mean);
+      const double variance = (shapes[i].root.transpose() * shapes[j].mean).squaredNorm() +
+                              (shapes[j].root.transpose() * shapes[i].mean).squaredNorm() +
+                              (shapes[i].root.transpose() * shapes[j].root).squaredNorm();
+      products.square.push_back(product * product / lengths);
+      products.variance.push_back(variance / lengths);
+    }
+  }
+  return products;
+}
+
+}  // namespace
+
+double learned_tolerance(const std::vector<ShapeCoefficients>& shapes) {
+  constexpr double kMiddle = 0.1;
+  constexpr double kLeast = 0.01;
+  constexpr double kMost = 1.0;
+  constexpr int kSteps = 60;
+  const auto products = products_of(shapes);
+  double best = kMiddle;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= kSteps; ++step) {
+    const double spread = kLeast * std::pow(kMost / kLeast, static_cast<double>(step) / kSteps);
+    const double away = std::log(spread / kMiddle);
+    double likelihood = -0.5 * away * away;
+    for (std::size_t k = 0; k < products.square.size(); ++k) {
+      const double variance = spread * spread + products.variance[k];
+      likelihood -= 0.5 * (std::log(variance) + products.square[k] / variance);
+    }
+    if (likelihood <= highest) continue;
+    highest = likelihood;
+    best = spread;
+  }
+  return 2.0 * best;
+}
+
+std::vector<ShapeCoefficients> orthogonal_shapes(const std::vector<ShapeCoefficients>& shapes,
+                                                 const OrthogonalityOptions& options) {
+  require(options.tolerance > 0.0 && options.sweeps >= 0,
+          "orthogonality: the tolerance must be more than 0 and the sweeps 0 or more");
+  auto known = shapes;
+  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
+    auto next = known;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      next[i] = given_others(shapes[i], known, i, options.tolerance);
+    }
+    known = std::move(next);
+  }
+  return known;
+}
+
+}  // namespace chladni::priors
