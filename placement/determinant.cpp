@@ -9,9 +9,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "placement/relaxation.h"
-#include "placement/search_tree.h"
-#include "placement/spacing.h"
+#include "placement/optimum/relaxation.h"
+#include "placement/optimum/search_tree.h"
+#include "placement/optimum/spacing.h"
 
 namespace chladni::placement {
 namespace {

@@ -1,4 +1,4 @@
-#include "placement/relaxation.h"
+#include "placement/optimum/relaxation.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "placement/interpolation.h"
-#include "placement/spacing.h"
+#include "placement/optimum/spacing.h"
 
 namespace chladni::placement {
 namespace {

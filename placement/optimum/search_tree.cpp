@@ -1,12 +1,12 @@
-#include "placement/search_tree.h"
+#include "placement/optimum/search_tree.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <queue>
 
-#include "placement/relaxation.h"
-#include "placement/spacing.h"
+#include "placement/optimum/relaxation.h"
+#include "placement/optimum/spacing.h"
 
 namespace chladni::placement {
 namespace {
