@@ -28,7 +28,7 @@ DOORS = {
     r"nlohmann/": ["io/json.cpp"],
     r"matio": ["io/mat.cpp", "io/mat_worker.cpp"],
     r"zlib": ["io/gzip.cpp"],
-    r"fftw3": ["identification/fft.cpp"],
+    r"fftw3": ["identification/estimate/fft.cpp"],
     r".*\.hxx": ["io/step*.cpp"],
     r"pybind11/": ["python/*.cpp", "python/*.h"],
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],

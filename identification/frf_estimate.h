@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "identification/spectra.h"
-#include "identification/transfer.h"
-#include "identification/transient.h"
+#include "identification/estimate/spectra.h"
+#include "identification/estimate/transfer.h"
+#include "identification/estimate/transient.h"
 #include "modal/frf_set.h"
 
 namespace chladni::identification {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "identification/gains/rigid_body.h"
 #include "identification/modal_fit.h"
-#include "identification/rigid_body.h"
 #include "modal/frf_set.h"
 #include "priors/gain.h"
 

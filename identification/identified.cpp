@@ -5,11 +5,11 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "identification/compression.h"
 #include "identification/delay_scan.h"
-#include "identification/missing_mode.h"
-#include "identification/mode_choice.h"
-#include "identification/start_poles.h"
+#include "identification/likelihood/compression.h"
+#include "identification/poles/missing_mode.h"
+#include "identification/poles/mode_choice.h"
+#include "identification/poles/start_poles.h"
 
 namespace chladni::identification {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "identification/drift.h"
 #include "identification/fit_data.h"
 #include "identification/modal_fit.h"
+#include "identification/poles/drift.h"
 
 namespace chladni::identification {
 

@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 #include "base/finite.h"
-#include "identification/block_fractions.h"
-#include "identification/fit_uncertainty.h"
-#include "identification/levenberg.h"
-#include "identification/residue_problem.h"
+#include "identification/likelihood/block_fractions.h"
+#include "identification/likelihood/fit_uncertainty.h"
+#include "identification/likelihood/levenberg.h"
+#include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
 namespace {

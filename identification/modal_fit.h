@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "identification/block_model.h"
-#include "identification/complex_shapes.h"
 #include "identification/fit_data.h"
+#include "identification/likelihood/block_model.h"
+#include "identification/likelihood/complex_shapes.h"
 #include "modal/groups.h"
 #include "modal/reduced_model.h"
 

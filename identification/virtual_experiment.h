@@ -8,9 +8,9 @@
 
 #include "base/draw.h"
 #include "base/progress.h"
-#include "identification/controller.h"
-#include "identification/excitation.h"
-#include "identification/plant.h"
+#include "identification/experiment/controller.h"
+#include "identification/experiment/excitation.h"
+#include "identification/experiment/plant.h"
 #include "identification/time_data.h"
 
 namespace chladni::identification {

@@ -13,7 +13,7 @@
 #include "identification/gain_match.h"
 #include "identification/identified.h"
 #include "identification/matrix_fraction.h"
-#include "identification/vector_fit.h"
+#include "identification/poles/vector_fit.h"
 #include "simulators/frf_cases.h"
 
 namespace chladni::identification {

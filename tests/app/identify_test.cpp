@@ -10,7 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
-#include "identification/rigid_chain.h"
+#include "identification/experiment/rigid_chain.h"
 #include "identified_json.h"
 #include "io/frf_file.h"
 #include "io/json.h"

@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "base/draw.h"
-#include "identification/normal_equations.h"
+#include "identification/likelihood/normal_equations.h"
 
 namespace chladni::identification {
 

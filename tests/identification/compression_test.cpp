@@ -1,4 +1,4 @@
-#include "identification/compression.h"
+#include "identification/likelihood/compression.h"
 
 #include <gtest/gtest.h>
 

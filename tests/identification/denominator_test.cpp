@@ -1,6 +1,6 @@
 // The two ways to a vector fit's denominator: sums of products and rows agree as far as rounding is
 // said to let them.
-#include "identification/denominator.h"
+#include "identification/poles/denominator.h"
 
 #include <gtest/gtest.h>
 

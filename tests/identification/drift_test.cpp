@@ -1,5 +1,5 @@
 // Responses measured one after the other while the structure changed.
-#include "identification/drift.h"
+#include "identification/poles/drift.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/equal_weights.h"
+#include "identification/likelihood/equal_weights.h"
 
 #include <gtest/gtest.h>
 

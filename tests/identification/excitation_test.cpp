@@ -1,4 +1,4 @@
-#include "identification/excitation.h"
+#include "identification/experiment/excitation.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "identification/fft.h"
+#include "identification/estimate/fft.h"
 
 namespace chladni::identification {
 namespace {

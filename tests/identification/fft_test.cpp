@@ -1,4 +1,4 @@
-#include "identification/fft.h"
+#include "identification/estimate/fft.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include "gain_case.h"
 #include "identification/fit_data.h"
 #include "identification/gain_match.h"
+#include "identification/gains/matched_sides.h"
 #include "identification/identified.h"
-#include "identification/matched_sides.h"
 #include "modal/frf.h"
 
 namespace chladni::identification {

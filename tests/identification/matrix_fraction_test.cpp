@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "identification/fraction_equations.h"
+#include "identification/fraction/fraction_equations.h"
 #include "modal/mac.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"

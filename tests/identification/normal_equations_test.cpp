@@ -1,11 +1,11 @@
-#include "identification/normal_equations.h"
+#include "identification/likelihood/normal_equations.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "block_problem.h"
-#include "identification/block_fractions.h"
+#include "identification/likelihood/block_fractions.h"
 
 namespace chladni::identification {
 namespace {

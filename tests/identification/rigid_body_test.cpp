@@ -1,4 +1,4 @@
-#include "identification/rigid_body.h"
+#include "identification/gains/rigid_body.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/rigid_chain.h"
+#include "identification/experiment/rigid_chain.h"
 
 #include <gtest/gtest.h>
 

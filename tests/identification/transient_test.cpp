@@ -1,4 +1,4 @@
-#include "identification/transient.h"
+#include "identification/estimate/transient.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/matrix_fraction.h"
-#include "identification/vector_fit.h"
+#include "identification/poles/vector_fit.h"
 #include "simulators/frf_cases.h"
 
 namespace chladni::identification {

@@ -1,4 +1,4 @@
-#include "identification/vector_fit.h"
+#include "identification/poles/vector_fit.h"
 
 #include <gtest/gtest.h>
 

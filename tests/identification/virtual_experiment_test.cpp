@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "identification/fft.h"
+#include "identification/estimate/fft.h"
 #include "modal/frf.h"
 #include "modal/state_space.h"
 #include "rigs.h"

@@ -1,0 +1,198 @@
+#include "identification/hammer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "base/error.h"
+#include "identification/estimate/fft.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kDoubleHit = 0.05;  // of the peak, outside the window
+constexpr double kAtRest = 0.02;     // of a response's largest value, in its last twentieth
+
+// 1 until the window's end, then half a cosine down to 0.
+Eigen::VectorXd force_window(const Eigen::VectorXd& force, double length_s, double sample_time) {
+  Eigen::VectorXd window = Eigen::VectorXd::Ones(force.size());
+  if (length_s <= 0.0) return window;
+  Eigen::Index peak = 0;
+  force.cwiseAbs().maxCoeff(&peak);
+  const double length = length_s / sample_time;
+  for (Eigen::Index n = 0; n < force.size(); ++n) {
+    const double after = (static_cast<double>(n - peak) - length) / (0.25 * length);
+    if (after > 0.0) {
+      window(n) = after < 1.0 ? 0.5 + 0.5 * std::cos(std::numbers::pi * after) : 0.0;
+    }
+  }
+  return window;
+}
+
+struct Lines {
+  std::vector<Eigen::Index> index;
+  Eigen::VectorXd hz;
+};
+
+Lines lines_of(const TimeData& data, const HammerOptions& options) {
+  const auto samples = data.records.front().outputs.rows();
+  const double step = 1.0 / (static_cast<double>(samples) * data.sample_time_s);
+  Lines lines;
+  for (Eigen::Index k = 0; 2 * k <= samples; ++k) {
+    const double hz = static_cast<double>(k) * step;
+    if (hz >= options.low_hz && (options.high_hz <= 0.0 || hz <= options.high_hz)) {
+      lines.index.push_back(k);
+    }
+  }
+  require(!lines.index.empty(), "hammer: no line in the band");
+  lines.hz.resize(static_cast<Eigen::Index>(lines.index.size()));
+  for (Eigen::Index k = 0; k < lines.hz.size(); ++k) {
+    lines.hz(k) = static_cast<double>(lines.index[static_cast<std::size_t>(k)]) * step;
+  }
+  return lines;
+}
+
+void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& window,
+             const std::string& name, bool windowed, std::vector<std::string>& notes) {
+  const Eigen::VectorXd force = record.inputs.col(input).cwiseAbs();
+  const double peak = force.maxCoeff();
+  const Eigen::VectorXd outside = (1.0 - window.array()) * force.array();
+  if (outside.maxCoeff() > kDoubleHit * peak) {
+    notes.push_back(name + ": a second hit, or noise, of " +
+                    std::to_string(100.0 * outside.maxCoeff() / peak) +
+                    " % of the peak outside the force window");
+  }
+  if (windowed) return;
+  const auto end = std::max<Eigen::Index>(1, record.outputs.rows() / 20);
+  for (Eigen::Index i = 0; i < record.outputs.cols(); ++i) {
+    const Eigen::VectorXd y = record.outputs.col(i).cwiseAbs();
+    if (y.tail(end).maxCoeff() > kAtRest * y.maxCoeff()) {
+      notes.push_back(name + ": output " + std::to_string(i + 1) +
+                      " does not end at rest; expected a longer record or an exponential window");
+      return;
+    }
+  }
+}
+
+// Sums over the hits of one input.
+struct Sums {
+  Eigen::VectorXd force;     // K
+  Eigen::MatrixXd response;  // K×p
+  Eigen::MatrixXcd cross;    // K×p, conj(F) Y
+  double hits = 0.0;
+};
+
+Sums sums_of(const TimeData& data, Eigen::Index input, const Lines& lines,
+             const HammerOptions& options, std::vector<std::string>& notes) {
+  const auto p = static_cast<Eigen::Index>(data.outputs.size());
+  const auto k = lines.hz.size();
+  Sums sums{Eigen::VectorXd::Zero(k), Eigen::MatrixXd::Zero(k, p), Eigen::MatrixXcd::Zero(k, p)};
+  const auto samples = data.records.front().outputs.rows();
+  Eigen::VectorXd fade = Eigen::VectorXd::Ones(samples);
+  if (options.exponential_s > 0.0) {
+    for (Eigen::Index n = 0; n < samples; ++n) {
+      fade(n) = std::exp(-static_cast<double>(n) * data.sample_time_s / options.exponential_s);
+    }
+  }
+  for (std::size_t i = 0; i < data.records.size(); ++i) {
+    const auto& record = data.records[i];
+    if (record.experiment != input) continue;
+    const auto window =
+        force_window(record.inputs.col(input), options.force_window_s, data.sample_time_s);
+    look_at(record, input, window, "record " + std::to_string(i + 1), options.exponential_s > 0.0,
+            notes);
+    const Eigen::VectorXcd f =
+        fourier(record.inputs.col(input).cwiseProduct(window).cwiseProduct(fade))(lines.index, 0);
+    const Eigen::MatrixXcd y = fourier(fade.asDiagonal() * record.outputs)(lines.index, Eigen::all);
+    sums.force += f.cwiseAbs2();
+    sums.response += y.cwiseAbs2();
+    sums.cross += f.conjugate().asDiagonal() * y;
+    sums.hits += 1.0;
+  }
+  require(sums.hits > 0.0, "hammer: no record hits input \"" +
+                               data.inputs[static_cast<std::size_t>(input)].name + "\"");
+  require(sums.force.minCoeff() > 0.0, "hammer: a line has no force on input \"" +
+                                           data.inputs[static_cast<std::size_t>(input)].name +
+                                           "\"; expected a narrower band");
+  return sums;
+}
+
+modal::FrfSet empty_set(const TimeData& data, const Lines& lines, bool variance) {
+  modal::FrfSet set;
+  set.outputs = data.outputs;
+  set.inputs = data.inputs;
+  set.frequency_hz = lines.hz;
+  const auto count = lines.index.size();
+  const auto p = set.output_count();
+  const auto q = set.input_count();
+  set.value.assign(count, Eigen::MatrixXcd::Zero(p, q));
+  set.coherence.assign(count, Eigen::MatrixXd::Zero(p, q));
+  if (variance) set.variance.assign(count, Eigen::MatrixXd::Zero(p, q));
+  return set;
+}
+
+void fill(const Sums& sums, Eigen::Index input, modal::FrfSet& set, bool second) {
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    const auto line = static_cast<Eigen::Index>(k);
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
+      const auto cross = sums.cross(line, i);
+      const double power = sums.response(line, i);
+      const auto h1 = cross / sums.force(line);
+      const double coherence =
+          power > 0.0 ? std::min(1.0, std::norm(cross) / (sums.force(line) * power)) : 0.0;
+      const auto value = second && coherence > 0.0 ? h1 / coherence : h1;
+      set.value[k](i, input) = value;
+      set.coherence[k](i, input) = coherence;
+      if (set.variance.empty()) continue;
+      set.variance[k](i, input) =
+          std::norm(value) * (1.0 - coherence) / (std::max(coherence, 1e-300) * (sums.hits - 1.0));
+    }
+  }
+}
+
+}  // namespace
+
+HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& options) {
+  check(data);
+  for (const auto& record : data.records) {
+    require(record.outputs.rows() == data.records.front().outputs.rows(),
+            "hammer: records of unequal length");
+    require(record.experiment < static_cast<int>(data.inputs.size()),
+            "hammer: a record hits input " + std::to_string(record.experiment + 1) + " of " +
+                std::to_string(data.inputs.size()));
+  }
+  const auto lines = lines_of(data, options);
+  HammerEstimate result;
+  std::vector<Sums> all;
+  double fewest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(data.inputs.size()); ++j) {
+    all.push_back(sums_of(data, j, lines, options, result.notes));
+    fewest = std::min(fewest, all.back().hits);
+  }
+  result.h1 = empty_set(data, lines, fewest > 1.0);
+  result.h2 = result.h1;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    fill(all[j], static_cast<Eigen::Index>(j), result.h1, false);
+    fill(all[j], static_cast<Eigen::Index>(j), result.h2, true);
+  }
+  result.h1.averages = result.h2.averages = fewest - 1.0;
+  if (fewest < 2.0) {
+    result.notes.emplace_back("one hit only: coherence is 1 and nothing tells the variance");
+  }
+  if (options.exponential_s > 0.0) result.added_decay = 1.0 / options.exponential_s;
+  return result;
+}
+
+Eigen::VectorXcd true_poles(const Eigen::VectorXcd& fitted, double added_decay) {
+  const Eigen::VectorXcd result = fitted.array() + added_decay;
+  for (const auto& pole : result) {
+    require(pole.real() < 0.0,
+            "hammer: a pole decays by " + std::to_string(added_decay - pole.real()) +
+                " /s, less than the window adds: " + std::to_string(added_decay) + " /s");
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

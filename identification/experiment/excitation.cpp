@@ -1,0 +1,181 @@
+#include "identification/experiment/excitation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+#include "identification/estimate/fft.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+void check(const MultisinePlan& plan) {
+  require(plan.period >= 4,
+          "multisine: a period of " + std::to_string(plan.period) + " samples; expected 4 or more");
+  require(std::isfinite(plan.sample_time_s) && plan.sample_time_s > 0.0,
+          "multisine: the sample time is not positive");
+  require(std::isfinite(plan.rms) && plan.rms > 0.0, "multisine: the rms is not positive");
+  const double half = 0.5 / plan.sample_time_s;
+  require(plan.low_hz >= 0.0 && plan.low_hz <= plan.high_hz && plan.high_hz <= half,
+          "multisine: the band is " + std::to_string(plan.low_hz) + " to " +
+              std::to_string(plan.high_hz) + " Hz; expected it ascending and below " +
+              std::to_string(half) + " Hz, half the sampling frequency");
+  require(plan.shape.size() == plan.shape_hz.size(),
+          "multisine: the shape has other sizes of frequencies and amplitudes");
+  for (Eigen::Index i = 0; i < plan.shape.size(); ++i) {
+    require(std::isfinite(plan.shape(i)) && plan.shape(i) > 0.0,
+            "multisine: an amplitude of the shape is not positive");
+    require(i == 0 || plan.shape_hz(i) > plan.shape_hz(i - 1),
+            "multisine: the frequencies of the shape are not ascending");
+  }
+}
+
+double amplitude_at(const MultisinePlan& plan, double hz) {
+  const auto n = plan.shape.size();
+  if (n == 0) return 1.0;
+  if (hz <= plan.shape_hz(0)) return plan.shape(0);
+  for (Eigen::Index i = 1; i < n; ++i) {
+    if (hz > plan.shape_hz(i)) continue;
+    const double t = (hz - plan.shape_hz(i - 1)) / (plan.shape_hz(i) - plan.shape_hz(i - 1));
+    return std::exp((1.0 - t) * std::log(plan.shape(i - 1)) + t * std::log(plan.shape(i)));
+  }
+  return plan.shape(n - 1);
+}
+
+struct Choice {
+  std::vector<Eigen::Index> excited, left_out;
+};
+
+Choice lines_of(const MultisinePlan& plan, Draw& draw) {
+  const double lines_per_hz = static_cast<double>(plan.period) * plan.sample_time_s;
+  const double rounding = 1e-9 * static_cast<double>(plan.period);
+  const auto first = std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(std::ceil(plan.low_hz * lines_per_hz - rounding)));
+  const auto last = std::min<Eigen::Index>(
+      (plan.period - 1) / 2,
+      static_cast<Eigen::Index>(std::floor(plan.high_hz * lines_per_hz + rounding)));
+  Choice choice;
+  Eigen::Index odd_count = 0;
+  Eigen::Index silent = 0;
+  for (auto k = first; k <= last; ++k) {
+    bool excite = plan.lines == ExcitedLines::all || k % 2 == 1;
+    if (plan.lines == ExcitedLines::odd_with_detection && k % 2 == 1) {
+      if (odd_count % 4 == 0) silent = static_cast<Eigen::Index>(std::floor(4.0 * draw.uniform()));
+      excite = odd_count % 4 != silent;
+      ++odd_count;
+    }
+    (excite ? choice.excited : choice.left_out).push_back(k);
+  }
+  require(!choice.excited.empty(), "multisine: no line between " + std::to_string(plan.low_hz) +
+                                       " and " + std::to_string(plan.high_hz) +
+                                       " Hz; the lines lie " + std::to_string(1.0 / lines_per_hz) +
+                                       " Hz apart");
+  return choice;
+}
+
+// Coefficients of the excited lines for the wanted rms: Σ 2|X|² = (N rms)².
+Eigen::VectorXcd random_phases(const MultisinePlan& plan, const std::vector<Eigen::Index>& lines,
+                               Draw& draw) {
+  Eigen::VectorXcd result(static_cast<Eigen::Index>(lines.size()));
+  const double step_hz = 1.0 / (static_cast<double>(plan.period) * plan.sample_time_s);
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    const double hz = static_cast<double>(lines[static_cast<std::size_t>(i)]) * step_hz;
+    result(i) = std::polar(amplitude_at(plan, hz), kTwoPi * draw.uniform());
+  }
+  return result * (static_cast<double>(plan.period) * plan.rms / std::sqrt(2.0) / result.norm());
+}
+
+Eigen::VectorXd signal_of(const std::vector<Eigen::Index>& lines,
+                          const Eigen::VectorXcd& coefficient, Eigen::Index period) {
+  Eigen::MatrixXcd all = Eigen::MatrixXcd::Zero(period / 2 + 1, 1);
+  all(lines, 0) = coefficient;
+  return inverse_fourier(all, period);
+}
+
+// Clip, keep the phases of what comes out, restore the amplitudes; the best so far is kept.
+void lower_crest(const MultisinePlan& plan, Multisine& result) {
+  Eigen::VectorXcd coefficient = result.coefficient;
+  Eigen::VectorXd signal = result.signal;
+  for (int i = 0; i < plan.crest_iterations; ++i) {
+    const double clip = 0.85 * signal.cwiseAbs().maxCoeff();
+    const Eigen::VectorXcd clipped =
+        fourier(signal.cwiseMax(-clip).cwiseMin(clip))(result.lines, 0);
+    for (Eigen::Index k = 0; k < coefficient.size(); ++k) {
+      coefficient(k) = std::polar(std::abs(coefficient(k)), std::arg(clipped(k)));
+    }
+    signal = signal_of(result.lines, coefficient, plan.period);
+    const double crest = crest_factor(signal);
+    if (crest < result.crest_factor) {
+      result.crest_factor = crest;
+      result.coefficient = coefficient;
+      result.signal = signal;
+    }
+  }
+}
+
+// ±1 (Sylvester) for a power of 2, else the roots of unity; W Wᴴ = q.
+std::complex<double> orthogonal_entry(Eigen::Index row, Eigen::Index column, Eigen::Index q) {
+  if ((q & (q - 1)) == 0) {
+    int bits = 0;
+    for (auto both = row & column; both != 0; both >>= 1) bits += static_cast<int>(both & 1);
+    return bits % 2 == 0 ? 1.0 : -1.0;
+  }
+  const auto turn = static_cast<double>((row * column) % q) / static_cast<double>(q);
+  return std::polar(1.0, kTwoPi * turn);
+}
+
+}  // namespace
+
+double crest_factor(const Eigen::Ref<const Eigen::VectorXd>& signal) {
+  const double rms = signal.norm() / std::sqrt(static_cast<double>(signal.size()));
+  return rms > 0.0 ? signal.cwiseAbs().maxCoeff() / rms : 0.0;
+}
+
+Multisine multisine(const MultisinePlan& plan, Draw& draw) {
+  check(plan);
+  auto choice = lines_of(plan, draw);
+  Multisine result;
+  result.lines = std::move(choice.excited);
+  result.detection = std::move(choice.left_out);
+  result.coefficient = random_phases(plan, result.lines, draw);
+  result.signal = signal_of(result.lines, result.coefficient, plan.period);
+  result.crest_factor = crest_factor(result.signal);
+  lower_crest(plan, result);
+  return result;
+}
+
+ExperimentSet experiments(const MultisinePlan& plan, Eigen::Index inputs, InputScheme scheme,
+                          Draw& draw) {
+  check(plan);
+  require(inputs >= 1, "multisine: no inputs to excite");
+  require(scheme == InputScheme::one_at_a_time || plan.crest_iterations == 0,
+          "multisine: the crest factor of orthogonal multisines cannot be lowered");
+  const auto choice = lines_of(plan, draw);
+  ExperimentSet result{.inputs = {}, .lines = choice.excited, .detection = choice.left_out};
+  result.inputs.assign(static_cast<std::size_t>(inputs),
+                       Eigen::MatrixXd::Zero(plan.period, inputs));
+  for (Eigen::Index j = 0; j < inputs; ++j) {
+    Multisine own{.signal = {}, .lines = choice.excited, .detection = {}, .coefficient = {}};
+    own.coefficient = random_phases(plan, choice.excited, draw);
+    for (Eigen::Index e = 0; e < inputs; ++e) {
+      if (scheme == InputScheme::one_at_a_time && e != j) continue;
+      own.signal = signal_of(choice.excited, own.coefficient, plan.period);
+      if (scheme == InputScheme::orthogonal) {
+        own.signal = signal_of(choice.excited, own.coefficient * orthogonal_entry(j, e, inputs),
+                               plan.period);
+      }
+      own.crest_factor = crest_factor(own.signal);
+      lower_crest(plan, own);
+      result.inputs[static_cast<std::size_t>(e)].col(j) = own.signal;
+      result.crest_factor = std::max(result.crest_factor, own.crest_factor);
+    }
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

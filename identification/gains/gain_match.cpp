@@ -1,0 +1,353 @@
+#include "identification/gain_match.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "identification/gains/imaginary_rows.h"
+#include "identification/gains/matching.h"
+#include "identification/gains/pair_evidence.h"
+
+namespace chladni::identification {
+
+namespace {
+
+void check_input(const ModalFit& fit, const Channels& outputs, const Channels& inputs,
+                 const GainMatchOptions& options) {
+  const auto p = fit.model.output_count();
+  const auto q = fit.model.input_count();
+  require(std::ssize(outputs) == p && std::ssize(inputs) == q,
+          fmt::format("gain match: {} and {} channels for a fit of {} outputs and {} inputs",
+                      outputs.size(), inputs.size(), p, q));
+  std::set<Eigen::Index> left;
+  std::set<Eigen::Index> right;
+  for (const auto& pair : options.pairs) {
+    require(pair.output >= 0 && pair.output < p && pair.input >= 0 && pair.input < q,
+            fmt::format("gain match: a pair of output {} and input {}; there are {} and {}",
+                        pair.output + 1, pair.input + 1, p, q));
+    const bool once = left.insert(pair.output).second && right.insert(pair.input).second;
+    require(once, "gain match: " + outputs[static_cast<std::size_t>(pair.output)].name + " or " +
+                      inputs[static_cast<std::size_t>(pair.input)].name +
+                      " is in two collocated pairs");
+  }
+  if (!options.geometry) return;
+  const auto& geometry = *options.geometry;
+  require(geometry.outputs.rows() == p && geometry.inputs.rows() == q &&
+              geometry.outputs.cols() == geometry.inputs.cols(),
+          fmt::format("gain match: rigid directions of {} sensors and {} actuators; expected {} "
+                      "and {}",
+                      geometry.outputs.rows(), geometry.inputs.rows(), p, q));
+  for (const auto mode : geometry.suspended) {
+    require(mode >= fit.model.rigid_count && mode < fit.model.mode_count(),
+            fmt::format("gain match: suspended mode {} is not a mode above 0 Hz", mode + 1));
+  }
+}
+
+void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channel, double factor) {
+  auto& covariance = state.fit.rigid_covariance;
+  const auto r = state.fit.model.rigid_count;
+  if (covariance.rows() != r * (state.p() + state.q())) return;
+  for (Eigen::Index m = 0; m < r; ++m) {
+    const auto place = is_output ? m * state.p() + channel : r * state.p() + channel * r + m;
+    covariance.row(place) *= factor;
+    covariance.col(place) *= factor;
+  }
+}
+
+// Multiplies what one channel shows, and what is known of it.
+void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double factor) {
+  auto& model = state.fit.model;
+  if (is_output) {
+    model.output_shapes.row(channel) *= factor;
+  } else {
+    model.input_shapes.col(channel) *= factor;
+  }
+  if (auto& complex = state.fit.complex) {
+    if (is_output) {
+      complex->outputs.row(channel) *= factor;
+      complex->output_imaginary_std.row(channel) *= factor;
+    } else {
+      complex->inputs.col(channel) *= factor;
+      complex->input_imaginary_std.col(channel) *= factor;
+    }
+  }
+  const auto place = 2 + (is_output ? channel : state.p() + channel);
+  for (auto& covariance : state.fit.mode_covariance) {
+    if (covariance.rows() != 2 + state.p() + state.q()) continue;
+    covariance.row(place) *= factor;
+    covariance.col(place) *= factor;
+  }
+  scale_rigid_covariance(state, is_output, channel, factor);
+}
+
+// Divides what one side of a pair shows by the pair's gain.
+void correct_gains(Matching& state) {
+  const auto& options = state.options;
+  if (options.fault == GainFault::nobody) return;
+  const bool is_output = options.fault == GainFault::outputs;
+  for (std::size_t c = 0; c < options.pairs.size(); ++c) {
+    const auto& pair = options.pairs[c];
+    const auto& gain = state.match.pairs[c];
+    scale_channel(state, is_output, is_output ? pair.output : pair.input,
+                  is_output ? 1.0 / gain.ratio : gain.ratio);
+    const auto row = static_cast<Eigen::Index>(c);
+    const double relative = gain.ratio_std / gain.ratio;
+    state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +
+                                       (relative * state.ratios.value.row(row).array()).square())
+                                          .sqrt();
+  }
+}
+
+// A pair does not tell a mode where its residue has the sign that it cannot have.
+void leave_out_contradictions(Matching& state) {
+  const auto n = state.signs.size();
+  for (Eigen::Index c = 0; c < n; ++c) {
+    for (std::size_t g = 0; g < state.groups.size(); ++g) {
+      const auto column = static_cast<Eigen::Index>(g);
+      const double value = state.side * state.signs(c) * state.residues.value(c, column);
+      if (!state.residues.telling(c, column) || value > 0.0) continue;
+      state.residues.telling(c, column) = false;
+      state.match.warnings.push_back(fmt::format(
+          "{}: the residue of {} is negative there, others are not: not used for it; it is not one "
+          "place, or the mode is blended with another",
+          state.pair_name(c), state.mode_name(state.groups[g])));
+    }
+  }
+}
+
+void find_signs(Matching& state) {
+  state.signs = pair_signs(state.residues);
+  const auto n = state.signs.size();
+  const bool any = (state.residues.telling.array()).any();
+  if (any && n > 0 && (state.signs.array() < 0).all()) {
+    state.side = -1;
+    state.signs.setOnes();
+    state.match.warnings.push_back(
+        n == 1 ? state.pair_name(0) +
+                     ": turned around: its residues are negative; all actuators are taken to count "
+                     "against the sensors, but it may be this sensor or this actuator alone"
+               : "all pairs are turned around: sensors and actuators count in opposite directions");
+  } else if (!any) {
+    state.side = side_by_motion(state);
+    if (state.side < 0) {
+      state.match.warnings.emplace_back(
+          "the suspended modes say that sensors and actuators count in opposite directions");
+    }
+  }
+  for (Eigen::Index c = 0; c < n; ++c) {
+    if (state.signs(c) > 0) continue;
+    state.match.pairs[static_cast<std::size_t>(c)].turned = true;
+    state.match.warnings.push_back(state.pair_name(c) +
+                                   ": turned around: this sensor or this actuator counts against "
+                                   "its direction");
+  }
+  leave_out_contradictions(state);
+}
+
+void warn_of_gains(Matching& state, const Eigen::MatrixXd& left) {
+  for (std::size_t c = 0; c < state.match.pairs.size(); ++c) {
+    const auto& gain = state.match.pairs[c];
+    const auto row = static_cast<Eigen::Index>(c);
+    if (std::abs(gain.ratio - 1.0) > std::max(3.0 * gain.ratio_std, 1e-3)) {
+      state.match.warnings.push_back(fmt::format(
+          "{}: the sensor's gain over the actuator's is {:.4f} +- {:.4f} of that of "
+          "the pairs together{}",
+          state.pair_name(row), gain.ratio, gain.ratio_std,
+          state.options.fault == GainFault::nobody ? ", not corrected" : ", corrected"));
+    }
+    for (std::size_t g = 0; g < state.groups.size(); ++g) {
+      const double off = left(row, static_cast<Eigen::Index>(g));
+      if (std::abs(off) < 5.0) continue;
+      state.match.warnings.push_back(
+          fmt::format("{}: {} disagrees with the gains of the others by {:.1f} deviations; it is "
+                      "not one place, or the mode is blended with another",
+                      state.pair_name(row), state.mode_name(state.groups[g]), std::abs(off)));
+    }
+  }
+}
+
+void warn_of_disagreement(Matching& state) {
+  for (const auto& group : state.groups) {
+    const auto& told = state.match.modes[static_cast<std::size_t>(group.first)];
+    const auto freedoms = static_cast<double>(told.freedoms);
+    if (told.freedoms <= 0 ||
+        told.disagreement < freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0) {
+      continue;
+    }
+    state.match.warnings.push_back(fmt::format(
+        "{}: {} disagree by chi-square {:.3g} where {} is expected", state.mode_name(group),
+        told.by == MatchedBy::geometry ? "the places and a rigid motion" : "its pairs",
+        told.disagreement, told.freedoms));
+  }
+}
+
+void gather_rows(Matching& state) {
+  auto& match = state.match;
+  for (Eigen::Index i = 0; i < state.p(); ++i) match.rows.push_back({false, i});
+  for (Eigen::Index j = 0; j < state.q(); ++j) {
+    const bool shares = std::ranges::any_of(state.options.pairs, [&](const CollocatedPair& pair) {
+      return pair.input == j && pair.is_one_place();
+    });
+    if (!shares) match.rows.push_back({true, j});
+  }
+  const auto count = std::ssize(match.rows);
+  match.shapes.conservativeResize(count, Eigen::NoChange);
+  match.deviation.conservativeResize(count, Eigen::NoChange);
+  for (Eigen::Index k = state.p(); k < count; ++k) {
+    const auto j = match.rows[static_cast<std::size_t>(k)].channel;
+    match.shapes.row(k) = state.at_inputs.row(j);
+    match.deviation.row(k) = state.at_inputs_std.row(j);
+  }
+}
+
+// Variances that are not known stand in the sums as a thousand times the size of what they are of,
+// squared: finite, and no information.
+void bound(Eigen::MatrixXd& covariance, const Eigen::VectorXd& size) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (std::isfinite(covariance(i, i))) continue;
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+    covariance(i, i) = std::pow(1e3 * size(i), 2);
+  }
+}
+
+// (2 + p + q, and p + q again of complex shapes): size of ω, ζ, L and R.
+Eigen::VectorXd sizes(const ModalFit& fit, Eigen::Index m, Eigen::Index count) {
+  const auto p = fit.model.output_count();
+  const auto q = fit.model.input_count();
+  const auto rms = [](const auto& part) {
+    return part.norm() / std::sqrt(static_cast<double>(part.size()));
+  };
+  Eigen::VectorXd size(2 + 2 * (p + q));
+  size.setConstant(rms(fit.model.output_shapes.col(m)));
+  size(0) = std::max(1.0, 2.0 * std::numbers::pi * fit.model.frequency_hz(m));
+  size(1) = 1.0;
+  const double input = rms(fit.model.input_shapes.row(m));
+  size.segment(2 + p, q).setConstant(input);
+  size.tail(q).setConstant(input);
+  return size.head(count);
+}
+
+void bound_unknown(ModalFit& fit) {
+  const auto r = fit.model.rigid_count;
+  for (std::size_t m = 0; m < fit.mode_covariance.size(); ++m) {
+    auto& covariance = fit.mode_covariance[m];
+    bound(covariance, sizes(fit, static_cast<Eigen::Index>(m), covariance.rows()));
+    if (!fit.complex || m >= fit.complex->covariance.size()) continue;
+    auto& both = fit.complex->covariance[m];
+    bound(both, sizes(fit, static_cast<Eigen::Index>(m), both.rows()));
+  }
+  const auto rigid = fit.rigid_covariance.rows();
+  if (rigid == 0) return;
+  const double size = std::max(fit.model.output_shapes.leftCols(r).cwiseAbs().maxCoeff(),
+                               fit.model.input_shapes.topRows(r).cwiseAbs().maxCoeff());
+  bound(fit.rigid_covariance, Eigen::VectorXd::Constant(rigid, size));
+}
+
+// What the fit does not know stays unknown, whatever was made of the channel's values.
+void mark_unknown(const ModalFit& fit, Matching& state) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const auto m = fit.model.mode_count();
+  if (fit.output_std.cols() != m || fit.input_std.rows() != m) return;
+  const auto unknown = [](double deviation) { return !std::isfinite(deviation); };
+  auto& match = state.match;
+  for (Eigen::Index k = 0; k < m; ++k) {
+    for (Eigen::Index i = 0; i < state.p(); ++i) {
+      if (unknown(fit.output_std(i, k))) match.deviation(i, k) = kInfinite;
+    }
+    for (Eigen::Index j = 0; j < state.q(); ++j) {
+      if (!unknown(fit.input_std(k, j))) continue;
+      match.input_deviation(k, j) = state.at_inputs_std(j, k) = kInfinite;
+    }
+  }
+}
+
+Matching started(const ModalFit& fit, const Channels& outputs, const Channels& inputs,
+                 const GainMatchOptions& options) {
+  Matching state{fit, outputs, inputs, options, matched_groups(fit), {}, {}, {}, 1, {}, {}, {}};
+  const auto m = fit.model.mode_count();
+  bound_unknown(state.fit);
+  state.ratios = place_ratios(options.pairs, m, options.simulation_error);
+  state.match.modes.resize(static_cast<std::size_t>(m));
+  state.match.pairs.resize(options.pairs.size());
+  state.match.shapes = state.match.deviation = Eigen::MatrixXd::Zero(state.p(), m);
+  state.match.input_shapes = state.match.input_deviation = Eigen::MatrixXd::Zero(m, state.q());
+  state.at_inputs = state.at_inputs_std = Eigen::MatrixXd::Zero(state.q(), m);
+  return state;
+}
+
+}  // namespace
+
+std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredChannel>& outputs,
+                                             const std::vector<modal::MeasuredChannel>& inputs,
+                                             double within_m) {
+  struct Near {
+    double distance;
+    Eigen::Index output, input;
+  };
+  std::vector<Near> near;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = 0; j < inputs.size(); ++j) {
+      if (!outputs[i].position || !inputs[j].position) continue;
+      const double distance = (*outputs[i].position - *inputs[j].position).norm();
+      if (distance <= within_m) {
+        near.push_back({distance, static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)});
+      }
+    }
+  }
+  std::ranges::stable_sort(near, {}, &Near::distance);
+  std::set<Eigen::Index> left;
+  std::set<Eigen::Index> right;
+  std::vector<CollocatedPair> pairs;
+  for (const auto& one : near) {
+    if (left.contains(one.output) || right.contains(one.input)) continue;
+    left.insert(one.output);
+    right.insert(one.input);
+    pairs.push_back({one.output, one.input, {}, {}});
+  }
+  std::ranges::sort(pairs, {}, &CollocatedPair::output);
+  return pairs;
+}
+
+GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs,
+                     const std::vector<modal::MeasuredChannel>& inputs,
+                     const GainMatchOptions& options) {
+  check_input(fit, outputs, inputs, options);
+  auto state = started(fit, outputs, inputs, options);
+  agree_in_phase(state);
+  state.residues =
+      pair_residues(state.fit, state.groups, options.pairs, state.ratios, options.significance);
+  find_signs(state);
+  auto gains = pair_gains(state.fit, state.groups, options.pairs, state.ratios, state.residues);
+  for (std::size_t c = 0; c < gains.gains.size(); ++c) {
+    gains.gains[c].turned = state.match.pairs[c].turned;
+    state.match.pairs[c] = gains.gains[c];
+  }
+  correct_gains(state);
+  warn_of_gains(state, gains.left);
+  for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
+  warn_of_disagreement(state);
+  mark_unknown(fit, state);
+  gather_rows(state);
+  add_imaginary_rows(state);
+  return std::move(state.match);
+}
+
+modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match) {
+  auto model = fit.model;
+  model.output_shapes = match.shapes;
+  model.input_shapes = match.input_shapes;
+  model.residual = Eigen::MatrixXd::Zero(match.shapes.rows(), fit.model.input_count());
+  if (fit.model.residual.size() > 0) {
+    model.residual.topRows(fit.model.output_count()) = fit.model.residual;
+  }
+  return model;
+}
+
+}  // namespace chladni::identification

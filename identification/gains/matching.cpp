@@ -1,0 +1,395 @@
+#include "identification/gains/matching.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "base/error.h"
+#include "identification/gains/matched_sides.h"
+
+namespace chladni::identification {
+
+namespace {
+
+// The pairs that tell a group, with all their known factors. Of a block no simulated mode is one.
+Ties ties_of(const Matching& state, std::size_t group) {
+  Ties ties;
+  const auto g = static_cast<Eigen::Index>(group);
+  const auto mode = state.groups[group].first;
+  std::vector<double> ratio;
+  std::vector<double> deviation;
+  for (Eigen::Index c = 0; c < std::ssize(state.options.pairs); ++c) {
+    const auto& pair = state.options.pairs[static_cast<std::size_t>(c)];
+    if (!state.residues.telling(c, g)) continue;
+    if (state.groups[group].size > 1 && !pair.is_one_place()) continue;
+    ties.outputs.push_back(pair.output);
+    ties.inputs.push_back(pair.input);
+    ratio.push_back(state.signs(c) * state.ratios.value(c, mode));
+    deviation.push_back(state.ratios.deviation(c, mode));
+  }
+  ties.ratio = Eigen::Map<Eigen::VectorXd>(ratio.data(), std::ssize(ratio));
+  ties.ratio_std = Eigen::Map<Eigen::VectorXd>(deviation.data(), std::ssize(deviation));
+  return ties;
+}
+
+TwoSides sides_of(const Matching& state, std::size_t group) {
+  const auto mode = state.groups[group].first;
+  return {state.fit.model.output_shapes.col(mode),
+          state.side * state.fit.model.input_shapes.row(mode).transpose(),
+          [&] {
+            auto covariance = shape_covariance(state.fit, mode);
+            covariance.topRightCorner(state.p(), state.q()) *= state.side;
+            covariance.bottomLeftCorner(state.q(), state.p()) *= state.side;
+            return covariance;
+          }(),
+          ties_of(state, group)};
+}
+
+using Scaling = std::function<OneScale(const TwoSides&)>;
+
+// Scales the mode, with the deviations of all that comes out.
+void apply(Matching& state, std::size_t group, const Scaling& scaling, MatchedBy by) {
+  const auto mode = state.groups[group].first;
+  const auto p = state.p();
+  const auto q = state.q();
+  const auto sides = sides_of(state, group);
+  const auto n = sides.ties.count();
+  const auto scaled = scaling(sides);
+  Eigen::VectorXd x(p + q + n);
+  x << sides.outputs, sides.inputs, sides.ties.ratio;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(p + q + n, p + q + n);
+  covariance.topLeftCorner(p + q, p + q) = sides.covariance;
+  covariance.bottomRightCorner(n, n) = sides.ties.ratio_std.cwiseAbs2().asDiagonal();
+  const auto value = [&](const Eigen::VectorXd& at) {
+    auto moved = sides;
+    moved.outputs = at.head(p);
+    moved.inputs = at.segment(p, q);
+    moved.ties.ratio = at.tail(n);
+    const auto one = scaling(moved);
+    Eigen::VectorXd all(p + 2 * q + 1);
+    all << one.outputs, one.inputs, one.at_inputs, one.log_alpha;
+    return all;
+  };
+  const Eigen::VectorXd deviation = propagated(value, x, covariance_factor(covariance));
+  auto& match = state.match;
+  match.shapes.col(mode).head(p) = scaled.outputs;
+  match.deviation.col(mode).head(p) = deviation.head(p);
+  match.input_shapes.row(mode) = scaled.inputs.transpose();
+  match.input_deviation.row(mode) = deviation.segment(p, q).transpose();
+  state.at_inputs.col(mode) = scaled.at_inputs;
+  state.at_inputs_std.col(mode) = deviation.segment(p + q, q);
+  auto& told = match.modes[static_cast<std::size_t>(mode)];
+  told.by = by;
+  told.alpha = std::exp(scaled.log_alpha);
+  told.alpha_std = told.alpha * deviation(p + 2 * q);
+  told.sign = state.side;
+  told.disagreement = scaled.chi_square;
+}
+
+// A guess: the same rms on both sides.
+void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const auto& model = state.fit.model;
+  for (Eigen::Index m = group.first; m < group.first + group.size; ++m) {
+    const double l = model.output_shapes.col(m).norm() / std::sqrt(static_cast<double>(state.p()));
+    const double r = model.input_shapes.row(m).norm() / std::sqrt(static_cast<double>(state.q()));
+    const double alpha = l > 0.0 && r > 0.0 ? std::sqrt(l / r) : 1.0;
+    auto& match = state.match;
+    match.shapes.col(m).head(state.p()) = model.output_shapes.col(m) / alpha;
+    match.input_shapes.row(m) = state.side * alpha * model.input_shapes.row(m);
+    state.at_inputs.col(m) = match.input_shapes.row(m).transpose();
+    match.deviation.col(m).setConstant(kInfinite);
+    match.input_deviation.row(m).setConstant(kInfinite);
+    state.at_inputs_std.col(m).setConstant(kInfinite);
+    auto& told = match.modes[static_cast<std::size_t>(m)];
+    told = {MatchedBy::nothing, alpha, kInfinite, state.side, 0.0, 0};
+  }
+}
+
+// Covariance of the modes' (L_m, R_m) one after the other, the side's sign in.
+Eigen::MatrixXd block_covariance(const Matching& state, const modal::ModeGroup& group) {
+  const auto p = state.p();
+  const auto q = state.q();
+  const auto g = group.size;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(g * (p + q), g * (p + q));
+  const auto& rigid = state.fit.rigid_covariance;
+  if (group.first < state.fit.model.rigid_count && rigid.rows() == covariance.rows()) {
+    std::vector<Eigen::Index> where;  // in (vec L, vec R)
+    for (Eigen::Index m = 0; m < g; ++m) {
+      for (Eigen::Index i = 0; i < p; ++i) where.push_back(m * p + i);
+      for (Eigen::Index j = 0; j < q; ++j) where.push_back(g * p + j * g + m);
+    }
+    covariance = rigid(where, where);
+  } else {
+    for (Eigen::Index m = 0; m < g; ++m) {
+      covariance.block(m * (p + q), m * (p + q), p + q, p + q) =
+          shape_covariance(state.fit, group.first + m);
+    }
+  }
+  for (Eigen::Index m = 0; m < g; ++m) {
+    covariance.middleRows(m * (p + q) + p, q) *= state.side;
+    covariance.middleCols(m * (p + q) + p, q) *= state.side;
+  }
+  return covariance;
+}
+
+// What a block of g modes becomes: p×g and g×q, from its L and R.
+struct Block {
+  Eigen::MatrixXd outputs, inputs;
+};
+using BlockScaling = std::function<Block(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>;
+
+void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& scaling,
+           MatchedBy by) {
+  const auto p = state.p();
+  const auto q = state.q();
+  const auto g = group.size;
+  const Eigen::MatrixXd outputs = state.fit.model.output_shapes.middleCols(group.first, g);
+  const Eigen::MatrixXd inputs =
+      state.side * state.fit.model.input_shapes.middleRows(group.first, g);
+  Eigen::MatrixXd columns(p + q, g);
+  columns << outputs, inputs.transpose();
+  const Eigen::VectorXd x = columns.reshaped();
+  const Eigen::MatrixXd factor = covariance_factor(block_covariance(state, group));
+  const auto value = [&](const Eigen::VectorXd& at) {
+    const Eigen::MatrixXd moved = at.reshaped(p + q, g);
+    const auto block = scaling(moved.topRows(p), moved.bottomRows(q).transpose());
+    Eigen::MatrixXd all(p + q, g);
+    all << block.outputs, block.inputs.transpose();
+    return Eigen::VectorXd(all.reshaped());
+  };
+  const Eigen::MatrixXd scaled = value(x).reshaped(p + q, g);
+  const Eigen::MatrixXd deviation = propagated(value, x, factor).reshaped(p + q, g);
+  auto& match = state.match;
+  match.shapes.topRows(p).middleCols(group.first, g) = scaled.topRows(p);
+  match.deviation.topRows(p).middleCols(group.first, g) = deviation.topRows(p);
+  match.input_shapes.middleRows(group.first, g) = scaled.bottomRows(q).transpose();
+  match.input_deviation.middleRows(group.first, g) = deviation.bottomRows(q).transpose();
+  state.at_inputs.middleCols(group.first, g) = scaled.bottomRows(q);
+  state.at_inputs_std.middleCols(group.first, g) = deviation.bottomRows(q);
+  for (Eigen::Index m = group.first; m < group.first + g; ++m) {
+    match.modes[static_cast<std::size_t>(m)] = {by, 1.0, 0.0, state.side, 0.0, 0};
+  }
+}
+
+// Deviations of the entries of L R; empty where not all are known.
+Eigen::MatrixXd product_deviation(const Matching& state, const modal::ModeGroup& group) {
+  const auto p = state.p();
+  const auto q = state.q();
+  const auto& model = state.fit.model;
+  const Eigen::MatrixXd covariance = block_covariance(state, group);
+  Eigen::MatrixXd deviation(p, q);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    for (Eigen::Index j = 0; j < q; ++j) {
+      std::vector<Eigen::Index> where;
+      Eigen::VectorXd slope(2 * group.size);
+      for (Eigen::Index m = 0; m < group.size; ++m) {
+        where.push_back(m * (p + q) + i);
+        where.push_back(m * (p + q) + p + j);
+        slope(2 * m) = state.side * model.input_shapes(group.first + m, j);
+        slope(2 * m + 1) = model.output_shapes(i, group.first + m);
+      }
+      deviation(i, j) = slope.dot(covariance(where, where) * slope);
+    }
+  }
+  if (!(deviation.minCoeff() > 0.0)) return {};
+  return deviation.cwiseSqrt();
+}
+
+void match_by_mass(Matching& state, const modal::ModeGroup& group) {
+  const auto& geometry = *state.options.geometry;
+  const Eigen::MatrixXd deviation = product_deviation(state, group);
+  const auto body_of = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
+    return rigid_body(l * r, deviation, geometry.outputs, geometry.inputs);
+  };
+  const auto g = group.size;
+  const auto body = body_of(state.fit.model.output_shapes.middleCols(group.first, g),
+                            state.side * state.fit.model.input_shapes.middleRows(group.first, g));
+  const auto scaling = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
+    const auto modes = body_of(l, r).modes;
+    return Block{geometry.outputs * modes, (geometry.inputs * modes).transpose()};
+  };
+  apply(state, group, scaling, MatchedBy::geometry);
+  const auto left = static_cast<double>(deviation.size() - g * (g + 1) / 2);
+  if (left > 0.0 && body.misfit > 1.0 + 5.0 * std::sqrt(2.0 / left)) {
+    state.match.warnings.push_back(
+        fmt::format("modes at 0 Hz: a rigid body leaves {:.3g} times the noise's square; are the "
+                    "channels' places and gains right?",
+                    body.misfit));
+  }
+  state.match.rigid = body;
+}
+
+void match_block(Matching& state, std::size_t group) {
+  const auto ties = ties_of(state, group);
+  const auto scaling = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
+    const Eigen::MatrixXd turn = block_transformation(l, r, ties);
+    return Block{l * turn, turn.partialPivLu().solve(r)};
+  };
+  apply(state, state.groups[group], scaling, MatchedBy::pairs);
+}
+
+bool match_by_prior(Matching& state, std::size_t group) {
+  const auto mode = state.groups[group].first;
+  if (!state.options.prior || state.fit.model.frequency_hz(mode) <= 0.0) return false;
+  const auto& prior = *state.options.prior;
+  const auto sides = sides_of(state, group);
+  const auto p = state.p();
+  const auto q = state.q();
+  const Eigen::VectorXd noise = sides.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const auto at_least = [](const Eigen::VectorXd& deviation, const Eigen::VectorXd& values) {
+    const double rms = values.norm() / std::sqrt(static_cast<double>(values.size()));
+    return Eigen::VectorXd(deviation.cwiseMax(1e-6 * rms));
+  };
+  const auto found = priors::gain_match(
+      {state.fit.model.frequency_hz(mode), prior.outputs, prior.inputs, sides.outputs, sides.inputs,
+       at_least(noise.head(p), sides.outputs), at_least(noise.tail(q), sides.inputs)},
+      prior.basis, prior.residual);
+  apply(
+      state, group,
+      [&](const TwoSides& at) {
+        const double alpha = std::exp(0.5 * found.log_gain);
+        OneScale scaled;
+        scaled.outputs = at.outputs / alpha;
+        scaled.inputs = scaled.at_inputs = found.sign * alpha * at.inputs;
+        scaled.log_alpha = std::log(alpha);
+        return scaled;
+      },
+      MatchedBy::prior);
+  auto& match = state.match;
+  const double relative = 0.5 * found.deviation;
+  const auto widen = [&](auto deviation, const auto& values) {
+    deviation = (deviation.array().square() + (relative * values.array()).square()).sqrt();
+  };
+  widen(match.deviation.col(mode).head(p), match.shapes.col(mode).head(p));
+  widen(match.input_deviation.row(mode), match.input_shapes.row(mode));
+  widen(state.at_inputs_std.col(mode), state.at_inputs.col(mode));
+  auto& told = match.modes[static_cast<std::size_t>(mode)];
+  told.alpha_std = told.alpha * relative;
+  told.sign = state.side * found.sign;
+  return true;
+}
+
+bool is_suspended(const Matching& state, Eigen::Index mode) {
+  return state.options.geometry && std::ranges::find(state.options.geometry->suspended, mode) !=
+                                       state.options.geometry->suspended.end();
+}
+
+// By what the shape may bend, a part of its rms: rows that follow the motion are off by it.
+void widen_by_bending(Matching& state, Eigen::Index mode, bool only_at_inputs) {
+  const double bending = state.options.geometry->bending;
+  auto& match = state.match;
+  const auto shape = match.shapes.col(mode).head(state.p());
+  const double off = bending * shape.norm() / std::sqrt(static_cast<double>(state.p()));
+  const auto widen = [&](auto deviation) {
+    deviation = (deviation.array().square() + off * off).sqrt();
+  };
+  widen(state.at_inputs_std.col(mode));
+  if (only_at_inputs) return;
+  widen(match.deviation.col(mode).head(state.p()));
+  widen(match.input_deviation.row(mode));
+}
+
+void match_by_motion(Matching& state, std::size_t group) {
+  const auto& geometry = *state.options.geometry;
+  const bool by_sensors =
+      state.options.rule == GainRule::thesis && ties_of(state, group).count() > 0;
+  apply(
+      state, group,
+      [&](const TwoSides& at) {
+        return by_sensors
+                   ? extrapolated_from_sensors(at, geometry.outputs, geometry.inputs)
+                   : scaled_by_motion(at, geometry.outputs, geometry.inputs, geometry.bending);
+      },
+      by_sensors ? MatchedBy::pairs : MatchedBy::geometry);
+  widen_by_bending(state, state.groups[group].first, by_sensors);
+  if (by_sensors) return;
+  auto& told = state.match.modes[static_cast<std::size_t>(state.groups[group].first)];
+  told.freedoms = std::max<Eigen::Index>(state.p() + state.q() - 1 - geometry.outputs.cols(), 0);
+}
+
+void match_by_pairs(Matching& state, std::size_t group) {
+  const bool tied = state.options.rule == GainRule::tied;
+  apply(
+      state, group,
+      [&](const TwoSides& at) { return tied ? scaled_by_ties(at) : scaled_by_thesis(at); },
+      MatchedBy::pairs);
+  auto& told = state.match.modes[static_cast<std::size_t>(state.groups[group].first)];
+  if (tied) told.freedoms = ties_of(state, group).count() - 1;
+}
+
+// Whether the motion tells a mode, be there pairs or not.
+bool goes_by_motion(const Matching& state, std::size_t group) {
+  const auto& modes = state.groups[group];
+  if (modes.size != 1 || !is_suspended(state, modes.first)) return false;
+  return !state.options.geometry->pairs_first || ties_of(state, group).count() == 0;
+}
+
+// @returns  whether anything told it; what failed goes to the warnings
+bool matched(Matching& state, std::size_t group) {
+  const auto& modes = state.groups[group];
+  const bool at_zero = modes.first < state.fit.model.rigid_count;
+  try {
+    if (at_zero && state.options.geometry && state.options.geometry->outputs.cols() == modes.size) {
+      match_by_mass(state, modes);
+      return true;
+    }
+    if (goes_by_motion(state, group)) {
+      match_by_motion(state, group);
+      return true;
+    }
+  } catch (const NumericalFailure& failure) {
+    state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
+  }
+  if (ties_of(state, group).count() > 0) {
+    try {
+      modes.size == 1 ? match_by_pairs(state, group) : match_block(state, group);
+      return true;
+    } catch (const NumericalFailure& failure) {
+      state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
+      return false;
+    }
+  }
+  if (modes.size == 1 && match_by_prior(state, group)) return true;
+  state.match.warnings.push_back(state.mode_name(modes) +
+                                 (state.options.pairs.empty()
+                                      ? ": no collocated pair: not scaled"
+                                      : ": every pair is near a node of it: not scaled"));
+  return false;
+}
+
+}  // namespace
+
+void match_group(Matching& state, std::size_t group) {
+  if (!matched(state, group)) leave_unmatched(state, state.groups[group]);
+}
+
+int side_by_motion(const Matching& state) {
+  if (!state.options.geometry) return 1;
+  const auto& geometry = *state.options.geometry;
+  const auto misfit = [&](const TwoSides& sides) {
+    try {
+      return scaled_by_motion(sides, geometry.outputs, geometry.inputs, geometry.bending)
+          .chi_square;
+    } catch (const NumericalFailure&) {  // no scale makes the two sides one motion
+      return std::numeric_limits<double>::infinity();
+    }
+  };
+  int votes = 0;
+  for (std::size_t g = 0; g < state.groups.size(); ++g) {
+    if (state.groups[g].size != 1 || !is_suspended(state, state.groups[g].first)) continue;
+    const auto sides = sides_of(state, g);
+    auto turned = sides;
+    turned.inputs *= -1.0;
+    turned.covariance.topRightCorner(state.p(), state.q()) *= -1.0;
+    turned.covariance.bottomLeftCorner(state.q(), state.p()) *= -1.0;
+    const double as_is = misfit(sides);
+    const double other = misfit(turned);
+    if (as_is != other) votes += as_is < other ? 1 : -1;
+  }
+  return votes < 0 ? -1 : 1;
+}
+
+}  // namespace chladni::identification

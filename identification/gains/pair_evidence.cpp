@@ -1,0 +1,289 @@
+#include "identification/gains/pair_evidence.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+#include "base/finite.h"
+
+namespace chladni::identification {
+
+namespace {
+
+// ln of the ratio of both sides at the telling pairs of one mode, and its covariance.
+struct LogRatios {
+  std::vector<Eigen::Index> pairs;
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+};
+
+LogRatios log_ratios(const ModalFit& fit, Eigen::Index mode, Eigen::Index group,
+                     const std::vector<CollocatedPair>& pairs, const PlaceRatios& ratios,
+                     const PairResidues& residues) {
+  const auto p = fit.model.output_count();
+  const auto q = fit.model.input_count();
+  LogRatios logs;
+  for (Eigen::Index c = 0; c < std::ssize(pairs); ++c) {
+    if (residues.telling(c, group)) logs.pairs.push_back(c);
+  }
+  const auto n = std::ssize(logs.pairs);
+  logs.value.resize(n);
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(n, p + q);
+  Eigen::VectorXd own(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto c = logs.pairs[static_cast<std::size_t>(k)];
+    const auto& pair = pairs[static_cast<std::size_t>(c)];
+    const double l = fit.model.output_shapes(pair.output, mode);
+    const double r = fit.model.input_shapes(mode, pair.input);
+    logs.value(k) = std::log(std::abs(l / (r * ratios.value(c, mode))));
+    slope(k, pair.output) = 1.0 / l;
+    slope(k, p + pair.input) = -1.0 / r;
+    own(k) = ratios.deviation(c, mode) / ratios.value(c, mode);
+  }
+  logs.covariance = slope * shape_covariance(fit, mode) * slope.transpose();
+  logs.covariance += own.cwiseAbs2().asDiagonal();
+  return logs;
+}
+
+// S⁻¹ with the mode's own α taken out. Certain values count alike.
+Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
+  const auto n = covariance.rows();
+  Eigen::MatrixXd spread = covariance;
+  spread.diagonal().array() += 1e-24;
+  const Eigen::MatrixXd weight = spread.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd ones = weight * Eigen::VectorXd::Ones(n);
+  return weight - ones * ones.transpose() / ones.sum();
+}
+
+// Pseudo-inverse: one common factor of all gains is not told.
+Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& normal) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(finite(normal, "gains of the pairs"));
+  const double least = 1e-9 * solver.eigenvalues()(normal.rows() - 1);
+  const Eigen::VectorXd inverse =
+      (solver.eigenvalues().array() > least).select(solver.eigenvalues().cwiseInverse(), 0.0);
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+// The two-way layout: gains, and what is left of each entry in deviations.
+struct Layout {
+  Eigen::VectorXd log_gain;
+  Eigen::MatrixXd covariance;
+  std::vector<Eigen::VectorXd> left;  // of each mode, in the order of its entries
+};
+
+Layout layout_of(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(pairs, pairs);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(pairs);
+  for (const auto& mode : modes) {
+    const Eigen::MatrixXd weight = weight_without_scale(mode.covariance);
+    normal(mode.pairs, mode.pairs) += weight;
+    right(mode.pairs) += weight * mode.value;
+  }
+  Layout layout;
+  layout.covariance = inverse_of_told(normal);
+  layout.log_gain = layout.covariance * right;
+  for (const auto& mode : modes) {
+    const Eigen::MatrixXd weight = weight_without_scale(mode.covariance);
+    const Eigen::VectorXd gap = weight * (mode.value - layout.log_gain(mode.pairs));
+    layout.left.emplace_back(gap.cwiseQuotient(weight.diagonal().cwiseSqrt()));
+  }
+  return layout;
+}
+
+// The entry furthest off, in deviations.
+struct Worst {
+  std::size_t mode = 0;
+  Eigen::Index entry = 0;
+  double off = 0.0;
+};
+
+Worst worst_of(const Layout& layout) {
+  Worst worst;
+  for (std::size_t g = 0; g < layout.left.size(); ++g) {
+    Eigen::Index entry = 0;
+    const double off = layout.left[g].cwiseAbs().maxCoeff(&entry);
+    if (off > worst.off) worst = {g, entry, off};
+  }
+  return worst;
+}
+
+LogRatios without(const LogRatios& mode, Eigen::Index entry) {
+  std::vector<Eigen::Index> kept;
+  LogRatios result;
+  for (Eigen::Index k = 0; k < mode.value.size(); ++k) {
+    if (k == entry) continue;
+    kept.push_back(k);
+    result.pairs.push_back(mode.pairs[static_cast<std::size_t>(k)]);
+  }
+  result.value = mode.value(kept);
+  result.covariance = mode.covariance(kept, kept);
+  return result;
+}
+
+// How many modes tell each pair's gain; 0: none does.
+std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
+  std::vector<Eigen::Index> count(static_cast<std::size_t>(pairs), 0);
+  for (const auto& mode : modes) {
+    for (const auto c : mode.pairs) ++count[static_cast<std::size_t>(c)];
+  }
+  return count;
+}
+
+// Without entries that the others contradict, the worst first, as long as two modes tell each
+// pair: a gain is the same in all modes, and one entry that is not one place would pull it with the
+// certainty of the fit.
+std::vector<LogRatios> consistent(std::vector<LogRatios> modes, Eigen::Index pairs) {
+  constexpr double kContradicts = 5.0;  // deviations
+  while (true) {
+    const auto worst = worst_of(layout_of(modes, pairs));
+    if (worst.off < kContradicts) return modes;
+    auto fewer = modes;
+    auto& mode = fewer[worst.mode];
+    mode = without(mode, worst.entry);
+    if (mode.pairs.size() < 2) fewer.erase(fewer.begin() + static_cast<long>(worst.mode));
+    const auto before = told_by(modes, pairs);
+    const auto after = told_by(fewer, pairs);
+    for (std::size_t c = 0; c < after.size(); ++c) {
+      if (before[c] > 0 && after[c] < 2) return modes;
+    }
+    modes = std::move(fewer);
+  }
+}
+
+}  // namespace
+
+PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index modes,
+                         double simulation_error) {
+  PlaceRatios ratios{Eigen::MatrixXd::Ones(std::ssize(pairs), modes),
+                     Eigen::MatrixXd::Zero(std::ssize(pairs), modes)};
+  for (Eigen::Index c = 0; c < std::ssize(pairs); ++c) {
+    const auto& pair = pairs[static_cast<std::size_t>(c)];
+    if (pair.is_one_place()) continue;
+    require(pair.at_output.size() == modes && pair.at_input.size() == modes,
+            "gain match: pair " + std::to_string(c + 1) + " has simulated shapes of " +
+                std::to_string(pair.at_output.size()) + " and " +
+                std::to_string(pair.at_input.size()) + " modes; expected " + std::to_string(modes));
+    // Less than this at either place is a node: nothing is known of the ratio.
+    const double least = 1e-6 * (pair.at_output.norm() + pair.at_input.norm()) + 1e-300;
+    for (Eigen::Index m = 0; m < modes; ++m) {
+      const double there = pair.at_output(m);
+      const double here = pair.at_input(m);
+      if (std::abs(there) < least || std::abs(here) < least) {
+        ratios.deviation(c, m) = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      ratios.value(c, m) = there / here;
+      // The change may be wrong at either place: near a node of one the ratio is not known.
+      ratios.deviation(c, m) = simulation_error * std::abs((there - here) * ratios.value(c, m)) *
+                               std::hypot(1.0 / there, 1.0 / here);
+    }
+  }
+  return ratios;
+}
+
+Eigen::MatrixXd shape_covariance(const ModalFit& fit, Eigen::Index mode) {
+  const auto size = fit.model.output_count() + fit.model.input_count();
+  if (mode >= std::ssize(fit.mode_covariance)) return Eigen::MatrixXd::Zero(size, size);
+  const auto& all = fit.mode_covariance[static_cast<std::size_t>(mode)];
+  if (all.rows() != size + 2) return Eigen::MatrixXd::Zero(size, size);
+  return all.bottomRightCorner(size, size);
+}
+
+std::vector<modal::ModeGroup> matched_groups(const ModalFit& fit) {
+  std::vector<modal::ModeGroup> groups;
+  const auto rigid = fit.model.rigid_count;
+  if (rigid > 0) groups.push_back({0, rigid});
+  Eigen::Index next = rigid;
+  for (const auto& group : fit.groups) {
+    if (group.first != next) continue;  // of the rigid-body modes, or not there
+    groups.push_back(group);
+    next += group.size;
+  }
+  for (; next < fit.model.mode_count(); ++next) groups.push_back({next, 1});
+  return groups;
+}
+
+PairResidues pair_residues(const ModalFit& fit, const std::vector<modal::ModeGroup>& groups,
+                           const std::vector<CollocatedPair>& pairs, const PlaceRatios& ratios,
+                           double significance) {
+  PairResidues residues;
+  const auto n = std::ssize(pairs);
+  const auto count = std::ssize(groups);
+  residues.value = residues.deviation = Eigen::MatrixXd::Zero(n, count);
+  residues.telling.setConstant(n, count, false);
+  const auto p = fit.model.output_count();
+  for (Eigen::Index g = 0; g < count; ++g) {
+    const auto& group = groups[static_cast<std::size_t>(g)];
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const auto& pair = pairs[static_cast<std::size_t>(c)];
+      double size = 0.0;
+      bool known = true;
+      for (Eigen::Index m = group.first; m < group.first + group.size; ++m) {
+        const double l = fit.model.output_shapes(pair.output, m);
+        const double r = fit.model.input_shapes(m, pair.input);
+        const auto covariance = shape_covariance(fit, m);
+        residues.value(c, g) += std::copysign(1.0, ratios.value(c, m)) * l * r;
+        residues.deviation(c, g) += r * r * covariance(pair.output, pair.output) +
+                                    l * l * covariance(p + pair.input, p + pair.input) +
+                                    2.0 * l * r * covariance(pair.output, p + pair.input);
+        size += fit.model.output_shapes.col(m).norm() * fit.model.input_shapes.row(m).norm();
+        known = known && ratios.deviation(c, m) * significance < std::abs(ratios.value(c, m));
+      }
+      residues.deviation(c, g) = std::sqrt(std::max(residues.deviation(c, g), 0.0));
+      const double least = std::max(significance * residues.deviation(c, g), 1e-9 * size);
+      residues.telling(c, g) = known && std::abs(residues.value(c, g)) > least;
+    }
+  }
+  return residues;
+}
+
+Eigen::VectorXi pair_signs(const PairResidues& residues) {
+  Eigen::VectorXi signs = Eigen::VectorXi::Ones(residues.value.rows());
+  for (Eigen::Index c = 0; c < signs.size(); ++c) {
+    int votes = 0;
+    for (Eigen::Index g = 0; g < residues.value.cols(); ++g) {
+      if (residues.telling(c, g)) votes += residues.value(c, g) > 0.0 ? 1 : -1;
+    }
+    if (votes < 0) signs(c) = -1;
+  }
+  return signs;
+}
+
+PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& groups,
+                     const std::vector<CollocatedPair>& pairs, const PlaceRatios& ratios,
+                     const PairResidues& residues) {
+  const auto n = std::ssize(pairs);
+  PairGains result;
+  result.gains.resize(pairs.size());
+  result.left = Eigen::MatrixXd::Zero(n, std::ssize(groups));
+  std::vector<LogRatios> all;
+  std::vector<Eigen::Index> of_group;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].size != 1) continue;
+    const auto group = static_cast<Eigen::Index>(g);
+    auto logs = log_ratios(fit, groups[g].first, group, pairs, ratios, residues);
+    if (logs.pairs.size() < 2) continue;
+    all.push_back(std::move(logs));
+    of_group.push_back(group);
+  }
+  if (all.empty()) return result;
+  const auto kept = consistent(all, n);
+  const auto layout = layout_of(kept, n);
+  const auto count = told_by(kept, n);
+  for (Eigen::Index c = 0; c < n; ++c) {
+    auto& gain = result.gains[static_cast<std::size_t>(c)];
+    gain.modes = count[static_cast<std::size_t>(c)];
+    gain.ratio = std::exp(layout.log_gain(c));
+    gain.ratio_std = gain.ratio * std::sqrt(std::max(layout.covariance(c, c), 0.0));
+  }
+  for (std::size_t g = 0; g < all.size(); ++g) {
+    const Eigen::MatrixXd weight = weight_without_scale(all[g].covariance);
+    const Eigen::VectorXd gap = weight * (all[g].value - layout.log_gain(all[g].pairs));
+    result.left(all[g].pairs, of_group[g]) = gap.cwiseQuotient(weight.diagonal().cwiseSqrt());
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,122 @@
+#include "identification/likelihood/covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+#include <vector>
+
+#include "base/finite.h"
+#include "priors/dense.h"
+
+namespace chladni::identification {
+namespace {
+
+namespace dense = priors::dense;
+
+// What the basis of a block may be changed by.
+std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
+  if (block.general) {  // what A commutes with
+    return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd{{0.0, 1.0}, {-1.0, 0.0}}};
+  }
+  const auto g = block.size();
+  std::vector<Eigen::MatrixXd> all;
+  for (Eigen::Index b = 0; b < g; ++b) {
+    for (Eigen::Index a = 0; a < g; ++a) {
+      all.emplace_back(Eigen::MatrixXd::Zero(g, g));
+      all.back()(a, b) = 1.0;
+    }
+  }
+  return all;
+}
+
+// Parameters of which no data speak, or that a bound holds.
+Unknown unknown_parameters(const BlockModel& model, const Eigen::MatrixXd& symmetric) {
+  Unknown unknown = !(symmetric.diagonal().array() > 0.0);
+  for (Eigen::Index i = 0; i < unknown.size(); ++i) {
+    unknown(i) = unknown(i) || !std::isfinite(symmetric(i, i));
+  }
+  Eigen::Index first = 0;
+  for (const auto& block : model.blocks) {
+    const auto count = parameter_count(block);
+    if (is_undamped(block)) unknown(first + count - (block.general ? 2 : 1)) = true;
+    first += count;
+  }
+  return unknown;
+}
+
+// A⁻¹ of a matrix with a unit diagonal. Directions that no number of double precision tells are
+// left out, what takes part in them by a hundredth or more is unknown.
+Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& a, Unknown& unknown) {
+  constexpr double kTold = 1e-13;
+  constexpr double kShare = 1e-4;  // squared
+  Eigen::MatrixXd factor = finite(a, "covariance of a fit");
+  if (dense::cholesky(factor)) {
+    dense::invert(factor);
+    factor.triangularView<Eigen::StrictlyUpper>() = factor.transpose();
+    if (factor.allFinite()) return factor;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(a);
+  const auto told = solver.eigenvalues().array() > kTold;
+  const Eigen::VectorXd inverse = told.select(solver.eigenvalues().cwiseInverse(), 0.0);
+  const Eigen::MatrixXd& v = solver.eigenvectors();
+  const Eigen::VectorXd untold = (!told).cast<double>();
+  unknown = unknown || (v.cwiseAbs2() * untold).array() > kShare;
+  return finite(Eigen::MatrixXd(v * inverse.asDiagonal() * v.transpose()), "covariance of a fit");
+}
+
+}  // namespace
+
+Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters) {
+  Eigen::Index count = 0;
+  for (const auto& block : model.blocks) {
+    count += block.general ? 2 : block.size() * block.size();
+  }
+  Eigen::MatrixXd idle = Eigen::MatrixXd::Zero(parameters, count);
+  Eigen::Index column = 0;
+  Eigen::Index first = 0;
+  for (const auto& block : model.blocks) {
+    const auto g = block.size();
+    const auto p = block.left.rows();
+    for (const auto& change : idle_changes(block)) {  // left += left T, right −= T right
+      idle.col(column).segment(first, g * p) = (block.left * change).reshaped();
+      idle.col(column++).segment(first + g * p, g * block.right.cols()) =
+          -(change * block.right).reshaped();
+    }
+    first += parameter_count(block);
+  }
+  return idle;
+}
+
+Covariance held_inverse(const BlockModel& model, const NormalEquations& normal,
+                        const Eigen::MatrixXd& idle) {
+  const Eigen::MatrixXd symmetric = normal.matrix.selfadjointView<Eigen::Lower>();
+  Covariance result{{}, unknown_parameters(model, symmetric)};
+  const Eigen::VectorXd size = result.unknown.select(0.0, symmetric.diagonal().array().sqrt());
+  const Eigen::VectorXd scale = result.unknown.select(0.0, size.array().inverse());
+  Eigen::MatrixXd a = symmetric;
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    if (!result.unknown(i)) continue;
+    a.row(i).setZero();
+    a.col(i).setZero();
+  }
+  a = scale.asDiagonal() * a * scale.asDiagonal();
+  a.diagonal() += result.unknown.matrix().cast<double>();
+  const Eigen::MatrixXd q =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(size.asDiagonal() * idle).householderQ() *
+      Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  a += q * q.transpose();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() * inverse_of_told(a, result.unknown) * scale.asDiagonal();
+  const Eigen::MatrixXd own = Eigen::HouseholderQR<Eigen::MatrixXd>(idle).householderQ() *
+                              Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
+  result.matrix = half - (half * own) * own.transpose();
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    if (!result.unknown(i)) continue;
+    result.matrix.row(i).setZero();
+    result.matrix.col(i).setZero();
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

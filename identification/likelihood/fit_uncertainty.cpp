@@ -1,0 +1,364 @@
+#include "identification/likelihood/fit_uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <sstream>
+
+#include "identification/likelihood/covariance.h"
+#include "identification/likelihood/general_mode.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kUnknownShape = 0.15;  // relative deviation of a shape that cannot be told apart
+
+double own_frequency(const Block& block) {
+  if (block.general) return std::abs(block.pole);
+  return block.rigid ? 0.0 : std::sqrt(block.stiffness(0, 0));
+}
+
+// Single modes by frequency, and how many of each block stayed together.
+BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
+  BlockModel result = model;
+  result.blocks.clear();
+  for (const auto& block : model.blocks) {
+    if (block.general) {
+      result.blocks.push_back(turned(block));
+      continue;
+    }
+    if (block.rigid || block.size() == 1) {
+      result.blocks.push_back(balanced(block));
+      continue;
+    }
+    const auto modes = forced_modes(block);
+    std::ostringstream text;
+    text << "modes near " << own_frequency(modes.front()) * model.scale / (2.0 * std::numbers::pi)
+         << " Hz: their damping couples them, real modes of their own do not fit the data";
+    notes.push_back(text.str());
+    for (const auto& mode : modes) result.blocks.push_back(balanced(mode));
+  }
+  std::stable_sort(result.blocks.begin(), result.blocks.end(), [](const Block& a, const Block& b) {
+    return own_frequency(a) < own_frequency(b);
+  });
+  for (auto& block : result.blocks) {
+    for (Eigen::Index a = 0; a < block.size() && !block.general; ++a) {
+      Eigen::Index largest = 0;
+      block.left.col(a).cwiseAbs().maxCoeff(&largest);
+      if (block.left(largest, a) < 0.0) {
+        block.left.col(a) *= -1.0;
+        block.right.row(a) *= -1.0;
+      }
+    }
+  }
+  return result;
+}
+
+// Variances without bound where `unknown`.
+void mark(const Unknown& unknown, Eigen::MatrixXd& covariance) {
+  for (Eigen::Index i = 0; i < unknown.size(); ++i) {
+    if (unknown(i)) covariance(i, i) = std::numeric_limits<double>::infinity();
+  }
+}
+
+// Rows of (ω, ζ, L, R) of a single mode in its parameters (L, R, K, D), physical units.
+Eigen::MatrixXd physical(const Block& block, double scale) {
+  const auto pq = block.left.rows() + block.right.cols();
+  const double own = own_frequency(block);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 + pq, pq + 2);
+  jacobian(0, pq) = scale / (2.0 * own);
+  jacobian(1, pq) = -block.damping(0, 0) / (4.0 * own * own * own);
+  jacobian(1, pq + 1) = 1.0 / (2.0 * own);
+  jacobian.bottomLeftCorner(pq, pq) = scale * Eigen::MatrixXd::Identity(pq, pq);
+  return jacobian;
+}
+
+// Of (ω, ζ, Re L, Re R, Im L, Im R): what of a general block's parameters (left, right, σ, ω) is
+// not known makes of it.
+Unknown unknown_of_general(const Unknown& parameters, const Block& block) {
+  const auto p = block.left.rows();
+  const auto q = block.right.cols();
+  Unknown rows = Unknown::Constant(2 + 2 * (p + q), false);
+  rows(0) = parameters(2 * (p + q) + 1);
+  rows(1) = rows(0) || parameters(2 * (p + q));
+  for (Eigen::Index i = 0; i < p; ++i) {
+    rows(2 + i) = rows(2 + p + q + i) = parameters(i) || parameters(p + i);
+  }
+  for (Eigen::Index j = 0; j < q; ++j) {
+    rows(2 + p + j) = rows(2 + 2 * p + q + j) =
+        parameters(2 * (p + j)) || parameters(2 * (p + j) + 1);
+  }
+  return rows;
+}
+
+class Filler {
+ public:
+  Filler(const BlockModel& model, const Covariance& covariance, ModalFit& fit)
+      : model_(model), covariance_(covariance), fit_(fit) {}
+
+  void fill() {
+    for (const auto& block : model_.blocks) {
+      if (block.rigid) {
+        add_rigid(block);
+      } else if (block.general) {
+        add_general(block);
+      } else {
+        add_mode(block);
+      }
+    }
+  }
+
+ private:
+  void add_rigid(const Block& block) {
+    const auto g = block.size();
+    const auto p = block.left.rows();
+    const auto q = block.right.cols();
+    const auto count = g * (p + q);
+    fit_.rigid_covariance =
+        model_.scale * model_.scale * covariance_.matrix.block(first_, first_, count, count);
+    mark(covariance_.unknown.segment(first_, count), fit_.rigid_covariance);
+    for (Eigen::Index a = 0; a < g; ++a) {
+      std::vector<Eigen::Index> own;
+      for (Eigen::Index i = 0; i < p; ++i) own.push_back(i + p * a);
+      for (Eigen::Index j = 0; j < q; ++j) own.push_back(g * p + a + g * j);
+      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 + p + q, 2 + p + q);
+      all.bottomRightCorner(p + q, p + q) = fit_.rigid_covariance(own, own);
+      if (fit_.complex) {
+        Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(2 + 2 * (p + q), 2 + 2 * (p + q));
+        wider.topLeftCorner(2 + p + q, 2 + p + q) = all;
+        put_complex(mode_, model_.scale * block.left.col(a), model_.scale * block.right.row(a),
+                    wider);
+      }
+      put(0.0, 0.0, model_.scale * block.left.col(a), model_.scale * block.right.row(a), all);
+    }
+    first_ += count;
+  }
+
+  void add_general(const Block& block) {
+    const auto count = parameter_count(block);
+    const auto real = 2 + block.left.rows() + block.right.cols();
+    auto mode = general_mode_of(block, model_.scale,
+                                covariance_.matrix.block(first_, first_, count, count));
+    mark(unknown_of_general(covariance_.unknown.segment(first_, count), block), mode.covariance);
+    put_complex(mode_, mode.outputs, mode.inputs, mode.covariance);
+    put(mode.omega / (2.0 * std::numbers::pi), mode.damping_ratio, mode.outputs.real(),
+        mode.inputs.real(), mode.covariance.topLeftCorner(real, real));
+    first_ += count;
+  }
+
+  void add_mode(const Block& block) {
+    const auto count = parameter_count(block);
+    const Eigen::MatrixXd jacobian = physical(block, model_.scale);
+    const double own = own_frequency(block);
+    Eigen::MatrixXd covariance =
+        jacobian * covariance_.matrix.block(first_, first_, count, count) * jacobian.transpose();
+    const Eigen::VectorXd unknown = covariance_.unknown.segment(first_, count).cast<double>();
+    mark((jacobian.cwiseAbs() * unknown).array() > 0.0, covariance);
+    put(own * model_.scale / (2.0 * std::numbers::pi), block.damping(0, 0) / (2.0 * own),
+        model_.scale * block.left.col(0), model_.scale * block.right.row(0), covariance);
+    first_ += count;
+  }
+
+  void put_complex(Eigen::Index m, const Eigen::VectorXcd& outputs,
+                   const Eigen::RowVectorXcd& inputs, const Eigen::MatrixXd& covariance) {
+    auto& shapes = *fit_.complex;
+    const auto p = outputs.size();
+    const auto q = inputs.size();
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    shapes.outputs.col(m) = outputs;
+    shapes.inputs.row(m) = inputs;
+    shapes.output_real_std.col(m) = deviation.segment(2, p);
+    shapes.input_real_std.row(m) = deviation.segment(2 + p, q).transpose();
+    shapes.output_imaginary_std.col(m) = deviation.segment(2 + p + q, p);
+    shapes.input_imaginary_std.row(m) = deviation.tail(q).transpose();
+    shapes.covariance.push_back(covariance);
+  }
+
+  // In physical units.
+  void put(double frequency_hz, double damping, const Eigen::VectorXd& left,
+           const Eigen::RowVectorXd& right, const Eigen::MatrixXd& covariance) {
+    const auto m = mode_++;
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    fit_.model.frequency_hz(m) = frequency_hz;
+    fit_.model.damping_ratio(m) = damping;
+    fit_.model.output_shapes.col(m) = left;
+    fit_.model.input_shapes.row(m) = right;
+    fit_.frequency_std_hz(m) = deviation(0) / (2.0 * std::numbers::pi);
+    fit_.damping_std(m) = deviation(1);
+    fit_.output_std.col(m) = deviation.segment(2, left.size());
+    fit_.input_std.row(m) = deviation.tail(right.size()).transpose();
+    fit_.mode_covariance.push_back(covariance);
+  }
+
+  const BlockModel& model_;
+  const Covariance& covariance_;
+  ModalFit& fit_;
+  Eigen::Index first_ = 0, mode_ = 0;
+};
+
+void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen::Index inputs) {
+  Eigen::Index m = 0;
+  for (const auto& block : model.blocks) {
+    m += block.mode_count();
+    if (block.rigid) fit.model.rigid_count = block.size();
+  }
+  fit.model.frequency_hz.resize(m);
+  fit.model.damping_ratio.resize(m);
+  fit.model.output_shapes.resize(outputs, m);
+  fit.model.input_shapes.resize(m, inputs);
+  fit.model.residual = model.residual;
+  fit.frequency_std_hz.resize(m);
+  fit.damping_std.resize(m);
+  fit.output_std.resize(outputs, m);
+  fit.input_std.resize(m, inputs);
+  if (!fit.complex) return;
+  auto& shapes = *fit.complex;
+  shapes.outputs.resize(outputs, m);
+  shapes.inputs.resize(m, inputs);
+  shapes.output_real_std = shapes.output_imaginary_std = fit.output_std;
+  shapes.input_real_std = shapes.input_imaginary_std = fit.input_std;
+}
+
+// Neighbours within a bandwidth form one group where the shape of either is hardly known: the data
+// turn them into each other.
+std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
+  const auto& model = fit.model;
+  const auto unknown = [&](Eigen::Index m) {
+    return fit.output_std.col(m).norm() > kUnknownShape * model.output_shapes.col(m).norm();
+  };
+  std::vector<modal::ModeGroup> groups;
+  if (model.rigid_count > 0) groups.push_back({0, model.rigid_count});
+  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
+    const bool near = m > model.rigid_count &&
+                      model.frequency_hz(m) - model.frequency_hz(m - 1) <
+                          2.0 * std::max(model.damping_ratio(m), model.damping_ratio(m - 1)) *
+                              model.frequency_hz(m);
+    if (near && (unknown(m) || unknown(m - 1))) {
+      ++groups.back().size;
+    } else {
+      groups.push_back({m, 1});
+    }
+  }
+  return groups;
+}
+
+constexpr double kNothing = std::numeric_limits<double>::infinity();  // is known
+
+// Modes whose damping is held by its bound.
+void note_undamped(const BlockModel& model, ModalFit& fit) {
+  for (const auto& block : model.blocks) {
+    if (!is_undamped(block)) continue;
+    std::ostringstream text;
+    text << "mode at " << own_frequency(block) * model.scale / (2.0 * std::numbers::pi)
+         << " Hz: the data ask for no damping; it is held at a ratio of " << kLeastDampingRatio
+         << ", its deviation is not known";
+    fit.notes.push_back(text.str());
+  }
+}
+
+// The delays with their deviations; the mean is that of the channels that were measured.
+void fill_delays(const BlockModel& model, const Fitted& fitted, const Covariance& covariance,
+                 ModalFit& fit) {
+  fit.delay_s = model.delay / model.scale;
+  if (!fitted.delay) return;
+  const auto n = fitted.delay_count(fit.model.output_count(), fit.model.input_count());
+  const Eigen::MatrixXd own =
+      covariance.matrix.bottomRightCorner(n, n) / (model.scale * model.scale);
+  const Eigen::ArrayXd measured = (!covariance.unknown.tail(n)).cast<double>();
+  const Eigen::VectorXd share = measured / std::max(1.0, measured.sum());
+  fit.delay_std_s =
+      measured.sum() > 0.0 ? std::sqrt(std::max(0.0, share.dot(own * share))) : kNothing;
+  if (fitted.delay_of == DelayOf::all) return;
+  fit.delay_of = fitted.delay_of;
+  fit.channel_delay_s = model.channel_delay / model.scale;
+  const double mean = share.dot(fit.channel_delay_s);
+  fit.channel_delay_s.array() -= mean;
+  fit.delay_s += mean;
+  fit.channel_delay_std_s =
+      (measured > 0.0).select(own.diagonal().array().max(0.0).sqrt(), kNothing);
+}
+
+void mark_unmeasured_output(Eigen::Index i, ComplexShapes& shapes) {
+  const auto both = shapes.outputs.rows() + shapes.inputs.cols();
+  shapes.output_real_std.row(i).setConstant(kNothing);
+  shapes.output_imaginary_std.row(i).setConstant(kNothing);
+  for (auto& covariance : shapes.covariance) {
+    covariance(2 + i, 2 + i) = covariance(2 + both + i, 2 + both + i) = kNothing;
+  }
+}
+
+void mark_unmeasured_input(Eigen::Index j, ComplexShapes& shapes) {
+  const auto p = shapes.outputs.rows();
+  const auto both = p + shapes.inputs.cols();
+  shapes.input_real_std.col(j).setConstant(kNothing);
+  shapes.input_imaginary_std.col(j).setConstant(kNothing);
+  for (auto& covariance : shapes.covariance) {
+    covariance(2 + p + j, 2 + p + j) = covariance(2 + both + p + j, 2 + both + p + j) = kNothing;
+  }
+}
+
+}  // namespace
+
+void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
+  fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
+  const auto p = weight.rows();
+  const auto g = fit.model.rigid_count;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    if (weight.row(i).sum() > 0.0) continue;
+    fit.output_std.row(i).setConstant(kNothing);
+    for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
+    for (Eigen::Index a = 0; a < g; ++a) fit.rigid_covariance(i + p * a, i + p * a) = kNothing;
+    if (fit.complex) mark_unmeasured_output(i, *fit.complex);
+  }
+  for (Eigen::Index j = 0; j < weight.cols(); ++j) {
+    if (weight.col(j).sum() > 0.0) continue;
+    fit.input_std.col(j).setConstant(kNothing);
+    for (auto& covariance : fit.mode_covariance) covariance(2 + p + j, 2 + p + j) = kNothing;
+    for (Eigen::Index a = 0; a < g; ++a) {
+      const auto at = g * p + a + g * j;
+      fit.rigid_covariance(at, at) = kNothing;
+    }
+    if (fit.complex) mark_unmeasured_input(j, *fit.complex);
+  }
+}
+
+ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitted& fitted,
+                          const FitData& data, Damping damping) {
+  ModalFit fit;
+  auto model = in_modes(found.model, fit.notes);
+  const auto left_over = misfit(model, target, fitted);
+  const auto normal = normal_equations(model, left_over, target, fitted);
+  const auto parameters = parameter_count(model, fitted);
+  const Eigen::MatrixXd idle = idle_directions(model, parameters);
+  fit.cost = left_over.cost;
+  fit.measured_count = data.measured_count();
+  fit.parameter_count = parameters - idle.cols() +
+                        (fitted.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0);
+  const auto expected = expected_cost(data, fit.parameter_count);
+  fit.expected_cost = expected.mean;
+  fit.cost_deviation = expected.deviation;
+  fit.iterations = found.iterations;
+  fit.converged = found.converged;
+  const double variance = noise_level(fit, data) * variance_factor(data);
+  auto covariance = held_inverse(model, normal, idle);
+  covariance.matrix *= 0.5 * variance;
+  if (damping == Damping::general) fit.complex.emplace();
+  resize(fit, model, data.outputs, data.inputs);
+  Filler(model, covariance, fit).fill();
+  note_undamped(model, fit);
+  const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
+  const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
+  fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
+  fill_delays(model, fitted, covariance, fit);
+  fit.groups = groups_of(fit);
+  mark_unmeasured(sums.reshaped(target.outputs, target.inputs), fit);
+  if (!fitted.residual) fit.residual_std.setZero();
+  return fit;
+}
+
+}  // namespace chladni::identification
