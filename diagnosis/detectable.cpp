@@ -11,7 +11,7 @@
 
 #include "base/interrupt.h"
 #include "base/parallel.h"
-#include "diagnosis/prepared.h"
+#include "diagnosis/verdict/prepared.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {

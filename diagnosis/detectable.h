@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "diagnosis/diagnosed.h"
-#include "diagnosis/information.h"
-#include "diagnosis/probe.h"
+#include "diagnosis/fit/information.h"
+#include "diagnosis/search/probe.h"
 
 namespace chladni::diagnosis {
 

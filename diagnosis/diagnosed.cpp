@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "base/error.h"
-#include "diagnosis/measure_next.h"
-#include "diagnosis/nonlinearity.h"
-#include "diagnosis/prepared.h"
-#include "diagnosis/scene.h"
-#include "diagnosis/simpler.h"
-#include "diagnosis/stability.h"
-#include "diagnosis/superclass.h"
-#include "diagnosis/verdict.h"
+#include "diagnosis/search/scene.h"
+#include "diagnosis/search/simpler.h"
+#include "diagnosis/verdict/measure_next.h"
+#include "diagnosis/verdict/nonlinearity.h"
+#include "diagnosis/verdict/prepared.h"
+#include "diagnosis/verdict/stability.h"
+#include "diagnosis/verdict/superclass.h"
+#include "diagnosis/verdict/verdict.h"
 #include "priors/dense.h"
 
 namespace chladni::diagnosis {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "diagnosis/state.h"
+#include "diagnosis/fit/state.h"
 
 namespace chladni::diagnosis {
 
@@ -47,7 +47,7 @@ struct Choice {
   double value = 0.0;       ///< [1], of that number
 };
 
-class Scene;  // diagnosis/scene.h
+class Scene;  // diagnosis/search/scene.h
 
 /// An effect: some numbers, and perhaps a choice (which channel). With all its sizes at 0 (or at
 /// −∞ of their logarithm) it changes nothing.

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "diagnosis/responses.h"
+#include "diagnosis/fit/responses.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "diagnosis/effect.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 

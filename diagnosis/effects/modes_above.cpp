@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "diagnosis/effects/entries.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 namespace {

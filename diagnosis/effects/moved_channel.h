@@ -2,7 +2,7 @@
 #pragma once
 
 #include "diagnosis/effects/sides.h"
-#include "diagnosis/state.h"
+#include "diagnosis/fit/state.h"
 
 namespace chladni::diagnosis {
 

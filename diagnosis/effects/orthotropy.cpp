@@ -1,5 +1,5 @@
 #include "diagnosis/effects/entries.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 namespace {

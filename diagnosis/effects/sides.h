@@ -2,7 +2,7 @@
 #pragma once
 
 #include "diagnosis/effect.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 

@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "diagnosis/effects/entries.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 namespace {

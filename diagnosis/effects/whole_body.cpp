@@ -2,7 +2,7 @@
 
 #include "diagnosis/body_fields.h"
 #include "diagnosis/effects/entries.h"
-#include "diagnosis/scene.h"
+#include "diagnosis/search/scene.h"
 
 namespace chladni::diagnosis {
 namespace {

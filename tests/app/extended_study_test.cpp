@@ -14,7 +14,7 @@
 #include "app/extension.h"
 #include "base/error.h"
 #include "diagnosis/effect.h"
-#include "diagnosis/responses.h"
+#include "diagnosis/fit/responses.h"
 #include "modal/frf.h"
 #include "quiet_run.h"
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "diagnosis/deviations.h"
 #include "diagnosis/effect.h"
-#include "diagnosis/responses.h"
+#include "diagnosis/fit/deviations.h"
+#include "diagnosis/fit/responses.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {

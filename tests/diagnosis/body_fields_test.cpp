@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "diagnosis/deviations.h"
+#include "diagnosis/fit/deviations.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {

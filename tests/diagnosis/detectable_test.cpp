@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "diagnosis/search.h"
+#include "diagnosis/search/search.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/portable_random.h"
 

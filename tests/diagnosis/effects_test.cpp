@@ -11,9 +11,9 @@
 
 #include "base/error.h"
 #include "diagnosis/body_fields.h"
-#include "diagnosis/deviations.h"
-#include "diagnosis/probe.h"
-#include "diagnosis/responses.h"
+#include "diagnosis/fit/deviations.h"
+#include "diagnosis/fit/responses.h"
+#include "diagnosis/search/probe.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/hidden_effect.h"
 

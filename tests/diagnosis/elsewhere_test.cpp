@@ -1,4 +1,4 @@
-#include "diagnosis/elsewhere.h"
+#include "diagnosis/search/elsewhere.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/fit.h"
+#include "diagnosis/fit/fit.h"
 
 #include <gtest/gtest.h>
 

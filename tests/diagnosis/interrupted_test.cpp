@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "diagnosis/detectable.h"
-#include "diagnosis/hints.h"
+#include "diagnosis/search/hints.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/loaded_table.h"
 

@@ -1,5 +1,5 @@
 // Damping ratios of the modes with what hangs on them: the same numbers, read otherwise.
-#include "diagnosis/loaded_damping.h"
+#include "diagnosis/attached/loaded_damping.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/deviations.h"
 #include "diagnosis/diagnosed.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/fit/deviations.h"
+#include "diagnosis/fit/fit.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/loaded_table.h"
 

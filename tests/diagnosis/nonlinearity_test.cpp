@@ -1,5 +1,5 @@
 // Noise and nonlinearity told apart by what they change with.
-#include "diagnosis/nonlinearity.h"
+#include "diagnosis/verdict/nonlinearity.h"
 
 #include <gtest/gtest.h>
 

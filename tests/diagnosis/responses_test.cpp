@@ -1,5 +1,5 @@
 // Responses of a state against the inverse of its whole dynamic stiffness.
-#include "diagnosis/responses.h"
+#include "diagnosis/fit/responses.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "diagnosis/attachments.h"
+#include "diagnosis/attached/attachments.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/hidden_effect.h"
 #include "simulators/portable_random.h"

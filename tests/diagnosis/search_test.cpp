@@ -1,4 +1,4 @@
-#include "diagnosis/search.h"
+#include "diagnosis/search/search.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/draw.h"
-#include "diagnosis/simpler.h"
+#include "diagnosis/search/simpler.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {

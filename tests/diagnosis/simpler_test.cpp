@@ -1,6 +1,6 @@
 // What is simpler is meant where a pole is not seen, and a further cause pays beyond what errors of
 // the others may leave.
-#include "diagnosis/simpler.h"
+#include "diagnosis/search/simpler.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "diagnosis/small_plate.h"
-#include "diagnosis/verdict.h"
+#include "diagnosis/verdict/verdict.h"
 #include "simulators/loaded_table.h"
 #include "simulators/portable_random.h"
 

@@ -1,8 +1,8 @@
 // A small plate that a diagnosis starts from, quick to make.
 #pragma once
 
+#include "diagnosis/fit/responses.h"
 #include "diagnosis/observed.h"
-#include "diagnosis/responses.h"
 #include "simulators/hidden_effect.h"
 #include "simulators/ritz_structure.h"
 

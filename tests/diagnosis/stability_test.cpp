@@ -1,5 +1,5 @@
 // What rests on the last bits of the modes, on a fit that has not ended, on variances too large.
-#include "diagnosis/stability.h"
+#include "diagnosis/verdict/stability.h"
 
 #include <gtest/gtest.h>
 

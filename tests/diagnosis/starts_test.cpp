@@ -1,10 +1,10 @@
-#include "diagnosis/starts.h"
+#include "diagnosis/search/starts.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "diagnosis/fit.h"
+#include "diagnosis/fit/fit.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {

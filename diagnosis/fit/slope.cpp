@@ -1,0 +1,192 @@
+#include <utility>
+#include <vector>
+
+#include "diagnosis/attached/attachments.h"
+#include "diagnosis/fit/responses.h"
+#include "diagnosis/search/experiments.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Complex = std::complex<double>;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+// A symmetric difference of matrices as what of it is not zero: some entries of the diagonal, or
+// all of it times what it acts on, on all lines: the side of fewer channels.
+struct Change {
+  std::vector<std::pair<Index, double>> diagonal;
+  MatrixXcd on_left;   // r×pK, or empty
+  MatrixXcd on_right;  // r×qK, or empty
+  Change(const MatrixXd& minus, const MatrixXd& plus, double step, const Solved& solved) {
+    if (minus == plus) return;
+    const MatrixXd difference = (plus - minus) / step;
+    if (!difference.isDiagonal(0.0)) {
+      const bool left = solved.left_columns.cols() < solved.right_columns.cols();
+      if (left) on_left = product(difference, solved.left_columns);
+      if (!left) on_right = product(difference, solved.right_columns);
+      return;
+    }
+    for (Index i = 0; i < difference.rows(); ++i) {
+      if (difference(i, i) != 0.0) diagonal.emplace_back(i, difference(i, i));
+    }
+  }
+};
+
+// Which rows (columns) of the channels move, and by how much.
+struct MovedChannels {
+  std::vector<Index> which;
+  std::vector<Eigen::VectorXd> by;  // r each
+  MovedChannels(const MatrixXd& minus, const MatrixXd& plus, double step) {
+    for (Index i = 0; i < minus.rows(); ++i) {
+      if (minus.row(i) == plus.row(i)) continue;
+      which.push_back(i);
+      by.emplace_back((plus.row(i) - minus.row(i)).transpose() / step);
+    }
+  }
+};
+
+class Slope {
+ public:
+  Slope(const State& at, const Solved& solved, const State& minus, const State& plus, double step)
+      : at_(at),
+        solved_(solved),
+        minus_(minus),
+        plus_(plus),
+        step_(step),
+        stiffness_(minus.stiffness, plus.stiffness, step, solved),
+        loss_(minus.loss, plus.loss, step, solved),
+        damping_(minus.damping, plus.damping, step, solved),
+        mass_(minus.mass, plus.mass, step, solved),
+        outputs_(minus.outputs, plus.outputs, step),
+        inputs_(minus.inputs.transpose(), plus.inputs.transpose(), step),
+        residual_moves_(minus.residual != plus.residual) {}
+
+  [[nodiscard]] MatrixXcd value() const {
+    MatrixXcd result(solved_.line_count(), solved_.value.cols());
+    for (Index k = 0; k < result.rows(); ++k) result.row(k) = line(k).reshaped().transpose();
+    return result;
+  }
+
+ private:
+  [[nodiscard]] MatrixXcd line(Index k) const {
+    const Complex s(0.0, solved_.omega(k));
+    MatrixXcd structure = MatrixXcd::Zero(at_.output_count(), at_.input_count());
+    add(stiffness_, 1.0, k, structure);
+    add(loss_, Complex(0.0, 1.0), k, structure);
+    add(damping_, s, k, structure);
+    add(mass_, s * s, k, structure);
+    add_channels(k, structure);
+    add_attached(k, s, structure);
+    if (residual_moves_) structure += ((plus_.residual - minus_.residual) / step_).cast<Complex>();
+    add_frames(s, structure);
+    return on_paths(k, s, structure);
+  }
+
+  void add(const Change& change, Complex factor, Index k, MatrixXcd& sum) const {
+    for (const auto& [i, by] : change.diagonal) {
+      sum.noalias() -= (factor * by) * (solved_.left(k).col(i) * solved_.right(k).row(i));
+    }
+    const Index p = at_.output_count();
+    const Index q = at_.input_count();
+    if (change.on_left.size() > 0) {
+      sum.noalias() -=
+          factor * (change.on_left.middleCols(p * k, p).transpose() * solved_.right(k));
+    }
+    if (change.on_right.size() > 0) {
+      sum.noalias() -= factor * (solved_.left(k) * change.on_right.middleCols(q * k, q));
+    }
+  }
+
+  void add_channels(Index k, MatrixXcd& sum) const {
+    for (std::size_t n = 0; n < outputs_.which.size(); ++n) {
+      sum.row(outputs_.which[n]) += outputs_.by[n].transpose().cast<Complex>() * solved_.right(k);
+    }
+    for (std::size_t n = 0; n < inputs_.which.size(); ++n) {
+      sum.col(inputs_.which[n]) += solved_.left(k) * inputs_.by[n].cast<Complex>();
+    }
+  }
+
+  void add_attached(Index k, Complex s, MatrixXcd& sum) const {
+    const Index all = solved_.to_outputs.cols() / solved_.line_count();
+    Index first = all * k;
+    for (std::size_t n = 0; n < at_.attached.size(); ++n) {
+      const auto& minus = minus_.attached[n];
+      const auto& plus = plus_.attached[n];
+      const auto& here = at_.attached[n];
+      const Index count = here.shapes.cols();
+      const auto to_outputs = solved_.to_outputs.middleCols(first, count);
+      const auto to_inputs = solved_.to_inputs.middleCols(first, count);
+      first += count;
+      const Complex by = (dynamic_stiffness(plus, s) - dynamic_stiffness(minus, s)) / step_;
+      if (by != 0.0) sum.noalias() -= by * (to_outputs * to_inputs.transpose());
+      if (plus.shapes == minus.shapes) continue;
+      const MatrixXcd moved = ((plus.shapes - minus.shapes) / step_).cast<Complex>();
+      const Complex z = dynamic_stiffness(here, s);
+      // What the modes far above change by is left out: they are a correction.
+      sum.noalias() -= z * ((solved_.left(k) * moved) * to_inputs.transpose());
+      sum.noalias() -= z * (to_outputs * (moved.transpose() * solved_.right(k)));
+    }
+  }
+
+  void add_frames(Complex s, MatrixXcd& sum) const {
+    for (std::size_t n = 0; n < at_.frames.size(); ++n) {
+      sum += (frame_response(plus_.frames[n], s) - frame_response(minus_.frames[n], s)) / step_;
+    }
+  }
+
+  [[nodiscard]] MatrixXcd on_paths(Index k, Complex s, const MatrixXcd& structure) const {
+    const auto own = path_factors(at_, s);
+    const auto minus = path_factors(minus_, s);
+    const auto plus = path_factors(plus_, s);
+    const Index p = at_.output_count();
+    MatrixXcd value(p, at_.input_count());
+    for (Index j = 0; j < value.cols(); ++j) {
+      for (Index i = 0; i < p; ++i) {
+        const Index row = at_.output_of[at(i)];
+        const Index col = at_.input_of[at(j)];
+        const Complex turned =
+            (plus.first(i) * plus.second(j) - minus.first(i) * minus.second(j)) / step_;
+        value(i, j) = own.first(i) * own.second(j) * structure(row, col) +
+                      turned * solved_.structure(k, row + p * col);
+      }
+    }
+    return value;
+  }
+
+  [[nodiscard]] static std::pair<Eigen::VectorXcd, Eigen::VectorXcd> path_factors(
+      const State& state, Complex s) {
+    return {factors(state.output_paths, s), factors(state.input_paths, s)};
+  }
+
+  const State& at_;
+  const Solved& solved_;
+  const State &minus_, &plus_;
+  double step_;
+  Change stiffness_, loss_, damping_, mass_;
+  MovedChannels outputs_, inputs_;
+  bool residual_moves_;
+};
+
+}  // namespace
+
+MatrixXcd slope(const State& at, const Solved& solved, const State& minus, const State& plus,
+                double step) {
+  if (!drifts(at) && !drifts(minus) && !drifts(plus)) {
+    return Slope(at, solved, minus, plus, step).value();
+  }
+  const Index p = at.output_count();
+  MatrixXcd value(solved.line_count(), solved.value.cols());
+  for (Index j = 0; j < at.input_count(); ++j) {
+    const State here = experiment(at, j);
+    const Solved own = experiment(solved, at, j);
+    value.middleCols(p * j, p) =
+        Slope(here, own, experiment(minus, j), experiment(plus, j), step).value();
+  }
+  return value;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,379 @@
+#include "diagnosis/search/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "base/parallel.h"
+#include "diagnosis/fit/deviations.h"
+#include "diagnosis/search/elsewhere.h"
+#include "diagnosis/search/hints.h"
+#include "diagnosis/search/overlap.h"
+#include "diagnosis/search/scene.h"
+#include "diagnosis/search/simpler.h"
+#include "diagnosis/search/starts.h"
+#include "priors/dense.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNoise = 1.0;    // z: what is left is noise,
+constexpr double kMuch = 1000.0;  // or far from it
+
+// A cause that might be added, with its misfit in a scene.
+struct Candidate {
+  Supposed cause;
+  double misfit = 0.0;
+  const Fit* base = nullptr;
+  bool from_nominal = false;  ///< seen with the tolerances at 0
+};
+
+double numbers(const Problem& problem) { return problem.observed.number_count(); }
+
+// Σ |d value / d eta|² over the deviations, K×pq.
+MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
+  const MatrixXd jacobian = sensitivities(problem, {}, fit.eta, now);
+  const Index n = problem.observed.value.size();
+  // The rows are weighted; a part of the response each.
+  const VectorXd power = jacobian.rowwise().squaredNorm();
+  const Eigen::ArrayXXd weight2 = problem.observed.weight.array().square();
+  const Eigen::ArrayXXd sum =
+      (power.head(n) + power.tail(n))
+          .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
+          .array();
+  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
+}
+
+struct Level {
+  const Problem& problem;
+  const std::vector<const Effect*>& catalogue;
+  const SearchLimits& limits;
+  const Progress& progress;
+  int number = 0;
+  bool down_to_noise = false;  ///< only what is too small to show in what is left
+};
+
+// All that might be added to `base`, the most promising first; one per effect and choice at most
+// two.
+std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nominal) {
+  Fit seen = base;
+  if (nominal) seen.eta.setZero();
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const State state = state_of(coarse, seen.causes, seen.eta);
+  const Solved now = solved(state, Body(state, few.omega));
+  const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
+  std::vector<std::vector<Candidate>> each(level.catalogue.size());
+  const auto caller = std::this_thread::get_id();
+  parallel_tasks(each.size(), [&](std::size_t e) {
+    throw_if_interrupted();
+    if (std::this_thread::get_id() == caller) {  // progress is told from the thread that called
+      tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
+           static_cast<double>(e) / static_cast<double>(each.size()));
+    }
+    for (auto& one : best_starts(scene, *level.catalogue[e])) {
+      each[e].push_back({std::move(one.cause), one.misfit, &base, nominal});
+    }
+  });
+  std::vector<Candidate> all;
+  for (auto& of_effect : each) {
+    for (auto& one : of_effect) {
+      if (is_there_already(level.problem.structure, base, one.cause)) continue;
+      one.misfit -= scene.misfit();  // the fall, so that scenes compare
+      all.push_back(std::move(one));
+    }
+  }
+  std::ranges::stable_sort(all, {}, &Candidate::misfit);
+  return all;
+}
+
+std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal,
+                               double bar) {
+  Fit start = *candidate.base;
+  if (nominal) start.eta.setZero();
+  start.causes.push_back(candidate.cause);
+  try {
+    FitLimits quick;
+    quick.iterations = 16;
+    quick.tolerance = 0.3;
+    quick.bar = bar;
+    return fitted(problem, start, quick);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
+// From where it was seen; where that comes to less than there was before, from the other side.
+std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate, double bar) {
+  auto fit = fitted_from(problem, candidate, candidate.from_nominal, bar);
+  if (fit && fit->log_evidence >= candidate.base->log_evidence) return fit;
+  auto other = fitted_from(problem, candidate, !candidate.from_nominal, bar);
+  if (!fit || (other && other->log_evidence > fit->log_evidence)) return other;
+  return fit;
+}
+
+// What is large stretches the tolerances out of shape.
+bool is_large(const Level& level, const Fit& base) {
+  const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
+  return level.number == 1 && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
+}
+
+// What is large is looked for with the tolerances at rest; what is small hides in them: with them
+// as they were fitted; between the two both ways.
+std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
+  const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
+  const bool large = is_large(level, base);
+  std::vector<Candidate> all;
+  if (!large) all = looked_at(level, base, false);
+  if (large || (level.number == 1 && stretch > 0.1)) {
+    for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
+  }
+  std::ranges::stable_sort(all, {}, &Candidate::misfit);
+  return all;
+}
+
+// Beside them what the scene is blind to: to first order, so not where very much is left.
+void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
+  constexpr int kMost = 4;
+  if (is_large(level, base) && base.excess(numbers(level.problem)) > kMuch) return;
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  std::vector<Deviation> all = level.problem.deviations;
+  all.insert(all.end(), level.limits.unseen.begin(), level.limits.unseen.end());
+  const Problem coarse{level.problem.structure, few, all};
+  Fit about = base;
+  about.eta = VectorXd::Zero(static_cast<Index>(all.size()));
+  about.eta.head(base.eta.size()) = base.eta;
+  const double times = numbers(level.problem) / numbers(coarse);
+  int taken = 0;
+  for (const auto& hint :
+       hints(coarse, about, level.catalogue, {level.limits.least_evidence, times})) {
+    if (taken == kMost) break;
+    if (is_there_already(level.problem.structure, base, hint.cause)) continue;
+    chosen.push_back({hint.cause, -2.0 * hint.log_evidence, &base, false});
+    ++taken;
+  }
+}
+
+// The most promising, each effect and choice once.
+std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
+  std::vector<Candidate> chosen;
+  auto seen = level.down_to_noise ? std::vector<Candidate>{} : candidates_of(level, base);
+  for (auto& candidate : seen) {
+    if (static_cast<int>(chosen.size()) >= level.limits.fits_per_level) break;
+    const bool again = std::ranges::any_of(chosen, [&](const Candidate& other) {
+      return other.cause.effect == candidate.cause.effect &&
+             other.cause.option == candidate.cause.option;
+    });
+    if (!again) chosen.push_back(std::move(candidate));
+  }
+  add_hints(level, base, chosen);
+  return chosen;
+}
+
+// The last cause of a fit in other places, fitted.
+std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& base,
+                                                 const Fit& fit, double bar) {
+  const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
+  const Problem coarse{level.problem.structure, few, level.problem.deviations};
+  const auto places = elsewhere(coarse, base, fit.causes.back());
+  std::vector<std::optional<Fit>> fits(places.size());
+  parallel_tasks(fits.size(), [&](std::size_t i) {
+    fits[i] = fitted_from(level.problem, {places[i], 0.0, &base, false}, false, bar);
+  });
+  return fits;
+}
+
+// One more cause on top of each of the beam; what came of it. Two at once whatever the number of
+// threads: what the next ones have to beat is then always the same.
+std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, double bar = HUGE_VAL) {
+  constexpr std::size_t kAtOnce = 2;
+  std::vector<Fit> grown;
+  const Fit* under_best = nullptr;
+  for (const auto& base : beam) {
+    const auto chosen = worth_fitting(level, base);
+    for (std::size_t first = 0; first < chosen.size(); first += kAtOnce) {
+      std::vector<std::optional<Fit>> fits(std::min(kAtOnce, chosen.size() - first));
+      tell(level.progress,
+           fmt::format("cause {}: fitting {}", level.number, chosen[first].cause.effect->name));
+      parallel_tasks(fits.size(), [&](std::size_t i) {
+        fits[i] = fitted_with(level.problem, chosen[first + i], bar);
+      });
+      for (auto& fit : fits) {
+        if (!fit || overlaps_itself(level.problem.structure, *fit)) continue;
+        bar = std::min(bar, fit->objective + kOccamMargin);
+        if (grown.empty() || fit->log_evidence > grown.front().log_evidence) under_best = &base;
+        keep(grown, std::move(*fit));
+      }
+    }
+  }
+  if (under_best == nullptr) return grown;
+  for (auto& fit : fitted_elsewhere(level, *under_best, grown.front(), bar)) {
+    if (fit && !overlaps_itself(level.problem.structure, *fit)) keep(grown, *std::move(fit));
+  }
+  return grown;
+}
+
+// Each cause in turn exchanged for what fits best in its stead, until all have stood the test: the
+// first one taken was chosen before the others were known. What did nearly as well is a rival.
+Fit exchanged(const Level& level, Fit best, Found& found) {
+  std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
+  for (std::size_t c = 0; c < untested;) {
+    auto grown = level_up(level, {without(level.problem, best, c, found.nothing)},
+                          best.objective + kOccamMargin);
+    for (const auto& fit : grown) {
+      if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(found.fits, fit);
+    }
+    if (grown.empty() || grown.front().log_evidence <= best.log_evidence + 1.0) {
+      ++c;
+      continue;
+    }
+    // The same at a better size stands, and is now the last; beside another one all are tested.
+    const bool same = alike(level.problem.structure, best, grown.front());
+    best = std::move(grown.front());
+    untested = same ? untested - 1 : best.causes.size() - 1;
+    if (!same) c = 0;
+  }
+  return best;
+}
+
+// The causes that are worth their evidence, none of which another would better; no exchange where
+// they explain so little of so much that none is believed, or where all of them are small.
+Fit settled(const Level& level, Found& found) {
+  const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
+  const double n = numbers(level.problem);
+  const double left = simpler.excess(n);
+  if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
+  // What one alone might be exchanged for was tried with it.
+  if (found.nothing.excess(n) < kNoise || simpler.causes.size() < 2) return simpler;
+  Level again = level;
+  again.number = static_cast<int>(simpler.causes.size());
+  const Fit other = exchanged(again, simpler, found);
+  if (other.log_evidence <= simpler.log_evidence) return simpler;
+  return pruned(level.problem, other, found.nothing, level.limits);
+}
+
+// The best of several causes as it stands when all are known.
+void put_settled_first(const Level& level, Found& found) {
+  const auto count = found.fits.front().causes.size();
+  Fit best = settled(level, found);
+  if (best.causes.size() == count) {
+    const bool better = best.log_evidence > found.fits.front().log_evidence;
+    if (better) keep(found.fits, std::move(best));
+    return;
+  }
+  // What was more is not worth its evidence: it is no rival either.
+  std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
+  found.fits.insert(found.fits.begin(), std::move(best));
+}
+
+// One cause after the other on top of the beam, until one more brings too little.
+void grow(Level level, std::vector<Fit> beam, Found& found) {
+  const auto& limits = level.limits;
+  for (; level.number <= limits.most_causes; ++level.number) {
+    const double best_before = found.fits.front().log_evidence;
+    level.down_to_noise = level.number > 1 && beam.front().excess(numbers(level.problem)) < kNoise;
+    if (level.down_to_noise) beam.resize(1);
+    auto grown = level_up(level, beam);
+    for (const auto& fit : grown) keep(found.fits, fit);
+    if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
+    const bool sure = is_sure(level.problem, limits, found.nothing, beam.front(), grown.front());
+    if (level.down_to_noise && !sure) break;
+    while (static_cast<int>(grown.size()) > limits.beam ||
+           grown.back().log_evidence < grown.front().log_evidence - limits.beam_within) {
+      grown.pop_back();
+    }
+    beam = std::move(grown);
+  }
+}
+
+// Resonances are so far off that no response at all were as good: then what makes the responses
+// smaller seems to explain, and what is the matter does not.
+bool is_lost(const Problem& problem, const Fit& fit) {
+  constexpr double kCoherent = 0.3;  // of the data's power
+  return fit.chi_square > kCoherent * problem.observed.power();
+}
+
+bool is_a_gain(const Effect* effect) {
+  constexpr std::array<std::string_view, 4> kGains{"sensor_gain", "actuator_gain", "overall_gain",
+                                                   "sensor_unit"};
+  return std::ranges::find(kGains, effect->name) != kGains.end();
+}
+
+// What a search finds where each channel may have any gain, then fitted without: of each number of
+// causes the best.
+std::vector<Fit> with_free_gains(const Level& level) {
+  Tolerances any_gain = no_tolerances();
+  any_gain.gain = 1.0;
+  const auto& [structure, observed, tolerable, solver_error] = level.problem;
+  auto free = deviations(structure, any_gain, 0.0);
+  free.insert(free.begin(), tolerable.begin(), tolerable.end());
+  std::vector<const Effect*> catalogue = level.catalogue;
+  std::erase_if(catalogue, is_a_gain);
+  const Problem problem{structure, observed, free, solver_error};
+  Fit rest;
+  rest.eta = VectorXd::Zero(std::ssize(free));
+  Found found{fitted(problem, rest), {}};
+  found.fits = {found.nothing};
+  grow({problem, catalogue, level.limits, level.progress, 1}, {found.nothing}, found);
+  std::vector<Fit> best;
+  for (const auto& fit : found.fits) {
+    if (fit.causes.empty() || std::ranges::any_of(best, [&](const Fit& other) {
+          return other.causes.size() == fit.causes.size();
+        })) {
+      continue;
+    }
+    best.push_back(fitted(level.problem, with_deviations(fit, tolerable.size())));
+  }
+  return best;
+}
+
+// As its rivals were: from where the best of them has the tolerances, too.
+void fit_nothing_again(const Problem& problem, Found& found) {
+  const Fit again = nothing_beside(problem, found.nothing, found.fits.front());
+  if (again.objective >= found.nothing.objective) return;
+  found.nothing = again;
+  std::erase_if(found.fits, [](const Fit& fit) { return fit.causes.empty(); });
+  keep(found.fits, again);
+}
+
+}  // namespace
+
+Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
+               const SearchLimits& limits, const Progress& progress) {
+  const priors::dense::OneThread one;
+  Found found;
+  found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
+  tell(progress, "the simulation within its tolerances");
+  found.nothing = fitted(problem, found.nothing, {.iterations = 25});
+  found.fits = {found.nothing};
+  grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
+  fit_nothing_again(problem, found);
+  if (is_lost(problem, found.fits.front())) {
+    const auto count = found.fits.front().causes.size();
+    for (auto& fit : with_free_gains({problem, catalogue, limits, progress, 1})) {
+      keep(found.fits, std::move(fit));
+    }
+    const Fit best = found.fits.front();
+    const int next = static_cast<int>(best.causes.size()) + 1;
+    const bool is_new = best.causes.size() != count;
+    if (is_new) grow({problem, catalogue, limits, progress, next}, {best}, found);
+  }
+  if (found.fits.front().causes.size() > 1) {
+    put_settled_first({problem, catalogue, limits, progress, 1}, found);
+  }
+  return found;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,154 @@
+#include "diagnosis/search/simpler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "diagnosis/attached/attachments.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+// Whether two things that hang in one place push alike on the lines that were measured: what is far
+// from that need not be fitted. True where either is more than one thing, or hangs nowhere.
+bool pushes_alike(const Problem& problem, const Supposed& a, const Supposed& b) {
+  constexpr double kAlike = 0.5;
+  const auto hung = [&](const Supposed& cause) {
+    State state = state_of(problem.structure);
+    change_of(cause, problem.structure)(state);
+    return state.attached;
+  };
+  const auto one = hung(a);
+  const auto other = hung(b);
+  if (one.size() != 1 || other.size() != 1) return true;
+  double apart = 0.0;
+  double size = 0.0;
+  for (const double omega : problem.observed.omega) {
+    const std::complex<double> s(0.0, omega);
+    const auto force = dynamic_stiffness(one.front(), s);
+    apart += std::norm(force - dynamic_stiffness(other.front(), s));
+    size += std::norm(force);
+  }
+  return apart < kAlike * kAlike * size;
+}
+
+// What the simpler one in its place may leave of what a cause explains, in ln of evidence.
+double may_leave(const Problem& problem, const Found& found, const Fit& best, std::size_t cause,
+                 const Effect& simpler) {
+  double share = std::pow(error_of(problem, best.causes[cause]), 2);
+  for (const auto& pair : simpler_of(*best.causes[cause].effect)) {
+    if (pair.effect == &simpler) share = std::max(share, pair.share);
+  }
+  return share * std::max(found.nothing.objective - best.objective, 0.0);
+}
+
+}  // namespace
+
+double cost_of_errors(const Problem& problem, const Fit& nothing, const Fit& fit) {
+  double error2 = 0.0;
+  for (const auto& cause : fit.causes) error2 += std::pow(error_of(problem, cause), 2);
+  return error2 * std::max(nothing.objective - fit.objective, 0.0);
+}
+
+void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
+  const auto place = std::find_if(fits.begin() + fixed, fits.end(), [&](const Fit& other) {
+    return other.log_evidence < fit.log_evidence;
+  });
+  fits.insert(place, std::move(fit));
+}
+
+Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit) {
+  if (fit.causes.empty()) return nothing;
+  Fit start = nothing;
+  start.eta = fit.eta;
+  FitLimits limits;
+  limits.bar = nothing.objective;
+  Fit other = fitted(problem, start, limits);
+  return other.objective < nothing.objective ? other : nothing;
+}
+
+Fit without(const Problem& problem, const Fit& fit, std::size_t which, const Fit& nothing) {
+  if (!fit.less.empty()) return fit.less[which];
+  Fit start = fit;
+  start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(which));
+  return start.causes.empty() ? nothing : fitted(problem, start);
+}
+
+bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
+             const Fit& less, const Fit& more) {
+  return more.log_evidence - less.evidence_at_best() >=
+         std::max(limits.sure_evidence, cost_of_errors(problem, nothing, less));
+}
+
+Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
+           const SearchLimits& limits) {
+  Fit best = whole;
+  std::vector<Fit> kept;
+  for (std::size_t c = 0; c < best.causes.size();) {
+    Fit less = without(problem, best, c, nothing);
+    // Stretched tolerances count as misfit. What is small beside a large cause still counts where
+    // the data want it, or where it is no matter of luck.
+    const double gain = best.log_evidence - less.evidence_at_best();
+    const bool material = less.objective - best.objective >=
+                          limits.least_share * (nothing.objective - best.objective);
+    const double n = problem.observed.number_count();
+    const double left = less.excess(n) - excess_of(cost_of_errors(problem, nothing, less), n);
+    const bool wanted = left >= limits.least_excess;
+    const bool sure = is_sure(problem, limits, nothing, less, best);
+    if (gain >= limits.least_evidence && (material || wanted || sure)) {
+      kept.push_back(std::move(less));
+      ++c;
+    } else {
+      best = std::move(less);
+      kept.clear();
+      c = 0;
+    }
+  }
+  best.less = std::move(kept);
+  return best;
+}
+
+Fit add_simpler(const Problem& problem, Found& found, double equal) {
+  Fit best = found.fits.front();
+  for (std::size_t c = 0; c < best.causes.size(); ++c) {
+    const Fit general = best;  // what came before may have been exchanged
+    for (auto& simpler : simplified(general.causes[c], problem.structure)) {
+      if (!std::isfinite(log_prior(simpler, problem.structure))) continue;
+      if (!pushes_alike(problem, general.causes[c], simpler)) continue;
+      const double left = may_leave(problem, found, general, c, *simpler.effect);
+      Fit start = general;
+      start.causes[c] = std::move(simpler);
+      FitLimits limits;
+      limits.bar = general.objective + kOccamMargin + 2.0 * left;
+      Fit fit = fitted(problem, start, limits);
+      if (general.log_evidence - fit.log_evidence < std::max(equal, left)) best = fit;
+      keep(found.fits, std::move(fit), 1);
+    }
+  }
+  return best;
+}
+
+void trim(const Problem& problem, Found& found, const SearchLimits& limits, double equal) {
+  // What was more is not worth its evidence: it is no rival either.
+  const auto put_first = [&](Fit fit) {
+    std::erase_if(found.fits,
+                  [&](const Fit& other) { return other.causes.size() >= fit.causes.size(); });
+    found.fits.insert(found.fits.begin(), std::move(fit));
+  };
+  const auto count = found.fits.front().causes.size();
+  if (count == 0) return;
+  Fit lean = pruned(problem, found.fits.front(), found.nothing, limits);
+  if (lean.causes.size() < count) {
+    put_first(std::move(lean));
+  } else {
+    found.fits.front() = std::move(lean);  // the same, with what it is without each cause
+  }
+  const auto left = found.fits.front().causes.size();
+  const Fit exchanged = add_simpler(problem, found, equal);
+  if (left < 2) return;
+  lean = pruned(problem, exchanged, found.nothing, limits);
+  if (lean.causes.size() < left) put_first(std::move(lean));
+}
+
+}  // namespace chladni::diagnosis

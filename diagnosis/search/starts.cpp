@@ -1,0 +1,217 @@
+#include "diagnosis/search/starts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "diagnosis/search/quadratic.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Of ½ misfit − ln prior in the coordinates of one cause alone.
+Quadratic quadratic_at(const Scene& scene, const Supposed& cause,
+                       const std::vector<Parameter>& parameters) {
+  const auto moved = [&](const VectorXd& x) {
+    State state = scene.state();
+    cause.effect->apply(state, scene.structure(), cause.option, x);
+    return state;
+  };
+  const State here = moved(cause.x);
+  const Solved now = scene.solved_at(here);
+  const VectorXd error = residual(scene.observed(), now.value);
+  const auto count = static_cast<Index>(parameters.size());
+  MatrixXd jacobian(error.size(), count);
+  for (Index i = 0; i < count; ++i) {
+    const VectorXd by = parameters[static_cast<std::size_t>(i)].step * VectorXd::Unit(count, i);
+    jacobian.col(i) = weighted(
+        scene.observed(), slope(here, now, moved(cause.x - by), moved(cause.x + by), 2.0 * by(i)));
+  }
+  Quadratic result{-jacobian.transpose() * error, jacobian.transpose() * jacobian};
+  for (Index i = 0; i < count; ++i) {
+    const auto& parameter = parameters[static_cast<std::size_t>(i)];
+    if (!parameter.is_place()) result.add_prior(i, cause.x(i), parameter.centre, parameter.width);
+  }
+  return result;
+}
+
+// A step down; 0: none was found.
+double improve_once(const Scene& scene, const Quadratic& quadratic, Start& candidate,
+                    double& lambda) {
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    Supposed next = candidate.cause;
+    next.x += quadratic.step(lambda);
+    keep_on_surface(scene.structure(), candidate.cause, next);
+    const bool possible = std::isfinite(log_prior(next, scene.structure()));
+    const double misfit =
+        possible ? scene.misfits(*next.effect, {{next.option, next.x}})(0) : candidate.misfit;
+    if (misfit < candidate.misfit) {
+      lambda *= 0.2;
+      candidate.cause = std::move(next);
+      return candidate.misfit - std::exchange(candidate.misfit, misfit);
+    }
+    lambda *= 10.0;
+  }
+  return 0.0;
+}
+
+// Gauss-Newton in the scene.
+Start improved(const Scene& scene, Start candidate) {
+  const auto parameters = candidate.cause.effect->parameters(scene.structure());
+  if (parameters.empty()) return candidate;
+  double lambda = 1e-2;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    const auto quadratic = quadratic_at(scene, candidate.cause, parameters);
+    const double fall = improve_once(scene, quadratic, candidate, lambda);
+    if (fall < 0.5 + 1e-4 * candidate.misfit) break;
+  }
+  return candidate;
+}
+
+// How far each coordinate is moved at first.
+VectorXd strides(const Scene& scene, const Supposed& cause) {
+  const auto& structure = scene.structure();
+  const auto parameters = cause.effect->parameters(structure);
+  const double apart = std::sqrt(structure.surface.area.mean());
+  VectorXd by(cause.x.size());
+  for (Index i = 0; i < by.size(); ++i) {
+    const auto& one = parameters[static_cast<std::size_t>(i)];
+    const bool linear = one.scale == Parameter::Scale::linear;
+    by(i) = one.is_place() ? 0.5 * apart : linear ? 0.3 * std::abs(cause.x(i)) : 0.35;
+  }
+  return by;
+}
+
+// Hooke's and Jeeves' direct search (J. ACM 8, 1961): each coordinate for itself, then on along
+// what that came to; by less where it no longer helps.
+class DirectSearch {
+ public:
+  DirectSearch(const Scene& scene, const Start& start)
+      : scene_(&scene), by_(strides(scene, start.cause)) {}
+
+  /// On from there, at the cost of so many misfits.
+  [[nodiscard]] Start from(Start best, int misfits) {
+    constexpr int kHalved = 6;
+    left_ = misfits;
+    for (int halved = 0; halved < kHalved && left_ > 0;) {
+      Start next = explored(best);
+      if (!(next.misfit < best.misfit)) {
+        by_ *= 0.5;
+        ++halved;
+        continue;
+      }
+      while (next.misfit < best.misfit && left_ > 0) {
+        Supposed on = next.cause;
+        on.x += next.cause.x - best.cause.x;
+        best = std::move(next);
+        next = explored({on, misfit(on)});
+      }
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] double misfit(const Supposed& cause) {
+    --left_;
+    if (!std::isfinite(log_prior(cause, scene_->structure()))) return HUGE_VAL;
+    return scene_->misfits(*cause.effect, {{cause.option, cause.x}})(0);
+  }
+  [[nodiscard]] Start explored(Start here) {
+    for (Index i = 0; i < by_.size(); ++i) {
+      for (const double side : {1.0, -1.0}) {
+        Supposed next = here.cause;
+        next.x(i) += side * by_(i);
+        const double there = misfit(next);
+        if (!(there < here.misfit)) continue;
+        here = {std::move(next), there};
+        break;
+      }
+    }
+    return here;
+  }
+
+  const Scene* scene_;
+  VectorXd by_;
+  int left_ = 0;
+};
+
+bool is_far(const Scene& scene, const Start& start) {
+  constexpr double kMuch = 20.0;  // times the noise
+  const bool hangs = place_of(start.cause, scene.structure()).has_value();
+  return hangs && start.misfit > kMuch * scene.observed().number_count() &&
+         scene.is_cheap(start.cause);
+}
+
+// Of the same choice and in the same place.
+bool alike(const std::vector<Parameter>& parameters, const Supposed& one,
+           const EffectStart& other) {
+  if (one.option != other.option) return false;
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
+    const auto c = static_cast<Index>(n);
+    if (parameters[n].is_place() && one.x(c) != other.x(c)) return false;
+  }
+  return true;
+}
+
+// Of what the effect offers, of different choices or places.
+std::vector<Start> likeliest(const Scene& scene, const Effect& effect, std::size_t most) {
+  const auto offered = effect.starts(scene);
+  if (offered.empty()) return {};
+  const VectorXd misfits = scene.misfits(effect, offered);
+  std::vector<Index> order;
+  for (Index i = 0; i < misfits.size(); ++i) {
+    if (std::isfinite(misfits(i))) order.push_back(i);
+  }
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return misfits(a) < misfits(b); });
+  const auto parameters = effect.parameters(scene.structure());
+  std::vector<Start> best;
+  for (const auto i : order) {
+    const auto& start = offered[static_cast<std::size_t>(i)];
+    const bool again = std::ranges::any_of(
+        best, [&](const Start& other) { return alike(parameters, other.cause, start); });
+    if (again) continue;
+    best.push_back({{&effect, start.option, start.x}, misfits(i)});
+    if (best.size() == most) break;
+  }
+  return best;
+}
+
+// The best `most` of them, after those that are far from anywhere were moved: all a little, then
+// the best further.
+void move_far(const Scene& scene, std::vector<Start>& starts, std::size_t most) {
+  constexpr int kLittle = 80;
+  constexpr int kFurther = 170;
+  std::vector<std::pair<Start, std::optional<DirectSearch>>> all;
+  for (auto& one : starts) {
+    std::optional<DirectSearch> search;
+    if (is_far(scene, one)) search.emplace(scene, one);
+    if (search) one = search->from(std::move(one), kLittle);
+    all.emplace_back(std::move(one), std::move(search));
+  }
+  std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first.misfit; });
+  all.resize(std::min(all.size(), most));
+  starts.clear();
+  for (auto& [start, search] : all) {
+    starts.push_back(search ? search->from(std::move(start), kFurther) : std::move(start));
+  }
+  std::ranges::stable_sort(starts, {}, &Start::misfit);
+}
+
+}  // namespace
+
+std::vector<Start> best_starts(const Scene& scene, const Effect& effect) {
+  constexpr std::size_t kMoved = 6;
+  constexpr std::size_t kKept = 2;
+  if (effect.options(scene.structure()) == 0) return {};
+  auto best = likeliest(scene, effect, kMoved);
+  move_far(scene, best, kKept);
+  for (auto& one : best) one = improved(scene, std::move(one));
+  return best;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,99 @@
+#include "diagnosis/verdict/measure_next.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::array<std::string_view, 4> kScales{"youngs_modulus", "density", "thickness",
+                                                  "overall_gain"};
+
+bool only_scales(const Fit& fit) {
+  return !fit.causes.empty() && std::ranges::all_of(fit.causes, [](const Supposed& cause) {
+    return std::ranges::find(kScales, cause.effect->name) != kScales.end();
+  });
+}
+
+// Some of the scan's places, evenly.
+std::vector<Index> some_places(const Surface& surface) {
+  constexpr Index kMost = 100;
+  const Index step = std::max<Index>(1, surface.count() / kMost);
+  std::vector<Index> places;
+  for (Index n = step / 2; n < surface.count(); n += step) places.push_back(n);
+  return places;
+}
+
+// Responses of the surface at some places to every actuator.
+Eigen::MatrixXcd there(const Problem& problem, const Fit& fit, const std::vector<Index>& places,
+                       const Eigen::VectorXd& omega) {
+  State state = state_of(problem, fit.causes, fit.eta);
+  const auto count = static_cast<Index>(places.size());
+  state.outputs = problem.structure.surface.shapes(places, Eigen::all);
+  state.output_upper = Eigen::MatrixXd::Zero(count, state.output_upper.cols());
+  state.residual = Eigen::MatrixXd::Zero(count, state.input_count());
+  state.output_paths.assign(places.size(), Path{});
+  state.output_of = {};
+  for (Index i = 0; i < count; ++i) state.output_of.push_back(i);
+  for (auto& frame : state.frames) frame.to_outputs = Eigen::VectorXd::Ones(count);
+  return responses(state, omega);
+}
+
+// Median of σ / |G|.
+double relative_noise(const Observed& observed) {
+  std::vector<double> all;
+  for (Index e = 0; e < observed.value.size(); ++e) {
+    const double weight = observed.weight.reshaped()(e);
+    const double size = std::abs(observed.value.reshaped()(e));
+    if (weight > 0.0 && size > 0.0) all.push_back(std::sqrt(2.0) / (weight * size));
+  }
+  if (all.empty()) return 0.01;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::string measure_next(const Problem& problem, const Fit& a, const Fit& b) {
+  if (only_scales(a) && only_scales(b)) {
+    return "weigh the body, or add a known mass to it: modulus, density, thickness and the scale "
+           "of all channels differ in that";
+  }
+  const auto& surface = problem.structure.surface;
+  if (surface.count() == 0) return "";
+  const auto places = some_places(surface);
+  const Observed few = thinned(problem.observed, 60);
+  const auto here = there(problem, a, places, few.omega);
+  const auto other = there(problem, b, places, few.omega);
+  const double noise = relative_noise(few);
+  const double lines =
+      static_cast<double>(problem.observed.line_count()) / static_cast<double>(few.line_count());
+  Eigen::VectorXd told = Eigen::VectorXd::Zero(static_cast<Index>(places.size()));
+  const Index q = problem.structure.input_count();
+  for (Index n = 0; n < told.size(); ++n) {
+    for (Index j = 0; j < q; ++j) {
+      const Index c = n + told.size() * j;
+      told(n) += ((here.col(c) - other.col(c)).cwiseAbs2().array() /
+                  (noise * noise * here.col(c).cwiseAbs2().array()).max(1e-300))
+                     .sum() *
+                 lines;
+    }
+  }
+  Index best = 0;
+  const double most = told.maxCoeff(&best);
+  if (most < 3.0) {
+    return "no further sensor on this surface tells them apart: add a known mass, or look";
+  }
+  const auto place = surface.places.row(places[static_cast<std::size_t>(best)]);
+  return fmt::format("a sensor at ({:.0f}, {:.0f}) mm: ln of the Bayes factor up to {:.3g}",
+                     1e3 * place(0), 1e3 * place(1), most);
+}
+
+}  // namespace chladni::diagnosis

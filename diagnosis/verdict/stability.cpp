@@ -1,0 +1,109 @@
+#include "diagnosis/verdict/stability.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kLastBits = 1e-9;
+constexpr double kTooLittle = -4.0;  // z
+
+// Numbers that the deviations took from what is left: n − tr H⁻¹, their prior precision being 1.
+double taken_by_deviations(const Fit& fit) {
+  const Index n = fit.eta.size();
+  if (fit.covariance.rows() < n) return 0.0;
+  return static_cast<double>(n) - fit.covariance.diagonal().tail(n).sum();
+}
+
+}  // namespace
+
+Structure nudged(Structure structure) {
+  const auto sign = [](Index i) { return i % 2 == 0 ? kLastBits : -kLastBits; };
+  for (Index k = 0; k < structure.mode_count(); ++k) {
+    structure.frequency_hz(k) *= 1.0 + sign(k / 2);
+    for (auto* side : {&structure.outputs, &structure.inputs}) {
+      for (Index i = 0; i < side->count(); ++i) side->shapes(i, k) *= 1.0 + sign(i + k);
+    }
+  }
+  return structure;
+}
+
+std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& told,
+                                      const Fit& again) {
+  std::vector<std::size_t> all;
+  for (std::size_t c = 0; c < told.causes.size(); ++c) {
+    Fit one;
+    one.causes = {told.causes[c]};
+    const bool there = std::ranges::any_of(again.causes, [&](const Supposed& cause) {
+      Fit other;
+      other.causes = {cause};
+      return alike(structure, one, other);
+    });
+    if (!there) all.push_back(c);
+  }
+  return all;
+}
+
+std::string doubt(const Structure& structure, const Fit& best, const Found& second,
+                  Diagnosis& diagnosis) {
+  constexpr double kNotSure = 0.5;
+  const Fit& again = second.fits.front();
+  Fit any;
+  for (const auto& fit : second.fits) {
+    if (fit.log_evidence < again.log_evidence - kOccamMargin) continue;
+    any.causes.insert(any.causes.end(), fit.causes.begin(), fit.causes.end());
+  }
+  const auto lost = not_repeated(structure, best, any);
+  if (lost.empty()) return "";
+  std::string names;
+  for (const auto which : lost) {
+    auto& cause = diagnosis.best.causes[which];
+    cause.probability = std::min(cause.probability, kNotSure);
+    names += (names.empty() ? "" : ", ") + cause.effect;
+  }
+  if (diagnosis.verdict == Verdict::named) diagnosis.verdict = Verdict::partial;
+  std::string instead;
+  for (const auto which : not_repeated(structure, again, best)) {
+    instead += (instead.empty() ? "" : ", ") + std::string(again.causes[which].effect->name);
+  }
+  return fmt::format("not stable: a search from modes that differ by 1e-9 does not name {} again{}",
+                     names, instead.empty() ? "" : " but " + instead);
+}
+
+std::string note_on_convergence(const Fit& best, const Fit& nothing) {
+  const auto promised = [](const Fit& fit) {
+    return std::isfinite(fit.promise)
+               ? fmt::format("one more step promises {:.2g} in ln likelihood", fit.promise)
+               : std::string("no step leads on");
+  };
+  if (!best.causes.empty() && !best.converged) {
+    return fmt::format(
+        "the fit of the causes has not converged ({}): their sizes and "
+        "probabilities are not final",
+        promised(best));
+  }
+  if (nothing.converged) return "";
+  return fmt::format(
+      "the fit of the tolerances alone has not converged ({}): what the causes bring "
+      "may be less than is told",
+      promised(nothing));
+}
+
+std::string note_on_noise(const Fit& best, double numbers) {
+  const double used =
+      best.chi_square + taken_by_deviations(best) + static_cast<double>(best.coordinate_count());
+  const double z = (used - numbers) / std::sqrt(2.0 * numbers);
+  if (!(z < kTooLittle)) return "";
+  return fmt::format(
+      "less is left than noise of the stated variances would leave (z = {:.1f}): they "
+      "are too large, by about {:.0f} %, or lines share their noise; deviations and "
+      "probabilities rest on them",
+      z, 100.0 * (numbers / std::max(used, 1.0) - 1.0));
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,372 @@
+#include "diagnosis/verdict/verdict.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/search/simpler.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index first) {
+  const auto& supposed = fit.causes[which];
+  Cause cause;
+  cause.effect = supposed.effect->name;
+  cause.channels = supposed.effect->channels(problem.structure, supposed.option);
+  const auto choice = choice_of(*supposed.effect, supposed.option);
+  cause.option = choice.text;
+  if (!choice.number.empty()) {
+    cause.fixed.push_back({std::string(choice.number), "1", choice.value, 0.0});
+  }
+  cause.place = place_of(supposed, problem.structure);
+  Index i = 0;
+  for (const auto& parameter : supposed.effect->parameters(problem.structure)) {
+    const double variance = fit.covariance(first + i, first + i);
+    cause.parameters.push_back(
+        {std::string(parameter.name), std::string(parameter.unit), parameter.value(supposed.x(i)),
+         parameter.value_per_coordinate(supposed.x(i)) * std::sqrt(variance)});
+    ++i;
+  }
+  return cause;
+}
+
+Explanation explanation_of(const Problem& problem, const Found& found, const Fit& fit) {
+  Explanation told;
+  Index first = 0;
+  for (std::size_t c = 0; c < fit.causes.size(); ++c) {
+    told.causes.push_back(cause_of(problem, fit, c, first));
+    first += fit.causes[c].x.size();
+  }
+  told.log_evidence = fit.log_evidence - found.nothing.log_evidence;
+  told.promise = fit.evidence_at_best() - fit.log_evidence;
+  told.excess = fit.excess(problem.observed.number_count());
+  told.strained = fit.strained();
+  return told;
+}
+
+// Neither a place nor a frequency, which a pole shows by itself.
+bool is_a_size(const CauseParameter& parameter) {
+  return parameter.name != "u" && parameter.name != "v" && parameter.unit != "Hz";
+}
+
+bool same_name(const Cause& a, const Cause& b) {
+  return a.effect == b.effect && a.channels == b.channels && a.option == b.option;
+}
+
+// What stands in `other` for each cause of `simple`, which is it or what it is simpler than; none
+// where something has no counterpart.
+std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
+                                                      const Explanation& other) {
+  const auto is_simpler = [](const Cause& cause, const Cause& more) {
+    return std::ranges::any_of(simpler_of(effect(more.effect)), [&](const Simpler& simpler) {
+      return simpler.effect->name == cause.effect;
+    });
+  };
+  std::vector<const Cause*> left;
+  for (const auto& cause : other.causes) left.push_back(&cause);
+  std::vector<const Cause*> all;
+  for (const auto& cause : simple.causes) {
+    auto found = std::ranges::find_if(left, [&](auto* one) { return same_name(cause, *one); });
+    if (found == left.end()) {
+      found = std::ranges::find_if(left, [&](auto* one) { return is_simpler(cause, *one); });
+    }
+    if (found == left.end()) return std::nullopt;
+    all.push_back(*found);
+    left.erase(found);
+  }
+  return all;
+}
+
+// The same causes, or simpler ones in their stead; or all of the simple one and more.
+bool nested(const Explanation& simple, const Explanation& other) {
+  if (simple.causes.size() > other.causes.size()) return false;
+  const auto found = counterparts(simple, other);
+  if (!found || simple.causes.size() == other.causes.size()) return found.has_value();
+  return std::ranges::equal(simple.causes, *found,
+                            [](const Cause& a, const Cause* b) { return same_name(a, *b); });
+}
+
+// Errors of the causes go in directions of their own, of which the data see some hundreds (modes
+// times channels): a twentieth of them goes along any one number, in units of its deviation. What
+// another mesh or solver makes of a cause goes along its sizes all together.
+void widen_deviations(const Problem& problem, Explanation& told) {
+  const double lost = lost_by(told.error_excess, problem.observed.number_count());
+  const double wider = std::sqrt(1.0 + 0.005 * lost);
+  for (auto& cause : told.causes) {
+    const bool by_shapes = effect(cause.effect).error > 0.0;
+    for (auto& parameter : cause.parameters) {
+      const double solver = by_shapes && is_a_size(parameter)
+                                ? problem.solver_error * std::abs(parameter.value)
+                                : 0.0;
+      parameter.std = std::hypot(parameter.std * wider, solver);
+    }
+  }
+}
+
+// Part of what the general effect explains that the simpler may leave.
+double share_left_to(const Effect& simpler, const Effect& general) {
+  double share = std::pow(simpler.error, 2);
+  for (const auto& pair : simpler_of(general)) {
+    if (pair.effect == &simpler) share = std::max(share, pair.share);
+  }
+  return share;
+}
+
+// Simpler effects in the stead of some of as many causes: what they may leave, in ln of evidence;
+// none where nothing is simpler.
+std::optional<double> cost_of_simplicity(const Explanation& simple, const Explanation& other) {
+  const auto found = counterparts(simple, other);
+  if (!found || simple.causes.size() != other.causes.size()) return std::nullopt;
+  std::optional<double> cost;
+  for (std::size_t c = 0; c < simple.causes.size(); ++c) {
+    const Cause& instead = *(*found)[c];
+    if (simple.causes[c].effect == instead.effect) continue;
+    const double share = share_left_to(effect(simple.causes[c].effect), effect(instead.effect));
+    cost = cost.value_or(0.0) + share * std::max(instead.log_evidence_gain, 0.0);
+  }
+  return cost;
+}
+
+// What each cause brings: the evidence lost without it, the share of the excess that left with it.
+void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
+  const double n = problem.observed.number_count();
+  const double excess = std::max(found.nothing.strained() - n, 1e-9);
+  told.error_excess = 0.0;
+  for (std::size_t c = 0; c < told.causes.size(); ++c) {
+    const Fit less = without(problem, fit, c, found.nothing);
+    told.causes[c].log_evidence_gain = fit.log_evidence - less.evidence_at_best();
+    told.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
+    const double error = error_of(problem, fit.causes[c]);
+    told.error_excess +=
+        excess_of(error * error * std::max(told.causes[c].log_evidence_gain, 0.0), n);
+  }
+}
+
+// Of the misfit that there was, stretched tolerances too, but not of more than no response at all
+// would have: what is nearer to the data than a simulation of another structure explains little.
+double share_left(const Problem& problem, const Found& found, const Explanation& told) {
+  const double n = problem.observed.number_count();
+  const double was = std::min(found.nothing.strained(), problem.observed.power());
+  return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
+}
+
+// z that neither noise nor errors of the causes explain. What a stretched tolerance takes of the
+// misfit counts by its own square: the sum is χ² of N wherever the tolerances are right.
+double unexplained(const Problem& problem, const Explanation& told) {
+  const double n = problem.observed.number_count();
+  double sizes = 0.0;
+  for (const auto& cause : told.causes) sizes += static_cast<double>(cause.parameters.size());
+  const double left = (told.strained - n + sizes) / std::sqrt(2.0 * n);
+  return std::max(left - told.error_excess, 0.0);
+}
+
+// That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is
+// as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes the story
+// four times less likely beside it, and as much less as it is by chance that it is near another of
+// its kind: together they may be one thing that is spread out.
+double all_there_is(const Problem& problem, const Explanation& told) {
+  constexpr double kOther = 0.1 / 60.0;
+  const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
+  const double prior =
+      0.7 * std::pow(0.25, further) * by_chance_so_near(problem.structure, told.causes);
+  const double z = unexplained(problem, told);
+  const double noise = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+  return prior * noise / (prior * noise + kOther);
+}
+
+// That a cause is there though something unnamed is, too: what it brings against what is left.
+double beside_unnamed(const Cause& cause, double left_share, double left) {
+  const double gain = cause.log_evidence_gain;
+  const double outweighs = gain > 0.0 ? gain / (gain + 3.0 * left) : 1.0;  // 0: was not weighed
+  return 0.9 * (1.0 - left_share) * outweighs;
+}
+
+void share_probability(const Problem& problem, const Found& found, std::vector<Explanation>& all) {
+  const double n = problem.observed.number_count();
+  // What is left beyond noise is a cause that nobody named: it might be behind the rest, too.
+  const double temper = std::max(1.0, found.fits.front().chi_square / n);
+  const double best = all.front().log_evidence;
+  double sum = 0.0;
+  for (auto& one : all) {
+    // Another that has not converged may yet be better.
+    const double promise = &one == &all.front() ? 0.0 : one.promise;
+    one.probability = std::exp(std::max(-700.0, (one.log_evidence + promise - best) / temper));
+    sum += one.probability;
+  }
+  for (auto& one : all) {
+    one.probability /= sum;
+    const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
+    const double left = lost_by(unexplained(problem, one), n);
+    const double whole = all_there_is(problem, one);
+    for (std::size_t c = 0; c < one.causes.size(); ++c) {
+      const double beside = beside_unnamed(one.causes[c], share, left) *
+                            of_its_own(problem.structure, one.causes, c);
+      one.causes[c].probability = one.probability * (whole + (1.0 - whole) * beside);
+    }
+  }
+}
+
+// By how much it explains less; of as many numbers the width of a prior is no reason to prefer one.
+double behind(const Explanation& simple, const Explanation& other) {
+  return std::min(other.log_evidence - simple.log_evidence,
+                  0.5 * (simple.strained - other.strained));
+}
+
+// The simpler of two that explain as well: with fewer causes, or with simpler ones.
+bool stands_for(const Explanation& simple, const Explanation& other, double equal) {
+  if (!nested(simple, other)) return false;
+  if (simple.causes.size() < other.causes.size()) return behind(simple, other) <= equal;
+  const auto cost = cost_of_simplicity(simple, other);
+  return cost && behind(simple, other) <= std::max(equal, *cost);
+}
+
+// What it leaves of the one that it stands for is an error of its own: neither evidence against it
+// nor a reason to look for more.
+void put_first(const Problem& problem, const Found& found, std::size_t which,
+               std::vector<Explanation>& all) {
+  const double evidence = all.front().log_evidence;
+  const double left = std::max(behind(all[which], all.front()), 0.0);
+  const auto at = static_cast<std::ptrdiff_t>(which);
+  std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
+  auto& front = all.front();
+  weigh_causes(problem, found, found.fits[front.fit], front);
+  front.error_excess += excess_of(left, problem.observed.number_count());
+  front.log_evidence = std::max(front.log_evidence, evidence);
+}
+
+// Of the surface as near to the one as the other is; 1 where they are not of one kind.
+double share_as_near(const Structure& structure, const Cause& one, const Cause& other) {
+  if (!one.place || !other.place || one.effect != other.effect) return 1.0;
+  const double around = std::numbers::pi * (*one.place - *other.place).squaredNorm();
+  return std::min(1.0, around / structure.surface.area.sum());
+}
+
+double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
+
+// Eighths of the lines.
+void add_bands(const Observed& observed, const Eigen::ArrayXXd& power, const Eigen::ArrayXXd& there,
+               Residue& left) {
+  constexpr Index kBands = 8;
+  left.band_edges_hz.resize(kBands + 1);
+  left.per_band.resize(kBands);
+  const Index lines = observed.line_count();
+  for (Index b = 0; b <= kBands; ++b) {
+    left.band_edges_hz(b) =
+        observed.omega(std::min(lines - 1, lines * b / kBands)) / (2.0 * std::numbers::pi);
+  }
+  for (Index b = 0; b < kBands; ++b) {
+    const Index first = lines * b / kBands;
+    const Index count = lines * (b + 1) / kBands - first;
+    left.per_band(b) =
+        half_mean(power.middleRows(first, count).sum(), there.middleRows(first, count).sum());
+  }
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+  constexpr std::array<std::string_view, 5> kNames{"no_discrepancy", "named", "ambiguous",
+                                                   "partial", "unexplained"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+double by_chance_so_near(const Structure& structure, const std::vector<Cause>& causes) {
+  double chance = 1.0;
+  for (std::size_t c = 1; c < causes.size(); ++c) {
+    double share = 1.0;
+    for (std::size_t before = 0; before < c; ++before) {
+      share = std::min(share, share_as_near(structure, causes[c], causes[before]));
+    }
+    chance *= share;
+  }
+  return chance;
+}
+
+double of_its_own(const Structure& structure, const std::vector<Cause>& causes,
+                  std::size_t which) {
+  constexpr double kPrior = 0.1;  // of what is spread out, beside one more of a kind
+  double share = 1.0;
+  for (std::size_t c = 0; c < causes.size(); ++c) {
+    if (c != which) share = std::min(share, share_as_near(structure, causes[which], causes[c]));
+  }
+  return share < 1.0 ? share / (share + kPrior) : 1.0;
+}
+
+std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {
+  std::vector<Explanation> all;
+  for (std::size_t n = 0; n < found.fits.size(); ++n) {
+    const bool again = std::ranges::any_of(all, [&](const Explanation& other) {
+      return alike(problem.structure, found.fits[other.fit], found.fits[n]);
+    });
+    if (again) continue;
+    all.push_back(explanation_of(problem, found, found.fits[n]));
+    all.back().fit = n;
+  }
+  weigh_causes(problem, found, found.fits[all.front().fit], all.front());
+  for (std::size_t n = 1; n < all.size(); ++n) {
+    if (stands_for(all[n], all.front(), equal)) put_first(problem, found, n, all);
+  }
+  std::erase_if(all, [&](const Explanation& other) {
+    return &other != &all.front() && nested(all.front(), other);
+  });
+  widen_deviations(problem, all.front());
+  share_probability(problem, found, all);
+  return all;
+}
+
+Verdict judged(const Problem& problem, const Found& found,
+               const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
+  const auto& best = explanations.front();
+  const bool explained = all_there_is(problem, best) > 0.5;
+  if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
+  if (!explained) {
+    const double left = share_left(problem, found, best);
+    return left < kLeftAtMost ? Verdict::partial : Verdict::unexplained;
+  }
+  const bool rivals = std::ranges::any_of(
+      explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
+        return best.log_evidence - other.log_evidence < options.rival_within;
+      });
+  return rivals ? Verdict::ambiguous : Verdict::named;
+}
+
+Residue residue(const Problem& problem, const Fit& fit) {
+  const auto& observed = problem.observed;
+  const State state = state_of(problem, fit.causes, fit.eta);
+  const Eigen::MatrixXcd whitened = (observed.value - responses(state, observed.omega))
+                                        .cwiseProduct(observed.weight.cast<std::complex<double>>());
+  const Eigen::ArrayXXd power = whitened.cwiseAbs2();
+  const Eigen::ArrayXXd there = (observed.weight.array() > 0.0).cast<double>();
+  // Over every `stride`-th response from the first on.
+  const auto over = [&](Index first, Index stride, Index count) {
+    const auto columns = Eigen::seqN(first, count, stride);
+    return half_mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());
+  };
+  Residue left;
+  left.per_output.resize(observed.outputs);
+  left.per_input.resize(observed.inputs);
+  for (Index i = 0; i < observed.outputs; ++i) {
+    left.per_output(i) = over(i, observed.outputs, observed.inputs);
+  }
+  for (Index j = 0; j < observed.inputs; ++j) {
+    left.per_input(j) = over(j * observed.outputs, 1, observed.outputs);
+  }
+  add_bands(observed, power, there, left);
+  const Index lines = observed.line_count();
+  const double lagged = whitened.topRows(lines - 1)
+                            .conjugate()
+                            .cwiseProduct(whitened.bottomRows(lines - 1))
+                            .real()
+                            .sum();
+  left.lag_one = lagged / std::max(power.sum(), 1e-300);
+  return left;
+}
+
+}  // namespace chladni::diagnosis
