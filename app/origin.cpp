@@ -48,7 +48,7 @@ Origin origin_in_json(const io::Json& json) {
   return origin;
 }
 
-// <dt>sha256 of NAME</dt><dd>64 digits</dd>, as io/report.cpp writes facts.
+// <dt>sha256 of NAME</dt><dd>64 digits</dd>, as io/report/report.cpp writes facts.
 std::optional<Origin> origin_in_page(std::string_view page) {
   constexpr std::string_view between = "</dt><dd>";
   Origin origin;

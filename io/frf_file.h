@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "io/room.h"
+#include "io/bytes/room.h"
 #include "modal/frf_set.h"
 
 namespace chladni::io {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "io/scan.h"
-#include "io/step.h"
+#include "io/surface/step.h"
 #include "io/vtu.h"
 
 namespace chladni::io {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "identification/time_data.h"
-#include "io/room.h"
+#include "io/bytes/room.h"
 
 namespace chladni::io {
 

@@ -4,8 +4,8 @@
 #include <vtkRenderer.h>
 
 #include "base/arrays.h"
+#include "io/figure/view.h"
 #include "io/picture/canvas.h"
-#include "io/view.h"
 
 namespace chladni::picture {
 
@@ -29,7 +29,7 @@ void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
                     const Colour& colour = {0.0, 0.0, 0.0}, float width = 4.0F);
 /// Triangles coloured by `value` (V, in [0, 1]) from dark to light, without light and shade.
 void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value);
-/// Triangles coloured by their number (T×1, io/colours.h), softly lit; the outline dark.
+/// Triangles coloured by their number (T×1, io/figure/colours.h), softly lit; the outline dark.
 void add_parts(vtkRenderer* panel, const Body& body, const Cells& colour);
 /// Triangles in one colour.
 void add_plain(vtkRenderer* panel, const Body& body, const Colour& colour);

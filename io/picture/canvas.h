@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "io/colours.h"
+#include "io/figure/colours.h"
 
 namespace chladni::picture {
 

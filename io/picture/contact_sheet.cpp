@@ -3,12 +3,12 @@
 #include <map>
 #include <numeric>
 
+#include "io/figure/view.h"
 #include "io/picture/body.h"
 #include "io/picture/canvas.h"
 #include "io/picture/glyphs.h"
 #include "io/picture/pictures.h"
 #include "io/picture/title.h"
-#include "io/view.h"
 #include "mesh/surface.h"
 
 namespace chladni::picture {

@@ -4,13 +4,13 @@
 #include <map>
 #include <numbers>
 
+#include "io/figure/view.h"
 #include "io/picture/body.h"
 #include "io/picture/canvas.h"
 #include "io/picture/glyphs.h"
 #include "io/picture/map_frame.h"
 #include "io/picture/pictures.h"
 #include "io/picture/title.h"
-#include "io/view.h"
 #include "mesh/surface.h"
 
 namespace chladni::picture {

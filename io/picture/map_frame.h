@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/arrays.h"
+#include "io/figure/view.h"
 #include "io/picture/canvas.h"
-#include "io/view.h"
 
 namespace chladni::picture {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "io/message.h"
+#include "io/bytes/message.h"
 #include "io/picture/own_display.h"
 #include "io/picture/pictures.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "io/message.h"
+#include "io/bytes/message.h"
 
 namespace chladni::picture {
 
@@ -32,7 +32,7 @@ namespace chladni::picture {
 ///
 /// head: `title`, `panel_width`, `panel_height` [px]; `panels`: list of {`title`, `labels`: list of
 /// {`words`, `size`}}; `rows`: list of {`number`, `name`, `area`, `colour`}; `more`: how many have
-/// no row. Arrays: `triangles` T×3, `outline` E×2, `colours` T×1 (io/colours.h, categorical); per
+/// no row. Arrays: `triangles` T×3, `outline` E×2, `colours` T×1 (io/figure/colours.h, categorical); per
 /// panel, in the paper's frame, `points_0`, ... V×3 and `labels_0`, ... L×2.
 [[nodiscard]] std::string patches(const io::Message& request);
 

@@ -3,8 +3,8 @@
 
 #include <string_view>
 
-#include "io/frf_uff.h"
-#include "io/time_uff.h"
+#include "io/uff/frf_uff.h"
+#include "io/uff/time_uff.h"
 
 namespace chladni::io {
 

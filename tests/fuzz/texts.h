@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "app/toml_tree.h"
+#include "io/bytes/message.h"
 #include "io/json.h"
-#include "io/message.h"
 #include "io/shape_table.h"
 
 namespace chladni::io {

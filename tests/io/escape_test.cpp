@@ -1,4 +1,4 @@
-#include "io/escape.h"
+#include "io/bytes/escape.h"
 
 #include <gtest/gtest.h>
 

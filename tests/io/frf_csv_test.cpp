@@ -9,8 +9,8 @@
 
 #include "base/draw.h"
 #include "base/error.h"
-#include "io/channel_names.h"
 #include "io/frf_file.h"
+#include "io/measured/channel_names.h"
 #include "io/time_file.h"
 #include "tests/io/frf_samples.h"
 

@@ -1,4 +1,4 @@
-#include "io/frf_suspicions.h"
+#include "io/measured/frf_suspicions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "io/frf_uff.h"
+#include "io/uff/frf_uff.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/error.h"
-#include "io/uff.h"
+#include "io/uff/uff.h"
 #include "tests/io/frf_samples.h"
 #include "tests/io/uff_samples.h"
 

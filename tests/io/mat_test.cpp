@@ -14,8 +14,8 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/frf_file.h"
-#include "io/frf_mat.h"
-#include "io/time_mat.h"
+#include "io/matlab/frf_mat.h"
+#include "io/matlab/time_mat.h"
 #include "tests/io/frf_samples.h"
 #include "tests/io/mat_by_hand.h"
 

@@ -1,4 +1,4 @@
-#include "io/message.h"
+#include "io/bytes/message.h"
 
 #include <gtest/gtest.h>
 

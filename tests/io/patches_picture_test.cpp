@@ -12,8 +12,8 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "io/colours.h"
-#include "io/seen_parts.h"
+#include "io/figure/colours.h"
+#include "io/figure/seen_parts.h"
 #include "mesh/bodies.h"
 
 namespace chladni::io {

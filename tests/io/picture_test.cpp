@@ -14,8 +14,8 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/worker.h"
-#include "io/colours.h"
-#include "io/message.h"
+#include "io/bytes/message.h"
+#include "io/figure/colours.h"
 #include "mesh/bodies.h"
 
 namespace chladni::io {

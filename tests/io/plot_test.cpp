@@ -12,7 +12,7 @@
 #include "base/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
-#include "io/plot_axis.h"
+#include "io/figure/plot_axis.h"
 
 namespace chladni::io {
 namespace {

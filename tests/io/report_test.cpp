@@ -9,7 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "io/escape.h"
+#include "io/bytes/escape.h"
 #include "io/json.h"
 #include "io/report_sections.h"
 #include "mesh/bodies.h"

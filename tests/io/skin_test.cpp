@@ -1,4 +1,4 @@
-#include "io/skin.h"
+#include "io/figure/skin.h"
 
 #include <gtest/gtest.h>
 

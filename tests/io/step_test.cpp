@@ -1,5 +1,5 @@
 // The small bodies in tests/io/data were written by OpenCASCADE 7.6.
-#include "io/step.h"
+#include "io/surface/step.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -6,7 +6,7 @@
 
 #include "base/draw.h"
 #include "base/error.h"
-#include "io/time_uff.h"
+#include "io/uff/time_uff.h"
 #include "tests/io/frf_samples.h"
 
 namespace chladni::io {

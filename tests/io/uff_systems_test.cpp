@@ -1,5 +1,5 @@
 // Coordinate systems of universal files, datasets 18 and 2420, by hand after the format.
-#include "io/uff_systems.h"
+#include "io/uff/uff_systems.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "io/frf_uff.h"
 #include "io/time_file.h"
-#include "io/time_uff.h"
+#include "io/uff/frf_uff.h"
+#include "io/uff/time_uff.h"
 #include "tests/io/uff_samples.h"
 
 namespace chladni::io {

@@ -1,4 +1,4 @@
-#include "io/uff.h"
+#include "io/uff/uff.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "base/draw.h"
 #include "base/error.h"
-#include "io/frf_uff.h"
-#include "io/uff_lines.h"
+#include "io/uff/frf_uff.h"
+#include "io/uff/uff_lines.h"
 #include "tests/io/frf_samples.h"
 #include "tests/io/uff_samples.h"
 

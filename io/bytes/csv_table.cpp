@@ -1,0 +1,157 @@
+#include "io/bytes/csv_table.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "base/error.h"
+#include "io/measured/measurable.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+constexpr std::size_t kMostColumns = 10000;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void fail(const std::string& file, int line, const std::string& what) {
+  throw InvalidInput(file + ": line " + std::to_string(line) + ": " + what);
+}
+
+char separator_of(std::string_view header) {
+  for (const char c : {',', ';', '\t'}) {
+    if (header.find(c) != std::string_view::npos) return c;
+  }
+  return ',';
+}
+
+// What a field without quotes says; the bytes between two separators.
+double number_of(std::string_view field, const CsvTable& table, std::size_t column, int line) {
+  field = trimmed(field);
+  if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
+    field = trimmed(field.substr(1, field.size() - 2));
+  }
+  if (field.empty()) return kNan;
+  const auto value = number_in(field);
+  if (value && is_measurable(*value)) return *value;
+  if (value) fail(table.file, line, table.names[column] + ": " + not_measurable(*value));
+  if (upper(field.substr(0, 4)) == "NAN") return kNan;
+  fail(table.file, line, table.names[column] + ": " + not_a_number(field));
+}
+
+void read_row(std::string_view line, char separator, int number, CsvTable& table,
+              std::vector<double>& rows) {
+  const std::size_t expected = table.names.size();
+  std::size_t column = 0;
+  for (bool more = true; more; ++column) {
+    const auto end = line.find(separator);
+    more = end != std::string_view::npos;
+    if (column == expected) {
+      const auto extra = static_cast<std::size_t>(std::count(line.begin(), line.end(), separator));
+      column += extra + 1;
+      break;
+    }
+    rows.push_back(number_of(line.substr(0, end), table, column, number));
+    if (more) line.remove_prefix(end + 1);
+  }
+  if (column != expected) {
+    fail(table.file, number,
+         std::to_string(column) + " fields; expected " + std::to_string(expected) +
+             ", as many as the first line has");
+  }
+  table.line.push_back(number);
+}
+
+void read_header(std::string_view line, char separator, int number, CsvTable& table) {
+  table.header_line = number;
+  try {
+    table.names = csv_fields(line, separator);
+  } catch (const InvalidInput& e) {
+    fail(table.file, number, e.what());
+  }
+  std::set<std::string_view> seen;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    const auto& name = table.names[c];
+    if (name.empty()) {
+      fail(table.file, number, "column " + std::to_string(c + 1) + " has no name");
+    }
+    if (!seen.insert(name).second) {
+      fail(table.file, number, "two columns are called " + shown(name));
+    }
+    if (number_in(name)) {
+      fail(table.file, number,
+           "column " + std::to_string(c + 1) + " is called " + shown(name) +
+               ", a number; expected a first line of names");
+    }
+  }
+}
+
+// How many numbers there may be: a field takes a byte at least, its separator or the line's end.
+std::size_t number_count(std::string_view bytes, const CsvTable& table, std::size_t limit) {
+  const auto lines = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
+  const std::size_t count = std::min(lines * table.names.size(), bytes.size() + 1);
+  require_room(16.0 * static_cast<double>(count), limit,
+               table.file + ": " + std::to_string(table.names.size()) + " columns of " +
+                   std::to_string(lines) + " lines");
+  return count;
+}
+
+}  // namespace
+
+Eigen::Index CsvTable::column(std::string_view name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : found - names.begin();
+}
+
+std::vector<std::string> csv_fields(std::string_view line, char separator) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+      fields.back() += line[++i];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == separator && !quoted) {
+      fields.emplace_back();
+      require(fields.size() <= kMostColumns, "more than 10 000 columns");
+    } else {
+      fields.back() += c;
+    }
+  }
+  require(!quoted, "a quote is opened and not closed");
+  for (auto& field : fields) field = std::string(trimmed(field));
+  return fields;
+}
+
+CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t limit) {
+  CsvTable table;
+  table.file = file;
+  std::vector<double> rows;
+  char separator = ',';
+  refuse_utf16(bytes, file);
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  for (int number = 1; !bytes.empty(); ++number) {
+    const auto end = bytes.find('\n');
+    auto line = bytes.substr(0, end);
+    bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const auto words = trimmed(line);
+    if (words.empty() || words.front() == '#') continue;
+    if (table.names.empty()) {
+      separator = separator_of(line);
+      read_header(line, separator, number, table);
+      rows.reserve(number_count(bytes, table, limit));
+    } else {
+      read_row(line, separator, number, table, rows);
+    }
+  }
+  require(!table.names.empty(), file + ": no lines; expected a first line of names");
+  const auto c = static_cast<Eigen::Index>(table.names.size());
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  table.values =
+      Eigen::Map<const Rows>(rows.data(), static_cast<Eigen::Index>(table.line.size()), c);
+  return table;
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,328 @@
+// Abaqus and CalculiX input decks: tetrahedra, their sections (regions), surfaces and sets
+// (patches). Node orders and faces after the CalculiX manual, "Element types".
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "base/error.h"
+#include "io/cells/inp_deck.h"
+#include "io/cells/inp_sets.h"
+#include "io/cells/tets.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+// The corners of the faces S1 to S4 of a tetrahedron.
+constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
+    {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
+
+// Keywords that make or move nodes and elements: what they say would be missed.
+const std::set<std::string> kGenerators{"INCLUDE", "SYSTEM", "NGEN",  "NFILL",
+                                        "NCOPY",   "NMAP",   "ELGEN", "ELCOPY"};
+const std::set<std::string> kSilent{"HEADING",      "PREPRINT",     "PART",
+                                    "END PART",     "ASSEMBLY",     "INSTANCE",
+                                    "END INSTANCE", "END ASSEMBLY", "SOLID SECTION"};
+
+struct ElementType {
+  enum class Kind { tetrahedron, triangle, line } kind;
+  std::size_t nodes;
+};
+
+struct SurfaceEntry {
+  std::string patch, set;
+  std::int64_t element = 0;  // where `set` is empty
+  int face = -1;             // 0 to 3; −1: all that lie on the boundary
+};
+
+bool ends_in_letters(std::string_view type, std::size_t start) {
+  return std::all_of(type.begin() + static_cast<std::ptrdiff_t>(start), type.end(),
+                     [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
+// C3D10M, C3D4H and so on are tetrahedra of the same shape; plane triangles and bars are what Gmsh
+// writes for the surfaces and lines of a body.
+ElementType element_type(const InpDeck& deck, const std::string& type) {
+  using enum ElementType::Kind;
+  if (type.starts_with("C3D10") && ends_in_letters(type, 5)) return {tetrahedron, 10};
+  if (type.starts_with("C3D4") && ends_in_letters(type, 4)) return {tetrahedron, 4};
+  for (const std::string_view plane : {"CPS", "CPE", "SFM3D"}) {
+    if (type == std::string(plane) + "3") return {triangle, 3};
+    if (type == std::string(plane) + "6") return {triangle, 6};
+  }
+  if (type == "T3D2") return {line, 2};
+  if (type == "T3D3") return {line, 3};
+  deck.fail("element type " + shown(type) +
+            ", expected tetrahedra (C3D4, C3D10); masses, springs and the like belong in the "
+            "study, as attachments");
+}
+
+class InpReader {
+ public:
+  explicit InpReader(std::string_view bytes) : deck_(bytes) {}
+  mesh::TetMesh mesh(Notes* notes);
+
+ private:
+  using Fields = std::vector<std::string_view>;
+  struct Triangle {
+    std::int64_t id;
+    std::array<std::int64_t, 3> corners;
+  };
+
+  void read(const Keyword& keyword);
+  void read_nodes(const Keyword& keyword);
+  void read_elements(const Keyword& keyword);
+  void read_element(const Fields& first_line, const ElementType& type, int region);
+  void read_set(const Keyword& keyword, InpSets& sets, const std::string& name);
+  void read_surface(const Keyword& keyword);
+  void check_structure(const Keyword& keyword);
+  void name_regions(Notes* notes);
+  bool explicit_sets_share_out(std::vector<int>& region);
+  void name_faces(Notes* notes);
+  void add_faces(const SurfaceEntry& entry, std::int64_t element);
+  void name_triangles();
+
+  InpDeck deck_;
+  Tets tets_;
+  InpSets node_sets_, element_sets_, card_sets_;  // card_sets_: of *ELEMENT, ELSET=
+  Rows tet_rows_, triangle_rows_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::string> sections_;
+  std::vector<SurfaceEntry> surface_;
+  std::set<std::string> unused_;
+  std::vector<std::int64_t> ids_of_element_;
+  std::size_t lines_ = 0, parts_ = 0, instances_ = 0;
+  bool in_assembly_ = false;
+};
+
+void InpReader::read_nodes(const Keyword& keyword) {
+  const std::string set = keyword.value("NSET");
+  for (Fields fields; deck_.next_data(fields);) {
+    if (in_assembly_) continue;  // reference points
+    if (fields.size() != 4) {
+      deck_.fail("a node of " + std::to_string(fields.size()) +
+                 " fields, expected four: number, x, y, z (decimal commas are not read)");
+    }
+    const std::int64_t id = deck_.id(fields[0]);
+    tets_.node(id, {deck_.number(fields[1]), deck_.number(fields[2]), deck_.number(fields[3])});
+    if (!set.empty()) node_sets_.add(set, id);
+  }
+}
+
+void InpReader::read_element(const Fields& first_line, const ElementType& type, int region) {
+  auto& ids = ids_of_element_;
+  ids.clear();
+  for (Fields fields = first_line;;) {
+    for (const auto field : fields) ids.push_back(deck_.id(field));
+    if (ids.size() > type.nodes || !deck_.next_data(fields)) break;
+  }
+  if (ids.size() != type.nodes + 1) {
+    deck_.fail("element " + std::to_string(ids[0]) + " has " + std::to_string(ids.size() - 1) +
+               " nodes, expected " + std::to_string(type.nodes));
+  }
+  const std::span<const std::int64_t> nodes = std::span(ids).subspan(1);
+  if (type.kind == ElementType::Kind::tetrahedron) {
+    tet_rows_.add(ids[0]);
+    tets_.tet(ids[0], nodes, region);
+  } else if (type.kind == ElementType::Kind::triangle) {
+    triangle_rows_.add(ids[0]);
+    triangles_.push_back({ids[0], {nodes[0], nodes[1], nodes[2]}});
+  } else {
+    ++lines_;
+  }
+}
+
+void InpReader::read_elements(const Keyword& keyword) {
+  if (in_assembly_) return;
+  const ElementType type = element_type(deck_, upper(keyword.value("TYPE")));
+  const std::string set = keyword.value("ELSET");
+  const int region = tets_.regions.index(set.empty() ? "body" : set);
+  for (Fields fields; deck_.next_data(fields);) {
+    read_element(fields, type, region);
+    if (!set.empty()) card_sets_.add(set, ids_of_element_[0]);
+  }
+}
+
+void InpReader::read_set(const Keyword& keyword, InpSets& sets, const std::string& name) {
+  if (name.empty()) deck_.fail("*" + keyword.name + " without a name");
+  const bool other_numbers = in_assembly_ && !keyword.has("INSTANCE");  // of reference points
+  if (!other_numbers) sets.declare(name);
+  for (Fields fields; deck_.next_data(fields);) {
+    if (other_numbers) continue;
+    if (keyword.has("GENERATE")) {
+      if (fields.size() < 2 || fields.size() > 3) deck_.fail("expected first, last and step");
+      const std::int64_t step = fields.size() == 3 ? deck_.id(fields[2]) : 1;
+      sets.add_range(name, deck_.id(fields[0]), deck_.id(fields[1]), step);
+      continue;
+    }
+    for (const std::string_view field : fields) {
+      if (integer_in(field)) {
+        sets.add(name, deck_.id(field));
+      } else if (!field.empty()) {
+        sets.add_set(name, std::string(field));
+      }
+    }
+  }
+}
+
+void InpReader::read_surface(const Keyword& keyword) {
+  const std::string name = keyword.value("NAME");
+  if (name.empty()) deck_.fail("*SURFACE without a name");
+  if (upper(keyword.value("TYPE")) == "NODE") return read_set(keyword, node_sets_, name);
+  for (Fields fields; deck_.next_data(fields);) {
+    if (fields.empty() || fields.size() > 2) deck_.fail("expected an element or set, and a face");
+    SurfaceEntry entry{.patch = name, .set = {}};
+    if (integer_in(fields[0])) {
+      entry.element = deck_.id(fields[0]);
+    } else {
+      entry.set = std::string(fields[0]);
+    }
+    if (fields.size() == 2) {
+      const std::string face = upper(fields[1]);
+      if (face.size() != 2 || face[0] != 'S' || face[1] < '1' || face[1] > '4') {
+        deck_.fail("face " + shown(fields[1]) + ", expected S1 to S4 of a tetrahedron");
+      }
+      entry.face = face[1] - '1';
+    }
+    surface_.push_back(std::move(entry));
+  }
+}
+
+void InpReader::check_structure(const Keyword& keyword) {
+  if (kGenerators.contains(keyword.name) || keyword.has("INPUT")) {
+    deck_.fail("*" + keyword.name + " brings in or makes nodes and elements that are not in " +
+               "this file, expected a flat deck: write all of them out");
+  }
+  if (keyword.name == "NODE" && keyword.has("SYSTEM") && upper(keyword.value("SYSTEM")) != "R") {
+    deck_.fail("*NODE in a cylindrical or spherical system, expected x, y, z");
+  }
+  if (keyword.name == "ASSEMBLY") in_assembly_ = true;
+  if (keyword.name == "END ASSEMBLY") in_assembly_ = false;
+  parts_ += keyword.name == "PART" ? 1 : 0;
+  instances_ += keyword.name == "INSTANCE" ? 1 : 0;
+  if (parts_ > 1 || instances_ > 1) {
+    deck_.fail("several parts or instances, expected one body: write a flat deck, or merge them");
+  }
+  Fields fields;
+  if (keyword.name == "INSTANCE" && deck_.next_data(fields)) {
+    deck_.fail("an *INSTANCE that is moved, expected one in place");
+  }
+}
+
+void InpReader::read(const Keyword& keyword) {
+  check_structure(keyword);
+  if (keyword.name == "NODE") return read_nodes(keyword);
+  if (keyword.name == "ELEMENT") return read_elements(keyword);
+  if (keyword.name == "NSET") return read_set(keyword, node_sets_, keyword.value("NSET"));
+  if (keyword.name == "ELSET") return read_set(keyword, element_sets_, keyword.value("ELSET"));
+  if (keyword.name == "SURFACE") return read_surface(keyword);
+  if (keyword.name == "SOLID SECTION" && keyword.has("ELSET")) {
+    sections_.push_back(keyword.value("ELSET"));
+  }
+  constexpr std::size_t kMostNamed = 12;
+  if (!kSilent.contains(keyword.name) && unused_.size() < kMostNamed) unused_.insert(keyword.name);
+}
+
+// Without sections, sets that hold every tetrahedron once (Gmsh's physical volumes) are the
+// regions.
+bool InpReader::explicit_sets_share_out(std::vector<int>& region) {
+  region.assign(tets_.tet_count(), -1);
+  for (const std::string& name : element_sets_.names()) {
+    for (const std::int64_t id : element_sets_.ids(name, tet_rows_)) {
+      int& mine = region[static_cast<std::size_t>(tet_rows_.row(id))];
+      if (mine >= 0) return false;
+      mine = tets_.regions.index(name);
+    }
+  }
+  return std::find(region.begin(), region.end(), -1) == region.end();
+}
+
+void InpReader::name_regions(Notes* notes) {
+  std::vector<int> region;
+  if (sections_.empty()) {
+    if (!explicit_sets_share_out(region)) return;
+  } else {
+    region.assign(tets_.tet_count(), -1);
+    for (const std::string& name : sections_) {
+      const InpSets& sets = element_sets_.has(name) ? element_sets_ : card_sets_;
+      if (!sets.has(name)) throw InvalidInput("*SOLID SECTION of the unknown set " + shown(name));
+      for (const std::int64_t id : sets.ids(name, tet_rows_)) {
+        region[static_cast<std::size_t>(tet_rows_.row(id))] = tets_.regions.index(name);
+      }
+    }
+  }
+  const auto without = std::count(region.begin(), region.end(), -1);
+  for (std::size_t t = 0; t < region.size(); ++t) {
+    if (region[t] >= 0) tets_.set_region(t, region[t]);
+  }
+  if (without > 0) add_note(notes, std::to_string(without) + " elements without *SOLID SECTION");
+}
+
+void InpReader::add_faces(const SurfaceEntry& entry, std::int64_t element) {
+  const std::int32_t row = tet_rows_.row(element);
+  if (row < 0) return;
+  const auto nodes = tets_.nodes(static_cast<std::size_t>(row));
+  const int patch = tets_.patches.index(entry.patch);
+  for (std::size_t f = 0; f < 4; ++f) {
+    if (entry.face >= 0 && static_cast<std::size_t>(entry.face) != f) continue;
+    const auto& [a, b, c] = kFaces.at(f);
+    tets_.face(std::array{nodes[a], nodes[b], nodes[c]}, patch, entry.face >= 0);
+  }
+}
+
+// Each triangle belongs to the first set that has it, those of *ELSET before those of *ELEMENT.
+void InpReader::name_triangles() {
+  std::vector<bool> named(triangles_.size(), false);
+  for (const InpSets* const sets : {&element_sets_, &card_sets_}) {
+    for (const std::string& name : sets->names()) {
+      for (const std::int64_t id : sets->ids(name, triangle_rows_)) {
+        const auto row = static_cast<std::size_t>(triangle_rows_.row(id));
+        if (!named[row]) tets_.face(triangles_[row].corners, tets_.patches.index(name));
+        named[row] = true;
+      }
+    }
+  }
+}
+
+void InpReader::name_faces(Notes* notes) {
+  for (const SurfaceEntry& entry : surface_) {
+    if (entry.set.empty()) {
+      add_faces(entry, entry.element);
+      continue;
+    }
+    const InpSets& sets = element_sets_.has(entry.set) ? element_sets_ : card_sets_;
+    if (!sets.has(entry.set)) {
+      throw InvalidInput("*SURFACE " + shown(entry.patch) + " of the unknown set " +
+                         shown(entry.set));
+    }
+    for (const std::int64_t id : sets.ids(entry.set, tet_rows_)) add_faces(entry, id);
+  }
+  name_triangles();
+  for (const std::string& name : node_sets_.names()) {
+    tets_.node_set({name, node_sets_.ids(name, tets_.sorted_nodes())});
+  }
+  if (lines_ > 0) add_note(notes, std::to_string(lines_) + " line elements passed over");
+}
+
+mesh::TetMesh InpReader::mesh(Notes* notes) {
+  for (Keyword keyword; deck_.next_keyword(keyword);) read(keyword);
+  tet_rows_.sort("element");
+  triangle_rows_.sort("element");
+  name_regions(notes);
+  name_faces(notes);
+  if (!unused_.empty()) {
+    std::string names;
+    for (const std::string& name : unused_) names += (names.empty() ? "*" : ", *") + name;
+    add_note(notes, "not used (the study says it): " + names);
+  }
+  return tets_.mesh(notes);
+}
+
+}  // namespace
+
+mesh::TetMesh parse_inp(std::string_view bytes, Notes* notes) {
+  require(!trimmed(bytes).empty(), "the file is empty");
+  return InpReader(bytes).mesh(notes);
+}
+
+}  // namespace chladni::io

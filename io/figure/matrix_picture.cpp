@@ -1,0 +1,132 @@
+#include "io/matrix_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/figure/drawing.h"
+#include "io/figure/painted.h"
+
+namespace chladni::io {
+namespace {
+
+using Place = Eigen::Vector2d;
+
+constexpr Colour kInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.94, 0.95};
+constexpr double kMargin = 24.0, kHead = 60.0, kName = 14.0, kLabel = 16.0, kLargest = 64.0;
+constexpr Eigen::Index kMost = 200;
+
+/// Pixels.
+struct Sheet {
+  double width, height;
+  Place corner;         // of the first square
+  double square, text;  // side of a square; size of the numbers in it, 0: none
+  double column_names;  // height of the names above
+};
+
+void check(const MatrixPicture& of) {
+  require(of.value.size() > 0 && static_cast<Eigen::Index>(of.rows.size()) == of.value.rows() &&
+              static_cast<Eigen::Index>(of.columns.size()) == of.value.cols(),
+          fmt::format("matrix picture \"{}\": {} x {} values for {} rows and {} columns", of.title,
+                      of.value.rows(), of.value.cols(), of.rows.size(), of.columns.size()));
+  require(of.value.rows() <= kMost && of.value.cols() <= kMost,
+          fmt::format("matrix picture \"{}\": {} x {} values, expected 200 x 200 at most", of.title,
+                      of.value.rows(), of.value.cols()));
+}
+
+double widest(const std::vector<std::string>& words) {
+  double width = 0.0;
+  for (const auto& one : words) width = std::max(width, text_width(one, kName));
+  return width;
+}
+
+std::string number(const MatrixPicture& of, Eigen::Index i, Eigen::Index j) {
+  return fmt::format("{:.{}f}", of.value(i, j), of.decimals);
+}
+
+double widest_number(const MatrixPicture& of) {
+  double width = 0.0;
+  for (Eigen::Index i = 0; i < of.value.rows(); ++i) {
+    for (Eigen::Index j = 0; j < of.value.cols(); ++j) {
+      if (std::isfinite(of.value(i, j))) width = std::max(width, text_width(number(of, i, j), 1.0));
+    }
+  }
+  return width;
+}
+
+Sheet sheet_of(const MatrixPicture& of) {
+  Sheet sheet{};
+  sheet.width = of.value.cols() > 24 ? 1400.0 : 1000.0;
+  sheet.column_names = widest(of.columns) + 8.0;
+  const double left = kMargin + 26.0 + widest(of.rows) + 10.0;
+  sheet.corner = Place(left, kHead + 26.0 + sheet.column_names);
+  const double room = sheet.width - left - kMargin;
+  sheet.square = std::min(kLargest, room / static_cast<double>(of.value.cols()));
+  sheet.height = sheet.corner(1) + sheet.square * static_cast<double>(of.value.rows()) + kMargin;
+  const double fits = 0.86 * sheet.square / std::max(widest_number(of), 1e-9);
+  sheet.text = fits >= 9.0 ? std::min(fits, 15.0) : 0.0;
+  return sheet;
+}
+
+double darkness(const MatrixPicture& of, double value) {
+  return std::clamp((value - of.light) / (of.dark - of.light), 0.0, 1.0);
+}
+
+void paint_squares(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet) {
+  for (Eigen::Index i = 0; i < of.value.rows(); ++i) {
+    for (Eigen::Index j = 0; j < of.value.cols(); ++j) {
+      const Place at =
+          sheet.corner + sheet.square * Place(static_cast<double>(j), static_cast<double>(i));
+      const double s = sheet.square - (sheet.square > 12.0 ? 1.0 : 0.0);
+      const bool known = std::isfinite(of.value(i, j));
+      const double dark = known ? darkness(of, of.value(i, j)) : 0.0;
+      drawing.polygons({{at, at + Place(s, 0.0), at + Place(s, s), at + Place(0.0, s)}},
+                       known ? sequential(1.0 - dark) : kEmpty);
+      if (!known || sheet.text == 0.0) continue;
+      drawing.text(at + Place(0.5 * s, 0.5 * s + 0.35 * sheet.text), number(of, i, j), sheet.text,
+                   dark > 0.45 ? kWhite : kInk, Drawing::Align::centre);
+    }
+  }
+}
+
+// Every name where there is room, else every second, third, ...
+void paint_names(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet) {
+  const auto every =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.2 * kName / sheet.square)));
+  const auto centre = [&](std::size_t k) {
+    return sheet.square * (static_cast<double>(k) + 0.5) + 0.35 * kName;
+  };
+  for (std::size_t i = 0; i < of.rows.size(); i += every) {
+    drawing.text(sheet.corner + Place(-8.0, centre(i)), of.rows[i], kName, kInk,
+                 Drawing::Align::right);
+  }
+  for (std::size_t j = 0; j < of.columns.size(); j += every) {
+    drawing.text(sheet.corner + Place(centre(j), -8.0), of.columns[j], kName, kInk,
+                 Drawing::Align::left, false, true);
+  }
+  const Place whole = sheet.square * Place(static_cast<double>(of.value.cols()),
+                                           static_cast<double>(of.value.rows()));
+  drawing.text({sheet.corner(0) + 0.5 * whole(0), kHead + 14.0}, of.column_label, kLabel, kInk,
+               Drawing::Align::centre);
+  drawing.text({kMargin + 12.0, sheet.corner(1) + 0.5 * whole(1)}, of.row_label, kLabel, kInk,
+               Drawing::Align::centre, false, true);
+}
+
+}  // namespace
+
+void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture) {
+  check(picture);
+  const Sheet sheet = sheet_of(picture);
+  Drawing drawing(sheet.width, sheet.height);
+  double size = 24.0;
+  while (size > 14.0 && text_width(picture.title, size) > sheet.width - 2.0 * kMargin) size -= 1.0;
+  drawing.text({kMargin, 40.0}, picture.title, size, kInk, Drawing::Align::left, true);
+  paint_squares(drawing, picture, sheet);
+  paint_names(drawing, picture, sheet);
+  write_atomically(png, painted(drawing.request()));
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,326 @@
+#include "io/matlab/frf_mat.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "io/matlab/mat_names.h"
+#include "io/measured/frf_units.h"
+#include "io/measured/measurable.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+constexpr std::array<const char*, 3> kKinds{"receptance", "mobility", "accelerance"};
+
+/// Where lines, outputs and inputs are in an array.
+struct Layout {
+  Index lines = 0, outputs = 0, inputs = 0;
+  Index line_step = 0, output_step = 0, input_step = 0;
+
+  [[nodiscard]] Index at(Index k, Index i, Index j) const {
+    return k * line_step + i * output_step + j * input_step;
+  }
+};
+
+class Reader {
+ public:
+  Reader(const MatFields& fields, const FrfOptions& options, FrfFile& file)
+      : fields_(fields), options_(options), file_(file) {}
+
+  void read() {
+    read_frequencies();
+    const auto* response = mat_value(fields_, {"H", "G", "frf", "ResponseData"});
+    require(response != nullptr, "there are no responses; expected a variable H, G or frf" + had());
+    require(response->kind == MatValue::Kind::number,
+            "the responses are a " + response->class_name + ", expected numbers");
+    output_names_ = mat_texts(mat_value(fields_, {"output_names", "OutputName", "sensor_names",
+                                                  "sensors", "outputs", "y_names"}),
+                              "output_names");
+    input_names_ = mat_texts(mat_value(fields_, {"input_names", "InputName", "actuator_names",
+                                                 "actuators", "inputs", "u_names"}),
+                             "input_names");
+    const Layout layout = layout_of(*response);
+    require_channels(layout.outputs, "outputs");
+    require_channels(layout.inputs, "inputs");
+    make_channels(layout);
+    int parts = 0;
+    for (const auto* part : {"variance", "var", "noise_variance", "noisevar", "coherence", "coh"}) {
+      parts += mat_value(fields_, {part}) != nullptr ? 1 : 0;
+    }
+    require_room(file_.set, layout.lines, parts, options_.limit_bytes);
+    if (response->imag.size() == 0) {
+      file_.notes.emplace_back("the responses are real: they have no phase");
+    }
+    file_.set.value.assign(static_cast<std::size_t>(layout.lines),
+                           Eigen::MatrixXcd(layout.outputs, layout.inputs));
+    each(layout, [&](Index k, Index i, Index j) {
+      const Index at = layout.at(k, i, j);
+      const std::complex<double> value(response->real(at),
+                                       response->imag.size() > 0 ? response->imag(at) : 0.0);
+      require_measurable(value.real(), "a response", k, i, j);
+      require_measurable(value.imag(), "a response", k, i, j);
+      file_.set.value[static_cast<std::size_t>(k)](i, j) = value;
+    });
+    read_beside({"variance", "var"}, *response, layout, file_.set.variance);
+    read_beside({"noise_variance", "noisevar"}, *response, layout, file_.set.noise_variance);
+    read_beside({"coherence", "coh"}, *response, layout, file_.set.coherence);
+    const auto averages = mat_numbers(mat_value(fields_, {"averages"}), "averages");
+    if (averages.size() == 1) file_.set.averages = averages(0);
+    note_delays();
+  }
+
+ private:
+  [[nodiscard]] std::string had() const {
+    std::string names;
+    for (const auto& [name, value] : fields_) names += (names.empty() ? "" : ", ") + name;
+    return "; there are: " + (names.empty() ? "none" : names);
+  }
+
+  void read_frequencies() {
+    bool per_second = false;
+    const auto* value = mat_value(
+        fields_, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f", "freqs"});
+    if (value == nullptr) {
+      value = mat_value(fields_, {"omega", "w"});
+      per_second = value != nullptr;
+    }
+    require(value != nullptr, "there are no frequencies; expected a variable freq_hz" + had());
+    file_.set.frequency_hz = mat_numbers(value, "the frequencies");
+    const auto unit =
+        mat_texts(mat_value(fields_, {"FrequencyUnit", "frequency_unit"}), "FrequencyUnit");
+    if (mat_value(fields_, {"ResponseData"}) != nullptr) per_second = true;  // MATLAB's default
+    if (!unit.empty()) per_second = upper(unit.front()).starts_with("RAD");
+    double factor = per_second ? 1.0 / (2.0 * std::numbers::pi) : 1.0;
+    if (!unit.empty() && upper(unit.front()) == "KHZ") factor = 1e3;
+    file_.set.frequency_hz *= factor;
+    const auto& f = file_.set.frequency_hz;
+    require(f.size() > 0, "there are no frequencies: the vector is empty");
+    for (Index k = 0; k < f.size(); ++k) {
+      require(f(k) >= 0.0 && (k == 0 || f(k) > f(k - 1)),
+              "frequency " + std::to_string(k + 1) + " is " + std::to_string(f(k)) +
+                  " Hz; expected ascending frequencies, 0 or more");
+    }
+  }
+
+  [[nodiscard]] Layout layout_of(const MatValue& response) const {
+    const Index k = file_.set.line_count();
+    auto dims = response.dims;
+    while (dims.size() > 3 && dims.back() == 1) dims.pop_back();
+    const std::string found =
+        "the responses are " + mat_size(response) + " for " + std::to_string(k) + " frequencies";
+    require(dims.size() <= 3, found + ", expected lines x outputs x inputs");
+    if (dims.size() == 2) return layout_of_two(dims, found);
+    const bool first = dims[0] == k, last = dims[2] == k;
+    require(first || last, found + "; expected " + std::to_string(k) + " lines first or last");
+    const bool both = first && last;
+    const bool names_say = fits(dims[1], dims[2]) != fits(dims[0], dims[1]);
+    require(!both || names_say, found +
+                                    ": lines may be first or last; give output_names and "
+                                    "input_names, or another number of lines");
+    if (both ? fits(dims[1], dims[2]) : first) {
+      return {k, dims[1], dims[2], 1, k, k * dims[1]};
+    }
+    return {k, dims[0], dims[1], dims[0] * dims[1], 1, dims[0]};
+  }
+
+  // Whether so many outputs and inputs agree with the names that are given.
+  [[nodiscard]] bool fits(Index outputs, Index inputs) const {
+    const auto agrees = [](const std::vector<std::string>& names, Index count) {
+      return names.empty() || static_cast<Index>(names.size()) == count;
+    };
+    return agrees(output_names_, outputs) && agrees(input_names_, inputs);
+  }
+
+  // Lines×n or n×lines: one input with n outputs, unless the names say otherwise.
+  [[nodiscard]] Layout layout_of_two(const std::vector<Index>& dims,
+                                     const std::string& found) const {
+    const Index k = file_.set.line_count();
+    const bool first = dims[0] == k, last = dims[1] == k;
+    require(first || last, found + "; expected " + std::to_string(k) + " lines first or last");
+    require(!first || !last || k == 1, found +
+                                           ": lines may be first or last; write it with three "
+                                           "dimensions");
+    const Index n = first ? dims[1] : dims[0];
+    const Index along_lines = first ? 1 : n, along_channels = first ? k : 1;
+    const bool as_inputs = !fits(n, 1) && fits(1, n);
+    if (as_inputs) return {k, 1, n, along_lines, 0, along_channels};
+    return {k, n, 1, along_lines, along_channels, 0};
+  }
+
+  template <typename Do>
+  static void each(const Layout& layout, Do action) {
+    for (Index k = 0; k < layout.lines; ++k) {
+      for (Index j = 0; j < layout.inputs; ++j) {
+        for (Index i = 0; i < layout.outputs; ++i) action(k, i, j);
+      }
+    }
+  }
+
+  static void require_measurable(double number, const std::string& what, Index k, Index i,
+                                 Index j) {
+    if (is_measurable(number)) return;
+    throw InvalidInput(what + " on line " + std::to_string(k + 1) + " from input " +
+                       std::to_string(j + 1) + " to output " + std::to_string(i + 1) + ": " +
+                       not_measurable(number));
+  }
+
+  void read_beside(std::initializer_list<std::string_view> names, const MatValue& response,
+                   const Layout& layout, std::vector<Eigen::MatrixXd>& of) const {
+    const auto* value = mat_value(fields_, names);
+    if (value == nullptr) return;
+    const std::string what(*names.begin());
+    const auto numbers = mat_numbers(value, what);
+    require(value->dims == response.dims, what + " is " + mat_size(*value) + ", expected " +
+                                              mat_size(response) + " as the responses");
+    of.assign(static_cast<std::size_t>(layout.lines),
+              Eigen::MatrixXd(layout.outputs, layout.inputs));
+    each(layout, [&](Index k, Index i, Index j) {
+      const double number = numbers(layout.at(k, i, j));
+      require_measurable(number, what, k, i, j);
+      of[static_cast<std::size_t>(k)](i, j) = number;
+    });
+  }
+
+  void make_channels(const Layout& layout) {
+    const auto make = [&](std::vector<modal::MeasuredChannel>& side, Index count,
+                          const std::vector<std::string>& names,
+                          const std::vector<std::string>& known, const char* letter) {
+      require(names.empty() || static_cast<Index>(names.size()) == count,
+              std::to_string(names.size()) + " names for " + std::to_string(count) + " channels " +
+                  letter);
+      const bool unnamed =
+          std::all_of(names.begin(), names.end(), [](const auto& name) { return name.empty(); });
+      const bool take_known = unnamed && static_cast<Index>(known.size()) == count;
+      for (Index c = 0; c < count; ++c) {
+        const auto at = static_cast<std::size_t>(c);
+        side.emplace_back().name = take_known ? known[at]
+                                   : unnamed  ? letter + std::to_string(c + 1)
+                                              : names[at];
+      }
+      if (unnamed) {
+        file_.notes.push_back("the channels have no names: taken as " + side.front().name +
+                              (count > 1 ? " to " + side.back().name : ""));
+      }
+    };
+    make(file_.set.outputs, layout.outputs, output_names_, options_.sensor_names, "y");
+    make(file_.set.inputs, layout.inputs, input_names_, options_.actuator_names, "u");
+    describe("output", file_.set.outputs);
+    describe("input", file_.set.inputs);
+    const auto kinds = mat_texts(mat_value(fields_, {"kind"}), "kind");
+    for (std::size_t i = 0; i < file_.set.outputs.size() && !kinds.empty(); ++i) {
+      const auto& word = kinds[std::min(i, kinds.size() - 1)];
+      const auto kind = std::find(kKinds.begin(), kKinds.end(), word);
+      require(kind != kKinds.end(),
+              "kind is " + shown(word) + ", expected receptance, mobility or accelerance");
+      file_.set.outputs[i].kind = static_cast<modal::FrfKind>(kind - kKinds.begin());
+      kinds_known_ = true;
+    }
+  }
+
+  // Units, nodes, directions and places, as mat_of_frf writes them.
+  void describe(const std::string& side, std::vector<modal::MeasuredChannel>& channels) {
+    const auto count = static_cast<Index>(channels.size());
+    const std::string matlab = side == "output" ? "OutputUnit" : "InputUnit";
+    const auto units = mat_texts(mat_value(fields_, {side + "_unit", matlab}), side + "_unit");
+    const auto nodes = mat_numbers(mat_value(fields_, {side + "_node"}), side + "_node");
+    const auto along = mat_numbers(mat_value(fields_, {side + "_direction"}), side + "_direction");
+    const auto place = mat_numbers(mat_value(fields_, {side + "_position"}), side + "_position");
+    for (const auto& [numbers, each] : {std::pair(&nodes, 1), {&along, 3}, {&place, 3}}) {
+      require(numbers->size() == 0 || numbers->size() == each * count,
+              side + "_node, _direction or _position: " + std::to_string(numbers->size()) +
+                  " numbers, expected " + std::to_string(each) + " per channel");
+    }
+    for (Index c = 0; c < count; ++c) {
+      auto& channel = channels[static_cast<std::size_t>(c)];
+      if (!units.empty()) {
+        channel.unit = units[std::min(static_cast<std::size_t>(c), units.size() - 1)];
+      }
+      if (nodes.size() > 0 && std::abs(nodes(c)) < 1e15) {
+        channel.node = static_cast<long long>(nodes(c));
+      }
+      for (Index axis = 0; axis < 3 && along.size() > 0; ++axis) {
+        channel.direction(axis) = along(c + count * axis);
+      }
+      if (place.size() == 0) continue;
+      const Eigen::Vector3d at(place(c), place(c + count), place(c + 2 * count));
+      if (at.allFinite()) channel.position = at;
+    }
+  }
+
+  void note_delays() {
+    for (const char* name : {"InputDelay", "OutputDelay", "IODelay"}) {
+      const auto* value = mat_value(fields_, {name});
+      if (value == nullptr || value->kind != MatValue::Kind::number || value->real.size() == 0) {
+        continue;
+      }
+      if (value->real.cwiseAbs().maxCoeff() > 0.0) {
+        file_.notes.push_back(std::string(name) + " of the frd object is not applied");
+      }
+    }
+  }
+
+ public:
+  [[nodiscard]] bool kinds_known() const { return kinds_known_; }
+
+ private:
+  const MatFields& fields_;
+  const FrfOptions& options_;
+  FrfFile& file_;
+  std::vector<std::string> output_names_, input_names_;
+  bool kinds_known_ = false;
+};
+
+bool has_responses(const MatFields& fields) {
+  return mat_value(fields, {"H", "G", "frf", "ResponseData"}) != nullptr &&
+         mat_value(fields, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f",
+                            "freqs", "omega", "w"}) != nullptr;
+}
+
+// The variables, or the fields of the one structure that has responses.
+const MatFields& scope_of(const MatFile& file) {
+  if (has_responses(file.variables)) return file.variables;
+  const MatFields* found = nullptr;
+  std::string name;
+  for (const auto& [variable, value] : file.variables) {
+    if (value.kind != MatValue::Kind::structure || !has_responses(value.fields)) continue;
+    require(found == nullptr, "both " + name + " and " + variable +
+                                  " hold responses; expected one structure of them");
+    found = &value.fields;
+    name = variable;
+  }
+  if (found != nullptr) return *found;
+  for (const auto& [variable, value] : file.variables) {
+    require(value.kind != MatValue::Kind::other,
+            "the variable " + variable + " is of class " + value.class_name +
+                ", which only MATLAB reads; save an frd object as struct(object)");
+  }
+  return file.variables;
+}
+
+}  // namespace
+
+FrfFile frf_of_mat(const MatFile& file, const std::string& name, const FrfOptions& options) {
+  FrfFile result{.format = file.format, .set = {}, .notes = file.notes};
+  try {
+    if (!has_responses(scope_of(file)) && mat_value(file.variables, {"y", "u"}) != nullptr) {
+      throw NoResponses(name + ": recordings (y, u), no frequency responses");
+    }
+    Reader reader(scope_of(file), options, result);
+    reader.read();
+    bring_to_si(result, reader.kinds_known());
+    state_units(result, reader.kinds_known(), options);
+    modal::check(result.set);
+  } catch (const NoResponses&) {
+    throw;
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what());
+  }
+  return result;
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,110 @@
+// What the worker chladni-mat found in a file.
+#include <algorithm>
+#include <cmath>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/worker.h"
+#include "io/bytes/message.h"
+#include "io/mat.h"
+
+namespace chladni::io {
+namespace {
+
+Eigen::VectorXd numbers(const Message& found, const Json& json, const char* key) {
+  const std::string& name = json.at(key).string();
+  if (name.empty()) return {};
+  return found.numbers(name).reshaped();
+}
+
+// The dimensions, whole numbers whose product is one too.
+std::vector<Eigen::Index> dims_of(const Json& json) {
+  constexpr double most = 1e15;
+  std::vector<Eigen::Index> dims;
+  double product = 1.0;
+  for (const auto& n : json.at("dims").array()) {
+    const double size = n.number();
+    product *= std::max(size, 1.0);
+    require(size >= 0.0 && size == std::floor(size) && product <= most,
+            "its reader says that an array has a dimension of " + std::to_string(size));
+    dims.push_back(static_cast<Eigen::Index>(size));
+  }
+  require(dims.size() >= 2, "its reader says that an array has less than two dimensions");
+  return dims;
+}
+
+// Numbers and cells are as many as the dimensions say.
+void require_size(const MatValue& value) {
+  const auto fits = [&](Eigen::Index count) {
+    require(count == value.size(), "its reader says that an array has " +
+                                       std::to_string(value.size()) + " elements, and sends " +
+                                       std::to_string(count));
+  };
+  if (value.kind == MatValue::Kind::cell) fits(std::ssize(value.cells));
+  if (value.kind != MatValue::Kind::number) return;
+  fits(value.real.size());
+  if (value.imag.size() > 0) fits(value.imag.size());
+}
+
+MatValue value_of(const Message& found, const Json& json) {
+  MatValue value;
+  value.class_name = json.at("class").string();
+  value.dims = dims_of(json);
+  const std::string& kind = json.at("kind").string();
+  if (kind == "number") {
+    value.kind = MatValue::Kind::number;
+    value.real = numbers(found, json, "real");
+    value.imag = numbers(found, json, "imag");
+  } else if (kind == "text") {
+    value.kind = MatValue::Kind::text;
+    for (const auto& row : json.at("rows").array()) value.text.push_back(row.string());
+  } else if (kind == "cell") {
+    value.kind = MatValue::Kind::cell;
+    for (const auto& cell : json.at("cells").array()) value.cells.push_back(value_of(found, cell));
+  } else if (kind == "structure") {
+    value.kind = MatValue::Kind::structure;
+    for (const auto& field : json.at("fields").array()) {
+      value.fields.emplace_back(field.at("name").string(), value_of(found, field.at("value")));
+    }
+  }
+  require_size(value);
+  return value;
+}
+
+MatFile file_of(const Message& found) {
+  MatFile file;
+  file.format = found.head.at("format").string();
+  for (const auto& note : found.head.at("notes").array()) file.notes.push_back(note.string());
+  for (const auto& variable : found.head.at("variables").array()) {
+    file.variables.emplace_back(variable.at("name").string(),
+                                value_of(found, variable.at("value")));
+  }
+  return file;
+}
+
+// Time and memory grow with what may come out of the file: what needs more is not what it says.
+WorkerLimits limits(std::size_t limit_bytes) {
+  return {.time = std::chrono::seconds(30 + limit_bytes / 20'000'000),
+          .memory_bytes = (std::size_t{1} << 30U) + 4 * limit_bytes};
+}
+
+}  // namespace
+
+MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
+  require(std::filesystem::is_regular_file(file),
+          file.string() + ": there is no such file, or it is not a regular one");
+  const std::filesystem::path worker = worker_path("chladni-mat");
+  try {
+    const std::vector<std::string> arguments{file.string(), std::to_string(limit_bytes)};
+    const auto result = run_worker(worker, arguments, "", limits(limit_bytes));
+    return reply_of(worker, [&] { return file_of(message(result.output)); });
+  } catch (const UnusableReply&) {
+    throw;
+  } catch (const WorkerDied& died) {
+    throw InvalidInput(file.string() + ": not a readable .mat file: " + died.what());
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace chladni::io

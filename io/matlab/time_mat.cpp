@@ -1,0 +1,234 @@
+#include "io/matlab/time_mat.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "io/matlab/mat_names.h"
+#include "io/measured/frf_units.h"
+#include "io/measured/measurable.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+using identification::Record;
+
+constexpr std::array<const char*, 3> kVariable{"y", "u", "r"};
+constexpr std::array<const char*, 3> kSide{"output", "input", "reference"};
+constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Record::inputs,
+                                                          &Record::references};
+
+constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
+
+class Reader {
+ public:
+  Reader(const MatFields& fields, const TimeOptions& options, TimeFile& file)
+      : fields_(fields), options_(options), data_(file.data), notes_(file.notes) {}
+
+  void read() {
+    find_size();
+    require_room(kBytesPerRecord * static_cast<double>(records_), options_.limit_bytes,
+                 std::to_string(records_) + " records");
+    data_.records.resize(static_cast<std::size_t>(records_));
+    for (std::size_t s = 0; s < 3; ++s) read_side(s);
+    require(!data_.outputs.empty() || !data_.inputs.empty(),
+            "there are no recordings; expected variables y and u");
+    data_.sample_time_s = sample_time();
+    const auto period = mat_numbers(mat_value(fields_, {"period"}), "period");
+    data_.period = options_.period > 0  ? options_.period
+                   : period.size() == 1 ? static_cast<Index>(std::clamp(period(0), 0.0, 1e15))
+                                        : 0;
+    number_records();
+    state_units();
+  }
+
+ private:
+  [[nodiscard]] const MatValue* variable(std::size_t side) const {
+    return side == 0   ? mat_value(fields_, {"y", "outputs", "output"})
+           : side == 1 ? mat_value(fields_, {"u", "inputs", "input", "force"})
+                       : mat_value(fields_, {"r", "references", "reference"});
+  }
+
+  // Samples and records, which all sides share: y tells them, a row is taken as one channel.
+  void find_size() {
+    for (std::size_t s = 0; s < 3; ++s) {
+      const auto* value = variable(s);
+      if (value == nullptr || value->size() == 0) continue;
+      require(value->kind == MatValue::Kind::number && value->dims.size() <= 3,
+              std::string(kVariable[s]) + " is a " + value->class_name + " of " + mat_size(*value) +
+                  ", expected samples x channels x records");
+      samples_ = value->dims[0] == 1 && value->dims.size() == 2 ? value->dims[1] : value->dims[0];
+      records_ = value->dims.size() == 3 ? value->dims[2] : 1;
+      return;
+    }
+  }
+
+  void read_side(std::size_t side) {
+    const auto* value = variable(side);
+    Index count = 0;
+    Eigen::VectorXd numbers;
+    if (value != nullptr && value->size() > 0) {
+      numbers = mat_numbers(value, kVariable[side]);
+      for (Index n = 0; n < numbers.size(); ++n) {
+        require(std::isfinite(numbers(n)) && is_measurable(numbers(n)),
+                std::string(kVariable[side]) + "(" + std::to_string(n + 1) +
+                    "): " + not_measurable(numbers(n)));
+      }
+      const Index each = samples_ * records_;
+      const bool fits =
+          value->dims[0] == samples_ || (value->dims[0] == 1 && value->dims.size() == 2);
+      require(fits && numbers.size() % each == 0, std::string(kVariable[side]) + " is " +
+                                                      mat_size(*value) + ", expected " +
+                                                      std::to_string(samples_) + " samples of " +
+                                                      std::to_string(records_) + " records");
+      count = numbers.size() / each;
+      require_channels(count, std::string(kSide[side]) + "s");
+    }
+    for (Index r = 0; r < records_; ++r) {
+      auto& part = data_.records[static_cast<std::size_t>(r)].*kParts[side];
+      part =
+          Eigen::Map<const Eigen::MatrixXd>(numbers.data() + r * samples_ * count, samples_, count);
+    }
+    name_channels(side, count);
+  }
+
+  void name_channels(std::size_t side, Index count) {
+    auto& channels = side == 0 ? data_.outputs : side == 1 ? data_.inputs : data_.references;
+    const std::string key = kSide[side];
+    auto names = mat_texts(mat_value(fields_, {key + "_names"}), key + "_names");
+    const auto& known = side == 0   ? options_.sensor_names
+                        : side == 1 ? options_.actuator_names
+                                    : options_.reference_names;
+    if (names.empty() && static_cast<Index>(known.size()) == count) names = known;
+    require(names.empty() || static_cast<Index>(names.size()) == count,
+            std::to_string(names.size()) + " names for " + std::to_string(count) + " " + key + "s");
+    const auto units = mat_texts(mat_value(fields_, {key + "_unit"}), key + "_unit");
+    for (Index c = 0; c < count; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      auto& channel = channels.emplace_back();
+      channel.name = names.empty() ? kVariable[side] + std::to_string(c + 1) : names[at];
+      if (!units.empty()) channel.unit = units[std::min(at, units.size() - 1)];
+    }
+  }
+
+  [[nodiscard]] double sample_time() const {
+    const auto stated = mat_numbers(mat_value(fields_, {"sample_time_s", "Ts", "dt"}), "Ts");
+    if (stated.size() == 1 && stated(0) > 0.0) return stated(0);
+    const auto time = mat_numbers(mat_value(fields_, {"time_s", "time", "t"}), "time_s");
+    if (time.size() == 0 && options_.sample_time_s > 0.0) return options_.sample_time_s;
+    require(time.size() > 1, "there is no sample_time_s, and no time_s either");
+    require(time.size() == samples_, "time_s has " + std::to_string(time.size()) +
+                                         " entries, expected " + std::to_string(samples_));
+    const double step = (time(time.size() - 1) - time(0)) / static_cast<double>(time.size() - 1);
+    for (Index k = 0; k < time.size(); ++k) {
+      require(
+          step > 0.0 && std::abs(time(k) - time(0) - step * static_cast<double>(k)) < 0.01 * step,
+          "time_s(" + std::to_string(k + 1) + ") is " + std::to_string(time(k)) +
+              "; expected one step from sample to sample");
+    }
+    const double first = time(1) - time(0);
+    return std::abs(first - step) < 1e-12 * step ? first : step;
+  }
+
+  void number_records() {
+    const auto number = [&](const char* name, int Record::*of) {
+      const auto numbers = mat_numbers(mat_value(fields_, {name}), name);
+      require(numbers.size() == 0 || numbers.size() == records_,
+              std::string(name) + " has " + std::to_string(numbers.size()) +
+                  " entries, expected one per record: " + std::to_string(records_));
+      for (Index r = 0; r < numbers.size(); ++r) {
+        data_.records[static_cast<std::size_t>(r)].*of =
+            static_cast<int>(std::clamp(numbers(r), 0.0, 1e6));
+      }
+      return numbers.size() > 0;
+    };
+    const bool experiments = number("experiment", &Record::experiment);
+    if (number("realisation", &Record::realisation) || experiments) return;
+    for (Index r = 0; r < records_; ++r) {
+      data_.records[static_cast<std::size_t>(r)].realisation = static_cast<int>(r);
+    }
+  }
+
+  void state_units() {
+    for (std::size_t c = 0; c < data_.outputs.size(); ++c) {
+      auto& output = data_.outputs[c];
+      if (output.unit.empty()) output.unit = options_.unit;
+      const auto unit = motion_unit(output.unit);
+      if (output.unit.empty() && c == 0) {
+        notes_.push_back("the unit of " + output.name + " is not stated: values are as they stand");
+      }
+      if (!unit) continue;
+      output.unit = unit->si;
+      output.kind = *unit->kind;
+      for (auto& record : data_.records) {
+        record.outputs.col(static_cast<Index>(c)) *= unit->factor;
+      }
+    }
+    for (std::size_t c = 0; c < data_.inputs.size(); ++c) {
+      const auto force = force_unit(data_.inputs[c].unit);
+      if (!force) continue;
+      data_.inputs[c].unit = "N";
+      for (auto& record : data_.records) record.inputs.col(static_cast<Index>(c)) *= *force;
+    }
+  }
+
+  const MatFields& fields_;
+  const TimeOptions& options_;
+  identification::TimeData& data_;
+  std::vector<std::string>& notes_;
+  Index samples_ = 0, records_ = 1;
+};
+
+}  // namespace
+
+TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOptions& options) {
+  TimeFile result{.format = file.format, .data = {}, .notes = file.notes};
+  try {
+    Reader(file.variables, options, result).read();
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what());
+  }
+  return result;
+}
+
+MatFields mat_of_time(const identification::TimeData& data) {
+  MatFields fields;
+  const auto records = static_cast<Index>(data.records.size());
+  const Index samples = data.records.empty() ? 0 : data.records.front().outputs.rows();
+  const std::array sides{&data.outputs, &data.inputs, &data.references};
+  Eigen::MatrixXd experiment(records, 1);
+  Eigen::MatrixXd realisation(records, 1);
+  for (std::size_t s = 0; s < 3; ++s) {
+    if (sides[s]->empty()) continue;
+    const auto count = static_cast<Index>(sides[s]->size());
+    Eigen::VectorXd numbers(samples * count * records);
+    for (Index r = 0; r < records; ++r) {
+      const auto& record = data.records[static_cast<std::size_t>(r)];
+      const auto& part = record.*kParts[s];
+      require(part.rows() == samples && part.cols() == count,
+              "MAT: record " + std::to_string(r + 1) + " has " + std::to_string(part.rows()) +
+                  " samples of " + kSide[s] + "s, the first has " + std::to_string(samples));
+      numbers.segment(r * samples * count, samples * count) = part.reshaped();
+      experiment(r) = record.experiment;
+      realisation(r) = record.realisation;
+    }
+    fields.emplace_back(kVariable[s], MatValue({samples, count, records}, std::move(numbers)));
+    std::vector<std::string> names;
+    std::vector<std::string> units;
+    for (const auto& channel : *sides[s]) {
+      names.push_back(channel.name);
+      units.push_back(channel.unit);
+    }
+    fields.emplace_back(std::string(kSide[s]) + "_names", names);
+    fields.emplace_back(std::string(kSide[s]) + "_unit", units);
+  }
+  fields.emplace_back("sample_time_s", data.sample_time_s);
+  if (data.period > 0) fields.emplace_back("period", static_cast<double>(data.period));
+  fields.emplace_back("experiment", experiment);
+  fields.emplace_back("realisation", realisation);
+  return fields;
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,322 @@
+// Measured responses as a table: one line per frequency.
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+
+#include "base/error.h"
+#include "io/bytes/csv_table.h"
+#include "io/csv.h"
+#include "io/frf_file.h"
+#include "io/measured/channel_names.h"
+#include "io/measured/frf_units.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+
+enum Part { kRe, kIm, kVariance, kNoise, kCoherence, kPartCount };
+constexpr std::array<std::string_view, kPartCount> kPrefix{"re_", "im_", "var_", "noisevar_",
+                                                           "coh_"};
+constexpr std::array<std::string_view, 6> kFrequency{"freq_hz", "frequency_hz", "f_hz",
+                                                     "freq",    "frequency",    "f"};
+
+/// One response: which columns it is; −1: none.
+struct Columns {
+  std::array<Index, kPartCount> at{-1, -1, -1, -1, -1};
+};
+
+// What a name without channels says of the kind; none: it is no such name.
+std::optional<std::optional<modal::FrfKind>> kind_of_word(std::string_view word) {
+  using modal::FrfKind;
+  static const std::map<std::string_view, std::optional<FrfKind>> words{
+      {"ACCELERANCE", FrfKind::accelerance},
+      {"INERTANCE", FrfKind::accelerance},
+      {"MOBILITY", FrfKind::mobility},
+      {"RECEPTANCE", FrfKind::receptance},
+      {"COMPLIANCE", FrfKind::receptance},
+      {"ADMITTANCE", FrfKind::receptance},
+      {"FRF", std::nullopt},
+      {"H", std::nullopt},
+      {"H1", std::nullopt},
+      {"G", std::nullopt}};
+  const auto found = words.find(upper(word));
+  if (found == words.end()) return std::nullopt;
+  return found->second;
+}
+
+// The parts of one response without names: re, im, coherence.
+std::optional<Part> nameless_part(std::string_view column) {
+  const std::string word = upper(column);
+  if (word == "RE" || word == "REAL") return kRe;
+  if (word == "IM" || word == "IMAG") return kIm;
+  if (word == "COH" || word == "COHERENCE") return kCoherence;
+  if (word == "VAR" || word == "VARIANCE") return kVariance;
+  return std::nullopt;
+}
+
+struct Layout {
+  Index frequency = -1;
+  std::vector<ChannelPair> pairs;
+  std::vector<Columns> columns;  // of each pair
+  std::optional<modal::FrfKind> kind;
+  bool nameless = false;
+};
+
+class LayoutReader {
+ public:
+  LayoutReader(const CsvTable& table, const FrfOptions& options)
+      : table_(table), options_(options) {}
+
+  Layout layout(std::vector<std::string>& notes) {
+    std::vector<std::string> others;
+    for (std::size_t c = 0; c < table_.names.size(); ++c) {
+      if (!take(table_.names[c], static_cast<Index>(c))) others.push_back(shown(table_.names[c]));
+    }
+    if (!others.empty()) {
+      notes.push_back(std::string("the column") + (others.size() > 1 ? "s " : " ") +
+                      listed(others) + (others.size() > 1 ? " are" : " is") +
+                      " not of a response: not read");
+    }
+    if (layout_.frequency < 0) {
+      throw NoResponses(place() +
+                        "there is no column freq_hz; expected a first line such as "
+                        "\"freq_hz,re_y1u1,im_y1u1\"");
+    }
+    if (layout_.pairs.empty()) fail("there is no column of a response (re_y1u1)");
+    require_whole();
+    return std::move(layout_);
+  }
+
+ private:
+  [[nodiscard]] std::string place() const {
+    return table_.file + ": line " + std::to_string(table_.header_line) + ": ";
+  }
+  [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(place() + what); }
+
+  bool take(const std::string& name, Index column) {
+    if (std::find(kFrequency.begin(), kFrequency.end(), name) != kFrequency.end()) {
+      if (layout_.frequency >= 0) fail("two columns of frequencies, " + shown(name));
+      layout_.frequency = column;
+      return true;
+    }
+    for (int part = 0; part < kPartCount; ++part) {
+      const auto prefix = kPrefix[static_cast<std::size_t>(part)];
+      if (!name.starts_with(prefix)) continue;
+      take_part(name, static_cast<Part>(part), name.substr(prefix.size()), column);
+      return true;
+    }
+    const auto part = nameless_part(name);
+    if (part) put(only_pair(), *part, column, name);
+    return part.has_value();
+  }
+
+  void take_part(const std::string& name, Part part, const std::string& word, Index column) {
+    if (const auto kind = kind_of_word(word)) {
+      if (*kind) layout_.kind = *kind;
+      put(only_pair(), part, column, name);
+      return;
+    }
+    try {
+      put(channel_pair(word, options_.sensor_names, options_.actuator_names), part, column, name);
+    } catch (const InvalidInput& e) {
+      fail("column " + shown(name) + ": " + e.what());
+    }
+  }
+
+  ChannelPair only_pair() {
+    layout_.nameless = true;
+    const auto one = [](const std::vector<std::string>& names, const char* otherwise) {
+      return names.size() == 1 ? names.front() : std::string(otherwise);
+    };
+    return {one(options_.sensor_names, "y1"), one(options_.actuator_names, "u1")};
+  }
+
+  void put(const ChannelPair& pair, Part part, Index column, const std::string& name) {
+    const auto [place, is_new] = number_.emplace(pair, layout_.pairs.size());
+    if (is_new) {
+      layout_.pairs.push_back(pair);
+      layout_.columns.emplace_back();
+    }
+    Index& at = layout_.columns[place->second].at[part];
+    if (at >= 0) {
+      fail("columns " + shown(table_.names[static_cast<std::size_t>(at)]) + " and " + shown(name) +
+           " are of the same response");
+    }
+    at = column;
+  }
+
+  void require_whole() const {
+    for (std::size_t r = 0; r < layout_.pairs.size(); ++r) {
+      for (const Part part : {kRe, kIm}) {
+        if (layout_.columns[r].at[part] >= 0) continue;
+        fail("the response " + layout_.pairs[r].first + "/" + layout_.pairs[r].second +
+             " has no column " + std::string(kPrefix[part]));
+      }
+    }
+  }
+
+  const CsvTable& table_;
+  const FrfOptions& options_;
+  Layout layout_;
+  std::map<ChannelPair, std::size_t> number_;
+};
+
+void check_frequencies(const CsvTable& table, Index column) {
+  for (Index k = 0; k < table.values.rows(); ++k) {
+    const double f = table.values(k, column);
+    const double before = k == 0 ? -1.0 : table.values(k - 1, column);
+    if (f >= 0.0 && f > before) continue;
+    throw InvalidInput(
+        table.file + ": line " + std::to_string(table.line[static_cast<std::size_t>(k)]) + ": " +
+        table.names[static_cast<std::size_t>(column)] + " is " + std::to_string(f) +
+        (k == 0 ? "" : " after " + std::to_string(before)) + "; expected ascending frequencies");
+  }
+}
+
+// Where a name stands in the list of its side; it is added where it is new.
+Index number_of(const std::string& name, std::vector<modal::MeasuredChannel>& side,
+                std::map<std::string, Index>& numbers) {
+  const auto [found, is_new] = numbers.emplace(name, static_cast<Index>(side.size()));
+  if (is_new) side.emplace_back().name = name;
+  return found->second;
+}
+
+/// Row and column of every response in the set.
+std::vector<std::pair<Index, Index>> add_channels(const Layout& layout, modal::FrfSet& set) {
+  std::map<std::string, Index> outputs;
+  std::map<std::string, Index> inputs;
+  std::vector<std::pair<Index, Index>> places;
+  for (const auto& [sensor, actuator] : layout.pairs) {
+    const Index i = number_of(sensor, set.outputs, outputs);
+    places.emplace_back(i, number_of(actuator, set.inputs, inputs));
+  }
+  for (auto& output : set.outputs) output.kind = layout.kind.value_or(output.kind);
+  return places;
+}
+
+bool has_part(const Layout& layout, Part part) {
+  return std::any_of(layout.columns.begin(), layout.columns.end(),
+                     [part](const Columns& c) { return c.at[part] >= 0; });
+}
+
+void fill(std::vector<Eigen::MatrixXd>& of, const Layout& layout, Part part, const CsvTable& table,
+          const std::vector<std::pair<Index, Index>>& places, const modal::FrfSet& set) {
+  if (!has_part(layout, part)) return;
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  of.assign(static_cast<std::size_t>(table.values.rows()),
+            Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), nothing));
+  for (std::size_t r = 0; r < places.size(); ++r) {
+    const Index column = layout.columns[r].at[part];
+    if (column < 0) continue;
+    for (Index k = 0; k < table.values.rows(); ++k) {
+      of[static_cast<std::size_t>(k)](places[r].first, places[r].second) = table.values(k, column);
+    }
+  }
+}
+
+void fill_values(const Layout& layout, const CsvTable& table,
+                 const std::vector<std::pair<Index, Index>>& places, modal::FrfSet& set) {
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  set.value.assign(static_cast<std::size_t>(table.values.rows()),
+                   Eigen::MatrixXcd::Constant(set.output_count(), set.input_count(),
+                                              std::complex<double>(nothing, nothing)));
+  for (std::size_t r = 0; r < places.size(); ++r) {
+    const auto& at = layout.columns[r].at;
+    for (Index k = 0; k < table.values.rows(); ++k) {
+      set.value[static_cast<std::size_t>(k)](places[r].first, places[r].second) = {
+          table.values(k, at[kRe]), table.values(k, at[kIm])};
+    }
+  }
+}
+
+}  // namespace
+
+FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const FrfOptions& options) {
+  const CsvTable table = csv_table(bytes, name, options.limit_bytes);
+  FrfFile file{.format = "CSV", .set = {}, .notes = {}};
+  const Layout layout = LayoutReader(table, options).layout(file.notes);
+  require(table.values.rows() > 0, name + ": no line of numbers below the names");
+  check_frequencies(table, layout.frequency);
+  if (layout.nameless) {
+    file.notes.push_back("the response has no names: taken as " + layout.pairs.front().first +
+                         " over " + layout.pairs.front().second);
+  }
+  const auto places = add_channels(layout, file.set);
+  int parts = 0;
+  for (const auto part : {kVariance, kNoise, kCoherence}) parts += has_part(layout, part) ? 1 : 0;
+  try {
+    require_room(file.set, table.values.rows(), parts, options.limit_bytes);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what() + " (it has " + std::to_string(layout.pairs.size()) +
+                       " responses)");
+  }
+  file.set.frequency_hz = table.values.col(layout.frequency);
+  fill_values(layout, table, places, file.set);
+  fill(file.set.variance, layout, kVariance, table, places, file.set);
+  fill(file.set.noise_variance, layout, kNoise, table, places, file.set);
+  fill(file.set.coherence, layout, kCoherence, table, places, file.set);
+  state_units(file, layout.kind.has_value(), options);
+  try {
+    modal::check(file.set);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what());
+  }
+  return file;
+}
+
+namespace {
+
+// "y1u1" where that is read as these two names, else "y1/u1".
+std::string pair_name(const std::string& sensor, const std::string& actuator) {
+  const auto is_read_back = [&](const std::string& word) {
+    try {
+      return channel_pair(word, {}, {}) == ChannelPair(sensor, actuator) && !kind_of_word(word);
+    } catch (const InvalidInput&) {
+      return false;
+    }
+  };
+  if (is_read_back(sensor + actuator)) return sensor + actuator;
+  std::string word = sensor + "/" + actuator;
+  require(is_read_back(word) && word.find_first_of("\r\n") == std::string_view::npos,
+          "CSV cannot hold the names of the response " + shown(sensor) + " over " +
+              shown(actuator) + "; expected names without /, line ends and blanks around them");
+  return word;
+}
+
+template <typename Matrix, typename Number>
+void add_column(const std::vector<Matrix>& of, std::string_view prefix, const std::string& pair,
+                Index i, Index j, Number number, std::vector<CsvColumn>& columns) {
+  if (of.empty()) return;
+  Eigen::VectorXd entries(static_cast<Index>(of.size()));
+  for (Index k = 0; k < entries.size(); ++k) {
+    entries(k) = number(of[static_cast<std::size_t>(k)](i, j));
+  }
+  columns.push_back({std::string(prefix) + pair, std::move(entries)});
+}
+
+}  // namespace
+
+std::string frf_csv(const modal::FrfSet& set) {
+  modal::check(set);
+  std::vector<CsvColumn> columns{{std::string(kFrequency[0]), set.frequency_hz}};
+  const auto itself = [](double value) { return value; };
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      const auto pair = pair_name(set.outputs[static_cast<std::size_t>(i)].name,
+                                  set.inputs[static_cast<std::size_t>(j)].name);
+      const auto real = [](const std::complex<double>& value) { return value.real(); };
+      const auto imag = [](const std::complex<double>& value) { return value.imag(); };
+      add_column(set.value, kPrefix[kRe], pair, i, j, real, columns);
+      add_column(set.value, kPrefix[kIm], pair, i, j, imag, columns);
+      add_column(set.variance, kPrefix[kVariance], pair, i, j, itself, columns);
+      add_column(set.noise_variance, kPrefix[kNoise], pair, i, j, itself, columns);
+      add_column(set.coherence, kPrefix[kCoherence], pair, i, j, itself, columns);
+    }
+  }
+  return csv(columns);
+}
+
+}  // namespace chladni::io

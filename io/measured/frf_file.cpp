@@ -1,0 +1,76 @@
+#include "io/frf_file.h"
+
+#include "base/atomic_file.h"
+#include "io/matlab/frf_mat.h"
+#include "io/measured/frf_suspicions.h"
+#include "io/measured/measured_format.h"
+#include "io/uff/frf_uff.h"
+
+namespace chladni::io {
+namespace {
+
+using Path = std::filesystem::path;
+
+FrfFile parsed(const Path& file, const FrfOptions& options) {
+  switch (measured_format(file)) {
+    case MeasuredFormat::csv:
+      return parse_frf_csv(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::uff:
+      return parse_frf_uff(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::mat:
+      return frf_of_mat(read_mat(file, mat_limit(options.limit_bytes)), file.string(), options);
+    default:
+      refuse_ending(file);
+  }
+}
+
+// What a table without a head cannot say.
+std::vector<std::string> lost_in_csv(const modal::FrfSet& set) {
+  bool units = false;
+  bool places = false;
+  for (const auto* side : {&set.outputs, &set.inputs}) {
+    for (const auto& channel : *side) {
+      units = units || !channel.unit.empty();
+      places = places || channel.node || channel.position || channel.direction.any();
+    }
+  }
+  std::vector<std::string> lost;
+  if (units) {
+    lost.push_back("CSV holds no units: say unit = \"" + set.outputs.front().unit +
+                   "\" on reading");
+  }
+  if (places) lost.emplace_back("CSV holds no nodes, directions and places: they are left out");
+  return lost;
+}
+
+}  // namespace
+
+bool is_measured_file(const Path& file) { return measured_format(file) != MeasuredFormat::none; }
+
+FrfFile read_frf(const Path& file, const FrfOptions& options) {
+  FrfFile result = parsed(file, options);
+  for (auto& suspicion : suspicions(result.set, options.collocated)) {
+    result.notes.push_back(std::move(suspicion));
+  }
+  return result;
+}
+
+std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
+  switch (written_format(file)) {
+    case MeasuredFormat::csv:
+      write_atomically(file, frf_csv(set));
+      return lost_in_csv(set);
+    case MeasuredFormat::uff: {
+      std::vector<std::string> lost;
+      write_atomically(file, frf_uff(set, UffEncoding::binary, lost));
+      return lost;
+    }
+    case MeasuredFormat::mat:
+      write_mat(file, mat_of_frf(set));
+      return {};
+    default:
+      refuse_ending(file);
+  }
+}
+
+}  // namespace chladni::io

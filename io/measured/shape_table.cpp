@@ -1,0 +1,178 @@
+#include "io/shape_table.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/bytes/csv_table.h"
+#include "io/bytes/room.h"
+#include "io/csv.h"
+#include "io/measured/measurable.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+constexpr std::size_t kMemoryPerByte = 64;  // short fields, a text each
+constexpr std::size_t kMostModes = 100000;
+constexpr std::string_view kDeviation = "std_";
+
+struct Line {
+  int number = 0;
+  std::vector<std::string> fields;
+};
+
+[[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
+  throw InvalidInput(name + ": line " + std::to_string(line) + ": " + what);
+}
+
+std::vector<std::string> fields_of(std::string_view line, const std::string& name, int number) {
+  try {
+    return csv_fields(line);
+  } catch (const InvalidInput& e) {
+    fail(name, number, e.what());
+  }
+}
+
+std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
+  std::vector<Line> lines;
+  int number = 0;
+  while (!bytes.empty()) {
+    ++number;
+    const auto end = bytes.find('\n');
+    const auto line = trimmed(bytes.substr(0, end));
+    bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
+    if (line.empty() || line.front() == '#') continue;
+    lines.push_back({number, fields_of(line, name, number)});
+    if (lines.size() > kMostModes + 1) fail(name, number, "more than 100 000 modes");
+  }
+  return lines;
+}
+
+// Which column holds what.
+struct Columns {
+  std::ptrdiff_t frequency = -1, damping = -1;
+  std::vector<std::string> channels;
+  std::vector<std::ptrdiff_t> value, deviation;  // per channel; −1: none
+};
+
+void add_deviation(const Line& header, std::ptrdiff_t column, const std::string& name,
+                   Columns& columns) {
+  const auto& field = header.fields[static_cast<std::size_t>(column)];
+  const std::string channel = field.substr(kDeviation.size());
+  const auto found = std::find(columns.channels.begin(), columns.channels.end(), channel);
+  if (found == columns.channels.end()) {
+    fail(name, header.number, "the column " + shown(field) + " has no column " + shown(channel));
+  }
+  columns.deviation[static_cast<std::size_t>(found - columns.channels.begin())] = column;
+}
+
+Columns columns_of(const Line& header, const std::string& name) {
+  Columns columns;
+  std::map<std::string, int> seen;
+  for (std::size_t c = 0; c < header.fields.size(); ++c) {
+    const auto& field = header.fields[c];
+    const auto at = static_cast<std::ptrdiff_t>(c);
+    if (field.empty())
+      fail(name, header.number, "column " + std::to_string(c + 1) + " has no name");
+    if (++seen[field] > 1) fail(name, header.number, "two columns are called " + shown(field));
+    if (field == "frequency_hz") {
+      columns.frequency = at;
+    } else if (field == "damping_ratio") {
+      columns.damping = at;
+    } else if (field != "mode" && !field.starts_with(kDeviation)) {
+      columns.channels.push_back(field);
+      columns.value.push_back(at);
+    }
+  }
+  if (columns.frequency < 0) {
+    fail(name, header.number,
+         "there is no column frequency_hz; expected a first line such as "
+         "\"frequency_hz,s1,s2,std_s1,std_s2\"");
+  }
+  if (columns.channels.empty()) fail(name, header.number, "there is no column of a channel");
+  columns.deviation.assign(columns.channels.size(), -1);
+  for (std::size_t c = 0; c < header.fields.size(); ++c) {
+    if (!header.fields[c].starts_with(kDeviation)) continue;
+    add_deviation(header, static_cast<std::ptrdiff_t>(c), name, columns);
+  }
+  return columns;
+}
+
+double number_at(const Line& line, std::ptrdiff_t column, const Line& header,
+                 const std::string& name) {
+  const auto at = static_cast<std::size_t>(column);
+  const auto value = number_in(line.fields[at]);
+  if (!value) fail(name, line.number, header.fields[at] + ": " + not_a_number(line.fields[at]));
+  if (!is_measurable(*value)) {
+    fail(name, line.number, header.fields[at] + ": " + not_measurable(*value));
+  }
+  return *value;
+}
+
+void read_mode(const Line& line, const Line& header, const Columns& columns, Eigen::Index mode,
+               const std::string& name, ShapeTable& table) {
+  if (line.fields.size() != header.fields.size()) {
+    fail(name, line.number,
+         std::to_string(line.fields.size()) + " fields; expected " +
+             std::to_string(header.fields.size()) + ", as many as the first line has");
+  }
+  const double frequency = number_at(line, columns.frequency, header, name);
+  if (frequency < 0.0) fail(name, line.number, "frequency_hz is negative");
+  table.frequency_hz(mode) = frequency;
+  if (columns.damping >= 0) {
+    table.damping_ratio(mode) = number_at(line, columns.damping, header, name);
+  }
+  for (std::size_t s = 0; s < columns.channels.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    table.values(row, mode) = number_at(line, columns.value[s], header, name);
+    if (columns.deviation[s] < 0) continue;
+    const double deviation = number_at(line, columns.deviation[s], header, name);
+    if (deviation <= 0.0) {
+      fail(name, line.number, "std_" + columns.channels[s] + " must be more than 0");
+    }
+    table.deviation(row, mode) = deviation;
+  }
+}
+
+}  // namespace
+
+ShapeTable parse_shapes(std::string_view bytes, const std::string& name) {
+  refuse_utf16(bytes, name);
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  const auto lines = lines_of(bytes, name);
+  require(lines.size() >= 2, name + ": " + (lines.empty() ? "no lines" : "no mode") +
+                                 "; expected a first line of names and one line per mode");
+  const auto& header = lines.front();
+  const auto columns = columns_of(header, name);
+  const auto s = static_cast<Eigen::Index>(columns.channels.size());
+  const auto m = static_cast<Eigen::Index>(lines.size()) - 1;
+  ShapeTable table{columns.channels, Eigen::VectorXd(m), Eigen::VectorXd::Zero(m),
+                   Eigen::MatrixXd(s, m), Eigen::MatrixXd::Zero(s, m)};
+  for (Eigen::Index i = 0; i < m; ++i) {
+    read_mode(lines[static_cast<std::size_t>(i) + 1], header, columns, i, name, table);
+  }
+  return table;
+}
+
+ShapeTable read_shapes(const std::filesystem::path& file) {
+  return parse_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string());
+}
+
+void write_shapes(const std::filesystem::path& file, const ShapeTable& table) {
+  std::vector<CsvColumn> columns = {{"frequency_hz", table.frequency_hz},
+                                    {"damping_ratio", table.damping_ratio}};
+  for (std::size_t s = 0; s < table.channels.size(); ++s) {
+    const Eigen::VectorXd values = table.values.row(static_cast<Eigen::Index>(s));
+    columns.push_back({table.channels[s], values});
+  }
+  for (std::size_t s = 0; s < table.channels.size(); ++s) {
+    const Eigen::VectorXd deviation = table.deviation.row(static_cast<Eigen::Index>(s));
+    if (deviation.minCoeff() <= 0.0) continue;
+    columns.push_back({std::string(kDeviation) + table.channels[s], deviation});
+  }
+  write_csv(file, columns);
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,304 @@
+// Recordings as a table: one line per sample.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "io/bytes/csv_table.h"
+#include "io/csv.h"
+#include "io/measured/frf_units.h"
+#include "io/scan.h"
+#include "io/time_file.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
+constexpr std::array<std::string_view, 3> kPrefix{"out_", "in_", "ref_"};  // by Side
+
+bool knows(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+struct Layout {
+  Index time = -1, experiment = -1, realisation = -1, period = -1;
+  std::array<std::vector<Index>, 3> columns;  // by Side
+};
+
+// Which special column a name is of; null: it is a channel's.
+Index* special(const std::string& name, Layout& layout) {
+  if (name == "time_s" || name == "time" || name == "t" || name == "t_s") return &layout.time;
+  if (name == "experiment") return &layout.experiment;
+  if (name == "realisation" || name == "realization") return &layout.realisation;
+  if (name == "period") return &layout.period;
+  return nullptr;
+}
+
+std::vector<modal::MeasuredChannel>& channels_of(identification::TimeData& data, Side side) {
+  return side == Side::output ? data.outputs : side == Side::input ? data.inputs : data.references;
+}
+
+std::string named(const std::vector<modal::MeasuredChannel>& channels) {
+  std::vector<std::string> names;
+  for (const auto& channel : channels) names.push_back(channel.name);
+  return names.empty() ? "none" : listed(names);
+}
+
+Layout layout_of(const CsvTable& table, const TimeOptions& options, TimeFile& file) {
+  Layout layout;
+  std::array<std::set<std::string>, 3> seen;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    Index* place = special(table.names[c], layout);
+    if (place != nullptr) {
+      require(*place < 0, table.file + ": two columns of the " + table.names[c]);
+      *place = static_cast<Index>(c);
+      continue;
+    }
+    const auto [side, name] = side_of(table.names[c], options);
+    require(seen[static_cast<std::size_t>(side)].insert(name).second,
+            table.file + ": two columns of the channel " + shown(name));
+    layout.columns[static_cast<std::size_t>(side)].push_back(static_cast<Index>(c));
+    channels_of(file.data, side).emplace_back().name = name;
+  }
+  require(!file.data.outputs.empty() || !file.data.inputs.empty(),
+          table.file + ": there is no column of a channel");
+  file.notes.push_back(
+      "outputs: " + named(file.data.outputs) + "; inputs: " + named(file.data.inputs) +
+      (file.data.references.empty() ? "" : "; references: " + named(file.data.references)));
+  return layout;
+}
+
+[[noreturn]] void fail(const CsvTable& table, Index row, const std::string& what) {
+  throw InvalidInput(table.file + ": line " +
+                     std::to_string(table.line[static_cast<std::size_t>(row)]) + ": " + what);
+}
+
+int whole(const CsvTable& table, Index row, Index column) {
+  if (column < 0) return 0;
+  const double value = table.values(row, column);
+  if (value >= 0.0 && value <= 1e6 && value == std::floor(value)) return static_cast<int>(value);
+  fail(table, row,
+       table.names[static_cast<std::size_t>(column)] + " is " + std::to_string(value) +
+           ", expected a whole number, 0 or more");
+}
+
+/// Rows [first, end) of one recording.
+struct Stretch {
+  Index first = 0, end = 0;
+  int experiment = 0, realisation = 0;
+};
+
+std::vector<Stretch> stretches_of(const CsvTable& table, const Layout& layout) {
+  std::vector<Stretch> found;
+  for (Index row = 0; row < table.values.rows(); ++row) {
+    const int experiment = whole(table, row, layout.experiment);
+    const int realisation = whole(table, row, layout.realisation);
+    if (found.empty() || found.back().experiment != experiment ||
+        found.back().realisation != realisation) {
+      found.push_back({row, row, experiment, realisation});
+    }
+    found.back().end = row + 1;
+  }
+  return found;
+}
+
+// The step of the time in the first recording, which the others must have too.
+double sample_time(const CsvTable& table, const Layout& layout,
+                   const std::vector<Stretch>& stretches, const TimeOptions& options) {
+  if (layout.time < 0) {
+    require(options.sample_time_s > 0.0,
+            table.file + ": there is no column time_s, and no sample time is stated");
+    return options.sample_time_s;
+  }
+  const auto time = table.values.col(layout.time);
+  const auto& first = stretches.front();
+  const Index steps = first.end - first.first - 1;
+  require(steps > 0, table.file + ": one sample only, expected two or more");
+  const double mean = (time(first.end - 1) - time(first.first)) / static_cast<double>(steps);
+  const double step = time(first.first + 1) - time(first.first);
+  const double result = std::abs(step - mean) < 1e-12 * std::abs(mean) ? step : mean;
+  if (!(result > 0.0)) fail(table, first.end - 1, "the time does not ascend");
+  for (const auto& stretch : stretches) {
+    for (Index row = stretch.first; row < stretch.end; ++row) {
+      const double expected =
+          time(stretch.first) + result * static_cast<double>(row - stretch.first);
+      if (std::abs(time(row) - expected) < 0.01 * result) continue;
+      fail(table, row,
+           table.names[static_cast<std::size_t>(layout.time)] + " is " + std::to_string(time(row)) +
+               ", expected " + std::to_string(expected) + ": one step from sample to sample");
+    }
+  }
+  return result;
+}
+
+// The length of a run of one number in the column `period`.
+Index period_of(const CsvTable& table, const Layout& layout, const std::vector<Stretch>& stretches,
+                const TimeOptions& options) {
+  if (options.period > 0 || layout.period < 0) return options.period;
+  Index length = 0;
+  for (const auto& stretch : stretches) {
+    Index start = stretch.first;
+    for (Index row = start + 1; row <= stretch.end; ++row) {
+      const bool ends = row == stretch.end ||
+                        whole(table, row, layout.period) != whole(table, start, layout.period);
+      if (!ends) continue;
+      if (length == 0) length = row - start;
+      if (row - start != length) {
+        fail(table, start,
+             "a period of " + std::to_string(row - start) + " samples, others have " +
+                 std::to_string(length));
+      }
+      start = row;
+    }
+  }
+  return length;
+}
+
+Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
+                        const std::vector<Index>& columns) {
+  Eigen::MatrixXd result(stretch.end - stretch.first, static_cast<Index>(columns.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const auto values =
+        table.values.col(columns[c]).segment(stretch.first, stretch.end - stretch.first);
+    for (Index row = 0; row < values.size(); ++row) {
+      if (std::isfinite(values(row))) continue;
+      fail(table, stretch.first + row,
+           table.names[static_cast<std::size_t>(columns[c])] + " is empty, expected a number");
+    }
+    result.col(static_cast<Index>(c)) = values;
+  }
+  return result;
+}
+
+void state_units(TimeFile& file, const TimeOptions& options) {
+  const auto unit = motion_unit(options.unit);
+  for (auto& output : file.data.outputs) {
+    output.unit = unit ? unit->si : options.unit;
+    output.kind = unit && unit->kind ? *unit->kind : output.kind;
+  }
+  if (unit) {
+    for (auto& record : file.data.records) record.outputs *= unit->factor;
+  } else if (options.unit.empty() && !file.data.outputs.empty()) {
+    file.notes.emplace_back(
+        "the units are not stated: values are as they stand; say that of the outputs as unit = "
+        "\"m\", \"m/s^2\" or \"g\"");
+  }
+}
+
+}  // namespace
+
+namespace {
+
+// What letters that are followed by digits or nothing stand for.
+Side side_of_letters(std::string_view name) {
+  std::string letters = upper(name);
+  while (!letters.empty() && letters.back() >= '0' && letters.back() <= '9') letters.pop_back();
+  while (letters.ends_with('_')) letters.pop_back();
+  static const std::set<std::string> inputs{"U", "F", "A", "FORCE", "INPUT", "HAMMER"};
+  static const std::set<std::string> references{"R", "W", "REFERENCE"};
+  if (inputs.contains(letters)) return Side::input;
+  return references.contains(letters) ? Side::reference : Side::output;
+}
+
+}  // namespace
+
+std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& options) {
+  const std::string whole_name(name);
+  if (knows(options.sensor_names, name)) return {Side::output, whole_name};
+  if (knows(options.actuator_names, name)) return {Side::input, whole_name};
+  if (knows(options.reference_names, name)) return {Side::reference, whole_name};
+  for (std::size_t s = 0; s < kPrefix.size(); ++s) {
+    if (name.size() > kPrefix[s].size() && name.starts_with(kPrefix[s])) {
+      return {static_cast<Side>(s), whole_name.substr(kPrefix[s].size())};
+    }
+  }
+  return {side_of_letters(name), whole_name};
+}
+
+TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
+                        const TimeOptions& options) {
+  const CsvTable table = csv_table(bytes, name, options.limit_bytes);
+  require(table.values.rows() > 0, name + ": no line of numbers below the names");
+  TimeFile file{.format = "CSV", .data = {}, .notes = {}};
+  const Layout layout = layout_of(table, options, file);
+  const auto stretches = stretches_of(table, layout);
+  require_room(kBytesPerRecord * static_cast<double>(stretches.size()) +
+                   8.0 * static_cast<double>(table.values.size()),
+               options.limit_bytes, name + ": " + std::to_string(stretches.size()) + " recordings");
+  file.data.sample_time_s = sample_time(table, layout, stretches, options);
+  file.data.period = period_of(table, layout, stretches, options);
+  for (const auto& stretch : stretches) {
+    file.data.records.push_back(
+        {samples(table, stretch, layout.columns[0]), samples(table, stretch, layout.columns[1]),
+         samples(table, stretch, layout.columns[2]), stretch.experiment, stretch.realisation});
+  }
+  state_units(file, options);
+  return file;
+}
+
+namespace {
+
+std::string column_name(const modal::MeasuredChannel& channel, Side side) {
+  Layout nothing;
+  const auto is_read_back = [&](std::string word) {
+    return special(word, nothing) == nullptr &&
+           side_of(word, {}) == std::pair(side, channel.name) && trimmed(word) == word &&
+           word.find_first_of("\r\n") == std::string_view::npos && !number_in(word) &&
+           word.front() != '#';
+  };
+  if (is_read_back(channel.name)) return channel.name;
+  std::string word = std::string(kPrefix[static_cast<std::size_t>(side)]) + channel.name;
+  require(is_read_back(word), "CSV cannot hold the channel name " + shown(channel.name) +
+                                  "; expected one without line ends and blanks around it");
+  return word;
+}
+
+void add_columns(const identification::TimeData& data, Side side,
+                 const std::vector<modal::MeasuredChannel>& channels,
+                 Eigen::MatrixXd identification::Record::*of, Index rows,
+                 std::vector<CsvColumn>& columns) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    Eigen::VectorXd entries(rows);
+    Index at = 0;
+    for (const auto& record : data.records) {
+      entries.segment(at, record.outputs.rows()) = (record.*of).col(static_cast<Index>(c));
+      at += record.outputs.rows();
+    }
+    columns.push_back({column_name(channels[c], side), std::move(entries)});
+  }
+}
+
+}  // namespace
+
+std::string time_csv(const identification::TimeData& data) {
+  Index rows = 0;
+  for (const auto& record : data.records) rows += record.outputs.rows();
+  Eigen::VectorXd time(rows);
+  Eigen::VectorXi experiment(rows);
+  Eigen::VectorXi realisation(rows);
+  Eigen::VectorXi period(rows);
+  Index at = 0;
+  for (const auto& record : data.records) {
+    for (Index n = 0; n < record.outputs.rows(); ++n, ++at) {
+      time(at) = static_cast<double>(n) * data.sample_time_s;
+      experiment(at) = record.experiment;
+      realisation(at) = record.realisation;
+      period(at) = data.period > 0 ? static_cast<int>(n / data.period) : 0;
+    }
+  }
+  std::vector<CsvColumn> columns{{"time_s", time}};
+  if (data.records.size() > 1 || experiment.any() || realisation.any()) {
+    columns.push_back({"experiment", experiment});
+    columns.push_back({"realisation", realisation});
+  }
+  if (data.period > 0) columns.push_back({"period", period});
+  using identification::Record;
+  add_columns(data, Side::output, data.outputs, &Record::outputs, rows, columns);
+  add_columns(data, Side::input, data.inputs, &Record::inputs, rows, columns);
+  add_columns(data, Side::reference, data.references, &Record::references, rows, columns);
+  return csv(columns);
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,40 @@
+#include "io/time_file.h"
+
+#include "base/atomic_file.h"
+#include "io/matlab/time_mat.h"
+#include "io/measured/measured_format.h"
+#include "io/uff/time_uff.h"
+
+namespace chladni::io {
+
+TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options) {
+  switch (measured_format(file)) {
+    case MeasuredFormat::csv:
+      return parse_time_csv(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::uff:
+      return parse_time_uff(content_of(file, options.limit_bytes), file.string(), options);
+    case MeasuredFormat::mat:
+      return time_of_mat(read_mat(file, mat_limit(options.limit_bytes)), file.string(), options);
+    default:
+      refuse_ending(file);
+  }
+}
+
+std::vector<std::string> write_time(const std::filesystem::path& file,
+                                    const identification::TimeData& data) {
+  switch (written_format(file)) {
+    case MeasuredFormat::csv:
+      write_atomically(file, time_csv(data));
+      return {"CSV holds no units"};
+    case MeasuredFormat::uff:
+      write_atomically(file, time_uff(data, UffEncoding::binary));
+      return {};
+    case MeasuredFormat::mat:
+      write_mat(file, mat_of_time(data));
+      return {};
+    default:
+      refuse_ending(file);
+  }
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,260 @@
+#include "io/uff/frf_uff.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "io/measured/frf_units.h"
+#include "io/scan.h"
+#include "io/uff/uff_channels.h"
+#include "io/uff/uff_systems.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Placed {
+  const UffFunction* function = nullptr;
+  Index output = 0, input = 0;
+};
+
+bool is_response(const UffFunction& function) {
+  if (function.type == 4) return function.is_complex;
+  return function.type == 0 && function.is_complex && function.abscissa.type == 18;
+}
+
+std::string place(const UffFunction& function) {
+  return "line " + std::to_string(function.line) + " (" + name_of(function.response) + " over " +
+         name_of(function.reference) + ")";
+}
+
+Eigen::VectorXd hertz_of(const UffFunction& function) {
+  const bool per_second = upper(function.abscissa.unit).find("RAD") != std::string::npos;
+  return per_second ? Eigen::VectorXd(function.x / (2.0 * std::numbers::pi)) : function.x;
+}
+
+// Rounded in six digits, two programs write the same line differently.
+bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() && (a - b).cwiseAbs().maxCoeff() <= 1e-6 * b.cwiseAbs().maxCoeff();
+}
+
+class Collector {
+ public:
+  Collector(const Uff& uff, const std::string& name, const FrfOptions& options)
+      : uff_(uff), name_(name), options_(options) {}
+
+  FrfFile file() {
+    file_.format = "UFF 58";
+    file_.notes = uff_.notes;
+    sort_functions();
+    if (responses_.empty()) throw NoResponses(name_ + ": " + nothing_found());
+    require_equal_lines();
+    file_.set.outputs = outputs_.channels();
+    file_.set.inputs = inputs_.channels();
+    file_.set.frequency_hz = hertz_of(*responses_.front().function);
+    require_room();
+    fill();
+    add_coherence();
+    place_all();
+    return std::move(file_);
+  }
+
+  [[nodiscard]] bool kinds_known() const { return kinds_known_; }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(name_ + ": " + what); }
+
+  [[nodiscard]] std::string nothing_found() const {
+    const auto times = std::count_if(uff_.functions.begin(), uff_.functions.end(),
+                                     [](const auto& f) { return f.type == 1; });
+    return "no frequency response (dataset 58, function type 4) among " +
+           std::to_string(uff_.functions.size()) + " functions" +
+           (times > 0 ? "; " + std::to_string(times) + " are time responses" : "");
+  }
+
+  void sort_functions() {
+    std::map<int, int> others;
+    for (const auto& function : uff_.functions) {
+      if (function.binary) file_.format = "UFF 58b";
+      if (is_response(function)) {
+        responses_.push_back(
+            {&function,
+             outputs_.number(function.response,
+                             stated_name(function, kResponseName, function.response)),
+             inputs_.number(function.reference,
+                            stated_name(function, kReferenceName, function.reference))});
+      } else if (function.type == 6) {
+        coherences_.push_back(&function);
+      } else {
+        ++others[function.type];
+      }
+    }
+    for (const auto& [type, count] : others) {
+      file_.notes.push_back(std::to_string(count) + (count == 1 ? " function" : " functions") +
+                            " of type " + std::to_string(type) + ": not frequency responses" +
+                            (type == 4 ? " with a phase" : "") + ", not read");
+    }
+  }
+
+  void require_equal_lines() const {
+    const auto& first = *responses_.front().function;
+    const auto lines = hertz_of(first);
+    for (Index k = 0; k < lines.size(); ++k) {
+      if (lines(k) >= 0.0 && (k == 0 || lines(k) > lines(k - 1))) continue;
+      fail(place(first) + ": value " + std::to_string(k + 1) + " is at " +
+           std::to_string(lines(k)) + " Hz; expected ascending frequencies, 0 or more");
+    }
+    for (const auto& response : responses_) {
+      const auto other = hertz_of(*response.function);
+      if (same_lines(other, lines)) continue;
+      const auto band = [](const Eigen::VectorXd& f) {
+        return std::to_string(f.size()) + " values from " + std::to_string(f(0)) + " to " +
+               std::to_string(f(f.size() - 1)) + " Hz";
+      };
+      fail("unequal frequency lines: " + place(first) + " has " + band(lines) + ", " +
+           place(*response.function) + " has " + band(other));
+    }
+  }
+
+  void require_room() const {
+    try {
+      require_channels(outputs_.size(), "outputs");
+      require_channels(inputs_.size(), "inputs");
+      io::require_room(file_.set, file_.set.line_count(), coherences_.empty() ? 0 : 1,
+                       options_.limit_bytes);
+    } catch (const InvalidInput& e) {
+      fail(e.what() + (" (it has " + std::to_string(responses_.size()) + " responses)"));
+    }
+  }
+
+  template <typename Number>
+  std::vector<Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>> empty_lines(Number nothing) {
+    return {static_cast<std::size_t>(file_.set.line_count()),
+            Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>::Constant(
+                outputs_.size(), inputs_.size(), nothing)};
+  }
+
+  // The unit of an output or input, which all its responses share.
+  static void state_unit(modal::MeasuredChannel& channel, const UffScale& scale, bool is_output,
+                         const UffFunction& function) {
+    if (is_output && scale.kind) channel.kind = *scale.kind;
+    channel.unit = std::abs(function.response.direction) > 3 && is_output && scale.unit == "m"
+                       ? "rad"
+                       : scale.unit;
+  }
+
+  void fill() {
+    file_.set.value = empty_lines(std::complex<double>(kNan, kNan));
+    std::map<std::pair<Index, Index>, const UffFunction*> seen;
+    std::vector<std::optional<UffScale>> of_output(file_.set.outputs.size());
+    for (const auto& [function, i, j] : responses_) {
+      const auto [other, is_new] = seen.emplace(std::pair(i, j), function);
+      if (!is_new) {
+        repeated(*other->second, *function);
+        continue;
+      }
+      const auto output = motion_scale(function->ordinate, function->units);
+      const auto input = force_scale(function->denominator, function->units);
+      auto& known = of_output[static_cast<std::size_t>(i)];
+      if (known && (known->kind != output.kind || known->unit != output.unit)) {
+        fail(place(*function) +
+             ": the output is of another kind or unit than in the response before");
+      }
+      known = output;
+      kinds_known_ = kinds_known_ && output.kind;
+      for (const auto& note : {output.note, input.note}) add_note(note);
+      state_unit(file_.set.outputs[static_cast<std::size_t>(i)], output, true, *function);
+      state_unit(file_.set.inputs[static_cast<std::size_t>(j)], input, false, *function);
+      for (Index k = 0; k < file_.set.line_count(); ++k) {
+        file_.set.value[static_cast<std::size_t>(k)](i, j) =
+            function->y(k) * (output.factor / input.factor);
+      }
+    }
+  }
+
+  void repeated(const UffFunction& first, const UffFunction& second) {
+    if (first.y == second.y) {
+      add_note(place(second) + " repeats that of line " + std::to_string(first.line) +
+               ": not read");
+    } else {
+      fail("two responses of one pair that differ: " + place(first) + " and " + place(second));
+    }
+  }
+
+  void add_note(const std::string& note) {
+    if (!note.empty() && noted_.insert(note).second) file_.notes.push_back(note);
+  }
+
+  void add_coherence() {
+    std::size_t lost = 0;
+    for (const auto* function : coherences_) {
+      const auto match = std::find_if(responses_.begin(), responses_.end(), [&](const Placed& r) {
+        const auto same = [](const UffDof& a, const UffDof& b) {
+          return a.node == b.node && a.direction == b.direction && a.entity == b.entity;
+        };
+        return same(r.function->response, function->response) &&
+               same(r.function->reference, function->reference);
+      });
+      if (match == responses_.end() || !same_lines(hertz_of(*function), file_.set.frequency_hz)) {
+        ++lost;
+        continue;
+      }
+      if (file_.set.coherence.empty()) file_.set.coherence = empty_lines(kNan);
+      for (Index k = 0; k < file_.set.line_count(); ++k) {
+        file_.set.coherence[static_cast<std::size_t>(k)](match->output, match->input) =
+            function->y(k).real();
+      }
+    }
+    if (lost > 0) {
+      file_.notes.push_back(std::to_string(lost) +
+                            " coherences have no response of the same pair and lines: not read");
+    }
+  }
+
+  void place_all() {
+    if (uff_.nodes.empty()) return;
+    std::optional<double> length;
+    if (uff_.units) length = uff_.units->length;
+    if (!options_.length_unit.empty()) length = unit_factor(options_.length_unit, "m");
+    if (!length) {
+      file_.notes.emplace_back(
+          "the nodes have no unit (no dataset 164): their places are not read; "
+          "say it as length_unit = \"mm\"");
+    }
+    place_channels(uff_, length, file_.set.outputs, file_.notes);
+    place_channels(uff_, length, file_.set.inputs, file_.notes);
+  }
+
+  const Uff& uff_;
+  const std::string& name_;
+  const FrfOptions& options_;
+  FrfFile file_;
+  UffChannels outputs_, inputs_;
+  std::vector<Placed> responses_;
+  std::vector<const UffFunction*> coherences_;
+  std::set<std::string> noted_;
+  bool kinds_known_ = true;
+};
+
+}  // namespace
+
+FrfFile parse_frf_uff(std::string_view bytes, const std::string& name, const FrfOptions& options) {
+  const Uff uff = parse_uff(bytes, name, options.limit_bytes);
+  Collector collector(uff, name, options);
+  FrfFile file = collector.file();
+  state_units(file, collector.kinds_known(), options);
+  try {
+    modal::check(file.set);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(name + ": " + e.what());
+  }
+  return file;
+}
+
+}  // namespace chladni::io

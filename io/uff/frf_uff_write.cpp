@@ -1,0 +1,126 @@
+// Measured responses into a universal file.
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "io/measured/frf_units.h"
+#include "io/scan.h"
+#include "io/uff/frf_uff.h"
+#include "io/uff/uff_channels.h"
+
+namespace chladni::io {
+namespace {
+
+using Index = Eigen::Index;
+
+void require_name(const modal::MeasuredChannel& channel) {
+  const auto& name = channel.name;
+  require(name.size() <= 60 && name.find_first_of("\r\n") == std::string_view::npos &&
+              trimmed(name) == name,
+          "UFF cannot hold the channel name " + shown(name) +
+              "; expected at most 60 letters without line ends and blanks around them");
+}
+
+UffAxis axis_of(int type, const char* label, const std::string& unit) {
+  UffAxis axis;
+  axis.type = type;
+  axis.label = label;
+  axis.unit = unit;
+  return axis;
+}
+
+// Without a unit, dataset 164 must not lend one: the type is left open, the label tells the kind.
+UffAxis motion_axis(const modal::MeasuredChannel& channel) {
+  constexpr std::array<int, 3> types{8, 11, 12};
+  constexpr std::array<const char*, 3> labels{"Displacement", "Velocity", "Acceleration"};
+  const auto kind = static_cast<std::size_t>(channel.kind);
+  const bool stated = motion_unit(channel.unit).has_value();
+  UffAxis axis = axis_of(stated ? types[kind] : 0, labels[kind], channel.unit);
+  axis.length_exponent = stated ? 1 : 0;
+  return axis;
+}
+
+UffAxis force_axis(const modal::MeasuredChannel& channel) {
+  const bool stated = force_unit(channel.unit).has_value();
+  UffAxis axis = axis_of(stated ? 13 : 0, "Excitation", channel.unit);
+  axis.force_exponent = stated ? 1 : 0;
+  return axis;
+}
+
+// Directions that are none of the axes.
+void note_oblique(const std::vector<modal::MeasuredChannel>& channels,
+                  const std::vector<UffDof>& dofs, std::vector<std::string>& lost) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (dofs[c].direction != 0 || !channels[c].direction.any()) continue;
+    lost.push_back("UFF holds directions along the axes only: that of " + channels[c].name +
+                   " is left out");
+  }
+}
+
+void add_nodes(const std::vector<modal::MeasuredChannel>& channels, const std::vector<UffDof>& dofs,
+               std::map<long long, Eigen::Vector3d>& nodes) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (channels[c].position) nodes.emplace(dofs[c].node, *channels[c].position);
+  }
+}
+
+// A response and its coherence; nothing where it was not measured.
+std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunction function,
+                          UffEncoding encoding) {
+  const auto& output = set.outputs[static_cast<std::size_t>(i)];
+  const auto& input = set.inputs[static_cast<std::size_t>(j)];
+  function.id[3] = std::string(kResponseName) + output.name;
+  function.id[4] = std::string(kReferenceName) + input.name;
+  function.type = 4;
+  function.is_complex = true;
+  function.ordinate = motion_axis(output);
+  function.denominator = force_axis(input);
+  bool measured = false;
+  for (Index k = 0; k < set.line_count(); ++k) {
+    function.y(k) = set.value[static_cast<std::size_t>(k)](i, j);
+    measured = measured || !std::isnan(function.y(k).real());
+  }
+  if (!measured) return {};
+  std::string text = uff_dataset(function, encoding);
+  if (set.coherence.empty()) return text;
+  function.type = 6;
+  function.is_complex = false;
+  function.ordinate = axis_of(1, "Coherence", "");
+  function.denominator = {};
+  for (Index k = 0; k < set.line_count(); ++k) {
+    function.y(k) = set.coherence[static_cast<std::size_t>(k)](i, j);
+  }
+  return text + uff_dataset(function, encoding);
+}
+
+}  // namespace
+
+std::string frf_uff(const modal::FrfSet& set, UffEncoding encoding,
+                    std::vector<std::string>& lost) {
+  modal::check(set);
+  for (const auto& output : set.outputs) require_name(output);
+  for (const auto& input : set.inputs) require_name(input);
+  if (!set.variance.empty()) lost.emplace_back("UFF holds no variances: they are left out");
+  const auto outputs = dofs_of(set.outputs, set.inputs);
+  const auto inputs = dofs_of(set.inputs, set.outputs);
+  note_oblique(set.outputs, outputs, lost);
+  note_oblique(set.inputs, inputs, lost);
+  std::map<long long, Eigen::Vector3d> nodes;
+  add_nodes(set.outputs, outputs, nodes);
+  add_nodes(set.inputs, inputs, nodes);
+  std::string text = uff_head("measured frequency responses", nodes);
+  UffFunction function;
+  function.abscissa = axis_of(18, "Frequency", "Hz");
+  function.x = set.frequency_hz;
+  function.y.resize(set.line_count());
+  for (Index i = 0; i < set.output_count(); ++i) {
+    for (Index j = 0; j < set.input_count(); ++j) {
+      function.response = outputs[static_cast<std::size_t>(i)];
+      function.reference = inputs[static_cast<std::size_t>(j)];
+      text += pair_datasets(set, i, j, function, encoding);
+    }
+  }
+  return text;
+}
+
+}  // namespace chladni::io

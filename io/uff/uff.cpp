@@ -1,0 +1,243 @@
+#include "io/uff/uff.h"
+
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "io/scan.h"
+#include "io/uff/uff_datasets.h"
+#include "io/uff/uff_systems.h"
+
+namespace chladni::io {
+namespace {
+
+// The number of a dataset as its line has it: "58", "58b", "2411"; empty: it is no such line.
+std::string dataset_number(std::string_view line) {
+  const auto words = words_of(line);
+  if (words.empty()) return {};
+  std::string word = upper(words.front());
+  if (words.size() > 1 && word == "58" && upper(words[1]) == "B") word = "58B";
+  const auto digits = word.substr(0, word.find_first_not_of("0123456789"));
+  const auto tail = word.substr(digits.size());
+  if (digits.empty() || digits.size() > 6 || (!tail.empty() && tail != "B")) return {};
+  return digits + (tail.empty() ? "" : "b");
+}
+
+class UffReader {
+ public:
+  UffReader(std::string_view bytes, const std::string& name, std::size_t limit)
+      : lines_(bytes, name, limit), name_(name) {}
+
+  Uff read() {
+    skip_to_first();
+    while (!lines_.at_end()) {
+      const auto line = trimmed(lines_.peek());
+      if (line.empty() || line == "-1") {
+        lines_.take();
+        continue;
+      }
+      dataset();
+    }
+    require(any_, name_ +
+                      ": no dataset; expected lines of -1 around datasets, as universal files "
+                      "have them");
+    for (const auto& [number, count] : unknown_) {
+      uff_.notes.push_back("dataset " + number +
+                           (count > 1 ? ", " + std::to_string(count) + " times" : "") +
+                           ": not read");
+    }
+    for (auto& function : uff_.functions) {
+      if (!function.units) function.units = uff_.units;
+    }
+    return std::move(uff_);
+  }
+
+ private:
+  void skip_to_first() {
+    const std::size_t before = lines_.left();
+    while (!lines_.at_end() && trimmed(lines_.peek()) != "-1") {
+      if (!trimmed(lines_.peek()).empty() && before == lines_.left()) {
+        uff_.notes.push_back("line " + std::to_string(lines_.line()) +
+                             " and what follows up to the first -1: not read");
+      }
+      lines_.take();
+    }
+  }
+
+  // What stands where a dataset's number is due.
+  void dataset() {
+    const std::size_t at = lines_.line();
+    const std::string head(lines_.take());
+    const std::string number = dataset_number(head);
+    lines_.enter(number, at);
+    if (number.empty()) {
+      require(any_, name_ + ": line " + std::to_string(at) + ": found " + shown(head) +
+                        ", expected the number of a dataset");
+      lines_.enter(last_, at);
+      lines_.fail("found " + shown(trimmed(head)) + ", expected -1 and the number of a dataset");
+    }
+    any_ = true;
+    last_ = number;
+    read_dataset(number, head);
+    while (!lines_.at_end() && trimmed(lines_.peek()).empty()) lines_.take();
+    if (lines_.at_end()) {
+      uff_.notes.push_back("dataset " + number + " from line " + std::to_string(at) +
+                           " ends without -1");
+    } else if (lines_.at_delimiter()) {
+      lines_.take();
+    } else {
+      skip_rest(number);
+    }
+  }
+
+  void read_dataset(const std::string& number, const std::string& head) {
+    if (number == "58" || number == "58b") {
+      uff_.functions.push_back(uff_function(lines_, head, uff_.notes));
+      uff_.functions.back().units = current_;
+    } else if (number == "55") {
+      if (auto shape = uff_shape(lines_, uff_.notes)) uff_.shapes.push_back(std::move(*shape));
+    } else if (number == "151") {
+      uff_.title = std::string(trimmed(lines_.record("model's name")));
+      to_delimiter();
+    } else if (number == "164") {
+      units();
+    } else if (number == "15") {
+      while (!lines_.at_delimiter()) node_of_15();
+    } else if (number == "2411" || number == "781") {
+      while (!lines_.at_delimiter()) node_of_2411(number == "781");
+    } else if (number == "18" || number == "2420") {
+      systems(number);
+    } else {
+      ++unknown_[number];
+      to_delimiter();
+    }
+  }
+
+  void to_delimiter() {
+    while (!lines_.at_delimiter()) lines_.take();
+  }
+
+  // Lines that belong to nothing; they are noted once per dataset.
+  void skip_rest(const std::string& number) {
+    const std::size_t from = lines_.line();
+    to_delimiter();
+    lines_.take();
+    uff_.notes.push_back("dataset " + number + ": lines from " + std::to_string(from) +
+                         " on are more than it says: not read");
+  }
+
+  double number(std::string_view line, std::size_t& at, const char* what) const {
+    const auto value = run_on_number(line, at);
+    if (value) return *value;
+    lines_.fail(std::string(what) + ": " + not_a_number(line.substr(std::min(at, line.size()))));
+  }
+
+  void units() {
+    const std::string head(lines_.filled_record("units code"));
+    UffUnits units;
+    units.description = head.size() > 10
+                            ? std::string(trimmed(std::string_view(head).substr(10, 20)))
+                            : std::string();
+    const std::string factors(lines_.filled_record("unit factors"));
+    std::size_t at = 0;
+    const double length = number(factors, at, "factor of lengths");
+    const double force = number(factors, at, "factor of forces");
+    if (!(length > 0.0) || !(force > 0.0)) {
+      lines_.fail("a unit factor of 0 or less");
+    }
+    units.length = 1.0 / length;  // of the file's units per metre
+    units.force = 1.0 / force;
+    if (!std::isfinite(units.length) || !std::isfinite(units.force)) {
+      lines_.fail("a unit factor that has no inverse");
+    }
+    to_delimiter();
+    current_ = units;
+    if (!uff_.units) uff_.units = units;
+    if (uff_.units->length != units.length || uff_.units->force != units.force) {
+      uff_.notes.emplace_back(
+          "dataset 164 occurs with different units: each holds for what follows");
+    }
+  }
+
+  // A system that is not understood matters only to nodes that use it.
+  void systems(const std::string& number) {
+    uff_.defines_systems = true;
+    try {
+      number == "18" ? read_systems_of_18(lines_, uff_.systems)
+                     : read_systems_of_2420(lines_, uff_.systems);
+    } catch (const InvalidInput& e) {
+      uff_.notes.push_back(std::string(e.what()) +
+                           ": the coordinate systems from there on are "
+                           "not read");
+      to_delimiter();
+    }
+  }
+
+  // Fields 2 and 3 of a node: the systems of its place and of its displacements.
+  [[nodiscard]] UffNodeSystems node_systems(const std::vector<std::string_view>& words) const {
+    UffNodeSystems systems;
+    if (words.size() > 1) systems.place = uff_integer(lines_, words[1], "system of a place");
+    if (words.size() > 2) systems.displacement = uff_integer(lines_, words[2], "system of a node");
+    return systems;
+  }
+
+  void add_node(long long label, const Eigen::Vector3d& position, const UffNodeSystems& systems) {
+    if (!uff_.nodes.contains(label) && (systems.place != 0 || systems.displacement != 0)) {
+      uff_.node_systems.emplace(label, systems);
+    }
+    const auto [place, is_new] = uff_.nodes.emplace(label, position);
+    if (is_new || place->second == position) return;
+    uff_.notes.push_back("node " + std::to_string(label) + " has two places: the first is taken");
+  }
+
+  void node_of_15() {
+    const auto line = lines_.filled_record("node");
+    if (trimmed(line).empty()) return;
+    const auto words = words_of(line.substr(0, 40));
+    if (words.size() < 4) {
+      lines_.fail("found " + shown(line) + ", expected a node: 4 whole numbers and 3 coordinates");
+    }
+    std::size_t at = 40;
+    if (words.size() > 4) at = static_cast<std::size_t>(words[4].data() - line.data());
+    Eigen::Vector3d position;
+    for (auto& coordinate : position) coordinate = number(line, at, "coordinate of a node");
+    add_node(uff_integer(lines_, words[0], "number of a node"), position, node_systems(words));
+  }
+
+  // Dataset 781 has places in the node's system, 2411 in that of the part, whatever it exports.
+  void node_of_2411(bool in_own_system) {
+    const auto head = lines_.filled_record("node");
+    const auto words = words_of(head);
+    if (words.empty()) return;
+    const auto label = uff_integer(lines_, words[0], "number of a node");
+    auto systems = node_systems(words);
+    const auto line = lines_.filled_record("coordinates of a node");
+    std::size_t at = 0;
+    Eigen::Vector3d position;
+    for (auto& coordinate : position) coordinate = number(line, at, "coordinate of a node");
+    if (!in_own_system) systems.place = 0;
+    add_node(label, position, systems);
+  }
+
+  UffLines lines_;
+  std::string name_, last_;
+  Uff uff_;
+  std::optional<UffUnits> current_;
+  std::map<std::string, int> unknown_;
+  bool any_ = false;
+};
+
+}  // namespace
+
+Uff parse_uff(std::string_view bytes, const std::string& name, std::size_t limit) {
+  refuse_utf16(bytes, name);
+  return UffReader(bytes, name, limit).read();
+}
+
+long long uff_integer(const UffLines& lines, std::string_view word, std::string_view what) {
+  const auto value = integer_in(trimmed(word));
+  if (value) return *value;
+  lines.fail(std::string(what) + ": found " + shown(trimmed(word)) + ", expected a whole number");
+}
+
+}  // namespace chladni::io

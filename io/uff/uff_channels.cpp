@@ -1,0 +1,178 @@
+#include "io/uff/uff_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "io/measured/frf_units.h"
+#include "io/scan.h"
+
+namespace chladni::io {
+namespace {
+
+// A label as a unit: "(m/s^2)", "M/S2", "g's"; "m/s^2/N" is of what is above its last stroke.
+std::optional<MotionUnit> motion_of_label(std::string label) {
+  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  if (upper(label) == "G" || upper(label) == "G'S" || upper(label) == "GS") label = "g";
+  if (auto unit = motion_unit(label)) return unit;
+  std::string lower = label;
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (auto unit = motion_unit(lower)) return unit;
+  const auto stroke = label.rfind('/');
+  if (stroke == std::string_view::npos || !force_unit(label.substr(stroke + 1)))
+    return std::nullopt;
+  return motion_of_label(label.substr(0, stroke));
+}
+
+std::optional<modal::FrfKind> kind_of(int type) {
+  switch (type) {
+    case 8:
+      return modal::FrfKind::receptance;
+    case 11:
+      return modal::FrfKind::mobility;
+    case 12:
+      return modal::FrfKind::accelerance;
+    default:
+      return std::nullopt;
+  }
+}
+
+// What a label says where the type is left open.
+std::optional<modal::FrfKind> kind_of(const std::string& label) {
+  const std::string word = upper(label.substr(0, 5));
+  if (word == "DISPL") return modal::FrfKind::receptance;
+  if (word == "VELOC") return modal::FrfKind::mobility;
+  if (word == "ACCEL") return modal::FrfKind::accelerance;
+  return std::nullopt;
+}
+
+const char* si_of(modal::FrfKind kind) {
+  constexpr const char* units[] = {"m", "m/s", "m/s^2"};
+  return units[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace
+
+Eigen::Index UffChannels::number(const UffDof& dof, const std::string& name) {
+  const auto [place, is_new] = numbers_.emplace(Key(dof.entity, dof.node, dof.direction), size());
+  if (is_new) {
+    dofs_.push_back(dof);
+    names_.push_back(name);
+  }
+  return place->second;
+}
+
+std::vector<modal::MeasuredChannel> UffChannels::channels() const {
+  const std::set<std::string> different(names_.begin(), names_.end());
+  const bool named = different.size() == names_.size() && !different.contains("");
+  std::vector<modal::MeasuredChannel> result;
+  std::set<std::string> used;
+  for (std::size_t c = 0; c < dofs_.size(); ++c) {
+    auto& channel = result.emplace_back();
+    channel.name = named ? names_[c] : name_of(dofs_[c]);
+    if (!used.insert(channel.name).second) {
+      channel.name = dofs_[c].entity + ":" + channel.name;
+      used.insert(channel.name);
+    }
+    channel.node = dofs_[c].node;
+    channel.direction = vector_of(dofs_[c].direction);
+  }
+  return result;
+}
+
+std::string name_of(const UffDof& dof) {
+  constexpr const char* axes[] = {"", "x", "y", "z", "rx", "ry", "rz"};
+  return (dof.direction < 0 ? "-" : "") + std::to_string(dof.node) +
+         axes[static_cast<std::size_t>(std::abs(dof.direction))];
+}
+
+Eigen::Vector3d vector_of(int direction) {
+  Eigen::Vector3d result = Eigen::Vector3d::Zero();
+  const int axis = std::abs(direction);
+  if (axis >= 1 && axis <= 3) result(axis - 1) = direction > 0 ? 1.0 : -1.0;
+  return result;
+}
+
+UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
+  UffScale scale;
+  scale.kind = kind_of(axis.type);
+  if (!scale.kind) scale.kind = kind_of(axis.label);
+  const auto label = motion_of_label(axis.unit);
+  const bool is_label = label && (!scale.kind || label->kind == scale.kind);
+  if (is_label) {
+    scale.factor = label->factor;
+    scale.unit = label->si;
+    scale.kind = label->kind;
+  } else if (axis.type == 0) {
+    scale.unit = axis.unit;  // volts, as it stands
+  }
+  if (!units || !kind_of(axis.type)) return scale;
+  if (!is_label) {
+    scale.factor = units->length;
+    scale.unit = si_of(*scale.kind);
+  } else if (std::abs(scale.factor / units->length - 1.0) > 1e-3) {
+    scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
+                 std::to_string(units->length) + " m): the unit beside the values is taken";
+  }
+  return scale;
+}
+
+UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
+  UffScale scale;
+  if (const auto label = force_unit(axis.unit)) {
+    scale.factor = *label;
+    scale.unit = "N";
+    if (units && std::abs(scale.factor / units->force - 1.0) > 1e-3) {
+      scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
+                   std::to_string(units->force) + " N): the unit beside the values is taken";
+    }
+  } else if (units && (axis.type == 13 || axis.type == 9)) {
+    scale.factor = units->force;
+    scale.unit = "N";
+  } else if (axis.type == 0) {
+    scale.unit = axis.unit;
+  }
+  return scale;
+}
+
+UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise) {
+  UffDof dof;
+  dof.node = channel.node.value_or(otherwise);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(std::abs(channel.direction(axis)) - 1.0) > 1e-9) continue;
+    dof.direction = channel.direction(axis) > 0.0 ? axis + 1 : -axis - 1;
+  }
+  dof.entity = channel.name.size() <= 10 && trimmed(channel.name) == channel.name &&
+                       upper(channel.name) != "NONE"
+                   ? channel.name
+                   : "";
+  return dof;
+}
+
+std::vector<UffDof> dofs_of(const std::vector<modal::MeasuredChannel>& channels,
+                            const std::vector<modal::MeasuredChannel>& others) {
+  std::set<long long> taken;
+  for (const auto* side : {&channels, &others}) {
+    for (const auto& channel : *side) {
+      if (channel.node) taken.insert(*channel.node);
+    }
+  }
+  std::vector<UffDof> dofs;
+  long long next = 1;
+  for (const auto& channel : channels) {
+    while (taken.contains(next)) ++next;
+    dofs.push_back(dof_of(channel, next));
+    if (!channel.node) ++next;
+  }
+  return dofs;
+}
+
+std::string stated_name(const UffFunction& function, std::string_view mark, const UffDof& dof) {
+  for (const auto& id : function.id) {
+    if (std::string_view(id).starts_with(mark)) return id.substr(mark.size());
+  }
+  return dof.entity;
+}
+
+}  // namespace chladni::io
