@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "app/forecast.h"
-#include "app/problems.h"
-#include "app/solution.h"
+#include "app/stage/forecast.h"
+#include "app/stage/solution.h"
+#include "app/study/toml/problems.h"
 
 namespace chladni::app {
 namespace {

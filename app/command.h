@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/origin.h"
 #include "app/output_folder.h"
-#include "app/study.h"
+#include "app/study/origin.h"
+#include "app/study/study.h"
 #include "app/terminal.h"
 #include "io/json.h"
 

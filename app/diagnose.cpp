@@ -1,5 +1,5 @@
 // chladni diagnose STUDY: what the simulation gets wrong, its cause, the extended study, the gain.
-#include "app/diagnosis.h"
+#include "app/steps/diagnosis.h"
 
 namespace chladni::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/solution.h"
+#include "app/stage/solution.h"
 #include "base/error.h"
 
 namespace chladni::app {

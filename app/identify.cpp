@@ -1,5 +1,5 @@
 // chladni identify STUDY: a modal model from measured responses.
-#include "app/identification.h"
+#include "app/steps/identification.h"
 
 namespace chladni::app {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ensemble.h"
-#include "app/identification.h"
-#include "app/solution.h"
+#include "app/stage/ensemble.h"
+#include "app/stage/solution.h"
+#include "app/steps/identification.h"
 #include "fem/laplace_spectrum.h"
 #include "identification/spatio_temporal.h"
 #include "placement/sites.h"

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "app/command.h"
-#include "app/new_output.h"
+#include "app/show/new_output.h"
 #include "app/version.h"
 #include "base/error.h"
 #include "base/interrupt.h"

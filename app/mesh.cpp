@@ -1,5 +1,5 @@
 // chladni mesh STUDY: the body's surface checked and filled with tetrahedra.
-#include "app/solution.h"
+#include "app/stage/solution.h"
 #include "io/patches_picture.h"
 #include "io/vtu.h"
 

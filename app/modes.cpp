@@ -1,5 +1,5 @@
 // chladni modes STUDY: natural frequencies and mode shapes of the body in the study.
-#include "app/solution.h"
+#include "app/stage/solution.h"
 #include "base/error.h"
 #include "io/picture.h"
 #include "io/vtu.h"

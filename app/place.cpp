@@ -1,5 +1,5 @@
 // chladni place STUDY: where the collocated pair belongs, and how good layouts are.
-#include "app/placement.h"
+#include "app/steps/placement/placement.h"
 
 namespace chladni::app {
 namespace {

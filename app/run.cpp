@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "app/command.h"
-#include "app/sha256.h"
+#include "app/study/sha256.h"
 #include "app/version.h"
 #include "base/error.h"
 

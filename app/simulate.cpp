@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "app/sha256.h"
-#include "app/simulated.h"
-#include "app/solution.h"
+#include "app/stage/solution.h"
+#include "app/steps/simulated.h"
+#include "app/study/sha256.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "app/report.h"
+#include "app/show/report.h"
 
 namespace chladni::app {
 namespace {

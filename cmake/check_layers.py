@@ -32,7 +32,7 @@ DOORS = {
     r".*\.hxx": ["io/surface/step*.cpp"],
     r"pybind11/": ["python/*.cpp", "python/*.h"],
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],
-    r"toml": ["app/study*.cpp"],
+    r"toml": ["app/study/toml/study_source.cpp"],
     r"CLI/": ["app/main.cpp"],
 }
 # std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,

@@ -1,5 +1,5 @@
 // A comparison as people and programs see it.
-#include "app/comparison.h"
+#include "app/show/comparison.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What an experiment would find, as people read it.
-#include "app/detectable_text.h"
+#include "app/show/detectable_text.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "app/command.h"
-#include "app/diagnosis.h"
+#include "app/steps/diagnosis.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "quiet_run.h"

@@ -1,5 +1,5 @@
 // A diagnosis looks at the faces that `on` names, by the rule of placement and priors.
-#include "app/diagnosis_faces.h"
+#include "app/stage/reduction/diagnosis_faces.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <memory>
 
-#include "app/diagnosis_structure.h"
-#include "app/faces.h"
+#include "app/stage/faces.h"
+#include "app/stage/reduction/diagnosis_structure.h"
 #include "base/error.h"
 #include "quiet_run.h"
 

@@ -1,5 +1,5 @@
 // The simulation on its modes: sums over the body, derivatives along it, what is left out.
-#include "app/diagnosis_structure.h"
+#include "app/stage/reduction/diagnosis_structure.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/at_channels.h"
-#include "app/upper_face.h"
+#include "app/stage/at_channels.h"
+#include "app/stage/reduction/upper_face.h"
 #include "base/parallel.h"
 #include "diagnosis/body_fields.h"
 #include "modal/frf.h"

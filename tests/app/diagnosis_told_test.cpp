@@ -8,8 +8,8 @@
 #include <random>
 #include <sstream>
 
-#include "app/diagnosis.h"
-#include "app/diagnosis_structure.h"
+#include "app/stage/reduction/diagnosis_structure.h"
+#include "app/steps/diagnosis.h"
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"
 #include "io/frf_file.h"

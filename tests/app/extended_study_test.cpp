@@ -1,5 +1,5 @@
 // A study that says what was wrong with it: read back, and computed against the hypothesis.
-#include "app/extended_study.h"
+#include "app/study/extend/extended_study.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/at_channels.h"
-#include "app/channel_paths.h"
-#include "app/diagnosis_structure.h"
-#include "app/extension.h"
+#include "app/stage/at_channels.h"
+#include "app/stage/channel_paths.h"
+#include "app/stage/reduction/diagnosis_structure.h"
+#include "app/study/extend/extension.h"
 #include "base/error.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/fit/responses.h"

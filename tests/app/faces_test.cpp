@@ -1,5 +1,5 @@
 // On which faces priors, places and layouts are: the same whatever file the body came from.
-#include "app/faces.h"
+#include "app/stage/faces.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "app/interpolation.h"
-#include "app/placement.h"
-#include "app/priors.h"
+#include "app/steps/placement/placement.h"
+#include "app/steps/priors.h"
 #include "base/error.h"
 #include "mesh/bodies.h"
 #include "quiet_run.h"

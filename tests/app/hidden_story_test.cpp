@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "app/diagnosis.h"
+#include "app/steps/diagnosis.h"
 #include "quiet_run.h"
 
 namespace chladni::app {

@@ -4,7 +4,7 @@
 
 #include <complex>
 
-#include "app/identification.h"
+#include "app/steps/identification.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"

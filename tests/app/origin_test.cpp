@@ -1,7 +1,7 @@
 // Results say which state of a study and of its files they come from.
-#include "app/origin.h"
+#include "app/study/origin.h"
 
-#include "app/sha256.h"
+#include "app/study/sha256.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 

@@ -1,5 +1,5 @@
 // chladni priors: what it learns of bodies whose shapes are known, what it leaves, what it refuses.
-#include "app/priors.h"
+#include "app/steps/priors.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "app/interpolation.h"
-#include "app/priors.h"
+#include "app/steps/priors.h"
 #include "quiet_run.h"
 
 namespace chladni::app {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/channel_paths.h"
-#include "app/study.h"
+#include "app/stage/channel_paths.h"
+#include "app/study/study.h"
 #include "base/error.h"
 #include "quiet_run.h"
 

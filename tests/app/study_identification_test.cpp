@@ -1,7 +1,7 @@
 // [identification] of a study: what it takes, and what it refuses where it would change nothing.
 #include <gtest/gtest.h>
 
-#include "app/study.h"
+#include "app/study/study.h"
 #include "base/error.h"
 
 namespace chladni::app {

@@ -1,5 +1,5 @@
 // The study reader: what it takes, and what it says of what it does not take.
-#include "app/study.h"
+#include "app/study/study.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/problems.h"
-#include "app/sha256.h"
+#include "app/study/sha256.h"
+#include "app/study/toml/problems.h"
 #include "base/error.h"
 
 namespace chladni::app {

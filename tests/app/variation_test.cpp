@@ -1,12 +1,12 @@
 // Bodies that vary against bodies that are so.
-#include "app/variation.h"
+#include "app/stage/variation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "app/solution.h"
+#include "app/stage/solution.h"
 #include "base/error.h"
 #include "quiet_run.h"
 

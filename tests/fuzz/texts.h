@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "app/toml_tree.h"
+#include "app/study/toml/toml_tree.h"
 #include "io/bytes/message.h"
 #include "io/json.h"
 #include "io/shape_table.h"

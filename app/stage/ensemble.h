@@ -1,0 +1,21 @@
+// Bodies that a study could also mean: what is not known of the one that it describes.
+#pragma once
+
+#include <vector>
+
+#include "app/stage/solution.h"
+#include "priors/interpolator.h"
+
+namespace chladni::app {
+
+/// A body that differs from the study's, in the basis of the study's modes.
+using Member = priors::SimilarModel;
+
+/// `plan.members` draws of smooth random fields of modulus, density and thickness, and of four
+/// attached masses at random places of the surface. Rayleigh-Ritz on the modes that were computed:
+/// frequencies come out a little high, nodal lines move as they would.
+/// @throws NumericalFailure  a draw leaves no positive stiffness or mass
+[[nodiscard]] std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& plan,
+                                           unsigned seed);
+
+}  // namespace chladni::app

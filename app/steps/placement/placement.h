@@ -1,0 +1,91 @@
+// Where the study's devices belong, and how good its layouts are.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/stage/ensemble.h"
+#include "app/stage/faces.h"
+#include "app/stage/solution.h"
+#include "placement/determinant.h"
+#include "placement/heat_map.h"
+#include "placement/layout.h"
+#include "placement/rules.h"
+#include "placement/sites.h"
+
+namespace chladni::app {
+
+/// The modes that placement is about.
+struct WantedModes {
+  std::vector<Eigen::Index> columns;             ///< of the study's modes, ascending
+  std::vector<modal::ModeGroup> groups;          ///< of those columns
+  Eigen::VectorXd rms;                           ///< per wanted mode, of its group [kg^-1/2]
+  Eigen::VectorXd sensor_noise, actuator_noise;  ///< per wanted mode [kg^-1/2]
+};
+
+struct BestPair {
+  Eigen::Vector3d position;
+  double score = 0.0;
+  int limiting = -1;  ///< group
+};
+
+struct ScoredLayout {
+  std::string name;
+  std::vector<std::string> sensors, actuators;
+  Eigen::VectorXd scores;  ///< as placement::layout_criteria(); not a number: does not apply
+  std::vector<int> blind;  ///< modes, counted from 1 with the rigid ones, that it cannot see
+  int pairs = 0;           ///< collocated
+  std::vector<io::Marker> markers;  ///< sensors and actuators
+  /// Per point of the surface: expected error of an interpolated shape there, root mean square over
+  /// the wanted modes, over that of the shape; empty without channels.
+  Eigen::VectorXd deviation;
+};
+
+struct Optimum {
+  std::string by;  ///< "determinant" or "interpolation_error"
+  placement::Choice choice;
+  Points sites;                    ///< count×3 [m]
+  Eigen::MatrixXd shapes;          ///< count×all modes [kg^-1/2], at the sites
+  std::vector<Points> equivalent;  ///< the same by the body's symmetry, as good
+  double certificate = 0.0;        ///< D-efficiency that is certain; 0: none
+  std::string remark;              ///< why there is no certificate
+};
+
+struct Placed {
+  Faces faces;  ///< that devices may be on
+  placement::Surface surface;
+  WantedModes wanted;
+  const placement::Criterion* criterion = nullptr;
+  std::vector<placement::HeatMap> maps;  ///< one per criterion of placement::criteria()
+  std::size_t chosen = 0;                ///< that map is `criterion`'s
+  std::vector<placement::Rule> rules;
+  Eigen::VectorXi forbidden;    ///< per point of the surface: the rule, or −1
+  std::vector<BestPair> best;   ///< single pairs, best first
+  std::vector<BestPair> pairs;  ///< several together, where asked for
+  std::vector<ScoredLayout> layouts;
+  std::vector<Optimum> optima;  ///< the asked one first
+  std::vector<std::string> notes;
+};
+
+/// @throws InvalidInput  modes that are not there, no admissible site, more devices than sites, a
+///                       patch or channel that does not exist
+[[nodiscard]] Placed placed(const Study& study, const Solution& solution, Run& run);
+
+[[nodiscard]] io::JsonObject placement_json(const Study& study, const Solution& solution,
+                                            const Placed& placed);
+[[nodiscard]] std::string placement_table(const Solution& solution, const Placed& placed);
+
+/// One line each, for people.
+[[nodiscard]] std::string optimum_text(const Optimum& optimum);
+[[nodiscard]] std::string blind_text(const Solution& solution, const ScoredLayout& layout);
+
+/// placement.json, heat_map.vtu, heat_map.png, layouts.png.
+void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
+                     bool main_result);
+
+/// "7 (flex 1, 178.92 Hz)"; a group "10-11 (flex 4-5, 463.4 Hz)".
+[[nodiscard]] std::string group_name(const Solution& solution, const WantedModes& wanted,
+                                     int group);
+
+}  // namespace chladni::app

@@ -1,0 +1,66 @@
+#include "app/study/extend/extended_study.h"
+
+#include <fmt/format.h>
+
+#include "app/study/extend/extension.h"
+#include "base/error.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "../../models/beam/measured.csv" from where the extended study lies.
+void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
+  const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
+  const fs::path to = fs::weakly_canonical(fs::absolute(folder));
+  if (from == to) return;
+  constexpr std::pair<const char*, const char*> kPaths[] = {
+      {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
+      {"measurement", "shapes"}, {"measurement", "truth"}, {"diagnosis", "tolerances"}};
+  bool led = false;
+  for (const auto& [part, key] : kPaths) {
+    const auto* table = member(edit.tree(), part);
+    const auto* value = table == nullptr ? nullptr : member(*table, key);
+    if (value == nullptr || value->kind != TomlNode::Kind::text) continue;
+    const fs::path path(value->text);
+    if (path.is_absolute()) continue;
+    edit.replace(*value, toml_text((from / path).lexically_relative(to).generic_string()));
+    led = true;
+  }
+  if (!led) return;
+  edit.append_comment(fmt::format(
+      "Its files lie with the study that was diagnosed: --allow-outside {}", from.string()));
+}
+
+}  // namespace
+
+ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
+                             const diagnosis::Surface& chart,
+                             const std::vector<diagnosis::Cause>& causes, const fs::path& folder,
+                             const std::vector<fs::path>& allowed, bool fits_variations) {
+  ExtendedStudy result{std::string(bytes), {}};
+  for (const auto& cause : causes) {
+    // One after the other: each finds what those before it left.
+    const Study study = parse_study(result.text, file, allowed);
+    TomlEdit edit(result.text, file.string());
+    const Extension by{edit, study, chart, cause, fits_variations};
+    const auto how = extend(cause.effect);
+    const auto refused = how == nullptr ? std::string("a study has no key for it") : how(by);
+    if (!refused.empty()) {
+      result.unexpressed.push_back(cause.effect + ": " + refused);
+      TomlEdit untouched(result.text, file.string());
+      untouched.append_comment(by.comment() + "\nNot in this study: " + refused + ".");
+      result.text = untouched.text();
+      continue;
+    }
+    result.text = edit.text();
+  }
+  static_cast<void>(parse_study(result.text, file, allowed));
+  TomlEdit edit(result.text, file.string());
+  lead_paths(edit, file, folder);
+  result.text = edit.text();
+  return result;
+}
+
+}  // namespace chladni::app

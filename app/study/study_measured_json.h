@@ -1,0 +1,13 @@
+// Parts of study.json: what is measured, simulated and fitted.
+#pragma once
+
+#include "app/study/study.h"
+#include "io/json.h"
+
+namespace chladni::app {
+
+[[nodiscard]] io::Json measurement_json(const MeasurementPlan& plan);
+[[nodiscard]] io::Json experiment_json(const ExperimentPlan& plan);
+[[nodiscard]] io::Json identification_json(const IdentificationPlan& plan);
+
+}  // namespace chladni::app

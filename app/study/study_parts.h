@@ -1,0 +1,76 @@
+// The parts of a study, each read by a function of its own into `study`.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "app/study/study.h"
+#include "app/study/toml/table_reader.h"
+
+namespace chladni::app {
+
+/// Where the study may look for files.
+struct StudyFolder {
+  std::filesystem::path folder;                ///< the study's own
+  std::vector<std::filesystem::path> allowed;  ///< by --allow-outside
+
+  /// `text` as a path below one of them, symbolic links followed.
+  /// @throws InvalidInput  it leads elsewhere
+  [[nodiscard]] std::filesystem::path resolved(const std::string& text) const;
+};
+
+void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& study);
+void read_mesh_part(TableReader& root, Study& study);
+void read_materials(TableReader& root, Study& study);
+void read_modes_part(TableReader& root, Study& study);
+void read_supports(TableReader& root, Study& study);
+void read_attachments(TableReader& root, Study& study);
+void read_variations(TableReader& root, Study& study);
+void read_channels(TableReader& root, Study& study);  ///< sensors and actuators
+void read_layouts(TableReader& root, Study& study);   ///< after the channels
+void read_placement(TableReader& root, Study& study);
+void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
+void read_experiment(TableReader& root, Study& study);  ///< after the channels
+void read_identification(TableReader& root, Study& study);
+void read_interpolation(TableReader& root, Study& study);
+void read_priors(TableReader& root, Study& study);
+void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
+void read_expectations(TableReader& root, Study& study);
+
+/// The path of `key`; empty where it is not there. One that leads elsewhere is a problem, and
+/// `hint` ends its message.
+[[nodiscard]] std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
+                                              std::string_view key, const std::string& hint = {});
+
+/// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
+[[nodiscard]] Place read_place(TableReader& table, std::string_view key);
+
+/// "on": names of patches or { facing = "z" }. Wrong is a problem.
+[[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
+
+/// "direction": "z", ... or "normal".
+void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);
+
+inline constexpr int kMostModes = 5000;
+
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
+/// Of the sensors, then of the actuators.
+[[nodiscard]] std::vector<std::string> channel_names(const Study& study);
+
+/// Each name of `key` that is not `known` is a problem, with the nearest that is.
+void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
+                      const std::vector<std::string>& wanted,
+                      const std::vector<std::string>& known);
+
+/// Names must not be empty and must differ; both lines are named where they do not.
+class Names {
+ public:
+  explicit Names(std::string what) : what_(std::move(what)) {}
+  void add(TableReader& table, const std::string& name);
+
+ private:
+  std::string what_;
+  std::vector<std::pair<std::string, int>> seen_;
+};
+
+}  // namespace chladni::app
