@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fails when a room includes one it may not, or a library is named outside its door."""
+"""Fails when a room includes one it may not, or what lies in a folder of another room (only what
+stands at its top is for others), or when a library is named outside its door."""
 import pathlib
 import re
 import sys
@@ -58,6 +59,8 @@ def faults_of(root):
                 target = m[1].split("/")[0]
                 if target in MAY_INCLUDE and target != room and target not in allowed.split():
                     yield f"{here}:{number}: {room} may not include {target}"
+                elif target in MAY_INCLUDE and target != room and m[1].count("/") > 1:
+                    yield f"{here}:{number}: {m[1]} is of {target} alone: include its top level"
                 for library, doors in DOORS.items():
                     if re.match(library, m[1]) and not any(here.match(d) for d in doors):
                         yield f"{here}:{number}: {m[1]} belongs in {' or '.join(doors)}"

@@ -1,11 +1,14 @@
 # What the fuzzers compile again, by room and file; the tests `fuzzed.*` say what is missing here.
 set(fuzzed_parsers
-  io/bytes/scan io/surface/triangles io/surface/stl io/surface/off io/surface/ply io/surface/obj io/cells/tets io/cells/tet_shape io/cells/msh io/cells/msh_cell io/cells/inp
-  io/cells/inp_deck io/cells/inp_sets
-  mesh/tets/boundary mesh/numbering mesh/tets/order mesh/patches mesh/tets/quality mesh/surface mesh/tets/triangle)
+  io/bytes/scan io/surface/triangles io/surface/stl io/surface/off io/surface/ply io/surface/obj
+  io/cells/tets io/cells/tet_shape io/cells/msh io/cells/msh_cell io/cells/inp io/cells/inp_deck
+  io/cells/inp_sets mesh/tets/boundary mesh/numbering mesh/tets/order mesh/patches
+  mesh/tets/quality mesh/surface mesh/tets/triangle)
 set(fuzzed_measured
-  base/atomic_file base/control_group base/memory base/quantity modal/frf_set io/measured/channel_names
-  io/bytes/csv io/bytes/csv_table
-  io/measured/frf_csv io/uff/frf_uff io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/measured/time_csv io/uff/time_uff io/uff/uff
-  io/uff/uff_binary io/uff/uff_channels io/uff/uff_function io/uff/uff_lines io/uff/uff_shape io/uff/uff_systems io/uff/uff_write
-  app/study/toml/study_source io/bytes/escape io/bytes/json io/bytes/message io/measured/shape_table)
+  base/atomic_file base/control_group base/memory base/quantity modal/frf_set
+  io/measured/channel_names io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff
+  io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/measured/time_csv
+  io/uff/time_uff io/uff/uff io/uff/uff_binary io/uff/uff_channels io/uff/uff_function
+  io/uff/uff_lines io/uff/uff_shape io/uff/uff_systems io/uff/uff_write
+  app/study/toml/study_source io/bytes/escape io/bytes/json io/bytes/message
+  io/measured/shape_table)
