@@ -1,4 +1,4 @@
-// The linear problem that each iteration of a matrix fraction solves. Of this room only.
+// The linear problem that each iteration of a matrix fraction solves.
 #pragma once
 
 #include <Eigen/Core>

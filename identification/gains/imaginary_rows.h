@@ -1,4 +1,4 @@
-// Imaginary parts of complex shapes on the scale that gain_match found. Of this room only.
+// Imaginary parts of complex shapes on the scale that gain_match found.
 #pragma once
 
 #include "identification/gains/matching.h"

@@ -1,4 +1,4 @@
-// One mode (or a block) of gain_match: both sides brought to one scale. Of this room only.
+// One mode (or a block) of gain_match: both sides brought to one scale.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The state of gain_match while it goes through the modes. Of this room only.
+// The state of gain_match while it goes through the modes.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What the collocated pairs of a fit say before anything is scaled. Of this room only.
+// What the collocated pairs of a fit say before anything is scaled.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Two ways to one mesh. Of this room only.
+// Two ways to one mesh.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Fewer points on the lines along which the parts of a surface meet. Of this room only.
+// Fewer points on the lines along which the parts of a surface meet.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Triangles of a plane figure. Of this room only.
+// Triangles of a plane figure.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The parts of a surface that lie in a plane, as triangles. Of this room only.
+// The parts of a surface that lie in a plane, as triangles.
 #pragma once
 
 #include <optional>

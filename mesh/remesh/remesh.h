@@ -1,4 +1,4 @@
-// Surfaces made ready for the mesher. Of this room only.
+// Surfaces made ready for the mesher.
 #pragma once
 
 #include "mesh/surface.h"

@@ -1,4 +1,4 @@
-// Curved parts of a surface made to enclose what they did before. Of this room only.
+// Curved parts of a surface made to enclose what they did before.
 #pragma once
 
 #include <vector>

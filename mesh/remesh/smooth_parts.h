@@ -1,4 +1,4 @@
-// What lies between the sharp edges of a surface. Of this room only.
+// What lies between the sharp edges of a surface.
 #pragma once
 
 #include <vector>

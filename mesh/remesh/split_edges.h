@@ -1,4 +1,4 @@
-// Edges of a surface cut into short ones. Of this room only.
+// Edges of a surface cut into short ones.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// What can be mended in a soup of triangles without changing the body it means. Of this room only.
+// What can be mended in a soup of triangles without changing the body it means.
 #pragma once
 
 #include <vector>

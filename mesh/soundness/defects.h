@@ -1,4 +1,4 @@
-// Where a soup of triangles is not the boundary of a body. Of this room only.
+// Where a soup of triangles is not the boundary of a body.
 #pragma once
 
 #include <optional>

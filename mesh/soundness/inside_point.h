@@ -1,4 +1,4 @@
-// A point well inside of a body. Of this room only.
+// A point well inside of a body.
 #pragma once
 
 #include "mesh/surface.h"

@@ -1,5 +1,4 @@
 // The closed shells that a soup of triangles forms, and which side of each triangle is material.
-// Of this room only.
 #pragma once
 
 #include <vector>

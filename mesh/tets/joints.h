@@ -1,4 +1,4 @@
-// What holds the parts of a mesh together. Of this room only.
+// What holds the parts of a mesh together.
 #pragma once
 
 #include <string>

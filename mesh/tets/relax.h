@@ -1,4 +1,4 @@
-// Flat cells made better by moving their nodes. Of this room only.
+// Flat cells made better by moving their nodes.
 #pragma once
 
 #include "mesh/tet_mesh.h"

@@ -1,4 +1,4 @@
-// The concave relaxation of the D-optimal choice. Of this room only.
+// The concave relaxation of the D-optimal choice.
 #pragma once
 
 #include <Eigen/Core>

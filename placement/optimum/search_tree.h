@@ -1,4 +1,4 @@
-// Branch and bound over the relaxation. Of this room only.
+// Branch and bound over the relaxation.
 #pragma once
 
 #include "placement/determinant.h"

@@ -1,4 +1,4 @@
-// The steps of `placed`. Of this room only.
+// The steps of `placed`.
 #pragma once
 
 #include "app/steps/placement/placement.h"
