@@ -16,8 +16,8 @@
 #include "base/parallel.h"
 #include "base/quantity.h"
 #include "base/worker.h"
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 
@@ -30,8 +30,8 @@ struct Finding {
 };
 
 Finding kernel() {
-  const std::string now = fem::blas_kernel();
-  const std::string best = fem::best_blas_kernel();
+  const std::string now = dense::blas_kernel();
+  const std::string best = dense::best_blas_kernel();
   const bool slow = now == "Prescott" && !best.empty();
   return {!slow, "BLAS kernel",
           slow ? now + ", but this processor can run " + best +

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
 #include "io/frf_file.h"
 
 namespace {
@@ -198,7 +198,7 @@ int answer(int argc, char** argv, app::Talk& talk) {
 int main(int argc, char** argv) {
   app::Talk talk(std::cerr, app::manner_of_stderr(false));
   return guarded(talk, [&] {
-    chladni::fem::use_best_blas_kernel(argv);
+    chladni::dense::use_best_blas_kernel(argv);
     chladni::catch_interrupts();
     return answer(argc, argv, talk);
   });

@@ -11,8 +11,8 @@
 
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "diagnosis/verdict/prepared.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -259,7 +259,7 @@ std::vector<Detectable> detectable(const Structure& structure, const modal::FrfS
   const Detector detector(experiment, own);
   const auto catalogue = catalogue_of(options);
   std::vector<std::vector<Detectable>> each(catalogue.size());
-  const priors::dense::OneThread one;
+  const dense::OneBlasThread one;
   parallel_tasks(each.size(), [&](std::size_t n) {
     throw_if_interrupted();
     each[n] = detector.detectable(*catalogue[n]);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "dense/blas.h"
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/measure_next.h"
@@ -15,7 +16,6 @@
 #include "diagnosis/verdict/stability.h"
 #include "diagnosis/verdict/superclass.h"
 #include "diagnosis/verdict/verdict.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -148,7 +148,7 @@ std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
-  const priors::dense::OneThread one;  // the tasks of the search are what runs side by side
+  const dense::OneBlasThread one;  // the tasks of the search are what runs side by side
   const auto given = prepared(structure, measured, options.tolerances);
   const Found first = searched_in(given, options);
   tell(options.progress, "the last word");

@@ -3,9 +3,9 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
+#include "dense/blocks.h"
 #include "fem/element/element_matrices.h"
-#include "fem/factor/dense.h"
 
 namespace chladni::fem {
 namespace {
@@ -89,7 +89,7 @@ FieldMatrices field_matrices(const mesh::TetMesh& body, const std::vector<Materi
     return static_cast<Eigen::Index>(part) * body.tet_count() / kParts;
   };
   std::vector<FieldMatrices> parts(static_cast<std::size_t>(kParts), empty);
-  const OneBlasThread one_thread;
+  const dense::OneBlasThread one_thread;
   parallel_ranges(parts.size(), [&](std::size_t begin, std::size_t end) {
     ElementIntegrator integrator(body, materials);
     Full full;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "dense/flush_to_zero.h"
 #include "priors/gaussian_process/exponential.h"
 
 namespace chladni::priors {
@@ -233,7 +234,7 @@ Kernel symmetrised(const Kernel& kernel, const Symmetry& symmetry, double asymme
 Eigen::MatrixXd covariance(const Kernel& kernel, const Eigen::VectorXd& parameters,
                            const Points& points) {
   require_parameters(kernel, parameters);
-  const FlushToZero flush;
+  const dense::FlushToZero flush;
   const Eigen::Index n = points.rows();
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(n, n);
   const Coordinates at = points;
@@ -248,7 +249,7 @@ Eigen::MatrixXd covariance(const Kernel& kernel, const Eigen::VectorXd& paramete
 Eigen::MatrixXd covariance(const Kernel& kernel, const Eigen::VectorXd& parameters,
                            const Points& points, const Points& others) {
   require_parameters(kernel, parameters);
-  const FlushToZero flush;
+  const dense::FlushToZero flush;
   Eigen::MatrixXd whole(points.rows(), others.rows());
   const Coordinates at = points;
   KernelColumn column;
@@ -275,7 +276,7 @@ Contractions contractions(const Kernel& kernel, const Eigen::VectorXd& parameter
                           const Points& points, const Eigen::MatrixXd& weights,
                           const Eigen::MatrixXd& vectors) {
   require_parameters(kernel, parameters);
-  const FlushToZero flush;
+  const dense::FlushToZero flush;
   const Eigen::Index n = points.rows();
   Contractions result;
   result.weighted = Eigen::VectorXd::Zero(parameters.size());

@@ -7,7 +7,7 @@
 #include "app/version.h"
 #include "base/error.h"
 #include "base/worker.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
 #include "python/rooms.h"
 
 namespace {
@@ -60,7 +60,7 @@ PYBIND11_MODULE(chladni, module) {
   pybind11::register_exception<chladni::OutOfResources>(module, "OutOfResources", failure);
   pybind11::register_exception<chladni::WorkerDied>(module, "WorkerDied", failure);
   pybind11::register_exception_translator(&translate_interrupts);
-  const auto slow = chladni::fem::slow_blas_kernel();
+  const auto slow = chladni::dense::slow_blas_kernel();
   if (!slow.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, slow.c_str(), 1) < 0) {
     throw pybind11::error_already_set();
   }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "app/show/percent.h"
 #include "app/interpolation.h"
+#include "app/show/percent.h"
 
 namespace chladni::app {
 namespace {

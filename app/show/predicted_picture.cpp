@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "app/show/response_series.h"
 #include "app/interpolation.h"
+#include "app/show/response_series.h"
 #include "io/plot.h"
 #include "modal/frf_set.h"
 

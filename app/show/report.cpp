@@ -12,7 +12,7 @@
 #include "app/show/percent.h"
 #include "app/version.h"
 #include "base/parallel.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
 #include "io/report.h"
 #include "io/report_sections.h"
 
@@ -201,7 +201,7 @@ io::Section provenance_of(const Study& study, Run& run) {
   const Origin origin = run.origin(true);
   lines.emplace_back("sha256 of the study", origin.study);
   for (const auto& [file, digits] : origin.inputs) lines.emplace_back("sha256 of " + file, digits);
-  lines.insert(lines.end(), {{"BLAS kernel", fem::blas_kernel()},
+  lines.insert(lines.end(), {{"BLAS kernel", dense::blas_kernel()},
                              {"threads", std::to_string(thread_count())},
                              {"seed", std::to_string(run.seed())}});
   for (const auto& [step, time] : run.seconds()) {

@@ -1,8 +1,8 @@
 // The page that shows what a study found.
 #pragma once
 
-#include "app/steps/diagnosis.h"
 #include "app/interpolation.h"
+#include "app/steps/diagnosis.h"
 #include "app/steps/placement/placement.h"
 
 namespace chladni::app {

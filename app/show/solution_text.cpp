@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "app/stage/solution.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
 
 namespace chladni::app {
 namespace {
@@ -94,7 +94,7 @@ io::JsonObject modes_json(const Study& study, const Solution& solution) {
           {"mass_kg", model.mass.mass_kg},
           {"centre_of_mass_m", io::Json(Eigen::VectorXd(model.mass.centre_m))},
           {"inertia_kg_m2", io::Json::rows(Eigen::MatrixXd(model.mass.inertia_kg_m2))},
-          {"blas_kernel", fem::blas_kernel()},
+          {"blas_kernel", dense::blas_kernel()},
           {"sensors", channel_json(study.sensors, shapes_at(study.sensors, model.sensors, modes))},
           {"actuators",
            channel_json(study.actuators, shapes_at(study.actuators, model.actuators, modes))},

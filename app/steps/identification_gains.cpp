@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 
+#include "app/interpolation.h"
 #include "app/stage/corrections.h"
 #include "app/stage/faces.h"
-#include "app/interpolation.h"
 #include "app/steps/placement/placement.h"
 #include "base/error.h"
 #include "identification/suspension.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/stage/faces.h"
 #include "app/interpolation.h"
+#include "app/stage/faces.h"
 #include "base/error.h"
 #include "priors/dynamic_residual.h"
 #include "priors/simulated_lengths.h"

@@ -7,8 +7,8 @@
 #include <map>
 #include <numbers>
 
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/error_estimate.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"
@@ -121,8 +121,8 @@ BENCHMARK(estimate_error)->CHLADNI_SIZES;
 }  // namespace chladni
 
 int main(int argc, char** argv) {
-  chladni::fem::use_best_blas_kernel(argv);
+  chladni::dense::use_best_blas_kernel(argv);
   benchmark::Initialize(&argc, argv);
-  benchmark::AddCustomContext("blas_kernel", chladni::fem::blas_kernel());
+  benchmark::AddCustomContext("blas_kernel", chladni::dense::blas_kernel());
   benchmark::RunSpecifiedBenchmarks();
 }

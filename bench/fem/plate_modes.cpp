@@ -11,8 +11,8 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
@@ -57,7 +57,7 @@ void run(int bricks, const fem::ModesOptions& options) {
       "\"forecast_mb\": %.0f, "
       "\"solves\": %d, \"residual\": %.1e, \"first_hz\": %.6f, \"last_hz\": %.6f, \"modes\": %ld, "
       "\"complete\": %s}\n",
-      fem::blas_kernel().c_str(), long(system.mass.rows()), thread_count(), assembled - begin,
+      dense::blas_kernel().c_str(), long(system.mass.rows()), thread_count(), assembled - begin,
       done - assembled, summary.factor_seconds, summary.iterate_seconds, summary.certify_seconds,
       summary.factor_bytes / 1048576.0, peak_mb(), before + summary.forecast_bytes / 1048576.0,
       summary.solves, summary.residual.maxCoeff(), flexible(0), flexible(19), long(flexible.size()),
@@ -68,7 +68,7 @@ void run(int bricks, const fem::ModesOptions& options) {
 }  // namespace chladni::bench
 
 int main(int argc, char** argv) {
-  chladni::fem::use_best_blas_kernel(argv);
+  chladni::dense::use_best_blas_kernel(argv);
   if (argc < 2) {
     std::cerr << "plate_modes BRICKS [nocount] [BLOCK]\n";
     return 2;

@@ -5,12 +5,12 @@
 #include <exception>
 #include <string>
 
-#include "fem/blas.h"
+#include "dense/blas.h"
 #include "tests/fem/random_body.h"
 
 int main(int argc, char** argv) {
   using namespace chladni;
-  fem::use_best_blas_kernel(argv);
+  dense::use_best_blas_kernel(argv);
   const unsigned count = argc > 1 ? static_cast<unsigned>(std::stoul(argv[1])) : 10000U;
   const unsigned first = argc > 2 ? static_cast<unsigned>(std::stoul(argv[2])) : 1U;
   long modes = 0;

@@ -8,8 +8,8 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 #include "placement/determinant.h"
@@ -143,7 +143,7 @@ BENCHMARK(interpolation)->CHLADNI_SIZES;
 }  // namespace chladni::placement
 
 int main(int argc, char** argv) {
-  chladni::fem::use_best_blas_kernel(argv);
+  chladni::dense::use_best_blas_kernel(argv);
   chladni::set_thread_count(1);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

@@ -11,9 +11,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "dense/algebra.h"
+#include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"
 #include "diagnosis/search/quadratic.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -113,7 +114,7 @@ Quadratic quadratic_at(const Problem& problem, const Point& here,
                        const std::vector<Column>& columns) {
   const MatrixXd jacobian = sensitivities(problem, here.fit.causes, here.fit.eta, here.now);
   MatrixXd gram = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
-  priors::dense::add_gram(jacobian, gram);
+  dense::add_gram(jacobian, gram);
   Quadratic result{-jacobian.transpose() * here.error, gram.selfadjointView<Eigen::Lower>()};
   add_prior(here.fit, columns, result);
   return result;
@@ -323,7 +324,7 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
     constexpr double kStep = 1e-3;
     return sloping(about.with_deviation(i, -kStep), about.with_deviation(i, kStep), 2.0 * kStep);
   };
-  const priors::dense::OneThread one;
+  const dense::OneBlasThread one;
   parallel_tasks(at(jacobian.cols()), [&](std::size_t n) {
     const auto i = static_cast<Index>(n);
     jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::diagnosis {
 
@@ -48,26 +48,26 @@ Information::Information(const Problem& problem, const Fit& about) {
 void Information::take(const MatrixXd& jacobian) {
   if (jacobian.cols() == 0) return;
   factor_ = MatrixXd::Identity(jacobian.cols(), jacobian.cols());
-  priors::dense::add_gram(jacobian, factor_);
-  if (!priors::dense::cholesky(factor_)) throw NumericalFailure("tolerances without bounds");
+  dense::add_gram(jacobian, factor_);
+  if (!dense::cholesky(factor_)) throw NumericalFailure("tolerances without bounds");
   jacobian_ = jacobian.transpose();
 }
 
 MatrixXd Information::taken(const MatrixXd& slopes) const {
   MatrixXd taken = MatrixXd::Zero(jacobian_.rows(), slopes.cols());
   if (factor_.size() == 0) return taken;
-  priors::dense::add_product(jacobian_, slopes, 1.0, taken);
-  priors::dense::solve(factor_, taken);
+  dense::add_product(jacobian_, slopes, 1.0, taken);
+  dense::solve(factor_, taken);
   return taken;
 }
 
 MatrixXd Information::of(const MatrixXd& slopes) const {
   const MatrixXd own = rows_.asDiagonal() * slopes;
   MatrixXd information = MatrixXd::Zero(own.cols(), own.cols());
-  priors::dense::add_gram(own, information);
+  dense::add_gram(own, information);
   if (factor_.size() > 0) {
     MatrixXd less = MatrixXd::Zero(own.cols(), own.cols());
-    priors::dense::add_gram(taken(own), less);
+    dense::add_gram(taken(own), less);
     information -= less;
   }
   return information.selfadjointView<Eigen::Lower>();
@@ -80,7 +80,7 @@ Information::Score Information::scored(const MatrixXd& slopes, const VectorXd& l
   if (factor_.size() == 0) return result;
   const MatrixXd less = taken(own);
   MatrixXd pull = jacobian_ * rest - eta_;
-  priors::dense::solve(factor_, pull);
+  dense::solve(factor_, pull);
   result.score -= less.transpose() * pull;
   result.information -= less.colwise().squaredNorm().transpose();
   return result;

@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "dense/algebra.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/search/experiments.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -48,7 +48,7 @@ MatrixXcd product(const MatrixXd& a, const MatrixXcd& x) {
     parts.leftCols(count) = x.middleCols(first, count).real();
     parts.rightCols(count) = x.middleCols(first, count).imag();
     products.setZero(a.rows(), 2 * count);
-    priors::dense::add_product(a, parts, 1.0, products);
+    dense::add_product(a, parts, 1.0, products);
     result.middleCols(first, count).real() = products.leftCols(count);
     result.middleCols(first, count).imag() = products.rightCols(count);
   }

@@ -9,9 +9,9 @@
 
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/probe.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -81,7 +81,7 @@ std::vector<Hint> hints(const Problem& problem, const Fit& about,
   const Information information(problem, about);
   const VectorXd left = residual(problem.observed, probing.now().value);
   std::vector<std::vector<Hint>> each(catalogue.size());
-  const priors::dense::OneThread one;
+  const dense::OneBlasThread one;
   parallel_tasks(each.size(), [&](std::size_t n) {
     throw_if_interrupted();
     each[n] = hints_of(probing, information, left, *catalogue[n], limits);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/search/elsewhere.h"
 #include "diagnosis/search/hints.h"
@@ -20,7 +21,6 @@
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/search/starts.h"
-#include "priors/dense.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -352,7 +352,7 @@ void fit_nothing_again(const Problem& problem, Found& found) {
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                const SearchLimits& limits, const Progress& progress) {
-  const priors::dense::OneThread one;
+  const dense::OneBlasThread one;
   Found found;
   found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   tell(progress, "the simulation within its tolerances");

@@ -12,8 +12,8 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/memory.h"
+#include "dense/panel_kernels.h"
 #include "fem/eigen/symmetric_product.h"
-#include "fem/factor/panel_kernels.h"
 #include "modal/repeated.h"
 
 namespace chladni::fem {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fem/factor/wide.h"
+#include "base/cpu_clones.h"
 
 namespace chladni::fem {
 namespace {

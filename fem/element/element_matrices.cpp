@@ -5,8 +5,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "base/cpu_clones.h"
 #include "base/error.h"
-#include "fem/factor/wide.h"
 
 namespace chladni::fem {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "fem/factor/dense.h"
+#include "dense/blocks.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/storage.h"
 

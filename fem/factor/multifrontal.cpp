@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "fem/blas.h"
+#include "dense/blas.h"
 #include "fem/factor/fronts.h"
 
 namespace chladni::fem {
@@ -24,7 +24,7 @@ std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 // then the nodes above them, all threads on one node.
 template <typename NodeWork>
 void walk_up(const Tree& tree, const NodeWork& work) {
-  const OneBlasThread one_thread;
+  const dense::OneBlasThread one_thread;
   each_subtree(tree, [&](std::size_t k, std::size_t thread) {
     const auto root = tree.subtrees[k];
     for (auto s = first_descendant(tree, root); s <= root; ++s) {

@@ -2,9 +2,9 @@
 // once.
 #include <algorithm>
 
+#include "dense/panel_kernels.h"
 #include "fem/factor/fronts.h"
 #include "fem/factor/multifrontal.h"
-#include "fem/factor/panel_kernels.h"
 
 namespace chladni::fem {
 namespace {

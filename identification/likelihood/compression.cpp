@@ -8,12 +8,10 @@
 
 #include "base/draw.h"
 #include "base/finite.h"
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 namespace {
-
-namespace dense = priors::dense;
 
 constexpr double kSeparable = 0.1;    // mean square of log w less log abc
 constexpr double kAboveNoise = 1.05;  // of an eigenvalue over the largest of noise alone

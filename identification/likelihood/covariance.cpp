@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "base/finite.h"
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 namespace {
-
-namespace dense = priors::dense;
 
 // What the basis of a block may be changed by.
 std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {

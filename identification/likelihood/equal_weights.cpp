@@ -6,15 +6,14 @@
 
 #include "base/draw.h"
 #include "base/parallel.h"
+#include "dense/algebra.h"
+#include "dense/blas.h"
 #include "identification/likelihood/block_functions.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
 
 using Eigen::Index;
-namespace dense = priors::dense;
-
 constexpr std::size_t kShares = 8;  // of the responses, for the threads
 constexpr Index kSpare = 4;         // combinations of functions beyond those they span
 
@@ -368,7 +367,7 @@ bool equal_weights_pay(const BlockModel& model, const Target& target) {
 
 NormalEquations normal_equations_of_equal_weights(const BlockModel& model, const Misfit& misfit,
                                                   const Target& target, const Fitted& fitted) {
-  const dense::OneThread one_thread;
+  const dense::OneBlasThread one_thread;
   return CommonProducts(model, misfit, target, fitted).equations();
 }
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "dense/algebra.h"
 #include "identification/likelihood/compression.h"
 #include "identification/likelihood/fit_uncertainty.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
@@ -123,7 +123,7 @@ Eigen::MatrixXd along_modes(const Eigen::MatrixXd& weighted, const FitData& data
     part.topRows(lines) = turned.real();
     part.bottomRows(lines) = turned.imag();
     product.setZero();
-    priors::dense::add_product(rows, part, 1.0, product);
+    dense::add_product(rows, part, 1.0, product);
     result.middleCols(j * p, p) = product;
   }
   return result;

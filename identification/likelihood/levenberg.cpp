@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/interrupt.h"
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 namespace {
@@ -25,10 +25,10 @@ Eigen::VectorXd damped_step(const NormalEquations& normal, double damping) {
         scale(c) * scale.tail(scaled.rows() - c).array();
   }
   scaled.diagonal().array() += damping;
-  if (!priors::dense::cholesky(scaled)) return {};
+  if (!dense::cholesky(scaled)) return {};
   Eigen::MatrixXd x = scale.cwiseProduct(normal.gradient);
-  priors::dense::solve(scaled, x);
-  priors::dense::solve_transposed(scaled, x);
+  dense::solve(scaled, x);
+  dense::solve_transposed(scaled, x);
   return scale.cwiseProduct(x.col(0));
 }
 

@@ -6,16 +6,15 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "dense/algebra.h"
+#include "dense/blas.h"
 #include "identification/likelihood/equal_weights.h"
 #include "identification/likelihood/response_products.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-namespace dense = priors::dense;
-
 // Entries of H of all blocks; a rigid block has 1/s² alone, a general one (s − σ)/d and ω/d with
 // d = (s − σ)² + ω².
 Eigen::Index entry_count(const Block& block) {
@@ -167,7 +166,7 @@ NormalEquations normal_equations_by_response(const BlockModel& model, const Misf
   const auto n = parameter_count(model, fitted);
   NormalEquations sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   const ResponseProducts products(model, misfit, target, fitted);
-  const dense::OneThread one_thread;
+  const dense::OneBlasThread one_thread;
   // Shares of the responses that do not depend on the threads, added in order: the same bits on
   // any number of cores.
   const auto count = static_cast<std::size_t>(target.response_count());

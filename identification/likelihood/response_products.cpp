@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <complex>
 
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 namespace {
@@ -110,7 +110,7 @@ ResponseProducts::Sums ResponseProducts::sums(Eigen::Index begin, Eigen::Index e
     column(kDelayReal) = wx.cwiseProduct(misfit_.response.col(e).tail(lines));
     column(kDelayImaginary) = -wx.cwiseProduct(misfit_.response.col(e).head(lines));
   }
-  priors::dense::add_product(lines_, weights, 1.0, result.of);
+  dense::add_product(lines_, weights, 1.0, result.of);
   return result;
 }
 

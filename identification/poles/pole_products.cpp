@@ -2,7 +2,7 @@
 
 #include <complex>
 
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 namespace {
@@ -102,7 +102,7 @@ void PoleProducts::set_poles(const Eigen::VectorXcd& poles) {
     }
   }
   moments_.setZero(4 * n, weights_.cols());
-  priors::dense::add_product(fractions, weights_, 1.0, moments_);
+  dense::add_product(fractions, weights_, 1.0, moments_);
 }
 
 Eigen::VectorXcd PoleProducts::moment(Eigen::Index kind, Eigen::Index response) const {

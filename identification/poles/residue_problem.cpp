@@ -7,8 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "dense/blas.h"
 #include "identification/poles/pole_products.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
@@ -26,7 +26,7 @@ ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& pole
       rigid_(rigid),
       scale_(2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1)),
       total_(data.value.cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2()).sum()) {
-  const priors::dense::OneThread one_thread;
+  const dense::OneBlasThread one_thread;
   const Eigen::VectorXcd scaled = poles / scale_;
   // 1/(s² − 2 Re(p) s + |p|²) = −j(f − f') / (2 Im p).
   factor_ = -2.0 * scale_ * scale_ * scaled.imag();

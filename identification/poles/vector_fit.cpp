@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "base/interrupt.h"
+#include "dense/blas.h"
 #include "identification/poles/denominator.h"
 #include "identification/poles/pole_products.h"
-#include "priors/dense.h"
 
 namespace chladni::identification {
 namespace {
@@ -110,7 +110,7 @@ Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options
   const Eigen::VectorXd x = 2.0 * std::numbers::pi / scale * data.frequency_hz;
   PoleProducts products(data, x, options.rigid);
   Eigen::VectorXcd poles = with_known(options.start / scale, x, options.order);
-  const priors::dense::OneThread one_thread;
+  const dense::OneBlasThread one_thread;
   double value = 0.0;
   for (int i = 0; i < options.iterations; ++i) {
     throw_if_interrupted();

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#if defined(__SSE2__)
-#include <pmmintrin.h>
-#endif
 
 namespace chladni::priors {
 namespace {
@@ -47,16 +44,5 @@ void exponentiate_all(double* x, std::ptrdiff_t count) {
 }  // namespace
 
 void exponentiate(Eigen::ArrayXd& x) { exponentiate_all(x.data(), x.size()); }
-
-#if defined(__SSE2__)
-FlushToZero::FlushToZero() : before_(_mm_getcsr()) {
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-}
-FlushToZero::~FlushToZero() { _mm_setcsr(before_); }
-#else
-FlushToZero::FlushToZero() = default;
-FlushToZero::~FlushToZero() = default;
-#endif
 
 }  // namespace chladni::priors

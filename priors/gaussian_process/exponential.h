@@ -9,17 +9,4 @@ namespace chladni::priors {
 /// times as fast as the library's where the processor has AVX2 or AVX-512.
 void exponentiate(Eigen::ArrayXd& x);
 
-/// Covariances of far points underflow, and a processor takes a hundred times as long for such
-/// numbers; they are zeros while one of these lives.
-class FlushToZero {
- public:
-  FlushToZero();
-  ~FlushToZero();
-  FlushToZero(const FlushToZero&) = delete;
-  FlushToZero& operator=(const FlushToZero&) = delete;
-
- private:
-  unsigned before_ = 0;
-};
-
 }  // namespace chladni::priors

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
 namespace chladni::priors {
 namespace {

@@ -16,8 +16,8 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
@@ -119,27 +119,27 @@ TEST(Factorization, GivesTheSameBitsBesideAnotherOne) {
 }
 
 TEST(Factorization, LeavesTheThreadsOfBlasAsTheyWere) {
-  if (blas_threads() == 0) GTEST_SKIP() << "not OpenBLAS";
-  const int before = blas_threads();
+  if (dense::blas_threads() == 0) GTEST_SKIP() << "not OpenBLAS";
+  const int before = dense::blas_threads();
   const auto a = random_matrix(100, 8.0, 3);
   for (const int threads : {1, 2, 3}) {
-    set_blas_threads(threads);
+    dense::set_blas_threads(threads);
     const Factorization factor(a);
-    EXPECT_EQ(blas_threads(), threads);
+    EXPECT_EQ(dense::blas_threads(), threads);
     SparseMatrix b(100, 100);
     b.setIdentity();
     (void)inertia(Symbolic(a), a, 0.5, b);
-    EXPECT_EQ(blas_threads(), threads);
+    EXPECT_EQ(dense::blas_threads(), threads);
     EXPECT_THROW(Factorization(random_matrix(50, 0.0, 3)), NumericalFailure);
-    EXPECT_EQ(blas_threads(), threads);
+    EXPECT_EQ(dense::blas_threads(), threads);
     {
-      const OneBlasThread outer;
-      const OneBlasThread inner;
-      EXPECT_EQ(blas_threads(), 1);
+      const dense::OneBlasThread outer;
+      const dense::OneBlasThread inner;
+      EXPECT_EQ(dense::blas_threads(), 1);
     }
-    EXPECT_EQ(blas_threads(), threads);
+    EXPECT_EQ(dense::blas_threads(), threads);
   }
-  set_blas_threads(before);
+  dense::set_blas_threads(before);
 }
 
 // One front that is the whole matrix: Ctrl-C is answered within it.

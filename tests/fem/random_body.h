@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "dense/blas.h"
 #include "fem/assemble.h"
-#include "fem/blas.h"
 #include "fem/eigen/mode_checks.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
@@ -89,7 +89,7 @@ inline RandomBody random_body(unsigned seed) {
 /// Shapes of the lowest `count` modes by LAPACK (an eighth of the time of Eigen's solver here),
 /// n×count; n×0 where it failed.
 inline Eigen::MatrixXd dense_shapes(const System& system, Eigen::Index count) {
-  const OneBlasThread one_thread;  // for matrices of this size more cost more
+  const dense::OneBlasThread one_thread;  // for matrices of this size more cost more
   const int n = static_cast<int>(system.mass.rows());
   Eigen::MatrixXd k(system.stiffness);  // the lower triangles do
   Eigen::MatrixXd m(system.mass);

@@ -1,20 +1,12 @@
-#include "fem/factor/dense.h"
+#include "dense/blocks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-// The Fortran interfaces, declared here: no header of a BLAS is needed.
-extern "C" {
-void dpotrf_(const char*, const int*, double*, const int*, int*);
-void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*,
-            const double*, const double*, const int*, double*, const int*);
-void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
-            const double*, const int*, const double*, const int*, const double*, double*,
-            const int*);
-}
+#include "dense/fortran.h"
 
-namespace chladni::fem::dense {
+namespace chladni::dense {
 namespace {
 
 constexpr double kOne = 1.0;
@@ -117,4 +109,4 @@ void subtract_product(Block a, Block b, Block c) { gemm("N", "N", a.columns, a, 
 void subtract_transposed_product(Block a, Block b, Block c) { gemm("T", "N", a.rows, a, b, c); }
 void subtract_product_transposed(Block a, Block b, Block c) { gemm("N", "T", a.columns, a, b, c); }
 
-}  // namespace chladni::fem::dense
+}  // namespace chladni::dense

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace chladni::priors::dense {
+namespace chladni::dense {
 
 /// A = LLᵀ in place, lower triangle. False where a pivot is not positive.
 [[nodiscard]] bool cholesky(Eigen::MatrixXd& a);
@@ -24,15 +24,4 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
 
-/// While any of them lives BLAS calls run in the thread that makes them: for loops that are
-/// parallel. The number of threads is the process's: the first one takes it down, the last one puts
-/// it back, in whatever thread and order they come and go.
-class OneThread {
- public:
-  OneThread();
-  ~OneThread();
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
-};
-
-}  // namespace chladni::priors::dense
+}  // namespace chladni::dense

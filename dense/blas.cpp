@@ -1,5 +1,5 @@
 // The only file that knows OpenBLAS.
-#include "fem/blas.h"
+#include "dense/blas.h"
 
 #include <unistd.h>
 
@@ -16,7 +16,7 @@ void openblas_set_num_threads(int) __attribute__((weak));
 int openblas_get_num_threads() __attribute__((weak));
 }
 
-namespace chladni::fem {
+namespace chladni::dense {
 namespace {
 
 constexpr auto kVariable = "OPENBLAS_CORETYPE";
@@ -94,4 +94,4 @@ OneBlasThread::~OneBlasThread() {
   if (--all.count == 0 && all.before > 0) set_blas_threads(all.before);
 }
 
-}  // namespace chladni::fem
+}  // namespace chladni::dense

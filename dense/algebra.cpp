@@ -1,26 +1,9 @@
-#include "priors/dense.h"
+#include "dense/algebra.h"
 
-#include <mutex>
+#include "dense/flush_to_zero.h"
+#include "dense/fortran.h"
 
-#include "priors/gaussian_process/exponential.h"
-
-// The Fortran interfaces, declared here: no header of a BLAS is needed.
-extern "C" {
-void dpotrf_(const char*, const int*, double*, const int*, int*);
-void dpotri_(const char*, const int*, double*, const int*, int*);
-void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*,
-            const double*, const double*, const int*, double*, const int*);
-void dsyrk_(const char*, const char*, const int*, const int*, const double*, const double*,
-            const int*, const double*, double*, const int*);
-void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
-            const double*, const int*, const double*, const int*, const double*, double*,
-            const int*);
-// Weak, so that another BLAS still links.
-int openblas_get_num_threads() __attribute__((weak));
-void openblas_set_num_threads(int) __attribute__((weak));
-}
-
-namespace chladni::priors::dense {
+namespace chladni::dense {
 namespace {
 
 int narrow(Eigen::Index n) { return static_cast<int>(n); }
@@ -86,26 +69,4 @@ void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, E
   dgemm_("N", "N", &m, &n, &k, &s, a.data(), &m, b.data(), &k, &kOne, c.data(), &m);
 }
 
-namespace {
-
-// Those that live, and the number of threads before the first of them.
-std::mutex counting;
-int alive = 0;
-int before = 1;
-
-}  // namespace
-
-OneThread::OneThread() {
-  const std::scoped_lock lock(counting);
-  if (alive++ > 0) return;
-  if (openblas_get_num_threads != nullptr) before = openblas_get_num_threads();
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
-}
-
-OneThread::~OneThread() {
-  const std::scoped_lock lock(counting);
-  if (--alive > 0) return;
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(before);
-}
-
-}  // namespace chladni::priors::dense
+}  // namespace chladni::dense

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace chladni::fem {
+namespace chladni::dense {
 
 /// The kernel in use, as OpenBLAS names it ("SkylakeX", "Haswell", "Prescott", ...), or "unknown"
 /// with another BLAS.
@@ -36,4 +36,4 @@ class OneBlasThread {
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 };
 
-}  // namespace chladni::fem
+}  // namespace chladni::dense

@@ -2,9 +2,9 @@
 // BLAS packs the panel first, which costs more than the product; here it is read once.
 #pragma once
 
-#include "fem/factor/dense.h"
+#include "dense/blocks.h"
 
-namespace chladni::fem::dense {
+namespace chladni::dense {
 
 /// X := L⁻¹ X and Y := Y − B X for a strip L over B, front = X over Y.
 /// @param strip  (k + m)×k, its upper triangle not looked at. @param front  (k + m)×c
@@ -17,4 +17,4 @@ void sweep_down(Block strip, Block front);
 Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
                          Eigen::MatrixXd& w);
 
-}  // namespace chladni::fem::dense
+}  // namespace chladni::dense

@@ -1,10 +1,10 @@
-#include "fem/factor/panel_kernels.h"
+#include "dense/panel_kernels.h"
 
 #include <algorithm>
 
-#include "fem/factor/wide.h"
+#include "base/cpu_clones.h"
 
-namespace chladni::fem::dense {
+namespace chladni::dense {
 namespace {
 
 // Four doubles at any address.
@@ -188,4 +188,4 @@ Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen
   return h;
 }
 
-}  // namespace chladni::fem::dense
+}  // namespace chladni::dense

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace chladni::fem::dense {
+namespace chladni::dense {
 
 /// A block of a column-major array: entry (i, j) at data[i + j * stride].
 struct Block {
@@ -41,4 +41,4 @@ void subtract_product(Block a, Block b, Block c);
 void subtract_transposed_product(Block a, Block b, Block c);
 void subtract_product_transposed(Block a, Block b, Block c);
 
-}  // namespace chladni::fem::dense
+}  // namespace chladni::dense
