@@ -76,9 +76,22 @@ def faults_of_tests(root):
                 yield f"{file.relative_to(root)}: a temporary name without the process's number"
 
 
+def faults_of_page(root):
+    """The page of the house has a row for each room and in it each of the room's folders."""
+    page = (root / "docs/architecture.md").read_text()
+    for room in MAY_INCLUDE:
+        row = next((line for line in page.splitlines() if line.startswith(f"| `{room}` |")), None)
+        if row is None:
+            yield f"docs/architecture.md: no row for {room}"
+            continue
+        for folder in sorted({file.parent for file in root.glob(f"{room}/*/*.cpp")}):
+            if f"`{folder.name}`" not in row:
+                yield f"docs/architecture.md: {room} lacks its folder {folder.name}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
-    faults = [*faults_of(root), *faults_of_tests(root)]
+    faults = [*faults_of(root), *faults_of_tests(root), *faults_of_page(root)]
     print("\n".join(faults) or "layers hold")
     return bool(faults)
 
