@@ -94,14 +94,15 @@ HiddenEffect in_plane_mode(Recipe& recipe, Drawn& drawn) {
 }  // namespace
 
 const std::vector<HiddenKind>& kinds_outside() {
+  // A test run hides every fourth of them: the two slowest, notch and six masses, not in one run.
   static const std::vector<HiddenKind> kinds = {
       {"elastic_pad", true, pad},
       {"sensor_notch", true, notch},
       {"rising_damping", true, rising_damping},
       {"crosstalk", true, crosstalk},
       {"line_crack", true, crack},
-      {"six_masses", true, six_masses},
       {"other_plate", true, other_plate},
+      {"six_masses", true, six_masses},
       {"in_plane_mode", true, in_plane_mode},
   };
   return kinds;
