@@ -11,51 +11,12 @@
 #include "app/stage/at_channels.h"
 #include "app/stage/reduction/upper_face.h"
 #include "base/parallel.h"
+#include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
 #include "modal/frf.h"
-#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
-
-const std::string kChannels = R"(
-[[sensor]]
-name = "s1"
-at = ["-131 mm", "77 mm"]
-direction = "z"
-[[sensor]]
-name = "s2"
-at = ["300 mm", "200 mm"]
-direction = "z"
-[[actuator]]
-name = "a1"
-at = ["-131 mm", "77 mm"]
-direction = "z"
-[[actuator]]
-name = "a2"
-at = ["300 mm", "200 mm"]
-direction = "z"
-)";
-
-const std::string kPlate = R"(title = "plate"
-geometry = { plate = { length = "600 mm", width = "400 mm", thickness = "10 mm" } }
-material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
-mesh = { edge_length = "40 mm", order = 2 }
-modes = { count = 40, damping_ratio = 0.005 }
-)";
-
-struct Solved {
-  Study study;
-  Solution solution;
-};
-
-Solved solved_with(const std::string& text) {
-  const TestFolder folder("diagnosis_structure");
-  Study study = parse_study(text, "study.toml");
-  QuietRun quiet(study, folder.path());
-  auto solution = solved(study, quiet.run());
-  return {std::move(study), std::move(solution)};
-}
 
 const Solved& plate() {
   static const Solved solved = solved_with(kPlate + kChannels);
@@ -65,10 +26,6 @@ const Solved& plate() {
 const diagnosis::Structure& structure() {
   static const auto made = structure_of(plate().study, plate().solution);
   return made;
-}
-
-Eigen::VectorXd squares(const diagnosis::Structure& of) {
-  return (2.0 * std::numbers::pi * of.frequency_hz).cwiseAbs2();
 }
 
 void expect_cells_to_sum_up(const diagnosis::Structure& of) {
@@ -184,19 +141,6 @@ TEST(DiagnosisStructure, ChannelsAsideMoveAlongTheChart) {
   const auto other = structure_of(turned, plate().solution);
   EXPECT_EQ(other.outputs.shapes.row(1), structure().outputs.aside_u.row(1));
   EXPECT_EQ(other.outputs.aside_v, structure().outputs.aside_v);
-}
-
-Eigen::MatrixXcd response(const diagnosis::Structure& of, double frequency_hz) {
-  modal::ReducedModel model{of.frequency_hz,
-                            of.damping_ratio,
-                            of.rigid_count,
-                            of.outputs.shapes,
-                            of.inputs.shapes.transpose(),
-                            of.residual,
-                            {}};
-  model.dampers = {Eigen::MatrixXd(0, of.mode_count()), Eigen::MatrixXd(of.output_count(), 0),
-                   Eigen::MatrixXd(0, of.input_count()), Eigen::MatrixXd(0, 0)};
-  return modal::frf(model, Eigen::VectorXd::Constant(1, frequency_hz)).value.front();
 }
 
 TEST(DiagnosisStructure, ModesLeftOutAreThereStatically) {
@@ -349,68 +293,6 @@ direction = "z"
   EXPECT_NEAR(made.surface.area.sum(), 0.09 - 4 * 0.0009, 0.03 * 0.09);
   EXPECT_EQ(made.bending_power, 0.0);  // 40 of 300 mm: it shears
   expect_cells_to_sum_up(made);
-}
-
-TEST(DiagnosisStructure, DashpotsAndResonatorsAreInIt) {
-  const auto hung = solved_with(kPlate + kChannels + R"(
-[[attachment]]
-name = "dashpot"
-kind = "damper"
-at = ["300 mm", "200 mm"]
-direction = "z"
-damping = "3 N s/m"
-[[attachment]]
-name = "bracket"
-kind = "resonator"
-at = ["-300 mm", "200 mm"]
-direction = "z"
-mass = "100 g"
-frequency = "70 Hz"
-)");
-  const auto made = structure_of(hung.study, hung.solution);
-  const Eigen::RowVectorXd corner = made.outputs.shapes.row(1);
-  EXPECT_LT((made.dashpots - 3.0 * corner.transpose() * corner).norm(),
-            1e-9 * made.dashpots.norm());
-  const Eigen::MatrixXcd all = response(made, 40.0);
-  const Eigen::MatrixXcd few = response(structure_of(hung.study, hung.solution, 40.0), 40.0);
-  EXPECT_GT(made.residual.norm(), 0.0);
-  EXPECT_LT((few - all).norm(), 2e-4 * all.norm());
-}
-
-// Cells are of the body alone; what the modes hold beyond them is what the study attaches.
-TEST(DiagnosisStructure, KnowsWhatOfItsModesIsAttached) {
-  const auto held = solved_with(kPlate + kChannels + R"(
-[[attachment]]
-name = "flexure"
-kind = "spring"
-at = ["300 mm", "200 mm"]
-direction = "z"
-stiffness = "20 kN/m"
-[[attachment]]
-name = "coil"
-kind = "mass"
-at = ["-131 mm", "77 mm"]
-mass = "300 g"
-)");
-  const auto made = structure_of(held.study, held.solution);
-  const Eigen::Index r = made.mode_count();
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(made.cells.count());
-  const Eigen::MatrixXd stiffness = diagnosis::sum_of(made.cells.stiffness, ones);
-  const Eigen::MatrixXd mass = diagnosis::sum_of(made.cells.mass, ones);
-  const Eigen::MatrixXd whole = squares(made).asDiagonal();
-  EXPECT_LT((stiffness + made.springs - whole).norm(), 1e-8 * whole.norm());
-  EXPECT_LT((mass + made.masses - Eigen::MatrixXd::Identity(r, r)).norm(), 1e-8);
-  const Eigen::RowVectorXd foot = made.outputs.shapes.row(1);
-  const Eigen::MatrixXd spring = 2e4 * foot.transpose() * foot;
-  EXPECT_LT((made.springs - spring).norm(), 1e-4 * spring.norm());
-  const Eigen::RowVectorXd along = made.outputs.shapes.row(0);
-  const Eigen::MatrixXd coil =
-      0.3 * (along.transpose() * along +
-             made.outputs.aside_u.row(0).transpose() * made.outputs.aside_u.row(0) +
-             made.outputs.aside_v.row(0).transpose() * made.outputs.aside_v.row(0));
-  EXPECT_LT((made.masses - coil).norm(), 1e-6 * coil.norm());
-  EXPECT_EQ(structure().springs.size(), 0);  // nothing is attached to the bare plate
-  EXPECT_EQ(made.frequency_error, held.solution.frequency_error.head(r));
 }
 
 }  // namespace

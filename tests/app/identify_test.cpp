@@ -1,35 +1,17 @@
 // chladni simulate, identify and interpolate one after the other: modes, gains, rows that no fit
-// saw, and what they refuse.
+// saw.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "app/command.h"
-#include "base/atomic_file.h"
-#include "base/draw.h"
-#include "base/error.h"
-#include "identification/experiment/rigid_chain.h"
-#include "identified_json.h"
-#include "io/frf_file.h"
-#include "io/json.h"
+#include "identify_beam.h"
 #include "io/mat.h"
 #include "modal/state_space.h"
-#include "quiet_run.h"
 
 namespace chladni::app {
 namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path kModels = fs::path(CHLADNI_SOURCE_DIR) / "models";
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const auto at = text.find(what);
-  if (at == std::string::npos) throw InvalidInput("the study has no \"" + what + "\"");
-  return text.replace(at, what.size(), by);
-}
 
 const io::MatValue& value_of(const io::MatFile& file, const std::string& name) {
   for (const auto& [key, value] : file.variables) {
@@ -47,134 +29,6 @@ std::vector<std::string> texts(const io::MatFile& file, const std::string& name)
   std::vector<std::string> all;
   for (const auto& cell : value_of(file, name).cells) all.push_back(cell.text.front());
   return all;
-}
-
-std::string model(const std::string& name) { return read_whole(kModels / name); }
-
-modal::FrfSet named(const modal::Frf& frf, const std::vector<int>& coils) {
-  modal::FrfSet set;
-  for (int i = 1; i <= 5; ++i) {
-    set.outputs.push_back({.name = "y" + std::to_string(i),
-                           .node = {},
-                           .position = {},
-                           .unit = "m",
-                           .kind = modal::FrfKind::receptance});
-  }
-  for (const int j : coils) {
-    set.inputs.push_back(
-        {.name = "u" + std::to_string(j), .node = {}, .position = {}, .unit = "N"});
-  }
-  set.frequency_hz = frf.frequency_hz;
-  set.value = frf.value;
-  return set;
-}
-
-// Responses of the chain's first modes and the flexibility of the rest, 0.25 Hz apart, with noise
-// of 1 % of each one's median.
-modal::FrfSet measured(const identification::RigidChain& chain, Eigen::Index modes,
-                       const std::vector<int>& coils) {
-  Eigen::VectorXd at(std::ssize(coils));
-  for (Eigen::Index j = 0; j < at.size(); ++j) {
-    at(j) = kPlaces(coils[static_cast<std::size_t>(j)] - 1);
-  }
-  const auto model =
-      identification::reduced_model(identification::matrices(chain), kPlaces, at, modes);
-  auto set = named(modal::frf(model, Eigen::VectorXd::LinSpaced(997, 1.0, 250.0)), coils);
-  Draw draw(7);
-  Eigen::MatrixXd deviation(5, at.size());
-  for (Eigen::Index e = 0; e < deviation.size(); ++e) {
-    std::vector<double> size;
-    for (const auto& value : set.value) size.push_back(std::abs(value.data()[e]));
-    std::nth_element(size.begin(), size.begin() + 498, size.end());
-    deviation.data()[e] = 0.01 * size[498];
-  }
-  for (auto& value : set.value) {
-    for (Eigen::Index e = 0; e < value.size(); ++e) {
-      const double real = draw.normal();
-      const double imaginary = draw.normal();
-      value.data()[e] +=
-          deviation.data()[e] * std::sqrt(0.5) * std::complex<double>(real, imaginary);
-    }
-    set.variance.emplace_back(deviation.cwiseAbs2());
-  }
-  return set;
-}
-
-// The chain's modes at its five places, five columns or more.
-modal::ReducedModel truth(const identification::RigidChain& chain, Eigen::Index modes) {
-  return identification::reduced_model(identification::matrices(chain), kPlaces, kPlaces, modes);
-}
-
-// The study with real modes, as the thesis has them.
-std::string with_real_modes(const std::string& text) {
-  const auto from = text.find("damping     = \"general\"");
-  return std::string(text).erase(from, text.find('\n', from) - from);
-}
-
-class Identify : public testing::Test {
- protected:
-  // What the command said on the terminal.
-  std::string run(const Command& command, const std::string& text, const std::string& out = "out",
-                  const std::vector<fs::path>& allowed = {}) {
-    const Study study = parse_study(text, folder_.path() / "study.toml", allowed);
-    QuietRun quiet(study, folder_.path() / out);
-    command.run(study, quiet.run());
-    return quiet.said();
-  }
-
-  void write(const std::string& name, const modal::FrfSet& set) const {
-    (void)io::write_frf(folder_.path() / name, set);
-  }
-
-  [[nodiscard]] io::Json left(const std::string& name, const std::string& out = "out") const {
-    return io::parse_json(read_whole(folder_.path() / out / name));
-  }
-
-  void refused(const std::string& text, const std::string& word) {
-    try {
-      (void)run(identify_command, text);
-      ADD_FAILURE() << "taken; expected a refusal about " << word;
-    } catch (const InvalidInput& e) {
-      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
-    }
-  }
-
-  // Of the default: |predicted − measured| over |measured| of the held-out rows together.
-  double held_out_error(const std::string& text, const std::string& out) {
-    (void)run(interpolate_command, text, out);
-    const auto json = left("interpolation.json", out);
-    double square = 0.0;
-    const auto& rows = json.at("methods").array().front().at("held_out").array();
-    for (const auto& row : rows) square += std::pow(row.at("frf_error").number(), 2);
-    return std::sqrt(square / static_cast<double>(rows.size()));
-  }
-
-  // Of the study as it is, and of the thesis' path on it.
-  std::pair<double, double> held_out_errors(const std::string& text) {
-    const double ours = held_out_error(text, "ours");
-    const auto path =
-        replaced(with_real_modes(text), "[identification]\n",
-                 "[identification]\nmethod = \"thesis\"\ngain = \"thesis\"\nmodes = 6\n");
-    return {ours, held_out_error(path + "[interpolation]\nmethods = [\"thin_plate_spline\"]\n",
-                                 "theirs")};
-  }
-
-  TestFolder folder_{"identify"};
-};
-
-void expect_modes(const io::Json& json, const modal::ReducedModel& chain, double coupled = 0.0) {
-  const auto& modes = json.at("modes").array();
-  ASSERT_EQ(std::ssize(modes), chain.mode_count());
-  for (Eigen::Index m = 0; m < chain.mode_count(); ++m) {
-    const auto& mode = modes[static_cast<std::size_t>(m)];
-    EXPECT_FALSE(std::get<bool>(mode.at("rigid").value()));
-    // Shaken, the chain shows that its damping couples its modes.
-    EXPECT_NEAR(mode.at("frequency_hz").number(), chain.frequency_hz(m),
-                4.0 * mode.at("frequency_std_hz").number() + coupled * chain.frequency_hz(m));
-    EXPECT_NEAR(mode.at("damping_ratio").number(), chain.damping_ratio(m),
-                4.0 * mode.at("damping_std").number() + 100.0 * coupled * chain.damping_ratio(m));
-    EXPECT_LT(mode.at("frequency_std_hz").number(), 1e-3 * chain.frequency_hz(m));
-  }
 }
 
 TEST_F(Identify, FindsTheModesOfABeamThatIsShaken) {
@@ -389,88 +243,6 @@ model_error = 0.003
   }
   EXPECT_LT(std::sqrt(square), 1.6);  // and no band so wide that it says nothing
   EXPECT_GT(std::sqrt(square), 0.3);
-}
-
-// One value that is off makes a mode of its own: said, written, and not passed for a success.
-TEST_F(Identify, DoesNotPassAFailedFitForASuccess) {
-  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
-  auto text = model("beam/thesis_5x5.toml");
-  const auto at = text.find("model_error");
-  text.replace(at, text.find('\n', at) - at, "model_error = 0");
-  write("thesis_5x5.csv", set);
-  (void)run(identify_command, text, "sound");
-  EXPECT_TRUE(std::get<bool>(left("identified.json", "sound").at("trust").at("trusted").value()));
-  EXPECT_TRUE(left("identified.json", "sound").at("trust").at("outlying").array().empty());
-  set.value[700](2, 0) += 80.0 * std::sqrt(set.variance[700](2, 0));
-  write("thesis_5x5.csv", set);
-  try {
-    (void)run(identify_command, text, "failed");
-    ADD_FAILURE() << "passed for a success";
-  } catch (const NumericalFailure& e) {
-    EXPECT_NE(std::string(e.what()).find("not to be trusted"), std::string::npos) << e.what();
-  }
-  const auto trust = left("identified.json", "failed").at("trust");
-  EXPECT_FALSE(std::get<bool>(trust.at("trusted").value()));
-  EXPECT_EQ(trust.at("verdict").string(), "not to be trusted");
-  ASSERT_EQ(trust.at("outlying").array().size(), 1U);
-  EXPECT_EQ(trust.at("outlying").array()[0].at("sensor").string(), "y3");
-  EXPECT_EQ(trust.at("outlying").array()[0].at("actuator").string(), "u1");
-  EXPECT_EQ(trust.at("outlying").array()[0].at("frequency_hz").number(), set.frequency_hz(700));
-}
-
-TEST_F(Identify, NamesChannelsThatOnlyOneSideHas) {
-  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
-  set.outputs[2].name = "probe";
-  write("thesis_5x5.csv", set);
-  const auto said = run(identify_command, model("beam/thesis_5x5.toml"));
-  EXPECT_NE(said.find("\"probe\" is no channel of the study"), std::string::npos) << said;
-  EXPECT_EQ(left("identified.json").at("sensors").array().size(), 4U);
-  for (std::size_t i = 0; i < 5; ++i) set.outputs[i].name = "probe" + std::to_string(i);
-  write("thesis_5x5.csv", set);
-  refused(model("beam/thesis_5x5.toml"), "no response between a sensor and an actuator");
-}
-
-TEST_F(Identify, SuspectsSwappedRows) {
-  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
-  const auto text = model("beam/thesis_5x5.toml");
-  write("thesis_5x5.csv", set);
-  const std::string suspicion = "it is not one place";
-  EXPECT_EQ(run(identify_command, text).find(suspicion), std::string::npos);
-  for (auto& value : set.value) value.row(0).swap(value.row(3));
-  write("thesis_5x5.csv", set);
-  EXPECT_NE(run(identify_command, text).find(suspicion), std::string::npos);
-}
-
-TEST_F(Identify, DoesWithoutLinesThatWereNotMeasured) {
-  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
-  for (std::size_t k = 100; k < 160; ++k) set.value[k].row(1).setConstant(NAN);
-  for (std::size_t k = 300; k < 320; ++k) set.value[k].setConstant(NAN);
-  write("thesis_5x5.csv", set);
-  (void)run(identify_command, model("beam/thesis_5x5.toml"));
-  expect_modes(left("identified.json"), truth(identification::beam_with_coils(), 5));
-}
-
-TEST_F(Identify, RefusesWhatCannotBeMeant) {
-  const auto text = model("beam/thesis_2x4.toml");
-  refused(text, "thesis_5x5.csv");  // is not there
-  const auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
-  write("thesis_5x5.csv", set);
-  const auto unit = [&](const std::string& other) {
-    return replaced(text, "unit        = \"m\"", "unit = \"" + other + "\"");
-  };
-  refused(unit("m/s"), "the study says displacement");
-  refused(replaced(text, "frf      = \"thesis_5x5.csv\"\n", ""), "frf");
-  refused(replaced(text, "[\"y1\", \"y3\", \"y4\"]", "[\"y1\", \"y2\", \"y3\", \"y4\", \"y5\"]"),
-          "leaves no sensor");
-  write("thesis_5x5.csv", modal::band(set, 10.0, 11.0));
-  refused(text, "lines");
-  write("thesis_5x5.csv", modal::band(set, 10.0, 12.5));
-  refused(replaced(with_real_modes(text), "[identification]\n",
-                   "[identification]\nmodel_error = 0.003\nmodes = 40\n"),
-          "numbers");
-  write_atomically(folder_.path() / "thesis_5x5.csv",
-                   "freq_hz,re_y1u1,im_y1u1,re_y2u1,im_y2u1\n1,2,3,4,5\n2,3,4\n");
-  refused(text, "thesis_5x5.csv");  // a line that is too short
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+// The simulation on its modes where dashpots, resonators, springs and masses hang on the body.
+#include <gtest/gtest.h>
+
+#include "diagnosed_plate.h"
+#include "diagnosis/body_fields.h"
+
+namespace chladni::app {
+namespace {
+
+TEST(DiagnosisStructure, DashpotsAndResonatorsAreInIt) {
+  const auto hung = solved_with(kPlate + kChannels + R"(
+[[attachment]]
+name = "dashpot"
+kind = "damper"
+at = ["300 mm", "200 mm"]
+direction = "z"
+damping = "3 N s/m"
+[[attachment]]
+name = "bracket"
+kind = "resonator"
+at = ["-300 mm", "200 mm"]
+direction = "z"
+mass = "100 g"
+frequency = "70 Hz"
+)");
+  const auto made = structure_of(hung.study, hung.solution);
+  const Eigen::RowVectorXd corner = made.outputs.shapes.row(1);
+  EXPECT_LT((made.dashpots - 3.0 * corner.transpose() * corner).norm(),
+            1e-9 * made.dashpots.norm());
+  const Eigen::MatrixXcd all = response(made, 40.0);
+  const Eigen::MatrixXcd few = response(structure_of(hung.study, hung.solution, 40.0), 40.0);
+  EXPECT_GT(made.residual.norm(), 0.0);
+  EXPECT_LT((few - all).norm(), 2e-4 * all.norm());
+}
+
+// Cells are of the body alone; what the modes hold beyond them is what the study attaches.
+TEST(DiagnosisStructure, KnowsWhatOfItsModesIsAttached) {
+  const auto held = solved_with(kPlate + kChannels + R"(
+[[attachment]]
+name = "flexure"
+kind = "spring"
+at = ["300 mm", "200 mm"]
+direction = "z"
+stiffness = "20 kN/m"
+[[attachment]]
+name = "coil"
+kind = "mass"
+at = ["-131 mm", "77 mm"]
+mass = "300 g"
+)");
+  const auto made = structure_of(held.study, held.solution);
+  const Eigen::Index r = made.mode_count();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(made.cells.count());
+  const Eigen::MatrixXd stiffness = diagnosis::sum_of(made.cells.stiffness, ones);
+  const Eigen::MatrixXd mass = diagnosis::sum_of(made.cells.mass, ones);
+  const Eigen::MatrixXd whole = squares(made).asDiagonal();
+  EXPECT_LT((stiffness + made.springs - whole).norm(), 1e-8 * whole.norm());
+  EXPECT_LT((mass + made.masses - Eigen::MatrixXd::Identity(r, r)).norm(), 1e-8);
+  const Eigen::RowVectorXd foot = made.outputs.shapes.row(1);
+  const Eigen::MatrixXd spring = 2e4 * foot.transpose() * foot;
+  EXPECT_LT((made.springs - spring).norm(), 1e-4 * spring.norm());
+  const Eigen::RowVectorXd along = made.outputs.shapes.row(0);
+  const Eigen::MatrixXd coil =
+      0.3 * (along.transpose() * along +
+             made.outputs.aside_u.row(0).transpose() * made.outputs.aside_u.row(0) +
+             made.outputs.aside_v.row(0).transpose() * made.outputs.aside_v.row(0));
+  EXPECT_LT((made.masses - coil).norm(), 1e-6 * coil.norm());
+  const auto bare = solved_with(kPlate + kChannels);
+  EXPECT_EQ(structure_of(bare.study, bare.solution).springs.size(), 0);  // nothing is attached
+  EXPECT_EQ(made.frequency_error, held.solution.frequency_error.head(r));
+}
+
+}  // namespace
+}  // namespace chladni::app
