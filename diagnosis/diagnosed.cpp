@@ -126,13 +126,6 @@ Found searched_in(const Prepared& given, const DiagnosisOptions& options) {
                   catalogue_of(options), limits_of(given, options), options.progress);
 }
 
-// Where more than noise is left, or a fit has not come to its end, another path may end elsewhere.
-bool is_doubtful(const Diagnosis& diagnosis, const Fit& best) {
-  if (best.causes.empty()) return false;
-  return diagnosis.verdict == Verdict::partial ||
-         (diagnosis.verdict != Verdict::unexplained && !best.converged);
-}
-
 }  // namespace
 
 std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Index;
 
 constexpr double kLastBits = 1e-9;
+constexpr double kNotSure = 0.5;  // probability of what a second search does not name again
 constexpr double kTooLittle = -4.0;  // z
 
 // Numbers that the deviations took from what is left: n − tr H⁻¹, their prior precision being 1.
@@ -49,9 +50,16 @@ std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& tol
   return all;
 }
 
+bool is_doubtful(const Diagnosis& diagnosis, const Fit& best) {
+  const auto& causes = diagnosis.best.causes;
+  if (diagnosis.verdict == Verdict::partial) {
+    return std::ranges::any_of(causes, [](const Cause& c) { return c.probability > kNotSure; });
+  }
+  return !causes.empty() && diagnosis.verdict != Verdict::unexplained && !best.converged;
+}
+
 std::string doubt(const Structure& structure, const Fit& best, const Found& second,
                   Diagnosis& diagnosis) {
-  constexpr double kNotSure = 0.5;
   const Fit& again = second.fits.front();
   Fit any;
   for (const auto& fit : second.fits) {

@@ -18,6 +18,11 @@ namespace chladni::diagnosis {
 [[nodiscard]] std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& told,
                                                     const Fit& again);
 
+/// Whether a second search may take something back: another path may end elsewhere where more than
+/// noise is left beside a cause that is more likely than not, or where a fit has not converged.
+/// @param best  the fit that `diagnosis.best` was made of
+[[nodiscard]] bool is_doubtful(const Diagnosis& diagnosis, const Fit& best);
+
 /// What a second search does not name again has a probability of 0.5 at most, and `named` becomes
 /// `partial`. Of its fits those count that a last word would take up.
 /// @param best  the fit that `diagnosis.best` was made of

@@ -57,6 +57,26 @@ Diagnosis sure_of(const Fit& fit) {
   return diagnosis;
 }
 
+// A second search costs as much as the first: only where it may take a name back.
+TEST(Doubt, IsOfWhatIsLikely) {
+  Fit best;
+  best.converged = true;
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::partial;
+  EXPECT_FALSE(is_doubtful(diagnosis, best));
+  diagnosis.best.causes.resize(2);
+  diagnosis.best.causes[1].probability = 0.3;
+  EXPECT_FALSE(is_doubtful(diagnosis, best));
+  diagnosis.best.causes[1].probability = 0.7;
+  EXPECT_TRUE(is_doubtful(diagnosis, best));
+  diagnosis.verdict = Verdict::named;
+  EXPECT_FALSE(is_doubtful(diagnosis, best));
+  best.converged = false;
+  EXPECT_TRUE(is_doubtful(diagnosis, best));
+  diagnosis.verdict = Verdict::unexplained;
+  EXPECT_FALSE(is_doubtful(diagnosis, best));
+}
+
 TEST(Doubt, TakesTheConfidenceFromWhatIsNotNamedAgain) {
   const Fit told = fit_of({mass_at(0.1), gain_of(1)});
   Found second;
