@@ -140,6 +140,7 @@ TEST_F(BadInput, AnEnormousMeshIsRefusedBeforeItIsLaid) {
 }
 
 TEST_F(BadInput, AFactorThatDoesNotFitIsRefusedWithTheMeshThatDoes) {
+  if (!kAddressesMayBeLimited) GTEST_SKIP() << "a sanitizer needs all addresses";
   const auto study = plate_with({{"10 mm", "0.8 mm"}});
   const auto refused =
       ended(started({"modes", study.string(), "-o", "out", "--no-pictures"}, "", [] {

@@ -68,7 +68,7 @@ class FalseWorker : public CommandLine {
     return ended(started(arguments, "", [&] {
       setenv("CHLADNI_LIBEXEC", (folder_ / "false").c_str(), 1);
       const rlimit memory = {std::size_t{2} << 30U, std::size_t{2} << 30U};
-      setrlimit(RLIMIT_AS, &memory);
+      if (kAddressesMayBeLimited) setrlimit(RLIMIT_AS, &memory);
     }));
   }
   [[nodiscard]] std::string by_tetgen() const {
