@@ -27,11 +27,12 @@ namespace {
 using Eigen::Index;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr Index kMostFitted = 200;  // responses: of more, modes are not identified beside
+constexpr Index kMostFitted = 200;  // with more responses, no modes are identified for the
+                                    // comparison
 
 DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(DiagnosisPlan{}); }
 
-// Variances that the file does not state are estimated from how much the lines scatter.
+// Estimates variances that the file does not state from the scatter of the lines.
 void state_variance(modal::FrfSet& set, Run& run) {
   if (!set.variance.empty()) return;
   const auto data = identification::fit_data(set);
@@ -52,7 +53,7 @@ void state_variance(modal::FrfSet& set, Run& run) {
   }
 }
 
-// What of the responses a diagnosis works on; modes end at `highest_hz`.
+// The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`.
 MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
                          double highest_hz, Run& run) {
   auto& set = measured.all;
@@ -73,7 +74,7 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const Diagno
   return measured;
 }
 
-// Without held-out channels and lines.
+// The measurement without held-out channels and lines.
 modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
   const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
   if (plan.hold_out_high_hz <= 0.0) return part;
@@ -94,7 +95,7 @@ modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
   return below;
 }
 
-// How often the record of a sensor is differentiated.
+// Number of time derivatives in the record of a sensor.
 Index derivatives(const Study& study, const std::string& sensor) {
   const auto at = index_of(study.sensors, sensor);
   if (at < 0) return 0;
@@ -111,8 +112,8 @@ std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
   return rows;
 }
 
-// What a study predicts where something was measured, as the records of `recorder` have it: of a
-// sensor whose quantity differs, times a power of s.
+// Prediction of a study on the measured channels and lines, in the form that `recorder` records
+// them. If a sensor's quantity differs, its row is multiplied by a power of s.
 std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Structure& structure,
                                         const Study& recorder, const modal::FrfSet& measured) {
   const auto model = diagnosis::reduced_model(structure);
@@ -133,7 +134,7 @@ std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Str
   return without_paths(recorder, recorded(study, std::move(set))).value;
 }
 
-// Modes of what was measured, for the comparison; none where they cannot be identified.
+// Modes of the measured responses, for the comparison; none if they cannot be identified.
 std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Run& run) {
   if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
   try {
@@ -166,8 +167,8 @@ void compare(Diagnosed& one, Run& run) {
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
 }
 
-// Records without units have a scale of their own: that of the simulation is given to them. Whether
-// it was.
+// Records without units have an unknown scale, so they get the scale of the simulation. Returns
+// true if the scale was changed.
 bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
   const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
   if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
@@ -185,21 +186,21 @@ bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
   return true;
 }
 
-// Where the extended study's files lie.
+// Folders from which the files of the extended study may be read.
 std::vector<std::filesystem::path> allowed_for(const Study& study, const Run& run) {
   auto allowed = run.options().allowed;
   allowed.push_back(std::filesystem::absolute(study.file).parent_path());
   return allowed;
 }
 
-// The extended study, solved in full where a cause changed it.
+// Writes the extended study, and solves it in full if a cause changed it.
 void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one, Run& run) {
   const auto& causes = one.result.best.causes;
   const auto allowed = allowed_for(study, run);
   const auto& body = one.before.model.body;
   const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
-  one.extended = extended_study(read_whole(study.file), study.file, one.structure.surface, causes,
-                                run / "", allowed, fits);
+  one.extended = extended_study(study.text, study.file, one.structure.surface, causes, run / "",
+                                allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
   const auto part = run.part("extended: ");
   const Study extended =
@@ -209,7 +210,7 @@ void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnos
       predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
 }
 
-// A unit or quantity of all sensors that were seen is that of those held out, too.
+// If a wrong unit or quantity applies to all sensors of the fit, it also applies to those held out.
 std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> causes,
                                               const diagnosis::Structure& seen,
                                               const diagnosis::Structure& all) {
@@ -221,8 +222,8 @@ std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> caus
   return causes;
 }
 
-// The reduced model with all causes: what a fit saw as it was fitted, the rest as the same causes
-// change the structure with all its channels.
+// Prediction of the reduced model with all causes. The channels of the fit use the structure as it
+// was fitted. The other channels use the structure with all its channels and the same causes.
 std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
   const auto& set = one.measured.all;
   const auto& causes = one.result.best.causes;
@@ -242,8 +243,8 @@ std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
   return value;
 }
 
-// Does a step that may fail: what fails is told and kept, and the diagnosis stands without it.
-// Whether it did not.
+// Runs a step that may fail. A failure is reported and noted, and the diagnosis continues without
+// the step. Returns true if the step succeeded.
 template <typename Step>
 bool attempted(const char* what, Diagnosed& one, Run& run, Step step) {
   const auto note = [&](const std::exception& e) {
@@ -265,7 +266,7 @@ bool attempted(const char* what, Diagnosed& one, Run& run, Step step) {
   return false;
 }
 
-// On top of the file itself.
+// Adds a comment at the top of the extended study.
 void comment_on(const std::string& comment, Diagnosed& one) {
   if (one.extended) one.extended->text = "# " + comment + "\n" + one.extended->text;
 }
@@ -296,7 +297,7 @@ Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extend
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
-  auto measured = measured_frfs(study, run);  // what is missing is told before minutes of solving
+  auto measured = measured_frfs(study, run);  // reports missing data before minutes of solving
   one.before = solved(with_modes_for_diagnosis(study), run);
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);

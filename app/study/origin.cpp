@@ -68,6 +68,7 @@ std::optional<Origin> origin_in_page(std::string_view page) {
 
 std::vector<NamedFile> named_files(const Study& study, bool measured) {
   std::vector<NamedFile> files;
+  for (const auto& base : study.bases) add(files, study, base);
   if (const auto* body = std::get_if<FileGeometry>(&study.geometry.body)) {
     add(files, study, body->file);
   }

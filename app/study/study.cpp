@@ -4,6 +4,7 @@
 
 #include "app/study/sha256.h"
 #include "app/study/study_parts.h"
+#include "app/study/toml/extends.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 
@@ -46,6 +47,19 @@ fs::path StudyFolder::resolved(const std::string& text) const {
                      real.parent_path().string());
 }
 
+namespace {
+
+WholeDocument whole_document(std::string_view bytes, const fs::path& file,
+                             const StudyFolder& folder) {
+  const auto read = [&](const std::string& text, fs::path& base) {
+    base = folder.resolved(text);
+    return read_whole(base, kLargestStudy);
+  };
+  return with_bases(parse_toml(bytes, file.string()), file, read);
+}
+
+}  // namespace
+
 Study parse_study(std::string_view bytes, const fs::path& file,
                   const std::vector<fs::path>& allowed) {
   Study study;
@@ -53,7 +67,10 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   study.name = name_of(file);
   study.sha256 = sha256(bytes);
   const StudyFolder folder{fs::absolute(file).parent_path(), allowed};
-  const TomlNode tree = parse_toml(bytes, file.string());
+  auto document = whole_document(bytes, file, folder);
+  study.bases = std::move(document.bases);
+  study.text = study.bases.empty() ? std::string(bytes) : toml_text(document.tree);
+  const TomlNode& tree = document.tree;
   Problems problems(file.string());
   TableReader root(tree, "", problems);
   study.title = root.text("title").value_or(study.name);

@@ -246,6 +246,8 @@ struct Study {
   std::string name;            ///< of the default output folder
   std::filesystem::path file;  ///< as given
   std::string sha256;          ///< of the file's bytes
+  std::string text;            ///< the file's; with `extends` that of the whole, without comments
+  std::vector<std::filesystem::path> bases;  ///< the studies that it extends, the nearest first
   std::optional<unsigned> seed;
   Geometry geometry;
   std::vector<StudyMaterial> materials;

@@ -1,0 +1,200 @@
+// A study that extends another: what is merged, what is refused, and trees that are texts again.
+#include "app/study/toml/extends.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "app/study/extend/extended_study.h"
+#include "app/study/study.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "quiet_run.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kBase = R"(title = "plate"  # a comment
+geometry = { plate = { length = "600 mm", width = "400 mm", thickness = "10 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+modes = { count = 12, damping_ratio = "0.5 %" }
+
+[[sensor]]
+name = "s1"
+at = ["-250 mm", "150 mm"]
+direction = "z"
+[[sensor]]
+name = "s2"
+at = ["110 mm", "40 mm"]
+direction = "z"
+gain = 1.1
+[[actuator]]
+name = "a1"
+at = ["-170 mm", "-120 mm"]
+direction = "z"
+)";
+
+class Extends : public testing::Test {
+ protected:
+  fs::path write(const std::string& name, const std::string& text) const {
+    const auto file = folder_.path() / name;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+    return file;
+  }
+  [[nodiscard]] Study read(const std::string& text) const {
+    return read_study(write("own.toml", text));
+  }
+  void refused(const std::string& text, const std::string& word) const {
+    try {
+      (void)read(text);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  }
+
+  TestFolder folder_{"extends"};
+};
+
+const mesh::Plate& plate_of(const Study& study) {
+  return std::get<mesh::Plate>(study.geometry.body);
+}
+
+TEST_F(Extends, WithoutMoreIsTheStudyItself) {
+  const auto base = read_study(write("base.toml", kBase));
+  const auto own = read("extends = \"base.toml\"\n");
+  EXPECT_EQ(own.title, base.title);
+  EXPECT_EQ(own.sensors.size(), 2U);
+  EXPECT_EQ(plate_of(own).thickness, plate_of(base).thickness);
+  EXPECT_EQ(own.bases, std::vector{folder_.path() / "base.toml"});
+  EXPECT_EQ(base.text, kBase);
+  EXPECT_NE(own.sha256, base.sha256);
+}
+
+TEST_F(Extends, MergesTablesByKeyAndChannelsByName) {
+  write("base.toml", kBase + "[expect]\nmass = { value = \"6.48 kg\", within = \"1 %\" }\n");
+  const auto own = read(R"(extends = "base.toml"
+title = "thicker"
+geometry.plate.thickness = "12 mm"
+modes = { count = 20 }
+[[sensor]]
+name = "s2"
+at = ["120 mm", "40 mm"]
+[[sensor]]
+name = "s1"
+removed = true
+[[sensor]]
+name = "s3"
+at = ["0 mm", "0 mm"]
+direction = "z"
+)");
+  EXPECT_EQ(own.title, "thicker");
+  EXPECT_NEAR(plate_of(own).thickness, 0.012, 1e-15);
+  EXPECT_NEAR(plate_of(own).length, 0.6, 1e-15);
+  EXPECT_EQ(own.modes.count, 20);
+  EXPECT_NEAR(own.modes.damping_ratio, 0.005, 1e-15);
+  ASSERT_EQ(own.sensors.size(), 2U);
+  EXPECT_EQ(own.sensors[0].name, "s2");
+  EXPECT_EQ(own.sensors[0].gain, 1.1);
+  EXPECT_NEAR(own.sensors[0].at.point.x(), 0.12, 1e-15);
+  EXPECT_EQ(own.sensors[1].name, "s3");
+  EXPECT_EQ(own.actuators.size(), 1U);
+  EXPECT_TRUE(own.expectations.empty());
+}
+
+TEST_F(Extends, ReplacesABodyOfAnotherKind) {
+  write("base.toml", kBase);
+  const auto own = read(R"(extends = "base.toml"
+geometry = { disc = { diameter = "300 mm", thickness = "10 mm" } }
+)");
+  EXPECT_EQ(std::get_if<mesh::Plate>(&own.geometry.body), nullptr);
+}
+
+TEST_F(Extends, GoesOnAndFindsFilesFromWhereTheyAreNamed) {
+  write("parts/measured.csv", "freq_hz,re_s1a1,im_s1a1\n1,2,3\n2,3,4\n");
+  write("parts/base.toml", kBase + "[measurement]\nfrf = \"measured.csv\"\nunit = \"m\"\n");
+  write("parts/thick.toml", "extends = \"base.toml\"\ngeometry.plate.thickness = \"20 mm\"\n");
+  const auto own = read("extends = \"parts/thick.toml\"\nseed = 3\n");
+  EXPECT_NEAR(plate_of(own).thickness, 0.02, 1e-15);
+  EXPECT_EQ(own.seed, 3U);
+  ASSERT_EQ(own.bases.size(), 2U);
+  EXPECT_EQ(own.bases[1].filename(), "base.toml");
+  EXPECT_TRUE(fs::equivalent(own.measurement->frf, folder_.path() / "parts/measured.csv"));
+}
+
+// The whole of it is a study that a diagnosis may extend.
+TEST_F(Extends, HasATextThatIsTheSameStudy) {
+  write("base.toml", kBase);
+  const auto own = read("extends = \"base.toml\"\ngeometry.plate.thickness = \"12 mm\"\n");
+  const auto again = parse_study(own.text, folder_.path() / "again.toml");
+  EXPECT_TRUE(again.bases.empty());
+  EXPECT_EQ(plate_of(again).thickness, plate_of(own).thickness);
+  EXPECT_EQ(again.sensors[1].gain, 1.1);
+  diagnosis::Cause heavier;
+  heavier.effect = "density";
+  heavier.parameters = {{"relative", "1", 0.02, 0.001}};
+  const auto extended = extended_study(own.text, own.file, {}, {heavier}, folder_.path());
+  EXPECT_TRUE(extended.unexpressed.empty());
+  EXPECT_NE(extended.text.find("2754"), std::string::npos) << extended.text;
+}
+
+TEST_F(Extends, RefusesWhatCannotBeMeant) {
+  write("base.toml", kBase);
+  refused("extends = \"nothing.toml\"\n", "own.toml:1:11: extends \"nothing.toml\"");
+  refused("extends = 3\n", "extends is the number 3");
+  refused("extends = \"own.toml\"\n", "extends itself");
+  refused("extends = \"/etc/hostname\"\n", "leaves the study's folder");
+  refused("extends = \"base.toml\"\n[[sensor]]\nname = \"s9\"\nremoved = true\n",
+          "own.toml:2:1: sensor \"s9\" is to be removed");
+  // What the study as a whole lacks is told where it says what it extends.
+  write("bad.toml", kBase + "[modes2]\ncount = 3\n");
+  refused("extends = \"bad.toml\"\n", "own.toml:1:11: ");
+  write("a.toml", "extends = \"b.toml\"\n");
+  write("b.toml", "extends = \"a.toml\"\n");
+  refused("extends = \"a.toml\"\n", "extends itself");
+}
+
+void expect_same(const TomlNode& a, const TomlNode& b, const std::string& where) {
+  ASSERT_EQ(a.kind, b.kind) << where;
+  if (a.kind == TomlNode::Kind::text) {
+    EXPECT_EQ(a.text, b.text) << where;
+  }
+  if (a.is_number()) {
+    EXPECT_EQ(a.number, b.number) << where;
+  }
+  EXPECT_EQ(a.truth, b.truth) << where;
+  ASSERT_EQ(a.members.size(), b.members.size()) << where;
+  for (const auto& member : a.members) {
+    const auto other = std::ranges::find(b.members, member.key, &TomlMember::key);
+    ASSERT_NE(other, b.members.end()) << where << "." << member.key;
+    expect_same(member.value, other->value, where + "." + member.key);
+  }
+  ASSERT_EQ(a.elements.size(), b.elements.size()) << where;
+  for (std::size_t n = 0; n < a.elements.size(); ++n) {
+    expect_same(a.elements[n], b.elements[n], where + "[" + std::to_string(n) + "]");
+  }
+}
+
+TEST(TomlText, IsReadBackAsTheSameTree) {
+  int count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(CHLADNI_SOURCE_DIR "/models")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto file = entry.path().string();
+    const auto tree = parse_toml(read_whole(entry.path()), file);
+    expect_same(tree, parse_toml(toml_text(tree), file), file);
+    ++count;
+  }
+  EXPECT_GT(count, 15);
+  const auto odd = parse_toml(
+      "\"a key\" = \"\\u0007 tab\\t \\\\ quote\\\" ä\"\nx = 0.1\ny = 1e300\nz = -inf\nw = 3.0\nb = []\n"
+      "t = {}\n[c.d]\ne = [{ f = [1, 2.5] }, { f = true }]\n",
+      "odd");
+  expect_same(odd, parse_toml(toml_text(odd), "odd"), "odd");
+}
+
+}  // namespace
+}  // namespace chladni::app
