@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/place.h"
+#include "app/study/place.h"
 #include "diagnosis/tolerances.h"
 
 namespace chladni::app {

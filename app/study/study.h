@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "app/place.h"
 #include "app/study/diagnosis_plan.h"
+#include "app/study/place.h"
 #include "app/study/variation_plan.h"
 #include "fem/attachment.h"
 #include "fem/material.h"
