@@ -12,12 +12,12 @@ struct ClosedLoopEstimate {
   std::vector<Eigen::MatrixXcd> sensitivity;  ///< [k], q×q: S, from references to inputs
 };
 
-/// P from the references to the outputs and S from the references to the inputs, both averaged over
-/// periods and realisations before G = P S⁻¹ by the matrix inverse on each line. Rows of S of
-/// inputs that are their references (not controlled) are rows of the unit matrix exactly. Variances
-/// to first order with all correlations: δG = (δP − G δS) S⁻¹ of each period and realisation. Where
-/// S is hard to invert (condition above 1000, or an entry that counts within three of its
-/// deviations) a note says on which lines.
+/// The estimate averages P (references to outputs) and S (references to inputs) over periods and
+/// realisations. Then G = P S⁻¹, by the matrix inverse on each line. An input that is its own
+/// reference (not controlled) gives S an exact row of the unit matrix. The variances are of first
+/// order with all correlations: δG = (δP − G δS) S⁻¹ of each period and realisation. Notes count
+/// the lines where S is hard to invert: condition above 1000, or a smallest singular value below
+/// three times the largest deviation in S.
 /// @throws InvalidInput  as frf_estimate(); no reference for each input
 [[nodiscard]] ClosedLoopEstimate closed_loop_estimate(const Spectra& spectra,
                                                       const FrfEstimateOptions& options = {});

@@ -1,4 +1,4 @@
-// Imaginary parts of complex shapes where nothing measures them.
+// Imaginary parts of complex shapes at places where nothing measures them.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,11 +17,11 @@ struct ImaginaryParts {
   Eigen::MatrixXd mean, deviation;  ///< k×m [kg^-1/2], in the scale of the match; 0 of rigid modes
 };
 
-/// Damping C that couples the modes turns mode m by −jω_m C_mk / (ω_k² − ω_m²) of each other mode
-/// k, and C being positive semidefinite |C_mk|² ≤ 2ζ_m ω_m 2ζ_k ω_k. Within that bound nothing is
-/// known of it: coefficients normal with a third of its square as their variance, given what the
-/// rows show, whose shapes are known to 2 %. ζ_k is the mean of the fitted ones. Cost: n² (n + r)
-/// per mode.
+/// Damping C that couples the modes adds −jω_m C_mk / (ω_k² − ω_m²) of each other mode k to mode m.
+/// C is positive semidefinite, so |C_mk|² ≤ 2ζ_m ω_m 2ζ_k ω_k. Within that bound nothing is known
+/// of C_mk: the coefficients are normal with a variance of a third of the squared bound. They are
+/// conditioned on the rows, whose shapes are known to 2 %. ζ_k is the mean of the fitted ratios.
+/// Cost: n² (n + r) per mode.
 /// @throws InvalidInput  the fit has no complex shapes, or sizes differ
 [[nodiscard]] ImaginaryParts imaginary_parts(const ModalFit& fit, const GainMatch& match,
                                              const CouplingBasis& basis);

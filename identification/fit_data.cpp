@@ -13,12 +13,12 @@
 namespace chladni::identification {
 namespace {
 
-constexpr int kReach = 4;   // lines on each side of one, of the local polynomial
-constexpr int kDegree = 3;  // of it
+constexpr int kReach = 4;   // lines on each side of a line for the local polynomial
+constexpr int kDegree = 3;  // degree of this polynomial
 constexpr Eigen::Index kFewestLines = 2 * kReach + 1;
 constexpr int kSmooth = 12;  // lines on each side over which a variance is averaged
-// Receptances outside of this are no measurement; their squares, and squares of those, still are
-// numbers.
+// Receptances outside of these limits are no measurement. Within them, squares of squares are
+// still finite numbers.
 constexpr double kLeastSize = 1e-70, kMostSize = 1e70;
 
 std::string response_name(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
@@ -26,8 +26,8 @@ std::string response_name(const modal::FrfSet& set, Eigen::Index i, Eigen::Index
          set.inputs[static_cast<std::size_t>(j)].name;
 }
 
-// Maps the values on 2·kReach + 1 neighbours to what differs from their polynomial; unit variance
-// of the values gives unit variance of the mean square of the result.
+// Maps the values of 2·kReach + 1 neighbours to their differences from their polynomial. For values
+// of unit variance the squared result, divided by n − kDegree − 1, has mean 1.
 Eigen::MatrixXd differs_from_polynomial() {
   const Eigen::Index n = 2 * kReach + 1;
   Eigen::MatrixXd basis(n, kDegree + 1);
@@ -40,9 +40,10 @@ Eigen::MatrixXd differs_from_polynomial() {
   return Eigen::MatrixXd::Identity(n, n) - q * q.transpose();
 }
 
-// Variance of each line from what its neighbourhood leaves of a local polynomial, then the median
-// over wider neighbourhoods: a resonance is no noise, and few lines know little of a variance.
-// @pre as many lines as a polynomial is laid through
+// Raw variance of each line: the residual of a local polynomial through its neighbours. Then the
+// median over a wider neighbourhood, because a resonance is not noise and a few lines tell
+// little about a variance.
+// @pre as many lines as one polynomial needs
 Eigen::VectorXd variance_of_measured(const Eigen::VectorXcd& value) {
   const Eigen::Index count = value.size();
   const Eigen::Index n = 2 * kReach + 1;
@@ -65,7 +66,7 @@ Eigen::VectorXd variance_of_measured(const Eigen::VectorXcd& value) {
   return smooth;
 }
 
-// Lines that are not measured are left out, as if their neighbours were next to each other.
+// Lines that are not measured are left out; their neighbours then count as adjacent.
 Eigen::VectorXd local_variance(const Eigen::VectorXcd& value, const Eigen::VectorXd& there) {
   std::vector<Eigen::Index> measured;
   for (Eigen::Index k = 0; k < value.size(); ++k) {
@@ -76,7 +77,7 @@ Eigen::VectorXd local_variance(const Eigen::VectorXcd& value, const Eigen::Vecto
   return result;
 }
 
-// |G| averaged over a line and two on each side: a weight from the noisy line itself biases a fit.
+// RMS of |G| over a line and two on each side: a weight from the noisy line itself biases a fit.
 Eigen::VectorXd smoothed_magnitude(const Eigen::VectorXcd& value, const Eigen::VectorXd& there) {
   Eigen::VectorXd result(value.size());
   for (Eigen::Index k = 0; k < value.size(); ++k) {
@@ -97,7 +98,7 @@ void check_size(double size, const modal::FrfSet& set, Eigen::Index i, Eigen::In
   throw InvalidInput(text.str());
 }
 
-// One response of the set as it enters the fit.
+// One response of the set in the form that the fit uses.
 struct Response {
   Eigen::VectorXcd value;
   Eigen::VectorXd there;     // 1 where it is measured, else 0
@@ -139,7 +140,7 @@ Eigen::VectorXd weights(const Response& one, const FitDataOptions& options, doub
   } else {
     Eigen::VectorXd variance = one.variance;
     if (variance.maxCoeff() == 0.0) variance = local_variance(one.value, one.there);
-    // A line that is repeated to the last bit has no variance; it cannot weigh infinitely.
+    // A line that is repeated to the last bit has no variance; the floor keeps its weight finite.
     const double floor = std::pow(1e-9 * magnitude.maxCoeff(), 2);
     deviation =
         (variance.array().max(floor) + (options.model_error * magnitude.array()).square()).sqrt();
@@ -155,11 +156,11 @@ double largest_magnitude(const modal::FrfSet& set) {
   return largest;
 }
 
-constexpr double kLeastFreedom = 2.0;  // of variances whose inverse has a mean square
+constexpr double kLeastFreedom = 2.0;  // of a variance, so that its inverse has a mean square
 
-// How many neighbours each variance is the mean of: of means over W lines, of ν degrees of freedom
-// in all, the second differences of the logarithms have a variance of 4/(νW), of single ones 6/ν.
-// First differences would have the slope of the true variance in them.
+// Number of neighbours that share one variance. For means over W lines with ν degrees of freedom in
+// all, the second differences of the logarithms have a variance of 4/(νW); for single lines 6/ν.
+// First differences would contain the slope of the true variance.
 double lines_of_one_variance(const FitData& data) {
   constexpr double kMedianSquare = 0.4549;  // of a normal number of variance 1
   std::vector<double> squares;

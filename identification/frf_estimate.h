@@ -1,6 +1,6 @@
-// Frequency responses from a periodic experiment in open loop, with what noise and what
-// nonlinearity make uncertain of them (thesis (4.2); the robust method of Pintelon and Schoukens,
-// System Identification, 2nd ed. 2012, section 4.3).
+// Frequency responses from a periodic experiment in open loop. Their uncertainty has two parts:
+// noise and nonlinearity (thesis (4.2); the robust method of Pintelon and Schoukens, System
+// Identification, 2nd ed. 2012, section 4.3).
 #pragma once
 
 #include <optional>
@@ -15,10 +15,10 @@
 namespace chladni::identification {
 
 struct FrfEstimateOptions {
-  std::optional<Eigen::Index> drop;    ///< periods at the start; none: by transient()
-  double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all that is excited
-  /// Variances are averaged over so many lines on each side; none: so many that a variance has 14
-  /// degrees of freedom, at most 5 (a weight from few degrees costs efficiency).
+  std::optional<Eigen::Index> drop;    ///< periods at the start; none: transient() decides
+  double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all excited lines
+  /// Variances are averaged over this number of lines on each side. None: enough lines that a
+  /// variance has 14 degrees of freedom, at most 5 (a weight with few degrees costs efficiency).
   std::optional<Eigen::Index> smooth_lines;
 };
 
@@ -29,9 +29,8 @@ struct FrfEstimate {
   std::vector<std::string> notes;  ///< what a reader must know: one period only, aliasing, ...
 };
 
-/// On the excited lines: G = mean_r Y_r U_r⁻¹ over realisations r, for several inputs by the
-/// inverse of the input matrix of q or more experiments. Of one realisation all variance is
-/// noise's.
+/// On the excited lines: G = mean_r Y_r U_r⁻¹ over realisations r. For several inputs U_r is the
+/// input matrix of q or more experiments. With one realisation the whole variance counts as noise.
 /// @throws InvalidInput  as spectra() and transfer(); the data come from a loop and the inputs were
 ///                       not excited themselves
 [[nodiscard]] FrfEstimate frf_estimate(const Spectra& spectra,
@@ -42,11 +41,11 @@ struct FrfEstimate {
 /// The excited lines of the band. @throws InvalidInput  none
 [[nodiscard]] Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options);
 
-/// Mean over ±half lines, at the ends over those there are.
+/// Mean over ±half lines; at the ends over the lines that exist.
 [[nodiscard]] std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
                                                     Eigen::Index half);
 
-/// Fills lines, variances (smoothed) and their degrees of freedom; shared with the closed loop.
+/// Fills lines, variances (smoothed) and their degrees of freedom; the closed loop uses it as well.
 void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstimateOptions& options,
           FrfEstimate& estimate);
 

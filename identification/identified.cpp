@@ -14,13 +14,13 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kEnoughExcess = 3.0;    // deviations of V above what noise leaves
-constexpr double kLeastDecrease = 0.02;  // of the cost by a further mode, the noise not known
-constexpr int kFirstSteps = 12;          // before modes that are none are left out
-constexpr Eigen::Index kMany = 200;      // responses above which channels are combined
-constexpr Eigen::Index kSketch = 14;     // combinations on each side to find poles from
+constexpr double kEnoughExcess = 3.0;    // cost above what noise leaves, in its deviations
+constexpr double kLeastDecrease = 0.02;  // relative, by a further mode, if the noise is not known
+constexpr int kFirstSteps = 12;          // iterations before spurious modes are left out
+constexpr Eigen::Index kMany = 200;      // responses above this number: channels are combined
+constexpr Eigen::Index kSketch = 14;     // combinations on each side for finding poles
 
-// Whether a fit with one mode more is worth it.
+// Whether a fit with one more mode is worth its parameters.
 bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   const double level = noise_level(after, data);
   const double parameters = static_cast<double>(after.parameter_count - before.parameter_count);
@@ -30,7 +30,7 @@ bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   return won > needed && (data.noise_known || won > kLeastDecrease * before.cost);
 }
 
-// With the poles that look repeated twice, where that pays.
+// The poles that look repeated are used twice if that pays.
 ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Eigen::Index>& twice,
                    const FitOptions& options) {
   auto once = modal_fit(data, start, options);
@@ -49,8 +49,8 @@ Eigen::Index flexible_count(const ModalFit& fit) {
   return fit.model.mode_count() - fit.model.rigid_count;
 }
 
-// Once the poles are the likeliest, one that the others can do without was never a mode: it mended
-// what the vector fit had left of its neighbours.
+// Removes a mode without worth once the poles are the most likely ones. Such a pole was never a
+// mode: it corrected errors that the vector fit had left in its neighbours.
 void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
   while (flexible_count(result.fit) > 1) {
     const auto start = start_at(result.fit.model);
@@ -94,7 +94,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   }
 }
 
-// Phases of complex modes and delays are nearly the same: they are those of real modes.
+// Delays of a fit with real modes: complex modes cannot give them, their phases look like delays.
 Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
                                      const FitOptions& options) {
   FitOptions real = options;
@@ -103,8 +103,9 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
   return response_delays(modal_fit(data, start, real));
 }
 
-// With the delay fitted together with complex modes where the data ask for it by five deviations,
-// what the model lacks being one; else what they leave open of it is its deviation.
+// Fits the delay together with the complex modes. That fit is kept if it lowers the cost by more
+// than five deviations, where the model's own error counts in the noise level. Else the old delay
+// stays and only takes the deviation of the free fit.
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
   constexpr double kFiveDeviations = 12.5;
   auto free = modal_fit(data, start_at(fit.model), options);
@@ -148,7 +149,7 @@ Start chosen_start(const FitData& data, const IdentificationOptions& options, Ei
   return start;
 }
 
-// Takes it out of the data.
+// Finds the drift and, if it matters, takes it out of the data.
 std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
                                         const IdentificationOptions& options) {
   if (data.noise_stated || !options.drift || data.response_count() < 2 || found.pole.size() == 0) {
@@ -159,7 +160,7 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   start.pole = strongest(data, found.pole, found.rigid_count > 0);
   auto [moved, fit] = drift_fit(data, start, options.fit);
   if (!moved.matters()) return std::nullopt;
-  if (start.pole.size() < found.pole.size()) {  // perhaps they are modes
+  if (start.pole.size() < found.pole.size()) {  // perhaps the left-out poles are modes
     FitOptions few = options.fit;
     few.iterations = std::min(few.iterations, kFirstSteps);
     if (modal_fit(data, found, few).cost < fit.cost) return std::nullopt;
@@ -194,12 +195,12 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   return result;
 }
 
-// Poles from a few random combinations of the channels, then the fit of all directions that matter.
+// Finds poles from a few random combinations of the channels, then fits all directions that matter.
 Identified from_compressed(const Compressed& small, const FitData& measured,
                            const IdentificationOptions& options) {
   const auto sketch = sketched(small.data, kSketch);
   auto of_sketch = options;
-  of_sketch.drift = false;  // each of its responses has part of all
+  of_sketch.drift = false;  // each sketched response mixes all responses
   auto result = from_all_responses(sketch, of_sketch);
   if (sketch.response_count() < small.data.response_count()) {
     const double delay = result.fit.delay_s;

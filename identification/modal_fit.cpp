@@ -20,9 +20,9 @@ using Complex = std::complex<double>;
 constexpr Eigen::Index kLargestBlock = 3;
 constexpr Eigen::Index kMostRigid = 12;
 constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
-constexpr double kAlike = 0.01;       // cost that diagonal blocks may add
-constexpr int kSingleSteps = 8;       // towards single modes
-constexpr double kSame = 5.0;         // costs that noise may explain
+constexpr double kAlike = 0.01;       // relative cost that diagonal blocks may add
+constexpr int kSingleSteps = 8;       // iterations towards single modes
+constexpr double kSame = 5.0;         // difference of costs that noise may explain
 
 void check(const FitData& data, const Start& start, const FitOptions& options) {
   require(data.value.rows() == data.line_count() && data.weight.rows() == data.line_count() &&
@@ -57,7 +57,7 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
   }
 }
 
-// Poles nearer than a half-power bandwidth, in order; at most kLargestBlock together.
+// Groups of poles closer than a half-power bandwidth, in order; at most kLargestBlock in a group.
 std::vector<std::vector<Eigen::Index>> neighbours(const Eigen::VectorXcd& poles) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(poles.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
@@ -78,7 +78,7 @@ std::vector<std::vector<Eigen::Index>> neighbours(const Eigen::VectorXcd& poles)
   return all;
 }
 
-// Σ |w h|² of a response's weights: what a unit residue of the pole adds to the cost.
+// Σ |w h|² for each response: the cost that a unit residue at the pole adds.
 Eigen::MatrixXd weighted_squares(Complex pole, const Target& target) {
   Eigen::VectorXd square(target.line_count());
   for (Eigen::Index k = 0; k < square.size(); ++k) {
@@ -89,7 +89,7 @@ Eigen::MatrixXd weighted_squares(Complex pole, const Target& target) {
   return Eigen::Map<const Eigen::MatrixXd>(sum.data(), target.outputs, target.inputs);
 }
 
-// u sqrt(σ), sqrt(σ) vᵀ of the largest singular values.
+// u sqrt(σ) and sqrt(σ) vᵀ of the largest singular values.
 struct Sides {
   Eigen::MatrixXd left, right;
   Eigen::VectorXd sigma;
@@ -116,8 +116,8 @@ bool all_stand_out(const Sides& group, Complex pole, const Target& target) {
   return true;
 }
 
-// A group of poles as one block, its directions the singular vectors of what their residues sum up
-// to; as modes of their own where these are fewer than the poles.
+// Makes one block of a group of poles; its directions are the singular vectors of the sum of their
+// residues. If these directions are fewer than the poles, each pole becomes a mode of its own.
 std::vector<Block> blocks_of(const std::vector<Complex>& poles,
                              const std::vector<Eigen::MatrixXd>& residues, const Target& target) {
   const auto size = static_cast<Eigen::Index>(poles.size());
@@ -154,7 +154,7 @@ Block rigid_block(const Eigen::MatrixXd& residue, Eigen::Index count) {
           .rigid = true};
 }
 
-// Residues of a start in units of the model, the general ones X of X/(s − p) or none.
+// Residues of a start in units of the model. `general` holds X of X/(s − p), or is empty.
 struct StartResidues {
   std::vector<Eigen::MatrixXd> real;
   std::vector<Eigen::MatrixXcd> general;
@@ -184,7 +184,7 @@ StartResidues start_residues(const FitData& data, const Start& start, Damping da
   return result;
 }
 
-// The largest singular direction of X as a complex mode.
+// Makes a complex mode of the largest singular direction of X.
 Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
   const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(residue, "residue"),
                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -218,7 +218,7 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
   return model;
 }
 
-// Every block as complex modes, which it is the same as, and down from there.
+// Writes every block as complex modes and continues the descent from there.
 Descent with_complex_modes(const Descent& in_blocks, const Target& target, const Fitted& fitted,
                            const DescentOptions& options) {
   BlockModel general = in_blocks.model;
@@ -246,7 +246,7 @@ Descent with_complex_modes(const Descent& in_blocks, const Target& target, const
   return result;
 }
 
-// Every block as single modes where that loses nothing.
+// Writes every block as single modes if that does not raise the cost.
 Descent with_single_modes(const Descent& in_blocks, const Target& target, const Fitted& fitted,
                           const DescentOptions& options) {
   BlockModel single = in_blocks.model;
@@ -270,7 +270,7 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
                          .progress = options.progress});
   const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
   result.iterations += in_blocks.iterations;
-  // Where the data hardly part the modes of a block the way is long, and leads nowhere else.
+  // If the data hardly separate the modes of a block, the descent is long and leads nowhere else.
   if (result.misfit.cost <
       in_blocks.misfit.cost + kSame * target.noise_level(in_blocks.misfit.cost)) {
     result.converged = in_blocks.converged;

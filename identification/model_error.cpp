@@ -6,21 +6,21 @@
 namespace chladni::identification {
 namespace {
 
-constexpr Eigen::Index kNeighbours = 12;  // on each side
+constexpr Eigen::Index kNeighbours = 12;  // lines on each side
 
 }  // namespace
 
 Eigen::VectorXd remaining_model_error(const FitData& noise_only, const Eigen::MatrixXcd& fitted,
                                       double most) {
   const Eigen::ArrayXXd weight = noise_only.weight.array();
-  // In deviations of the noise: what is left, and how large the response is.
+  // In deviations of the noise: the residual and the size of the response.
   const Eigen::ArrayXXd left = weight * (noise_only.value - fitted).cwiseAbs().array();
   const Eigen::ArrayXXd size = weight * fitted.cwiseAbs().array();
   const Eigen::ArrayXXd there = (weight > 0.0).cast<double>();
   const double per_number =
       2.0 * expected_cost(noise_only, 0).mean /
       static_cast<double>(std::max<Eigen::Index>(1, noise_only.measured_count()));
-  // Σ (|e|² − σ²) over Σ |G|², each response by the noise of its line.
+  // Σ (|e|² − σ²) over Σ |G|²; each response counts in units of its noise at the line.
   const Eigen::ArrayXd beyond = (left.square() - per_number * there).rowwise().sum();
   const Eigen::ArrayXd power = size.square().rowwise().sum();
   const Eigen::Index lines = noise_only.line_count();

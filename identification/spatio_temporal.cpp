@@ -36,7 +36,7 @@ void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& 
                       : "predicted responses: imaginary parts of real shapes");
 }
 
-// 1/(s² + 2ζωs + ω²) of one mode and its slopes with ω and ζ.
+// 1/(s² + 2ζωs + ω²) of one mode and its derivatives by ω and ζ.
 struct Resonance {
   Complex value, by_omega, by_damping;
 };
@@ -47,14 +47,15 @@ Resonance resonance(double own, double ratio, double omega) {
   return {value, -value * value * (2.0 * ratio * s + 2.0 * own), -value * value * 2.0 * own * s};
 }
 
-// l r / (2jω_d (s − p)) of a mode: what of it goes with l r, the rest being with their conjugates.
+// 1 / (2jω_d (s − p)): the factor of l r in a complex mode. The rest of the resonance is the factor
+// of the conjugate of l r.
 Complex half_resonance(double own, double ratio, double omega) {
   const double damped = own * std::sqrt(1.0 - ratio * ratio);
   const Complex pole(-ratio * own, damped);
   return 1.0 / (Complex(0.0, 2.0 * damped) * (Complex(0.0, omega) - pole));
 }
 
-// Deviations of ω, ζ and the input vector of a mode, as the match has scaled it.
+// Covariances of ω, ζ and the input vector of a mode, in the scale of the match.
 struct ModeSpread {
   Eigen::Matrix2d pole = Eigen::Matrix2d::Zero();
   Eigen::RowVectorXd input;  // q: variances
@@ -75,14 +76,14 @@ ModeSpread spread(const ModalFit& fit, const GainMatch& match, Eigen::Index m) {
   return result;
 }
 
-// Of a place that no sensor measured, per actuator: delays of outputs count with their mean.
+// Delay per actuator for a place without a sensor: delays of outputs enter only by their mean.
 Eigen::VectorXd input_delays(const ModalFit& fit) {
   Eigen::VectorXd all = Eigen::VectorXd::Constant(fit.model.input_count(), fit.delay_s);
   if (fit.delay_of == DelayOf::inputs) all += fit.channel_delay_s;
   return all;
 }
 
-// Per actuator: δG = φ (h δr + r h_ω δω + r h_ζ δζ), over φ.
+// Variance per actuator, divided by φ²: δG = φ (h δr + r h_ω δω + r h_ζ δζ).
 Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
                                   const Eigen::RowVectorXd& input) {
   Eigen::RowVectorXd result(input.size());
@@ -95,7 +96,7 @@ Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
   return result;
 }
 
-// A variance that rounding left below zero is zero; one that is not known is infinite.
+// Root of each variance. A variance below zero by rounding gives zero; an unknown one is infinite.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& variance) {
   return variance.unaryExpr([](double one) {
     return std::isfinite(one) ? std::sqrt(std::max(0.0, one))
@@ -103,7 +104,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& variance) {
   });
 }
 
-// K×nq; of real shapes empty.
+// K×nq; empty for real shapes.
 Eigen::MatrixXcd complex_values(const ModalFit& fit, const GainMatch& match,
                                 const PlacesOfInterest& places,
                                 const Eigen::VectorXd& frequency_hz) {
@@ -111,7 +112,7 @@ Eigen::MatrixXcd complex_values(const ModalFit& fit, const GainMatch& match,
   return responses(model_at(fit, match, places), complex_shapes_at(match, places), frequency_hz);
 }
 
-// Of all modes, K×m; of complex shapes also what of it goes with l r.
+// `whole`: the resonances of all modes, K×m. `half`, for complex shapes only: the factors of l r.
 struct Resonances {
   Eigen::MatrixXcd whole, half;
 };
@@ -134,8 +135,9 @@ Resonances resonances(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) 
   return all;
 }
 
-// What a row of shapes (of complex ones its real, then its imaginary parts) and the residual of
-// each actuator are multiplied by to give the response to actuator j.
+// The matrix that gives the response to actuator j from a vector of unknowns: the row of
+// shapes (for complex shapes first its real, then its imaginary parts), then the
+// residual of each actuator.
 Eigen::MatrixXcd row_columns(const Resonances& h, const GainMatch& match, Eigen::Index j) {
   const auto m = h.whole.cols();
   const bool complex = h.half.size() > 0;
@@ -232,7 +234,7 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
     right += (weighted * data.value.col(j)).real();
   }
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (normal(i, i) == 0.0) normal(i, i) = 1.0;  // imaginary parts of rigid-body modes
+    if (normal(i, i) == 0.0) normal(i, i) = 1.0;  // occurs for imaginary parts of rigid-body modes
   }
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(

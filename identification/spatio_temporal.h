@@ -1,4 +1,4 @@
-// Responses at places that no sensor measures: identified modes with rows of shapes from a field.
+// Responses at places without a sensor: identified modes with shape rows from a field.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,20 +21,22 @@ struct PlacesOfInterest {
 /// G(ρ, s) = [Σ φ_m(ρ) r_m / (s² + 2ζ_m ω_m s + ω_m²) + residual] e^{−sτ} with its deviation.
 struct PredictedResponses {
   std::vector<Eigen::MatrixXcd> value;  ///< [k], each n×q
-  /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit) and the
-  /// shapes' deviations, modes independent of each other. Each part of G lies within 1.96/√2 of it
-  /// in 95 % of the cases, |δG| within 1.73. Infinite where a part of it is not known.
+  /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit) and
+  /// from the shapes' deviations; modes are independent of each other. The error of Re G and
+  /// of Im G is within 1.96/√2 of it in 95 % of the cases, |δG| within 1.73. Infinite where
+  /// a part is not known.
   std::vector<Eigen::MatrixXd> deviation;
 };
 
-/// With general damping as ComplexShapes has it.
+/// With general damping the response has the form of ComplexShapes.
 /// Cost: k n q m.
 /// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes
 [[nodiscard]] PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places,
                                            const Eigen::VectorXd& frequency_hz);
 
-/// The model from the actuators to the places, without the delay; of complex shapes the real parts.
+/// The model from the actuators to the places, without the delay. Complex shapes enter
+/// with their real parts.
 [[nodiscard]] modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places);
 
@@ -42,14 +44,15 @@ struct PredictedResponses {
 [[nodiscard]] ComplexShapes complex_shapes_at(const GainMatch& match,
                                               const PlacesOfInterest& places);
 
-/// What the responses of one further sensor say of its row: φ_m by linear least squares, poles and
-/// input vectors as they were fitted without it. Of complex shapes the real parts. For scoring.
+/// The shape row of one further sensor, estimated from its responses: φ_m by linear least
+/// squares, with poles and input vectors of the fit without it. For complex shapes it holds the
+/// real parts. For scoring.
 struct FittedRow {
   Eigen::RowVectorXd shape, deviation;  ///< m
   Eigen::RowVectorXd residual;          ///< q
 };
-/// @param data  of that sensor alone, the actuators in the order of the fit
-/// @throws InvalidInput  the actuators differ in number, or it has several outputs
+/// @param data  of that sensor alone, with the actuators in the order of the fit
+/// @throws InvalidInput  the number of actuators differs, or the data have several outputs
 [[nodiscard]] FittedRow fitted_row(const ModalFit& fit, const GainMatch& match,
                                    const FitData& data);
 

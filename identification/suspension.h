@@ -1,4 +1,4 @@
-// Which modes above 0 Hz are the body moving as a whole on its suspension.
+// Modes above 0 Hz in which the body moves rigidly on its suspension.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,22 +9,23 @@
 namespace chladni::identification {
 
 struct Suspension {
-  std::vector<Eigen::Index> modes;  ///< of the fit, the lowest ones
-  /// How far their shapes may be from a motion as a whole, a part of the shape's rms: (f / f₁)² of
-  /// the highest of them, f₁ the lowest bending mode, or what the fit shows where that is more.
+  std::vector<Eigen::Index> modes;  ///< the lowest modes of the fit
+  /// Possible distance of their shapes from rigid motion, relative to the shape's rms:
+  /// (f / f₁)² of the highest of them, with f₁ the lowest bending mode. If the fit shows more,
+  /// that value counts.
   double bending = 0.0;
 };
 
-/// The lowest modes above 0 Hz, as many as there are motions at most, whose shape at the side with
-/// more channels is such a motion within a fifth of its rms, and that lie below a third of the next
-/// mode. A side with no more channels than motions says nothing of a shape. Empty where the body
-/// moves freely (modes at 0 Hz), or nothing tells.
+/// Finds the lowest modes above 0 Hz that are rigid motions, at most as many as there are motions.
+/// Their shape, at the side with more channels, is a rigid motion within a fifth of its rms, and
+/// they lie below a third of the next mode. A side with no more channels than motions tells nothing
+/// about a shape. Empty where the body is free (modes at 0 Hz) or the data do not tell.
 /// @param outputs, inputs  p×r and q×r, as rigid_directions gives them
 [[nodiscard]] Suspension suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
                                     const Eigen::MatrixXd& inputs);
 
 /// The lowest `count` modes above 0 Hz, whatever their shapes are.
-/// @throws InvalidInput  there are fewer of them, or more are asked for than there are motions
+/// @throws InvalidInput  fewer such modes exist, or `count` is above the number of motions
 [[nodiscard]] Suspension stated_suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
                                            const Eigen::MatrixXd& inputs, Eigen::Index count);
 

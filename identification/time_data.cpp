@@ -18,7 +18,7 @@ void check_names(const std::vector<modal::MeasuredChannel>& channels, const std:
   }
 }
 
-// The first sample that is not finite, by its place.
+// Reports the first sample that is not finite with its channel and index.
 void check_finite(const Eigen::MatrixXd& samples, const std::string& record,
                   const std::vector<modal::MeasuredChannel>& channels) {
   if (samples.allFinite()) return;

@@ -1,4 +1,4 @@
-// What an experiment records, sample by sample.
+// The recorded samples of an experiment.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,13 +11,13 @@ namespace chladni::identification {
 /// One uninterrupted recording of N samples.
 struct Record {
   Eigen::MatrixXd outputs;     ///< N×p
-  Eigen::MatrixXd inputs;      ///< N×q: what acted on the structure
-  Eigen::MatrixXd references;  ///< N×r: what was injected into a loop; N×0 in open loop
+  Eigen::MatrixXd inputs;      ///< N×q: forces on the structure
+  Eigen::MatrixXd references;  ///< N×r: signals added in a loop; N×0 in open loop
   int experiment = 0;          ///< records of one realisation of a MIMO excitation count from 0
-  int realisation = 0;         ///< of the random phases, from 0
+  int realisation = 0;         ///< index of the random phases, from 0
 };
 
-/// All recordings of one structure. In SI where the channels' units are stated.
+/// All recordings of one structure. Values are in SI where the channels' units are stated.
 struct TimeData {
   std::vector<modal::MeasuredChannel> outputs, inputs, references;
   double sample_time_s = 0.0;
@@ -25,7 +25,7 @@ struct TimeData {
   std::vector<Record> records;
 };
 
-/// @throws InvalidInput  sizes differ, a sample is not finite, names are empty or twice
+/// @throws InvalidInput  sizes differ, a sample is not finite, a name is empty or occurs twice
 void check(const TimeData& data);
 
 }  // namespace chladni::identification

@@ -13,28 +13,28 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kMostUnexplained = 0.25;    // of the power; a relative error of a half
-constexpr double kMostDoubtful = 0.5;        // of what the modes explain
-constexpr double kOfItself = 0.5;            // a deviation of that order
-constexpr double kDeviations = 5.0;          // above which is no chance
+constexpr double kMostUnexplained = 0.25;    // of the power; this is a relative error of a half
+constexpr double kMostDoubtful = 0.5;        // of the power that the modes explain
+constexpr double kOfItself = 0.5;            // relative deviation that makes a mode doubtful
+constexpr double kDeviations = 5.0;          // a larger difference is not chance
 constexpr double kFalseAlarm = 1e-6;         // per record
 constexpr double kBesideNeighbours = 8.0;    // times their median
-constexpr double kJump = 20.0;               // likewise, of jumps in the data
-constexpr double kLoose = 1.5;               // level where the noise is an estimate of ours
-constexpr double kBadLevel = 10.0;           // above which the fit may be bent
-constexpr double kAlwaysOff = 0.002;         // of the response: no model is nearer to a structure
-constexpr double kSteepOff = 0.02;           // likewise, of its change from line to line
+constexpr double kJump = 20.0;               // the same, for jumps in the data
+constexpr double kLoose = 1.5;               // level, where the noise is estimated here
+constexpr double kBadLevel = 10.0;           // a fit above this level may be distorted
+constexpr double kAlwaysOff = 0.002;         // of the response: every model has such an error
+constexpr double kSteepOff = 0.02;           // the same, for the change from line to line
 constexpr double kMedianPower = 0.6931;      // of an exponential number of mean 1
 constexpr Eigen::Index kReach = 12;          // lines on each side
 constexpr Eigen::Index kMostRefitted = 200;  // responses
-constexpr double kMostOutlying = 0.05;       // of the values; more are no outliers
+constexpr double kMostOutlying = 0.05;       // of the values; more of them are no outliers
 
-// |w n| that noise alone exceeds once in a million records.
+// The |w n| that noise alone exceeds once in a million records.
 double largest_of_noise(const FitData& data) {
   const double numbers = std::max(1.0, 0.5 * static_cast<double>(data.measured_count()));
   const double v = data.noise_known ? data.noise_freedom : 0.0;
   const double rare = std::log(numbers / kFalseAlarm);
-  // P(F > t) of 2 and 2ν degrees of freedom is (1 + t/ν)^−ν; of an exponential number e^−t.
+  // P(F > t) is (1 + t/ν)^−ν with 2 and 2ν degrees of freedom; an exponential number has e^−t.
   return std::sqrt(v > 0.0 ? v * std::expm1(rare / v) : rare);
 }
 
@@ -45,7 +45,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// Of the measured ones among ±kReach lines, those nearer than `gap` left out.
+// Median of the measured values among ±kReach lines, without those within `gap` of line k.
 double median_beside(const Eigen::VectorXd& values, const Eigen::VectorXd& weight, Eigen::Index k,
                      Eigen::Index gap) {
   std::vector<double> beside;
@@ -56,17 +56,18 @@ double median_beside(const Eigen::VectorXd& values, const Eigen::VectorXd& weigh
   return median(beside);
 }
 
-// Whether numbers of mean 1 are spread as those of noise are, a hundredth of them apart: outliers
-// are fewer, resonances that the model does not explain are more.
+// Whether numbers of mean 1 spread as noise does. The test ignores the largest hundredth: outliers
+// are fewer than that, resonances that the model does not explain are more.
 bool is_noise(std::vector<double>& powers) {
-  constexpr double kMostOfHundred = 12.0;  // 4.6 are expected, 6.2 of 8 degrees of freedom
+  constexpr double kMostOfHundred = 12.0;  // 4.6 for exact variances, 6.2 for 8 degrees of freedom
   if (powers.empty()) return true;
   const auto high = powers.begin() + std::ssize(powers) * 99 / 100;
   std::nth_element(powers.begin(), high, powers.end());
   return *high < kMostOfHundred && median(powers) < 1.5 * kMedianPower;
 }
 
-// |G − Ĝ| in deviations: of the noise, and of the model where noise does not explain what is left.
+// |G − Ĝ| in deviations of the noise; where noise does not explain the residual, of
+// the model as well.
 Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, Eigen::Index e) {
   const auto lines = data.line_count();
   const Eigen::ArrayXd weight = data.weight.col(e).array();
@@ -89,7 +90,7 @@ Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, E
   for (Eigen::Index k = 0; k < lines; ++k) {
     if (!(weight(k) > 0.0)) continue;
     double square = std::pow(weight(k), -2) + relative * size(k) * size(k);
-    // Resonances that drift, or narrower than the lines are apart.
+    // Allows for resonances that drift or that are narrower than the distance of the lines.
     const double below = k > 0 ? std::abs(fitted(k) - fitted(k - 1)) : 0.0;
     const double above = k + 1 < lines ? std::abs(fitted(k + 1) - fitted(k)) : 0.0;
     const double steep = (explained ? kSteepOff : 1.0) * std::max(below, above);
@@ -114,7 +115,7 @@ std::vector<OutlyingValue> outlying_of(const FitData& data, const ModalFit& fit)
   return found;
 }
 
-// Values beside which the data jump as they do nowhere near.
+// Values where the data jump far more than at the lines nearby.
 std::vector<OutlyingValue> jumps_of(const FitData& data) {
   std::vector<OutlyingValue> found;
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
@@ -139,7 +140,7 @@ std::vector<OutlyingValue> jumps_of(const FitData& data) {
   return found;
 }
 
-// K×pq: |w h l r|² of a mode by itself.
+// K×pq: |w h l r|² of one mode alone.
 Eigen::MatrixXd powers_of(const ModalFit& fit, Eigen::Index m, const FitData& data) {
   ModalFit one;
   one.model = fit.model;
@@ -157,10 +158,10 @@ Eigen::MatrixXd powers_of(const ModalFit& fit, Eigen::Index m, const FitData& da
   return responses(one, data.frequency_hz).cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2());
 }
 
-// The lines of which some mode lives: those values that stand out may be all that it is there for.
+// Values in the lines that carry most of one mode: such a mode may exist only because of them.
 std::vector<OutlyingValue> sole_supports(const FitData& data, const ModalFit& fit) {
-  constexpr double kMost = 0.3;   // of the mode's power in one line
-  constexpr double kPart = 0.01;  // of that line's, in one response
+  constexpr double kMost = 0.3;   // part of the mode's power in one line
+  constexpr double kPart = 0.01;  // part of that line's power in one response
   std::vector<OutlyingValue> found;
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
     const auto power = powers_of(fit, m, data);
@@ -184,8 +185,8 @@ FitData without(const FitData& data, const std::vector<OutlyingValue>& values) {
   return result;
 }
 
-// All measured values of the candidates' lines, where those are few: what spoils one value of a
-// line often spoils others, and the ones that stay would bend the fit again.
+// All measured values of the candidates' lines, if these lines are few. A fault in one value of a
+// line often reaches others of the line; if those stay, they distort the fit again.
 std::vector<OutlyingValue> whole_lines(const FitData& data, std::vector<OutlyingValue> candidates) {
   std::set<Eigen::Index> lines;
   for (const auto& one : candidates) lines.insert(one.line);
@@ -201,7 +202,7 @@ std::vector<OutlyingValue> whole_lines(const FitData& data, std::vector<Outlying
   return candidates;
 }
 
-// What of the candidates the fit without them contradicts.
+// The candidates that the fit without them contradicts.
 std::vector<OutlyingValue> confirmed(const FitData& data, const ModalFit& clean,
                                      const std::vector<OutlyingValue>& candidates) {
   const auto all = outlying_of(data, clean);
@@ -215,7 +216,7 @@ std::vector<OutlyingValue> confirmed(const FitData& data, const ModalFit& clean,
   return kept;
 }
 
-// By how many deviations of both a mode of the one is off the nearest of the other.
+// Distance of a mode of `one` to the nearest mode of `other`, in joint deviations.
 double distance(const ModalFit& one, Eigen::Index m, const ModalFit& other) {
   double nearest = std::numeric_limits<double>::infinity();
   for (auto i = other.model.rigid_count; i < other.model.mode_count(); ++i) {
@@ -228,7 +229,7 @@ double distance(const ModalFit& one, Eigen::Index m, const ModalFit& other) {
   return nearest;
 }
 
-// How the modes differ, as a sentence; empty where they do not.
+// States how the modes differ, as a sentence; empty if they do not.
 std::string difference(const ModalFit& found, const ModalFit& clean) {
   std::ostringstream text;
   if (found.model.mode_count() != clean.model.mode_count()) {
@@ -251,7 +252,7 @@ std::string difference(const ModalFit& found, const ModalFit& clean) {
   return text.str();
 }
 
-// Whether some mode has a third of its power in the lines of these values.
+// Whether a mode has a third of its power in the lines of these values.
 bool lives_of(const ModalFit& fit, const FitData& data, const std::vector<OutlyingValue>& values) {
   for (const auto& support : sole_supports(data, fit)) {
     for (const auto& one : values) {
@@ -261,7 +262,7 @@ bool lives_of(const ModalFit& fit, const FitData& data, const std::vector<Outlyi
   return false;
 }
 
-// The outlying values go into the judgement, and what they do to the result.
+// Puts the outlying values and their effect on the result into the judgement.
 void look_for_outliers(const Identified& found, const FitData& data,
                        const std::optional<IdentificationOptions>& again, Judgement& judgement) {
   auto candidates = outlying_of(data, found.fit);
@@ -281,13 +282,13 @@ void look_for_outliers(const Identified& found, const FitData& data,
     const auto clean = identified(without(data, candidates), *again);
     judgement.outlying = confirmed(data, clean.fit, candidates);
     if (judgement.outlying.empty()) return;
-    // Where no variance is stated deviations are guesses, and weak modes come and go.
+    // Where no variance is stated, deviations are guesses and weak modes appear and disappear.
     const bool bent = data.noise_stated || judgement.level > kBadLevel ||
                       judgement.unexplained > kMostUnexplained ||
                       lives_of(found.fit, data, judgement.outlying);
     const auto how = bent ? difference(found.fit, clean.fit) : std::string();
     if (!how.empty()) judgement.reasons.push_back("outlying values decide the result: " + how);
-  } catch (const InvalidInput&) {  // nothing is left without them
+  } catch (const InvalidInput&) {  // no mode is left without them
     judgement.outlying = std::move(candidates);
     judgement.reasons.emplace_back("without the values that jump nothing stands out of the noise");
   }

@@ -1,5 +1,5 @@
-// A laboratory that does not exist: a structure shaken sample by sample, with the hardware's delay,
-// noise, quantisation and loop. It uses no code of the estimators that it feeds.
+// A virtual laboratory: a structure is excited sample by sample, with the delay, noise,
+// quantisation and loop of hardware. The code shares nothing with the estimators that use its data.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,23 +15,23 @@
 
 namespace chladni::identification {
 
-/// A spring to ground of force k y³ where `output` measures a displacement and `input` pushes.
+/// A spring from the structure to ground with force k y³: `output` measures y, `input` pushes.
 struct CubicSpring {
   double stiffness = 0.0;  ///< [N/m³]
   Eigen::Index output = 0, input = 0;
 };
 
-/// Channels beyond the recorded ones are at the end of the plant's (for a spring between them).
+/// The plant's channels come first the recorded ones, then any others (for a spring at them).
 struct VirtualRig {
   Plant plant;
-  std::vector<modal::MeasuredChannel> outputs, inputs;  ///< recorded: at most the plant's
+  std::vector<modal::MeasuredChannel> outputs, inputs;  ///< the recorded channels, at most all
   double sample_time_s = 0.0;
-  double delay_s = 0.0;           ///< from the command to the force; one sample or more in a loop
+  double delay_s = 0.0;           ///< from the command to the force; at least one sample in a loop
   Eigen::VectorXd sensor_noise;   ///< rms, white, per recorded output; empty: none
-  Eigen::VectorXd process_noise;  ///< [N], rms per sample, held, on each recorded input; or empty
+  Eigen::VectorXd process_noise;  ///< [N], rms per sample, held, for each recorded input; or empty
   Eigen::VectorXd quantisation;   ///< step of each recorded output, 0: none; or empty
   std::optional<CubicSpring> spring;
-  int substeps = 8;  ///< of a sample, with a spring: error of second order in them
+  int substeps = 8;  ///< steps per sample with a spring: the error is of second order in the step
   std::optional<Controller> controller;
 };
 
@@ -39,11 +39,11 @@ struct VirtualRig {
 ///                       or without delay
 void check(const VirtualRig& rig);
 
-/// The structure starts at rest and is driven by N samples of command for each recorded input, held
-/// between samples; in a loop they are references, added to what the controller asks for. What is
-/// recorded as input is the command that left for the hardware.
-/// Cost: linear and open loop samples·states·(channels), else as much in steps.
-/// @throws InvalidInput      as check(); another number of inputs
+/// The structure starts at rest. N samples of command drive each recorded input, held between
+/// samples. In a loop the commands are references that are added to the controller's output. The
+/// recorded input is the command that is sent to the hardware.
+/// Cost: samples·states·channels if linear and in open loop, else the same for every step.
+/// @throws InvalidInput      as check(); the number of inputs differs
 /// @throws NumericalFailure  the response grows without bound
 [[nodiscard]] Record recorded(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise);
 
@@ -51,16 +51,16 @@ struct VirtualExperimentPlan {
   MultisinePlan multisine;
   InputScheme scheme = InputScheme::one_at_a_time;
   Eigen::Index periods = 10;
-  Eigen::Index warm_up = 0;  ///< periods before those recorded
+  Eigen::Index warm_up = 0;  ///< periods before the recorded ones
 };
 
-/// One realisation, a record for each experiment; in a loop with references. `crest_factor` gets
-/// the largest of the excitation.
+/// One realisation with a record for each experiment; a loop has references. `crest_factor`
+/// receives the largest crest factor of the excitation.
 /// @throws as experiments() and recorded()
 [[nodiscard]] TimeData realisation(const VirtualRig& rig, const VirtualExperimentPlan& plan,
                                    int number, Draw& draw, double* crest_factor = nullptr);
 
-/// All realisations in one.
+/// All realisations in one data set.
 [[nodiscard]] TimeData virtual_experiment(const VirtualRig& rig, const VirtualExperimentPlan& plan,
                                           int realisations, unsigned seed,
                                           const Progress& progress = {});

@@ -11,12 +11,12 @@ namespace chladni::modal {
 /// Displacement, velocity or acceleration per force: [m/N], [m/(N s)], [m/(N s²)].
 enum class FrfKind { receptance, mobility, accelerance };
 
-/// How a mode loses energy: in proportion to its speed, or to its displacement at any speed (loss
-/// factor 2ζ; a steady state only, it has no state space).
+/// The damping of a mode: proportional to its velocity, or to its displacement at any speed (loss
+/// factor 2ζ; only for the steady state, without a state space).
 enum class ModalDamping { viscous, hysteretic };
 
-/// Time goes as e^{+jωt}: a receptance above its mode lags behind, its phase is in [−180°, 0] where
-/// output and input are one place.
+/// The time factor is e^{+jωt}: a receptance above its mode lags, and its phase is in [−180°, 0] if
+/// output and input are at one place.
 struct Frf {
   Eigen::VectorXd frequency_hz;         ///< k
   std::vector<Eigen::MatrixXcd> value;  ///< [k], each outputs × inputs
@@ -25,9 +25,9 @@ struct Frf {
   [[nodiscard]] Eigen::VectorXcd channel(Eigen::Index output, Eigen::Index input) const;
 };
 
-/// G(ω) = Σ φ φᵀ / (ω_k² − ω² + 2jζ_kω_kω) + R, then the dashpots:
-/// G − jω G_yd (1 + jω G_dd)⁻¹ G_du (Woodbury; what they do to each other and to the modes is
-/// exact). Rigid-body modes contribute −φφᵀ/ω².
+/// G(ω) = Σ φ φᵀ / (ω_k² − ω² + 2jζ_kω_kω) + R, then the dashpots: G − jω G_yd (1 + jω G_dd)⁻¹
+/// G_du (Woodbury; exact for their effect on each other and on the modes). Rigid-body modes
+/// contribute −φφᵀ/ω².
 /// Cost: (p + d)(q + d) m per frequency.
 /// @throws InvalidInput  the model does not fit together; a frequency is negative or not finite, is
 ///                       0 with rigid-body modes, or is that of a mode without damping
@@ -35,7 +35,7 @@ struct Frf {
                       FrfKind kind = FrfKind::receptance,
                       ModalDamping damping = ModalDamping::viscous);
 
-/// The same responses as another kind.
+/// The same responses converted to another kind.
 /// @throws InvalidInput  division by a frequency of 0
 [[nodiscard]] Frf converted(const Frf& frf, FrfKind kind);
 

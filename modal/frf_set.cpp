@@ -108,7 +108,7 @@ constexpr std::array<std::string_view, 3> kPerTime{"", "/s", "/s^2"};
 
 int steps_of(FrfKind from, FrfKind to) { return static_cast<int>(to) - static_cast<int>(from); }
 
-// "m/s^2" as a receptance is "m"; what does not end so gets the factor of time itself.
+// "m/s^2" as a receptance is "m"; other units get the factor of time appended.
 std::string converted_unit(const std::string& unit, FrfKind from, FrfKind to) {
   if (unit.empty() || from == to) return unit;
   const auto ending = kPerTime[static_cast<std::size_t>(from)];
@@ -121,7 +121,7 @@ std::string converted_unit(const std::string& unit, FrfKind from, FrfKind to) {
   return unit + (steps > 0 ? "/s" : " s") + (std::abs(steps) == 2 ? "^2" : "");
 }
 
-// One row times s^steps.
+// Multiplies one row by s^steps.
 void differentiate(FrfSet& set, Eigen::Index output, int steps) {
   for (Eigen::Index k = 0; k < set.line_count(); ++k) {
     const auto line = static_cast<std::size_t>(k);

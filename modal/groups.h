@@ -1,4 +1,4 @@
-// Modes that cannot be told apart, taken together.
+// Groups of modes with equal or nearly equal frequencies.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,14 +6,13 @@
 
 namespace chladni::modal {
 
-/// Neighbouring columns of the shapes: one mode, or several that are repeated or nearly so.
+/// Neighbouring columns of the shapes: one mode, or several repeated or nearly repeated modes.
 struct ModeGroup {
   Eigen::Index first = 0, size = 1;
 };
 
 /// Neighbours belong together while their frequencies differ by at most `tolerance` of the lower
-/// one (chained; modal/repeated.h says which tolerance is for what). Tolerance 0 takes only equal
-/// ones together.
+/// one (chained; modal/repeated.h gives the tolerances). Tolerance 0 joins only equal frequencies.
 /// @param frequency_hz  m, ascending
 /// @returns             in order; their sizes sum to m
 /// @throws InvalidInput  the frequencies are not ascending or not finite, tolerance is negative

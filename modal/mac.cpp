@@ -32,7 +32,7 @@ void require_comparable(const Matrix& a, const Matrix& b) {
   require_shapes(b, "b");
 }
 
-// Columns of length 1; squares of very large or small entries would not be numbers.
+// Columns of length 1; the stable norm avoids squares that overflow or underflow.
 template <typename Matrix>
 Matrix unit_columns(Matrix shapes) {
   for (Eigen::Index j = 0; j < shapes.cols(); ++j) shapes.col(j).stableNormalize();

@@ -18,7 +18,7 @@ struct Group {
   Eigen::Index first = 0, size = 1;
 };
 
-// Rigid-body modes form one group; flexible ones as long as the group's band stays within the gap.
+// Rigid-body modes form one group. Flexible modes form a group within `gap` above its first mode.
 std::vector<Group> groups(const Modes& modes, double gap) {
   std::vector<Group> result;
   if (modes.rigid_count > 0) result.push_back({0, modes.rigid_count});
@@ -34,8 +34,8 @@ std::vector<Group> groups(const Modes& modes, double gap) {
   return result;
 }
 
-// Per mode of `of` (rows) and column of `shapes`: the share of the column that lies in the span of
-// the mode's group.
+// For each mode of `of` (rows) and column of `shapes`: the part of the column in the span
+// of the mode's group.
 Eigen::MatrixXd share_in_groups(const Modes& of, const Eigen::MatrixXd& shapes, double gap) {
   Eigen::MatrixXd share(of.mode_count(), shapes.cols());
   const Eigen::MatrixXd unit = shapes.colwise().normalized();
@@ -51,7 +51,7 @@ Eigen::MatrixXd share_in_groups(const Modes& of, const Eigen::MatrixXd& shapes, 
 }
 
 // Shortest augmenting paths with potentials (Jonker and Volgenant's form of the Hungarian method).
-// Rows and columns count from 1; column 0 is where a path begins, row 0 is no row.
+// Rows and columns count from 1; a path starts at column 0, and row 0 means no row.
 class Assignment {
  public:
   explicit Assignment(const Eigen::MatrixXd& cost)
@@ -78,8 +78,8 @@ class Assignment {
     for (; column != 0; column = before_[column]) row_of_[column] = row_of_[before_[column]];
   }
 
-  // The nearest column not seen yet, after looking from `column`'s row; it becomes as near as
-  // those that were.
+  // Returns the nearest unseen column after the step from `column`'s row. The potentials change so
+  // that this column has the distance 0.
   std::size_t next_column(std::size_t column) {
     seen_[column] = 1;
     const auto row = row_of_[column];
@@ -109,13 +109,13 @@ class Assignment {
 
   const Eigen::MatrixXd& cost_;
   std::vector<double> row_potential_, column_potential_;
-  std::vector<std::size_t> row_of_;  // of each column
-  std::vector<double> least_;        // distance of each column from the path's begin
+  std::vector<std::size_t> row_of_;  // row of each column
+  std::vector<double> least_;        // distance of each column from the start of the path
   std::vector<std::size_t> before_;
   std::vector<char> seen_;
 };
 
-// For each row the column it is given; rows <= columns.
+// The column of each row; rows <= columns.
 std::vector<Eigen::Index> assigned_columns(const Eigen::MatrixXd& cost) {
   const Assignment assignment(cost);
   std::vector<Eigen::Index> result(static_cast<std::size_t>(cost.rows()), -1);
@@ -131,7 +131,7 @@ Eigen::MatrixXd costs(const Modes& a, const Modes& b, const Eigen::MatrixXd& ali
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
     for (Eigen::Index j = 0; j < cost.cols(); ++j) {
       const bool rigid = i < a.rigid_count;
-      // Among equals (repeated modes) the order is kept: the last term is convex in i − j.
+      // Equal costs (repeated modes) keep the order: the last term is convex in i − j.
       cost(i, j) = 1.0 - alike(i, j) + 1e-9 * std::pow(static_cast<double>(i - j), 2);
       if (rigid != (j < b.rigid_count)) {
         cost(i, j) = kForbidden;

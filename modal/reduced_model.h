@@ -1,4 +1,4 @@
-// What is left of a structure at its channels: some modes, and the flexibility of all others.
+// A structure reduced to its channels: some modes, and the flexibility of all others.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,10 @@ struct ReducedModel {
   Eigen::Index rigid_count = 0;
   Eigen::MatrixXd output_shapes;  ///< p×m [kg^-1/2]
   Eigen::MatrixXd input_shapes;   ///< m×q [kg^-1/2]
-  Eigen::MatrixXd residual;       ///< p×q [m/N]: static flexibility of the modes left out; zero
-                                  ///< where it is not known
+  Eigen::MatrixXd residual;       ///< p×q [m/N]: static flexibility of the omitted modes; zero
+                                  ///< if it is not known
 
-  /// Dashpots in single places. They couple the modes, so they are kept apart: each acts on one
+  /// Dashpots at single places. They couple the modes and are therefore separate. Each acts on one
   /// displacement, scaled by the root of its constant c.
   struct Dampers {
     Eigen::MatrixXd shapes;       ///< d×m [kg^-1/2 (N s/m)^1/2]

@@ -16,8 +16,8 @@ namespace {
 
 // Dashpots in the principal directions of their residual flexibility R = Q diag(r) Qᵀ.
 //
-// The structure moves at a dashpot with v = Φ q̇ + R_du u̇ + R f˙, and f = −v. Where r > 0 this is a
-// state z = f + R_du u / r with ż = −(f + Φ q̇) / r; where r = 0 (then R_du = 0 too) f = −Φ q̇.
+// At a dashpot the structure moves with v = Φ q̇ + R_du u̇ + R f˙, and f = −v. If r > 0 this is a
+// state z = f + R_du u / r with ż = −(f + Φ q̇) / r. If r = 0 (then R_du = 0 too), f = −Φ q̇.
 struct PrincipalDampers {
   Eigen::MatrixXd soft_shapes, soft_from_inputs, soft_to_outputs;  // s rows, s rows, s columns
   Eigen::VectorXd lag;                                             // r, s [s]
@@ -35,7 +35,7 @@ PrincipalDampers principal(const ReducedModel& model) {
   if (d == 0) return result;
   const auto& dampers = model.dampers;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(dampers.among);
-  // Residuals that are rounding beside what the modes give at the same place are zero.
+  // Residuals that are only rounding relative to the modes' part at the same place are zero.
   const auto flexible = m - model.rigid_count;
   const Eigen::VectorXd omega = 2.0 * std::numbers::pi * model.frequency_hz.tail(flexible);
   const double modal =

@@ -14,21 +14,21 @@ struct StateSpace {
   double sample_time_s = 0.0;  ///< 0: continuous; else x[k+1] = A x[k] + B u[k]
 };
 
-/// States: ω_k q_k of each mode (q_k of a rigid-body mode: a double integrator), then q̇_k, then the
-/// force of each dashpot whose place has residual flexibility, d(residual)/dt being its speed too.
-/// For displacements the residual flexibility is in D. It has no place in a proper model of
-/// velocities or accelerations: there its own path to the outputs is left out.
+/// States: ω_k q_k of each mode (q_k for a rigid-body mode, a double integrator), then q̇_k, then
+/// the force of each dashpot whose place has residual flexibility, because d(residual)/dt is part
+/// of its velocity. For displacements the residual flexibility is in D. A proper model of
+/// velocities or accelerations cannot contain it: there its direct path to the outputs is left out.
 /// The response equals frf() with viscous damping.
 /// @throws InvalidInput  the model does not fit together
 [[nodiscard]] StateSpace state_space(const ReducedModel& model,
                                      FrfKind output = FrfKind::receptance);
 
-/// Exact for inputs that are constant between samples (zero-order hold, through the matrix
+/// Exact for inputs that are constant between samples (zero-order hold, by the matrix
 /// exponential; Van Loan 1978).
 /// @throws InvalidInput  the sample time is not positive, or the model is discrete already
 [[nodiscard]] StateSpace discretised(const StateSpace& model, double sample_time_s);
 
-/// C (z − A)⁻¹ B + D at z = jω, or e^{jωT} of a discrete model. @throws InvalidInput  f < 0
+/// C (z − A)⁻¹ B + D at z = jω, or at e^{jωT} for a discrete model. @throws InvalidInput  f < 0
 [[nodiscard]] Eigen::MatrixXcd response(const StateSpace& model, double frequency_hz);
 
 }  // namespace chladni::modal

@@ -9,7 +9,7 @@
 
 namespace chladni::placement {
 
-// To add one: a file in placement/criteria/, its name here, its pointer in the table.
+// A new criterion needs a file in placement/criteria/, its name here and its pointer in the table.
 extern const Criterion weakest_mode;
 extern const Criterion weakest_mode_rms;
 extern const Criterion alpha_uncertainty;
@@ -30,7 +30,7 @@ double smallest_eigenvalue(const Eigen::MatrixXd& matrix) {
       .eigenvalues()(0);
 }
 
-// Of a group, per row: the mean square of what blurs an entry there.
+// Mean square error of an entry of the group, per row: noise and the effect of position errors.
 Eigen::VectorXd blur(const PairView& view, const Eigen::MatrixXd& slopes,
                      const modal::ModeGroup& group) {
   const double noise = view.sensor_noise.segment(group.first, group.size).squaredNorm() +

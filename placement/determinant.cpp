@@ -40,7 +40,7 @@ void check(const DeterminantProblem& problem) {
                      std::to_string(placed) + " do");
 }
 
-// Any set that keeps the spacing, in a random order of the candidates; empty where none was found.
+// A random set of sites that keeps the spacing; empty if none was found.
 Indices random_sites(const DeterminantProblem& problem, std::mt19937& random) {
   Indices order(static_cast<std::size_t>(problem.rows.rows()));
   std::iota(order.begin(), order.end(), 0);
@@ -81,8 +81,8 @@ Swap best_swap(const DeterminantProblem& problem, const Indices& sites) {
   return best;
 }
 
-// Candidates that a choice better than `target` could have: the relaxation's bound falls by at
-// least last_in − d_c where c is forced in (reduced cost).
+// Candidates that a choice better than `target` can contain: if c is forced in, the relaxation's
+// bound falls by at least last_in − d_c (reduced cost).
 Indices worth_looking_at(const DeterminantProblem& problem, const Relaxation& root, double target) {
   Eigen::VectorXd sorted = root.gain;
   std::sort(sorted.data(), sorted.data() + sorted.size(), std::greater<>());
@@ -93,7 +93,7 @@ Indices worth_looking_at(const DeterminantProblem& problem, const Relaxation& ro
   }
   const auto enough = static_cast<std::size_t>(std::min(2 * problem.count, problem.rows.rows()));
   if (worth.size() >= enough) return worth;
-  worth.resize(static_cast<std::size_t>(problem.rows.rows()));  // as good as proven: look at all
+  worth.resize(static_cast<std::size_t>(problem.rows.rows()));  // almost proven: use all
   std::iota(worth.begin(), worth.end(), 0);
   return worth;
 }
@@ -105,7 +105,7 @@ DeterminantProblem part(const DeterminantProblem& problem, const Indices& candid
   return rest;
 }
 
-// The heaviest of a relaxation that keep the spacing.
+// The candidates of largest weight in a relaxation that keep the spacing.
 Indices rounded(const DeterminantProblem& problem, const Eigen::VectorXd& weight) {
   Indices order(static_cast<std::size_t>(weight.size()));
   std::iota(order.begin(), order.end(), 0);
@@ -134,7 +134,7 @@ double Choice::certificate(Eigen::Index r) const {
 Eigen::MatrixXd information(const DeterminantProblem& problem, const Indices& sites) {
   const Eigen::MatrixXd rows = problem.rows(sites, Eigen::all);
   Eigen::MatrixXd sum = problem.prior + rows.transpose() * rows;
-  // So small that it shows only where nothing else is seen.
+  // So small that it matters only if no site sees a direction.
   sum.diagonal().array() += 1e-10 * problem.rows.rowwise().squaredNorm().maxCoeff();
   return sum;
 }

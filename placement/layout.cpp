@@ -6,7 +6,8 @@
 
 namespace chladni::placement {
 
-// To add one: a definition in placement/layout_criteria/, its name here, its pointer in the table.
+// A new criterion needs a definition in placement/layout_criteria/, its name here and its
+// pointer in the table.
 extern const LayoutCriterion observed_points, observability, controllability, response, determinant,
     a_optimality, smallest_singular_value, condition, auto_mac, effective_independence,
     kinetic_energy, pair_alpha, interpolation_error, interpolation_worst_mode,

@@ -1,4 +1,4 @@
-// How good a set of sensors and actuators is.
+// Criteria for the quality of a set of sensors and actuators.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,13 +13,13 @@
 
 namespace chladni::placement {
 
-/// What a layout criterion sees: s sensors, a actuators, m wanted modes in g groups, r modes in
-/// all.
+/// Input of a layout criterion: s sensors, a actuators, m wanted modes in g
+/// groups, r modes in total.
 struct LayoutView {
   std::vector<modal::ModeGroup> groups;
   Eigen::MatrixXd sensors;                                   ///< s×m [kg^-1/2]
   Eigen::MatrixXd actuators;                                 ///< a×m [kg^-1/2]
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;  ///< sensor and actuator in one place
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;  ///< sensor and actuator at one place
   Eigen::VectorXd frequency_hz;                              ///< m
   Eigen::VectorXd damping_ratio;                             ///< m; 0 where unknown
   Eigen::VectorXd rms;             ///< m: root mean square of a mode's group on the surface
@@ -33,8 +33,8 @@ struct LayoutView {
   Eigen::MatrixXd interest;       ///< k×m
 };
 
-/// Values are read by people: not a number means that the criterion does not apply (no pair, fewer
-/// sites than modes). All are blind to the sign of a mode and to a rotation within a group.
+/// Values are for readers: NaN means that the criterion does not apply (no pair, fewer sites than
+/// modes). No value depends on the sign of a mode or on a rotation within a group.
 struct LayoutCriterion {
   std::string_view name;     ///< key of `scores` in placement.json
   std::string_view summary;  ///< one line
@@ -46,31 +46,31 @@ struct LayoutCriterion {
 
 [[nodiscard]] std::span<const LayoutCriterion* const> layout_criteria();
 
-/// The shapes at the points that can be told apart, n_z = n_s + n_a − n_c of them (5.2): sensors,
-/// then the actuators that share their place with none; relative to each mode's root mean square.
+/// The shapes at the n_z = n_s + n_a − n_c distinct points (5.2): all sensors, then the actuators
+/// without a sensor at their place; relative to each mode's root mean square.
 [[nodiscard]] Eigen::MatrixXd observed(const LayoutView& view);
 
-/// The same for all r modes in [kg^-1/2], and the noise of each point for each wanted mode relative
-/// to its root mean square; a pair's two samples are one with less noise.
+/// The same for all r modes in [kg^-1/2], with the noise of each point for each wanted mode
+/// relative to its root mean square. The two samples of a pair count as one with less noise.
 struct Samples {
   Eigen::MatrixXd rows;   ///< n_z×r
   Eigen::MatrixXd noise;  ///< n_z×m
 };
 [[nodiscard]] Samples samples(const LayoutView& view);
 
-/// Per group, how strongly all points together see its least seen mode, over what as many points of
-/// average motion would: g. Below `kBlind` the layout cannot see it.
+/// Per group (g): how strongly all points together see its least visible mode, relative to as many
+/// points of average motion. Below `kBlind` the layout cannot see it.
 [[nodiscard]] Eigen::VectorXd sight(const LayoutView& view);
 inline constexpr double kBlind = 0.1;
 
-/// A place and a direction, as pairs are told by: n×3 [m], n×3 (unit).
+/// Places with directions, for the search of pairs: n×3 [m], n×3 (unit).
 struct Lines {
   Points position, direction;
 };
 
-/// Sensors and actuators that act along one line: parallel, no more than `beside` [m] apart across
-/// it, nor `along` [m] along it (on both faces of a thin body). Each is in one pair at most, with
-/// the nearest.
+/// Pairs of sensors and actuators that act along one line: parallel, at most `beside` [m] apart
+/// across it and `along` [m] along it (on both faces of a thin body). Each sensor in turn takes the
+/// nearest free actuator.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& sensors,
                                                                             const Lines& actuators,
                                                                             double beside,

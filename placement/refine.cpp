@@ -19,7 +19,7 @@ std::vector<mesh::Site> neighbours(const Sampler& sampler, const Sites& at, doub
     const Eigen::Vector3d place =
         at.position.row(0).transpose() + step * (std::cos(angle) * u + std::sin(angle) * v);
     auto site = sampler.finder().nearest(place);
-    // An edge belongs to two faces; not around the corner, onto the other one.
+    // An edge belongs to two faces: do not go around the corner onto the other face.
     if (site.normal.dot(normal) < 0.7) {
       const Eigen::Vector3d here = at.position.row(0).transpose();
       site = sampler.finder().nearest(site.position + 1e-3 * (here - site.position));

@@ -1,4 +1,4 @@
-// The best place near a good one.
+// Search for the best place near a good one.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,11 @@
 
 namespace chladni::placement {
 
-/// How good each of some sites is; −∞ where nothing may be.
+/// The value of each of some sites; −∞ where no device may be.
 using Worth = std::function<Eigen::VectorXd(const Sites& sites)>;
 
-/// Climbs from `start` along the surface by steps that begin with `step` [m] and are halved down to
-/// `tolerance`: eight neighbours each time. @returns one site, no worse than the start
+/// Climbs from `start` along the surface. Steps begin with `step` [m] and are halved down to
+/// `tolerance`; each step tries eight neighbours. @returns one site, no worse than the start
 [[nodiscard]] Sites refined(const Sampler& sampler, const Sites& start, const Worth& worth,
                             double step, double tolerance);
 

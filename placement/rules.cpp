@@ -9,8 +9,8 @@
 namespace chladni::placement {
 namespace {
 
-constexpr int kPieces = 8;          // of a curved edge
-constexpr double kStraight = 1e-9;  // of its length: an inner node may be off so much
+constexpr int kPieces = 8;          // pieces of a curved edge
+constexpr double kStraight = 1e-9;  // relative to its length: allowed distance of an inner node
 
 bool forbids(const KeepOutBox& box, const Sites& sites, Eigen::Index i) {
   const Eigen::Array2d at = sites.position.row(i).head<2>().transpose();
@@ -52,8 +52,8 @@ bool forbids(const WholeFootprints&, const Sites& sites, Eigen::Index i) {
   return sites.whole[static_cast<std::size_t>(i)] == 0;
 }
 
-// An edge of a face from end to end: its two ends where it is straight, else kPieces pieces of its
-// curve.
+// An edge of a face from end to end: its two ends if it is straight, else kPieces
+// pieces of its curve.
 Points points_along(const mesh::TetMesh& body, Eigen::Index face, int edge) {
   const auto& [a, b] = mesh::kTriangleEdges[static_cast<std::size_t>(edge)];
   const int inner = body.order() - 1;

@@ -1,4 +1,4 @@
-// Where nothing may be placed, and which rule says so.
+// Zones where no device may be placed, with the rule that forbids them.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace chladni::placement {
 
-/// Between two corners, seen from above.
+/// A box between two corners, seen from above.
 struct KeepOutBox {
   Eigen::Vector2d from, to;  ///< [m], any two opposite corners
 };
-/// Around a vertical line.
+/// A disc around a vertical line.
 struct KeepOutDisc {
   Eigen::Vector2d centre;  ///< [m]
   double diameter = 0.0;   ///< [m]
@@ -22,41 +22,42 @@ struct KeepOutDisc {
 struct KeepOutPatch {
   int patch = -1;
 };
-/// Near an edge where the surface ends or another patch begins.
+/// The zone near an edge where the surface ends or another patch begins.
 struct KeepFromEdges {
   double distance = 0.0;  ///< [m]
   Points from, to;        ///< the edges, e×3 [m]
 };
-/// Near what is there already.
+/// The zone near existing places.
 struct KeepFromPlaces {
   double distance = 0.0;  ///< [m]
   Points places;          ///< p×3 [m]
 };
-/// Footprints that do not lie on the body with their whole face.
+/// Forbids footprints that do not lie completely on the body.
 struct WholeFootprints {};
 
 struct Rule {
-  std::string name;  ///< as a message calls it: "the disc of 80 mm at (0, 0) mm"
+  std::string name;  ///< name in messages: "the disc of 80 mm at (0, 0) mm"
   std::variant<KeepOutBox, KeepOutDisc, KeepOutPatch, KeepFromEdges, KeepFromPlaces,
                WholeFootprints>
       what;
 };
 
-/// Per site the first rule that forbids it, or −1. A site on the border of a zone is forbidden.
+/// For each site the first rule that forbids it, or −1. The border of a zone is forbidden.
 [[nodiscard]] Eigen::VectorXi forbidden_by(const Sites& sites, const std::vector<Rule>& rules);
 
 /// The rows that no rule forbids.
-/// @throws InvalidInput  there is none: says how many sites each rule took, and which took the last
+/// @throws InvalidInput  no row is left; the message counts the sites that each rule took and names
+///                       the last rule
 [[nodiscard]] std::vector<Eigen::Index> admissible(const Eigen::VectorXi& forbidden,
                                                    const std::vector<Rule>& rules);
 
-/// The edges of the named patches (of all where `patches` is empty) at which the surface ends,
-/// another patch begins or another body is met. Cost: n log n in the faces.
+/// The edges of the named patches (of all if `patches` is empty) where the surface ends, another
+/// patch begins or another body is met. Cost: n log n in the faces.
 [[nodiscard]] KeepFromEdges edges_of(const mesh::TetMesh& body,
                                      const std::vector<std::string>& patches, double distance);
 
-/// The edges at which the marked boundary faces end; with `between_patches` also those between two
-/// patches of them. Cost: as above.
+/// The edges where the marked boundary faces end. With `between_patches` also the edges between two
+/// of their patches. Cost: as above.
 [[nodiscard]] KeepFromEdges edges_around(const mesh::TetMesh& body, const std::vector<char>& faces,
                                          bool between_patches, double distance);
 

@@ -18,7 +18,7 @@ namespace {
 
 enum class PointsPer { node, node_and_patch };
 
-// Per patch how many of the wanted faces it has.
+// Number of wanted faces of each patch.
 std::vector<int> face_counts(const mesh::TetMesh& body, const std::vector<char>& wanted) {
   std::vector<int> counts(body.patch_names.size(), 0);
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
@@ -49,8 +49,8 @@ void put(const mesh::TetMesh& body, const std::vector<NodeAndPatch>& points,
   }
 }
 
-// Points per node (and patch), and the triangles between them. A node on the border of two patches
-// is of the smaller one.
+// Makes points per node (and patch), and the triangles between them. A node on the border of two
+// patches belongs to the smaller one.
 void lay_out(const mesh::TetMesh& body, const std::vector<char>& wanted, PointsPer per,
              Surface& surface) {
   const auto size = face_counts(body, wanted);
@@ -101,7 +101,7 @@ void resize(Sites& sites, Eigen::Index count, Eigen::Index modes) {
   sites.whole.assign(static_cast<std::size_t>(count), 1);
 }
 
-// Two directions along the surface.
+// Two orthogonal directions along the surface.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> tangents(const Eigen::Vector3d& normal) {
   Eigen::Index axis = 0;
   normal.cwiseAbs().minCoeff(&axis);

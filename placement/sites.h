@@ -1,4 +1,4 @@
-// Places on a body's surface where a device may be, and what it sees of the modes there.
+// Places for a device on a body's surface, and the mode shapes that it sees there.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace chladni::placement {
 
-/// What is placed: a sensor, an actuator, or a pair of both.
+/// The device to be placed: a sensor, an actuator, or a pair of both.
 struct Device {
-  std::optional<Eigen::Vector3d> direction;  ///< unit; none: the surface's outward normal
-  double footprint = 0.0;  ///< [m] diameter of the disc that it averages over; 0: a point
+  std::optional<Eigen::Vector3d> direction;  ///< unit; none: the outward normal of the surface
+  double footprint = 0.0;  ///< [m] diameter of the disc over which it averages; 0: a point
 };
 
 /// n places, m modes.
@@ -22,25 +22,25 @@ struct Sites {
   Points position;        ///< n×3 [m]
   Points normal;          ///< n×3, outward, unit
   Eigen::VectorXi patch;  ///< n, index into TetMesh::patch_names
-  Eigen::VectorXd area;   ///< n [m²]: the part of the surface that each stands for; ones in a grid
+  Eigen::VectorXd area;   ///< n [m²]: the area of each point; 1 for single places
   Eigen::MatrixXd shapes;   ///< n×m [kg^-1/2], along the device's direction, over its footprint
-  Eigen::MatrixXd slopes;   ///< n×m [kg^-1/2 m^-1]: how fast the shape changes along the surface
+  Eigen::MatrixXd slopes;   ///< n×m [kg^-1/2 m^-1]: gradient of the shape along the surface
   std::vector<char> whole;  ///< n: 1 where the whole footprint lies on the body
 
   [[nodiscard]] Eigen::Index count() const { return position.rows(); }
 };
 
-/// The chosen rows.
+/// The given rows.
 [[nodiscard]] Sites part(const Sites& sites, const std::vector<Eigen::Index>& rows);
 
 /// A surface as points and the triangles between them, for maps.
 struct Surface {
-  Sites sites;  ///< one per node and patch (at a sharp edge a node is there twice), or node
+  Sites sites;  ///< one per node and patch (a node at a sharp edge occurs twice), or one per node
   Eigen::VectorXi node;  ///< n, of the mesh
   Cells triangles;       ///< t×3, rows of `sites`, outward
 };
 
-/// Samples modes where a device would sit. Mesh and modes must outlive it.
+/// Samples modes at possible places of a device. Mesh and modes must live longer than it.
 class Sampler {
  public:
   /// @param modes  shapes on all nodes: 3·nodes rows
@@ -48,18 +48,18 @@ class Sampler {
   ///                       footprint is negative
   Sampler(const mesh::TetMesh& body, const modal::Modes& modes, Device device);
 
-  /// Every node of the named patches; of all where `patches` is empty. Cost: a few searches in the
+  /// Every node of the named patches; of all if `patches` is empty. Cost: a few searches in the
   /// surface per point (seven and twelve more with a footprint), on all cores.
-  /// @throws InvalidInput  there is no patch of a name (lists those there are)
+  /// @throws InvalidInput  a patch name does not exist (the message lists the names)
   [[nodiscard]] Surface surface(const std::vector<std::string>& patches) const;
 
-  /// Every node of the marked boundary faces once, whatever patches meet there: for faces without
-  /// sharp edges between them. A node on the border of two patches is of the smaller one.
+  /// Every node of the marked boundary faces once, even where patches meet: for faces without sharp
+  /// edges between them. A node on the border of two patches belongs to the smaller one.
   /// @param faces  1 where wanted, per boundary face
   /// @throws InvalidInput  not one mark per face
   [[nodiscard]] Surface smooth_surface(const std::vector<char>& faces) const;
 
-  /// Places found before, each standing for the same area.
+  /// Samples at places found before; each has the area 1.
   [[nodiscard]] Sites at(const std::vector<mesh::Site>& places) const;
 
   [[nodiscard]] const mesh::SiteFinder& finder() const { return finder_; }
@@ -76,7 +76,7 @@ class Sampler {
   const modal::Modes& modes_;
   Device device_;
   mesh::SiteFinder finder_;
-  double step_;  // of the differences along the surface [m]
+  double step_;  // step of the differences along the surface [m]
 };
 
 }  // namespace chladni::placement

@@ -11,12 +11,12 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kRange = 8.0;  // of ln β about what the sizes of both sides suggest
+constexpr double kRange = 8.0;  // range of ln β about the value that the sizes of both sides give
 constexpr double kStep = 0.25;
-constexpr double kNarrow = 1e-6;  // of ln β, where the noise is next to nothing
+constexpr double kNarrow = 1e-6;  // tolerance of ln β; matters if the noise is almost zero
 constexpr int kFine = 80;
 
-// [L; R] with both sides on one scale, and the functions that they see.
+// [L; R] with both sides on one scale, and the functions at their places.
 struct Sides {
   Eigen::MatrixXd rows;  // (s+a)×r, weighted
   Eigen::VectorXd values, noise;
@@ -34,7 +34,7 @@ struct Peak {
   double at = 0.0, height = -std::numeric_limits<double>::infinity(), width = 1.0;
 };
 
-// The highest of a scan, then golden sections; its width from the curvature.
+// The highest point of a scan, refined by golden sections; the curvature gives its width.
 Peak peak_of(const Sides& sides, double centre, int sign) {
   Peak peak;
   for (double step = -kRange; step <= kRange; step += kStep) {
@@ -60,7 +60,7 @@ Peak peak_of(const Sides& sides, double centre, int sign) {
   return peak;
 }
 
-// Mean, deviation and mass of the evidence about a peak, relative to `reference`.
+// Mean, deviation and mass of the evidence about a peak; the mass is relative to `reference`.
 struct Moments {
   double mean = 0.0, deviation = 0.0, mass = 0.0;
 };
@@ -82,12 +82,12 @@ Moments moments_of(const Sides& sides, const Peak& peak, int sign, double refere
 }
 
 bool is_same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j) {
-  constexpr double kSame = 1e-6;  // [m], and of the directions
+  constexpr double kSame = 1e-6;  // [m] for positions; also for directions
   return (a.position.row(i) - b.position.row(j)).norm() <= kSame &&
          (a.direction.row(i) - b.direction.row(j)).norm() <= kSame;
 }
 
-// What higher modes bring: one more function for each place, alike for a collocated pair.
+// Functions of the higher modes: one for each place, shared by a collocated pair.
 Eigen::MatrixXd functions_beyond(const TwoSidedShape& shape, double deviation) {
   const auto s = shape.sensors.count();
   const auto a = shape.actuators.count();
@@ -125,7 +125,7 @@ Sides sides_of(const TwoSidedShape& shape, const ModalBasis& basis, const Coeffi
   return sides;
 }
 
-// ln β from nothing but how large both sides are.
+// ln β from the sizes of both sides only.
 double rough_gain(const Sides& sides) {
   const auto actuators = sides.values.size() - sides.sensors;
   const double of_sensors =

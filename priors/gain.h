@@ -1,4 +1,4 @@
-// How much larger a mode looks to the sensors than to the actuators, without a collocated pair.
+// Gain of a mode between the sensor side and the actuator side, without a collocated pair.
 #pragma once
 
 #include "priors/dynamic_residual.h"
@@ -6,8 +6,8 @@
 
 namespace chladni::priors {
 
-/// One identified mode: what s sensors see of it and, by reciprocity, a actuators. An
-/// identification leaves L = α φ at the sensors and R = φ/α at the actuators with α unknown.
+/// One identified mode: its values at s sensors and, by reciprocity, at a actuators. An
+/// identification gives L = α φ at the sensors and R = φ/α at the actuators; α is unknown.
 struct TwoSidedShape {
   double frequency_hz = 0.0;
   Places sensors, actuators;
@@ -15,19 +15,19 @@ struct TwoSidedShape {
   Eigen::VectorXd sensor_noise, actuator_noise;    ///< standard deviations
 };
 
-/// ln β = 2 ln α: dividing L by e^(ln β / 2) and multiplying R by it gives one shape.
+/// ln β = 2 ln α: L divided by e^(ln β / 2) and R multiplied by it give one shape.
 struct GainMatch {
   double log_gain = 0.0;      ///< mean of ln β
   double deviation = 0.0;     ///< standard deviation of ln β
-  int sign = 1;               ///< −1: a polarity is turned around between the two sides
+  int sign = 1;               ///< −1: one side has the opposite polarity
   double certainty = 1.0;     ///< posterior probability of that sign
-  double log_evidence = 0.0;  ///< at the likeliest gain
+  double log_evidence = 0.0;  ///< at the most likely gain
 };
 
-/// The evidence of the gain under the dynamic residual's prior, over all sensors and actuators at
-/// once (in place of the thesis' 5.5, which needs a pair at one place): [L; R] ~ N(0, a² D K D +
-/// Σ), D = diag(e^(ln β / 2), e^(−ln β / 2)), a² the likeliest. A collocated pair is used as one,
-/// since both its rows are the same. Cost: about 200 decompositions of s + a rows.
+/// The evidence of the gain under the dynamic residual's prior, over all sensors and actuators
+/// together (instead of the thesis' 5.5, which needs a pair at one place): [L; R] ~ N(0, a² D K
+/// D + Σ), D = diag(e^(ln β / 2), e^(−ln β / 2)), with the most likely a². A collocated pair counts
+/// as one, since both its rows are equal. Cost: about 200 decompositions of s + a rows.
 /// @throws InvalidInput  a side is empty, sizes differ, a noise is not positive
 [[nodiscard]] GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
                                    const DynamicResidual& prior = {});

@@ -32,7 +32,7 @@ constexpr std::array kAll{
 };
 
 constexpr double kSamePlace = 1e-6;           // of the diagonal of the places
-constexpr double kSameValueDeviations = 8.0;  // a doubt of a channel, not noise
+constexpr double kSameValueDeviations = 8.0;  // above it a channel is at fault, not noise
 
 std::string at(Eigen::Index place, Eigen::Index mode) {
   return "place " + std::to_string(place + 1) + ", mode " + std::to_string(mode + 1);
@@ -87,7 +87,7 @@ void require_sound_values(const MeasuredShapes& measured) {
   }
 }
 
-// Two channels at one point cannot differ by more than their noise.
+// Two channels at one point may differ only by their noise.
 void require_agreement(const MeasuredShapes& measured) {
   const auto& position = measured.places.position;
   const double size =

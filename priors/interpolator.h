@@ -1,4 +1,4 @@
-// Shapes measured at a few places in, fields over the whole body out: what every method shares.
+// What all methods share: shapes measured at a few places in, fields over the whole body out.
 #pragma once
 
 #include <memory>
@@ -10,50 +10,50 @@
 
 namespace chladni::priors {
 
-/// n places of the body, each with the direction that is measured or asked for there.
+/// n places of the body, each with its direction of measurement or prediction.
 struct Places {
   Points position;         ///< n×3 [m]
   Points direction;        ///< n×3, unit
   Eigen::MatrixXd shapes;  ///< n×r [kg^-1/2]: the simulation's modes there, along the direction
-  Eigen::MatrixXd harmonics = {};  ///< n×h: those of the surface there; may be empty
+  Eigen::MatrixXd harmonics = {};  ///< n×h: harmonics of the surface there; may be empty
 
   [[nodiscard]] Eigen::Index count() const { return position.rows(); }
 };
 
-/// The chosen rows.
+/// The given rows.
 [[nodiscard]] Places part(const Places& places, const std::vector<Eigen::Index>& rows);
 
-/// A model that differs from the simulation in what is not known of it, on the simulation's modes.
+/// A model that differs from the simulation in its uncertain parameters, on the simulation's modes.
 struct SimilarModel {
   Eigen::VectorXd frequency_hz;  ///< r
   Eigen::MatrixXd turn;          ///< r×r: its mass-normalised shapes are Φ · turn
 };
 
-/// One way in which the real structure may differ from the simulation: what a unit of the parameter
-/// adds to the stiffness and to the mass, seen by the simulation's mass-normalised modes.
+/// One possible difference of the real structure from the simulation: the change of stiffness and
+/// mass per unit of a parameter, in the simulation's mass-normalised modes.
 struct Correction {
   std::string name;
   Eigen::MatrixXd stiffness;  ///< r×r, symmetric [s^-2]; empty: nothing
   Eigen::MatrixXd mass;       ///< r×r, symmetric [1]; empty: nothing
-  double deviation = 0.0;     ///< of the parameter about 0, before anything is measured
+  double deviation = 0.0;     ///< prior deviation of the parameter about 0
 };
 
-/// What the simulation says: r mass-normalised modes, rigid-body ones first, seen at N points that
-/// stand for the surface whose shapes are wanted.
+/// The data of a simulation: r mass-normalised modes, rigid-body modes first, at N points that
+/// represent the surface where the shapes are predicted.
 struct Simulation {
   Eigen::VectorXd frequency_hz;              ///< r, ascending; rigid-body modes exactly 0
   Places surface;                            ///< N
-  Eigen::VectorXd area;                      ///< N [m²]: that each point stands for
+  Eigen::VectorXd area;                      ///< N [m²]: the area of each point
   std::vector<SimilarModel> similar;         ///< may be empty
   std::vector<Correction> corrections = {};  ///< may be empty
-  Eigen::VectorXd harmonic_eigenvalue = {};  ///< h [1/m²]: of Places::harmonics; may be empty
+  Eigen::VectorXd harmonic_eigenvalue = {};  ///< h [1/m²], for Places::harmonics; may be empty
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }
 };
 
-/// m shapes measured at s places. One unit for all values of a shape, any unit; kg^-1/2 where the
-/// shapes are mass-normalised.
+/// m shapes measured at s places. All values of a shape have one unit, which is free; it is kg^-1/2
+/// if the shapes are mass-normalised.
 struct MeasuredShapes {
   Places places;
   Eigen::VectorXd frequency_hz;  ///< m, identified
@@ -66,12 +66,12 @@ struct MeasuredShapes {
 /// Shapes at n places.
 struct Field {
   Eigen::MatrixXd mean;       ///< n×m, in the unit of the measured values
-  Eigen::MatrixXd deviation;  ///< n×m: standard deviation; not a number where a method has none
+  Eigen::MatrixXd deviation;  ///< n×m: standard deviation; NaN if a method gives none
 };
 
-/// How a fit went, per mode and in all.
+/// Results of a fit, per mode and in total.
 struct FitSummary {
-  /// What was learned: name, unit, and one value per mode (or one for all).
+  /// One learned quantity: name, unit, and one value per mode (or one for all).
   struct Parameter {
     std::string name, unit;
     Eigen::VectorXd value;
@@ -79,7 +79,7 @@ struct FitSummary {
   };
   std::vector<Parameter> parameters;
   Eigen::VectorXd log_evidence;    ///< m, or empty: natural logarithm of the density of the values
-  std::vector<std::string> notes;  ///< what a user must know: bounds, rank, doubts of the model
+  std::vector<std::string> notes;  ///< facts for the user: bounds, rank, doubts about the model
 };
 
 /// m mode shapes on the whole body with their uncertainty.
@@ -100,23 +100,24 @@ class ModeField {
   FitSummary summary_;
 };
 
-/// A way to interpolate. To add one: a file with one of these and a line in interpolators().
+/// A method of interpolation. A new one needs a file with one of these and a line
+/// in interpolators().
 struct Interpolator {
   const char* name;     ///< in a study: "dynamic_residual"
   const char* summary;  ///< one line
-  const char* source;   ///< where it is from
+  const char* source;   ///< its publication
   bool uses_modes;      ///< needs Places::shapes
   bool has_deviation;   ///< gives a standard deviation
   std::unique_ptr<ModeField> (*fit)(const MeasuredShapes&, const Simulation&);
 };
 
-/// All there are, the default first.
+/// All methods, the default first.
 [[nodiscard]] std::span<const Interpolator* const> interpolators();
 
-/// @throws InvalidInput  there is none of that name; lists those there are
+/// @throws InvalidInput  no method has this name; the message lists the names
 [[nodiscard]] const Interpolator& interpolator(const std::string& name);
 
-/// Fits after checking what no method can do without.
+/// Fits after the checks that every method needs.
 /// @throws InvalidInput      fewer than three places, arrays that do not fit each other, a value or
 ///                           frequency that is not finite, noise that is not positive, places at
 ///                           one point whose values differ by more than 8 deviations of the noise
@@ -125,9 +126,9 @@ struct Interpolator {
                                                     const MeasuredShapes& measured,
                                                     const Simulation& simulation);
 
-/// Deviations on each side of a mean that hold 95 % of a normal distribution.
+/// Deviations on each side of the mean that contain 95 % of a normal distribution.
 inline constexpr double kTwoSided95 = 1.959963984540054;
-/// Part of a shape's mean square that, expected to stay unknown, is worth a word.
+/// Unknown part of a shape's mean square above which a note is given.
 inline constexpr double kHardlySeen = 0.3;
 
 /// Error of a field against the truth on the simulation's surface, per mode: Σ w (φ̂−φ)² / Σ w φ²
@@ -136,7 +137,7 @@ inline constexpr double kHardlySeen = 0.3;
                                             const Eigen::MatrixXd& truth,
                                             const Eigen::VectorXd& area);
 
-/// The part of the surface, per mode, where the truth lies within ±1.96 deviations.
+/// Part of the surface, per mode, where the truth lies within ±1.96 deviations.
 [[nodiscard]] Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
                                        const Eigen::VectorXd& area);
 

@@ -8,7 +8,7 @@
 
 namespace chladni::priors {
 
-/// A family, or kernels made of kernels.
+/// A family, or a kernel composed of kernels.
 class Kernel::Part {
  public:
   virtual ~Part() = default;
@@ -152,7 +152,7 @@ class SymmetrisedPart : public Kernel::Part {
   double asymmetric_;
 };
 
-// The number of g h among the operations, or −1.
+// Index of g h among the operations, or −1.
 int product_of(const Symmetry& symmetry, std::size_t g, std::size_t h) {
   const Eigen::Matrix3d both = symmetry.operations[g] * symmetry.operations[h];
   for (std::size_t k = 0; k < symmetry.operations.size(); ++k) {
@@ -161,7 +161,7 @@ int product_of(const Symmetry& symmetry, std::size_t g, std::size_t h) {
   return -1;
 }
 
-// A finite set of invertible maps that is closed is a group.
+// A finite set of invertible maps that is closed under products is a group.
 void require_group(const Symmetry& symmetry) {
   const auto count = symmetry.operations.size();
   require(count > 0 && symmetry.characters.size() == count,
@@ -286,7 +286,7 @@ Contractions contractions(const Kernel& kernel, const Eigen::VectorXd& parameter
   column.wants_gradient = true;
   for (Eigen::Index j = 0; j < n; ++j) {
     kernel.evaluate(at.bottomRows(n - j), at.row(j), parameters, column);
-    column.gradient.bottomRows(n - j - 1) *= 2.0;  // each entry below the diagonal stands for two
+    column.gradient.bottomRows(n - j - 1) *= 2.0;  // an entry below the diagonal counts twice
     const auto slope = column.gradient.matrix().transpose();
     result.weighted += slope * weights.col(j).tail(n - j);
     if (vectors.cols() == 0) continue;

@@ -1,4 +1,4 @@
-// Covariance functions: what a shape's value here says about its value there.
+// Covariance functions: the correlation of a shape's values at two places.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,55 +12,55 @@
 
 namespace chladni::priors {
 
-/// One axis per column and each contiguous, which kernels run over; Points converts to it.
+/// One contiguous column per axis, for the loops of kernels; Points converts to it.
 using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-using CoordinatesView = Eigen::Ref<const Coordinates>;  ///< rows of it, not copied
+using CoordinatesView = Eigen::Ref<const Coordinates>;  ///< rows of Coordinates, not copied
 
-/// One for all axes, or one per axis (x, y, z).
+/// One length for all axes, or one per axis (x, y, z).
 enum class Scales { isotropic, per_axis };
 
 /// A positive number that shapes a kernel.
 struct Hyperparameter {
   std::string name;
-  std::string unit;            ///< "m" for a length, whose range the points give; else "1"
-  double least = 0, most = 0;  ///< range that makes sense, for unit "1"
+  std::string unit;            ///< "m" for a length, with a range from the points; else "1"
+  double least = 0, most = 0;  ///< useful range, for unit "1"
 };
 
 /// k(x_i, x') of n points x_i with one point x', and derivatives with respect to the natural
 /// logarithm of each of the p hyper-parameters.
 struct KernelColumn {
   Eigen::ArrayXd value;      ///< n
-  Eigen::ArrayXXd gradient;  ///< n×p, where it is wanted
+  Eigen::ArrayXXd gradient;  ///< n×p, computed on request
   bool wants_gradient = false;
 };
 
-/// An entry of the table kernels(). The stationary ones are 1 at distance 0.
+/// An entry of the table kernels(). Stationary kernels are 1 at distance 0.
 struct KernelFamily {
   std::string_view name;     ///< as a study writes it: kernel = "matern_5_2"
   std::string_view summary;  ///< one line, with the formula
   std::string_view source;
-  bool is_stationary;  ///< depends on x − x' alone
-  bool is_isotropic;   ///< with one scale for all axes: on |x − x'| alone
+  bool is_stationary;  ///< depends only on x − x'
+  bool is_isotropic;   ///< with one scale for all axes it depends only on |x − x'|
   std::vector<Hyperparameter> (*parameters)(Scales scales);
   void (*evaluate)(const CoordinatesView& points, const Eigen::RowVector3d& other,
                    const Eigen::VectorXd& parameters, KernelColumn& column);
 };
 
-/// All families, the usual one first.
+/// All families, the default first.
 [[nodiscard]] std::span<const KernelFamily* const> kernels();
-/// @throws InvalidInput  there is none of that name; lists those there are
+/// @throws InvalidInput  no family has this name; the message lists the names
 [[nodiscard]] const KernelFamily& kernel_family(std::string_view name);
 
-/// Orthogonal maps x → centre + Q (x − centre) that form a group, and what each does to a shape
-/// that has the symmetry: +1 leaves it, −1 turns its sign.
+/// Orthogonal maps x → centre + Q (x − centre) that form a group, and their effect on a shape with
+/// the symmetry: +1 keeps the shape, −1 changes its sign.
 struct Symmetry {
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();  ///< [m]
   std::vector<Eigen::Matrix3d> operations;                 ///< with the identity
-  std::vector<double> characters;                          ///< ±1, as many
+  std::vector<double> characters;                          ///< ±1, one for each operation
 };
 
-/// A covariance function of p hyper-parameters, their values given with each call so that one
-/// Kernel serves a whole search. A value: cheap to copy, never changes.
+/// A covariance function of p hyper-parameters. Each call gives their values, so that one Kernel
+/// serves a whole search. A Kernel is a value: cheap to copy, and it never changes.
 class Kernel {
  public:
   class Part;
@@ -72,13 +72,13 @@ class Kernel {
   [[nodiscard]] Eigen::Index parameter_count() const;
   [[nodiscard]] const std::string& name() const;  ///< "squared_exponential + linear"
   [[nodiscard]] bool is_stationary() const;
-  [[nodiscard]] bool is_isotropic() const;  ///< unchanged when both points are turned or mirrored
+  [[nodiscard]] bool is_isotropic() const;  ///< unchanged when both points are rotated or mirrored
 
   /// @param parameters  p, positive, in the units of parameters()
   void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
                 const Eigen::VectorXd& parameters, KernelColumn& column) const;
 
-  /// k₁ + k₂; the parameters of the first, then of the second.
+  /// k₁ + k₂; the parameters of the first, then those of the second.
   friend Kernel operator+(const Kernel& a, const Kernel& b);
   /// k₁ k₂
   friend Kernel operator*(const Kernel& a, const Kernel& b);
@@ -87,11 +87,11 @@ class Kernel {
   std::shared_ptr<const Part> part_;
 };
 
-/// w k, w being one more hyper-parameter, the last: a part's share of a sum.
+/// w k with the weight w as the last hyper-parameter: the share of a part in a sum.
 [[nodiscard]] Kernel weighted(const Kernel& kernel);
 
-/// (1 − ρ) Σ_g χ_g k(x, g x') + ρ k(x, x'): shapes that have the symmetry up to a part of variance
-/// ρ that has none (Duvenaud, thesis, Cambridge 2014, 2.6).
+/// (1 − ρ) Σ_g χ_g k(x, g x') + ρ k(x, x'): shapes that have the symmetry, except for an asymmetric
+/// part of the variance, ρ (Duvenaud, thesis, Cambridge 2014, 2.6).
 /// @throws InvalidInput  `kernel` is not isotropic, the operations with their characters form no
 ///                       group, ρ is outside [0, 1]
 [[nodiscard]] Kernel symmetrised(const Kernel& kernel, const Symmetry& symmetry,
@@ -107,7 +107,7 @@ class Kernel {
 [[nodiscard]] Eigen::VectorXd variances(const Kernel& kernel, const Eigen::VectorXd& parameters,
                                         const Points& points);
 
-/// What gradients of a likelihood need of ∂K/∂ ln θ_k, without forming those matrices.
+/// Contractions of ∂K/∂ ln θ_k for gradients of a likelihood, without forming these matrices.
 struct Contractions {
   Eigen::VectorXd weighted;  ///< p: Σ_ij W_ij ∂K_ij
   Eigen::MatrixXd forms;     ///< p×m: a_iᵀ ∂K a_i

@@ -12,14 +12,14 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kLeastShare = 0.35;  // of η that corrections leave
-constexpr double kMiddleKappa = 1.0;  // of what they leave
+constexpr double kLeastShare = 0.35;  // least η with corrections, relative to η without
+constexpr double kMiddleKappa = 1.0;  // κ of the remaining error
 constexpr double kKappaSpread = 0.05;
-constexpr int kStages = 3;         // of η, from what it is without corrections to what they leave
+constexpr int kStages = 3;         // of η, from its value without corrections to the least
 constexpr double kFarthest = 5.0;  // deviations of a correction
-constexpr double kFar = 2.5;       // deviations that are worth a word
+constexpr double kFar = 2.5;       // deviations above which a doubt is noted
 constexpr double kImpossible = 1e10;  // stands for minus the logarithm of 0
-constexpr double kStep = 1e-4;        // of differences of slopes, in deviations
+constexpr double kStep = 1e-4;        // difference step for the slopes, in deviations
 constexpr Eigen::Index kEta = 0, kKappa = 1, kGamma = 2, kFirst = 3;
 
 void require_fitting(const std::vector<Correction>& corrections, Eigen::Index r) {
@@ -36,7 +36,7 @@ void require_fitting(const std::vector<Correction>& corrections, Eigen::Index r)
   }
 }
 
-// ln η, and κ, γ and the corrections as deviations from what is thought of them: what is sought.
+// The unknowns: ln η; then ln κ, ln γ and the corrections in deviations from their prior.
 class Search {
  public:
   Search(const MeasuredShapes& measured, const ModalBasis& basis,
@@ -71,7 +71,7 @@ class Search {
     return corrected_modes(basis_.frequency_hz, corrections_, parameters(at));
   }
 
-  // Minus the logarithm of the posterior density, but for a constant.
+  // Minus the logarithm of the posterior density, without a constant.
   double implausibility(const Eigen::VectorXd& at, Eigen::VectorXd& slopes) const {
     const auto found =
         corrected_evidence(measured_, basis_, corrections_, errors(at), parameters(at));
@@ -94,7 +94,7 @@ class Search {
   Eigen::VectorXd deviation_;
 };
 
-// The lowest point, followed from the large η, whose hills are wide, to the small one.
+// The lowest point. The search follows it from a large η, with smooth evidence, to a small one.
 Optimum lowest(const Search& search) {
   const Objective objective = [&](const Eigen::VectorXd& at, Eigen::VectorXd& slopes) {
     return search.implausibility(at, slopes);
@@ -119,8 +119,8 @@ Optimum lowest(const Search& search) {
   return best;
 }
 
-// Of what is known of γ and the corrections, in their deviations: F with the covariance F Fᵀ. No
-// direction is less well known than it was before the measurement.
+// Root F of the posterior covariance F Fᵀ of γ and the corrections, in units of their prior
+// deviations. No direction gets a larger variance than in the prior.
 Eigen::MatrixXd posterior_root(const Search& search, const Eigen::VectorXd& at) {
   const Eigen::Index n = at.size() - kGamma;
   Eigen::VectorXd here;
@@ -147,7 +147,7 @@ std::vector<CorrectedSimulation> simulations_aside(const Search& search, const E
                                                    const Eigen::MatrixXd& root) {
   std::vector<CorrectedSimulation> aside;
   for (Eigen::Index k = 0; k < root.cols(); ++k) {
-    for (const double side : {1.0, -1.0}) {  // one of them may have no positive mass
+    for (const double side : {1.0, -1.0}) {  // one side may have no positive mass
       Eigen::VectorXd moved = at;
       moved.tail(root.rows()) += side * root.col(k);
       auto modes = search.modes(moved);

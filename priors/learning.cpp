@@ -13,9 +13,9 @@ namespace chladni::priors {
 namespace {
 
 constexpr double kLeastRatio = 1e-8;
-constexpr int kGrid = 16;  // lengths that a search of one hyper-parameter starts with
+constexpr int kGrid = 16;  // lengths of the first grid in a search of one hyper-parameter
 
-// ln θ of the kernel, then ln of the noise ratio where it is learned.
+// Range of ln θ of the kernel, then of ln of the noise ratio if it is learned.
 struct Range {
   Eigen::VectorXd low, high;
   std::vector<std::string> names;
@@ -68,7 +68,7 @@ void require_sound(const Kernel& kernel, const Points& points, const Eigen::Matr
   }
 }
 
-// What one point of the range gives, per shape.
+// Results at one point of the range, per shape.
 struct Seen {
   Seen() = default;
   explicit Seen(Eigen::Index count) : score(count), sigma(count), log_likelihood(count) {}
@@ -86,7 +86,7 @@ class Merits {
   [[nodiscard]] Eigen::Index shape_count() const { return values_.cols(); }
   [[nodiscard]] bool noise_is_known() const { return how_.noise.size() > 0; }
 
-  // With amplitudes profiled; a factorisation for all, or for each where its noise is known.
+  // Scores with the best amplitudes. One factorisation serves all, or one each if noise is known.
   [[nodiscard]] Seen seen(const Eigen::VectorXd& at,
                           const std::vector<Eigen::Index>& shapes) const {
     if (!noise_is_known()) {
@@ -106,7 +106,7 @@ class Merits {
     return all;
   }
 
-  // The sum over some shapes, with its gradient and the priors of the hyper-parameters.
+  // The sum of the scores of some shapes with its gradient, including the priors.
   double total(const Eigen::VectorXd& at, const std::vector<Eigen::Index>& shapes,
                Eigen::VectorXd& gradient) const {
     gradient.setZero(at.size());
@@ -185,7 +185,7 @@ struct Found {
   Eigen::VectorXd at;
   double score = 0.0;
   int evaluations = 0;
-  Seen seen;  // there, of its shapes
+  Seen seen;  // results at this point for the shapes
 };
 
 Seen part_of(const Seen& all, Eigen::Index shape) {
@@ -197,7 +197,7 @@ Seen part_of(const Seen& all, Eigen::Index shape) {
   return one;
 }
 
-// One hyper-parameter: all shapes ride on the same factorisations.
+// Search with one hyper-parameter: all shapes use the same factorisations.
 std::vector<Found> on_a_line(const Merits& merits, const Range& range, const Learning& how) {
   const auto shapes = all_of(merits.shape_count());
   std::map<double, Seen> all;
@@ -220,7 +220,7 @@ std::vector<Found> on_a_line(const Merits& merits, const Range& range, const Lea
   return found;
 }
 
-// Random starts with bits that every standard library draws alike.
+// The first start, then random ones; every standard library draws the same bits.
 std::vector<Eigen::VectorXd> starts_in(const Range& range, const Learning& how) {
   std::vector<Eigen::VectorXd> starts;
   Eigen::VectorXd first = 0.5 * (range.low + range.high);

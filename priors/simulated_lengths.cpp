@@ -11,7 +11,7 @@ namespace {
 
 constexpr Eigen::Index kSamples = 400;  // more change the lengths little, thesis figure 5.12
 constexpr double kRigid = 0.25;         // of the first flexible frequency
-constexpr double kStill = 0.01;         // of the mode that moves the surface most
+constexpr double kStill = 0.01;         // relative to the mode that moves the surface most
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::vector<Eigen::Index> spread_points(const Points& points, Eigen::Index count
   Eigen::VectorXd distance = (points.rowwise() - middle).rowwise().squaredNorm();
   while (static_cast<Eigen::Index>(chosen.size()) < std::min(count, points.rows())) {
     Eigen::Index next = 0;
-    if (distance.maxCoeff(&next) <= 0.0) break;  // the rest are copies
+    if (distance.maxCoeff(&next) <= 0.0) break;  // all other points are copies
     chosen.push_back(next);
     const Eigen::VectorXd from = (points.rowwise() - points.row(next)).rowwise().squaredNorm();
     if (chosen.size() == 1) distance = from;

@@ -9,31 +9,30 @@
 
 namespace chladni::priors {
 
-/// Up to `count` of the points, each as far as can be from those chosen before it; the first is the
-/// one farthest from their mean. The same rows every time.
+/// Chooses up to `count` points; each next one is the farthest from those chosen before, the first
+/// is the farthest from the mean. The choice is deterministic.
 [[nodiscard]] std::vector<Eigen::Index> spread_points(const Points& points, Eigen::Index count);
 
-/// What was learned of the flexible modes that move the surface along the common direction.
+/// Learned lengths of the flexible modes that move the surface along the common direction.
 struct SimulatedLengths {
-  std::vector<Eigen::Index> columns;  ///< of the simulation's modes
-  Eigen::VectorXd frequency_hz;       ///< of those
-  std::vector<Learned> learned;       ///< of those
-  double longest = 0.0;               ///< of the range [m]
+  std::vector<Eigen::Index> columns;  ///< columns of the simulation's modes
+  Eigen::VectorXd frequency_hz;       ///< of these modes
+  std::vector<Learned> learned;       ///< of these modes
+  double longest = 0.0;               ///< longest length of the range [m]
 };
 
-/// Of those up to `most_hz` (at least the first), from up to 400 points of the surface.
+/// Learns from the modes up to `most_hz` (at least the first), at up to 400 points of the surface.
 /// @throws InvalidInput  the simulation has no flexible mode that moves the surface; the points
-/// have
-///                       no common direction
+///                       have no common direction
 [[nodiscard]] SimulatedLengths simulated_lengths(const std::string& method, const Kernel& kernel,
                                                  const Simulation& simulation, double most_hz);
 
-/// The number, among those learned, of the most complex mode: that of the shortest length.
+/// Index, among the learned modes, of the most complex one, which has the shortest length.
 [[nodiscard]] int shortest(const SimulatedLengths& lengths);
 
-/// The number, among those learned, of the mode that a measured shape resembles most at its places
-/// (modal assurance criterion) within a factor of two in frequency; −1 where the shape is a rigid
-/// body's, far below all flexible ones.
+/// Index, among the learned modes, of the mode that is most similar to a measured shape at its
+/// places (modal assurance criterion). Only modes within a factor of two in frequency count, if
+/// there are any. −1 for a frequency below a quarter of the first flexible one: a rigid-body shape.
 [[nodiscard]] int matching(const SimulatedLengths& lengths, const MeasuredShapes& measured,
                            Eigen::Index mode);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kHardToInvert = 1e3;
 constexpr double kClear = 3.0;  // deviations
 
-// Inputs that are what was referred to them, in every record to the last bit of the spectra.
+// Inputs that equal their reference in every record, to the last bit of the spectra.
 std::vector<bool> uncontrolled(const Spectra& spectra) {
   std::vector<bool> result(spectra.inputs.size(), true);
   for (const auto& record : spectra.records) {
@@ -40,7 +40,7 @@ TransferPlan plan_of(const Spectra& spectra, Eigen::Index drop) {
   return plan;
 }
 
-// What is hard to invert, line by line, as one sentence each.
+// Adds one note for each difficulty of the inversion, with its number of lines.
 void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& result) {
   Eigen::Index stiff = 0;
   Eigen::Index unclear = 0;
@@ -64,7 +64,7 @@ void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& resu
   }
 }
 
-// S on each line with its exact rows, its condition, and G = P S⁻¹. Returns S⁻¹.
+// Computes S on each line with its exact rows, its condition, and G = P S⁻¹. Returns S⁻¹.
 std::vector<Eigen::MatrixXcd> inverted(const Transfer& mean, const std::vector<bool>& exact,
                                        Eigen::Index p, ClosedLoopEstimate& result) {
   const auto q = static_cast<Eigen::Index>(exact.size());

@@ -14,7 +14,7 @@ namespace {
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 using Complex = std::complex<double>;
 
-// One response with its weights 1/σ, finite lines above 0 Hz.
+// One response with its weights 1/σ, on finite lines above 0 Hz.
 struct Curve {
   Eigen::VectorXd omega, weight;
   Eigen::VectorXcd value;
@@ -47,7 +47,7 @@ std::vector<Curve> curves(const modal::FrfSet& set) {
   return result;
 }
 
-// How much the phases agree with 0 and 180° after a delay is taken away.
+// Agreement of the phases with 0 and 180° after a delay is removed.
 double agreement(const std::vector<Curve>& all, double delay) {
   double sum = 0.0;
   for (const auto& curve : all) {
@@ -60,7 +60,7 @@ double agreement(const std::vector<Curve>& all, double delay) {
   return sum;
 }
 
-// Tukey's biweight on the phases left, near a first value.
+// Refines a first value: Tukey's biweight on the remaining phases.
 double refined(const std::vector<Curve>& all, double delay) {
   for (int iteration = 0; iteration < 50; ++iteration) {
     std::vector<double> sizes;
@@ -94,7 +94,7 @@ double refined(const std::vector<Curve>& all, double delay) {
   return delay;
 }
 
-// 1/(s² − 2 Re(p) s + |p|²), 1/s² and 1, in units of their largest.
+// 1/(s² − 2 Re(p) s + |p|²), 1 and, with rigid-body modes, 1/s².
 Eigen::MatrixXcd basis_of(const Eigen::VectorXd& omega, const Eigen::VectorXcd& pole, bool rigid) {
   Eigen::MatrixXcd basis(omega.size(), pole.size() + (rigid ? 2 : 1));
   for (Eigen::Index k = 0; k < omega.size(); ++k) {
@@ -119,7 +119,7 @@ struct Slope {
   Eigen::Index freedom = 0;
 };
 
-// Residual and its slope over the delay, both orthogonal to what the residues can follow.
+// Residual and its derivative by the delay, both orthogonal to the columns of the residues.
 Slope slope(const Curve& curve, const Eigen::VectorXcd& pole, bool rigid, double delay) {
   Eigen::MatrixXd basis = stacked(curve.weight.asDiagonal() * basis_of(curve.omega, pole, rigid));
   const Eigen::VectorXd scale = basis.colwise().norm().cwiseInverse();
@@ -186,7 +186,7 @@ DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& p
     }
     const double step = -sum.gradient / sum.curvature;
     delay += step;
-    // Each of the real numbers has half the variance of its line.
+    // Each of the two real numbers of a line has half the line's variance.
     const double per_number =
         set.variance.empty() ? sum.cost / static_cast<double>(sum.freedom) : 0.5;
     const double deviation = std::sqrt(per_number / sum.curvature);

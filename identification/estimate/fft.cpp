@@ -12,7 +12,8 @@
 namespace chladni::identification {
 namespace {
 
-// FFTW plans in one thread at a time; executing is free. Estimated plans: the same bits each run.
+// Only one thread at a time may plan in FFTW; execution is free. Estimated plans give the
+// same bits in each run.
 std::mutex planning;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 struct Destroy {

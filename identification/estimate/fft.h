@@ -10,8 +10,8 @@ namespace chladni::identification {
 /// @throws InvalidInput  no samples
 [[nodiscard]] Eigen::MatrixXcd fourier(const Eigen::Ref<const Eigen::MatrixXd>& signals);
 
-/// The signals of N samples with those transforms. Imaginary parts of the lines 0 and (N even) N/2
-/// have no meaning and are left out.
+/// The real signals of N samples whose transforms these are. Imaginary parts of the lines 0 and (N
+/// even) N/2 have no meaning and are ignored.
 /// @throws InvalidInput  not ⌊N/2⌋+1 lines
 [[nodiscard]] Eigen::MatrixXd inverse_fourier(const Eigen::MatrixXcd& lines, Eigen::Index samples);
 

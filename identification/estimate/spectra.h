@@ -1,4 +1,4 @@
-// Recordings of a periodic experiment, period by period, on the lines that matter.
+// Spectra of a periodic experiment, for each period, on the lines of interest.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,13 +8,13 @@
 
 namespace chladni::identification {
 
-/// K lines. Far smaller than the samples where the band is narrow, so that the realisations of a
-/// long experiment can be transformed one after the other.
+/// K lines. They need far less memory than the samples if the band is narrow, so the realisations
+/// of a long experiment can be transformed one after the other.
 struct Spectra {
   std::vector<modal::MeasuredChannel> outputs, inputs, references;
   double sample_time_s = 0.0;
   Eigen::Index period = 0;         ///< samples
-  std::vector<Eigen::Index> line;  ///< K, of the transform of one period, ascending
+  std::vector<Eigen::Index> line;  ///< K, indices in the transform of one period, ascending
 
   struct Record {
     int experiment = 0, realisation = 0;
@@ -29,17 +29,17 @@ struct Spectra {
 };
 
 /// The lines between two frequencies (high 0: all), without 0 Hz and half the sampling frequency.
-/// @throws InvalidInput  no period stated, a record that is not a whole number of them, no line
+/// @throws InvalidInput  no period stated, a record without a whole number of periods, no line
 [[nodiscard]] Spectra spectra(const TimeData& data, double low_hz = 0.0, double high_hz = 0.0);
 
 /// Adds the records of `more`. @throws InvalidInput  other channels, lines or sampling
 void append(Spectra& all, Spectra more);
 
-/// The lines on which `channels` of each record (inputs, or references where there are some) were
-/// excited: each by more than 1e-6 of the power of its strongest line in one experiment.
+/// The lines on which every input (in a loop every reference) was excited: by more than 1e-6 of the
+/// power of its strongest line, in one experiment or more.
 [[nodiscard]] std::vector<Eigen::Index> excited_lines(const Spectra& spectra);
 
-/// Only these of the lines, by their place in `line`.
+/// Only these lines, given by their indices in `line`.
 [[nodiscard]] Spectra part(const Spectra& spectra, const std::vector<Eigen::Index>& places);
 
 }  // namespace chladni::identification

@@ -45,7 +45,7 @@ Eigen::MatrixXcd period_of(const Realisation& group, const std::vector<ChannelCh
 }
 
 struct Range {
-  std::size_t first, last;  // of the periods
+  std::size_t first, last;  // periods used: first to last − 1
   [[nodiscard]] double count() const { return static_cast<double>(last - first); }
 };
 
@@ -67,7 +67,7 @@ Eigen::MatrixXcd mean_of(const Realisation& group, const std::vector<ChannelChoi
 
 struct OneRealisation {
   Eigen::MatrixXcd value;    // t×f
-  Eigen::MatrixXcd inverse;  // E×f: U⁻¹, or its least squares
+  Eigen::MatrixXcd inverse;  // E×f: U⁻¹, or its least-squares inverse
 };
 
 OneRealisation estimate(const Spectra& spectra, const Realisation& group, const TransferPlan& plan,

@@ -1,5 +1,5 @@
-// What some channels answer to others in a periodic experiment, with its variances: the engine of
-// the open and of the closed loop.
+// Transfer between chosen channels in a periodic experiment, with its variances: the common core of
+// the open-loop and the closed-loop estimate.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +22,9 @@ struct TransferPlan {
   Eigen::Index drop = 0;                ///< periods at the start of each record
 };
 
-/// Sums over periods first, the matrix of each realisation by Y U⁻¹ over its experiments, then the
-/// mean over the realisations (thesis (4.2); Dobrowiecki, Schoukens, Guillaume 2006).
+/// The estimate sums over periods first. Each realisation gives a matrix Y U⁻¹ over its
+/// experiments; the result is the mean over the realisations (thesis (4.2); Dobrowiecki,
+/// Schoukens, Guillaume 2006).
 struct Transfer {
   std::vector<Eigen::MatrixXcd> value;  ///< [k], t×f
   Eigen::Index periods = 0;             ///< used per record
@@ -31,18 +32,17 @@ struct Transfer {
 };
 
 /// @throws InvalidInput  no period left, fewer experiments in a realisation than `from` channels,
-///                       `from` channels that one realisation cannot tell apart, or that do not
-///                       repeat with the period
+///                       `from` channels that one realisation cannot separate or that do not repeat
+///                       with the period
 [[nodiscard]] Transfer transfer(const Spectra& spectra, const TransferPlan& plan);
 
-/// How a deviation of the transfer, t×f at line k, shows in what is wanted of it.
+/// Maps a deviation of the transfer, t×f at line k, to the deviation of the wanted quantity.
 using Projection = std::function<Eigen::MatrixXcd(std::size_t k, const Eigen::MatrixXcd&)>;
 
 /// Variances of the mean, [k]: `noise` from the periods, `total` from the realisations (equal to
-/// the noise's where there is one only); empty where nothing tells them. Robust method, Pintelon
-/// and Schoukens 2012, section 4.3:
-/// noise of one realisation s² = Σ_p |(ΔY_p − G ΔU_p) U⁻¹|² / (P(P−1)), of the mean s²/R;
-/// total Σ_r |G_r − G|² / (R(R−1)).
+/// the noise for one realisation); empty where the data do not give them. Robust method, Pintelon
+/// and Schoukens 2012, section 4.3: the noise of one realisation is s² = Σ_p |(ΔY_p − G ΔU_p)
+/// U⁻¹|² / (P(P−1)), of the mean s²/R; the total is Σ_r |G_r − G|² / (R(R−1)).
 struct TransferVariances {
   std::vector<Eigen::MatrixXd> total, noise;
   Eigen::Index total_freedom = 0, noise_freedom = 0;  ///< degrees, per complex number

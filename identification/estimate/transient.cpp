@@ -12,12 +12,12 @@ namespace chladni::identification {
 namespace {
 
 constexpr Eigen::Index kGroup = 16;  // lines
-constexpr double kTolerated = 0.1;   // of the mean's deviation
+constexpr double kTolerated = 0.1;   // of the deviation of the mean
 constexpr double kSignificant = 6.0;
-constexpr std::size_t kTelling = 64;  // groups that decide on the decays
-constexpr double kFloor = 1e-8;       // of the power of an output: below it nothing counts as noise
+constexpr std::size_t kTelling = 64;  // number of groups that decide on the decays
+constexpr double kFloor = 1e-8;       // of the power of an output: least power of the noise
 
-// Mean powers over the records: of the differences of periods, and of the outputs.
+// Mean powers over the records: of differences between periods, and of the outputs.
 struct Powers {
   Eigen::MatrixXd difference;  // (P−1)×(channels·groups)
   Eigen::VectorXd output;      // channels·groups
@@ -49,12 +49,12 @@ Powers powers(const Spectra& spectra, std::size_t periods) {
   return result;
 }
 
-// Powers 2σ² + A₁ρ₁^{2p} + A₂ρ₂^{2p} of a group: a slow and a fast decay.
+// Decays of the powers 2σ² + A₁ρ₁^{2p} + A₂ρ₂^{2p} of a group: a slow one and a fast one.
 using Decays = Eigen::Vector2d;
 
 struct Fit {
   Eigen::Vector3d share = Eigen::Vector3d::Zero();  // 2σ², A₁, A₂
-  double misfit = 0.0;  // −2 log likelihood over the number of values, less a constant
+  double misfit = 0.0;  // −2 log likelihood over the number of values, without a constant
 };
 
 double misfit_of(const Eigen::VectorXd& found, const Eigen::VectorXd& model) {
@@ -66,8 +66,9 @@ Fit without_decay(const Eigen::VectorXd& found, double floor) {
   return {{noise, 0.0, 0.0}, misfit_of(found, Eigen::VectorXd::Constant(found.size(), noise))};
 }
 
-// Maximum likelihood of χ² powers with shares that are not negative: multiplicative steps that
-// never raise the misfit (Itakura and Saito's divergence; Févotte, Bertin, Durrieu 2009).
+// Maximum likelihood of χ² powers with shares that are never negative. The multiplicative
+// steps are those for Itakura and Saito's divergence (Févotte, Bertin, Durrieu 2009); they
+// never raise the misfit.
 Fit fitted(const Eigen::VectorXd& found, const Decays& decay, double floor, int steps) {
   const auto n = found.size();
   Eigen::MatrixX3d basis(n, 3);
@@ -92,15 +93,15 @@ Fit fitted(const Eigen::VectorXd& found, const Decays& decay, double floor, int 
 struct Decay {
   Decays value = Decays::Zero();  // slow, fast
   std::vector<Fit> fits;          // per channel and group
-  double gain = 0.0;              // of misfit over no decay, the largest of a group
-  double gains = 0.0;             // of all
+  double gain = 0.0;              // misfit gained over no decay, in the best group
+  double gains = 0.0;             // the same over all groups
 };
 
 double floor_of(const Powers& powers, Eigen::Index g) {
   return std::max(kFloor * powers.output(g), 1e-300);
 }
 
-// The groups that tell most of a decay.
+// The groups in which a decay is clearest.
 std::vector<Eigen::Index> telling(const Powers& powers) {
   std::vector<Eigen::Index> groups(static_cast<std::size_t>(powers.output.size()));
   for (std::size_t g = 0; g < groups.size(); ++g) groups[g] = static_cast<Eigen::Index>(g);
@@ -141,7 +142,7 @@ Decay likeliest(const Powers& powers) {
   return best;
 }
 
-// Largest bias of the mean over the periods that are left, over the mean's deviation.
+// Largest bias of the mean over the remaining periods, over the deviation of the mean.
 double bias_after(const Decay& decay, double dropped, double periods) {
   const double left = periods - dropped;
   double largest = 0.0;
@@ -157,7 +158,7 @@ double bias_after(const Decay& decay, double dropped, double periods) {
   return largest;
 }
 
-// Twice the gain in likelihood is χ² of a few degrees where there is no decay.
+// Without a decay, twice the gain in log likelihood is χ² of a few degrees.
 bool significant(const Decay& decay) {
   const auto n = static_cast<double>(decay.fits.size());
   return decay.gain > kSignificant * kSignificant ||
@@ -217,7 +218,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Free decays at the samples of one period and from one period to the next, mean taken off.
+// Free decays within one period and from period to period.
 struct DecayBasis {
   Eigen::MatrixXcd within;  // N×m: λ^n
   Eigen::MatrixXcd across;  // P×m: q^p − mean
@@ -240,7 +241,8 @@ DecayBasis decays(const Eigen::VectorXcd& pole, double sample_time, Eigen::Index
   return basis;
 }
 
-// Σ over samples of products of the real functions Re(b λⁿ q^p): unknowns Re b, then Im b.
+// Normal matrix: sums over all samples of products of the real functions Re(b λⁿ q^p). The unknowns
+// are Re b, then Im b.
 Eigen::MatrixXd normal_matrix(const DecayBasis& basis) {
   const auto m = basis.within.cols();
   const Eigen::MatrixXcd same = basis.within.adjoint() * basis.within;
@@ -257,7 +259,7 @@ Eigen::MatrixXd normal_matrix(const DecayBasis& basis) {
   return result;
 }
 
-// Least squares amplitudes b, m×channels, of what in `samples` does not repeat.
+// Least-squares amplitudes b, m×channels, of the part of `samples` that does not repeat.
 Eigen::MatrixXcd amplitudes(const DecayBasis& basis, const Eigen::MatrixXd& samples,
                             const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>& solver,
                             const Eigen::VectorXd& scale) {

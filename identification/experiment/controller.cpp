@@ -28,8 +28,8 @@ std::complex<double> polynomial(const Eigen::VectorXd& descending, std::complex<
   return value;
 }
 
-// Time in units of 1/bandwidth: C(s) = k (s + 0.1)(3 s + 1) / (s (s/3 + 1)(s²/64 + 1.4 s/8 + 1)) of
-// |C(j)| = 1, so that it crosses 1/s² at the bandwidth.
+// Time in units of 1/bandwidth: C(s) = k (s + 0.1)(3 s + 1) / (s (s/3 + 1)(s²/64 + 1.4 s/8 + 1)).
+// With |C(j)| = 1 the loop with 1/s² crosses 1 at the bandwidth.
 OneAxis axis_law(double step) {
   const double lag = 1.4 / 8.0;
   Eigen::VectorXd below(5);  // s⁴ ... 1
@@ -127,7 +127,7 @@ double largest_eigenvalue(const Plant& plant, const Controller& controller, doub
   for (const auto& block : blocks) states += block.a.rows();
   const auto q = static_cast<Eigen::Index>(controller.controlled.size());
   const auto own = controller.a.rows();
-  const auto line = states + own;  // u of the last whole + 2 samples, newest first
+  const auto line = states + own;  // first u: of the last whole + 2 samples, newest first
   const auto n = line + q * (delay.whole + 2);
   const auto acting = line + q * (delay.whole - 1);  // u[k − whole] at sample k
   const auto& controlled = controller.controlled;

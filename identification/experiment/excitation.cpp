@@ -97,7 +97,7 @@ Eigen::VectorXd signal_of(const std::vector<Eigen::Index>& lines,
   return inverse_fourier(all, period);
 }
 
-// Clip, keep the phases of what comes out, restore the amplitudes; the best so far is kept.
+// Repeats: clip the signal, keep its new phases, restore the amplitudes. The best result is kept.
 void lower_crest(const MultisinePlan& plan, Multisine& result) {
   Eigen::VectorXcd coefficient = result.coefficient;
   Eigen::VectorXd signal = result.signal;

@@ -8,48 +8,48 @@
 
 namespace chladni::identification {
 
-/// Which lines of the band are excited.
+/// The lines of the band that are excited.
 enum class ExcitedLines {
   all,
   odd,
-  /// Odd ones, one at random of every four left out: what answers there, and on the even lines,
-  /// is nonlinear.
+  /// Odd lines without one of every four at random. A response there and on the even
+  /// lines is nonlinear.
   odd_with_detection,
 };
 
 struct MultisinePlan {
   Eigen::Index period = 0;             ///< samples N
   double sample_time_s = 0.0;          ///< the lines are k / (N T)
-  double low_hz = 0.0, high_hz = 0.0;  ///< the band, both ends in it; never 0 Hz nor N/2
+  double low_hz = 0.0, high_hz = 0.0;  ///< the band with both ends; never 0 Hz nor N/2
   ExcitedLines lines = ExcitedLines::all;
-  double rms = 1.0;  ///< of the signal
-  /// Shape of the amplitude spectrum: at these frequencies [Hz, ascending] these amplitudes, in
-  /// between linear in the logarithms of the amplitude; empty: flat.
+  double rms = 1.0;  ///< rms value of the signal
+  /// Shape of the amplitude spectrum: amplitudes at these frequencies [Hz, ascending]. In between
+  /// the logarithm of the amplitude is linear in frequency. Empty: flat.
   Eigen::VectorXd shape_hz, shape;
-  /// Clip-and-rephase steps that lower the crest factor (van der Ouderaa, Schoukens, Renneboog
-  /// 1988). The phases are then not random: leave it 0 with several realisations.
+  /// Number of clip-and-rephase steps that lower the crest factor (van der Ouderaa, Schoukens,
+  /// Renneboog 1988). The phases are then not random: use 0 with several realisations.
   int crest_iterations = 0;
 };
 
 struct Multisine {
   Eigen::VectorXd signal;               ///< N, one period
   std::vector<Eigen::Index> lines;      ///< excited, ascending
-  std::vector<Eigen::Index> detection;  ///< in the band and not excited
-  Eigen::VectorXcd coefficient;         ///< of `lines`: as fourier() gives it
+  std::vector<Eigen::Index> detection;  ///< lines of the band that are not excited
+  Eigen::VectorXcd coefficient;         ///< at `lines`, in the convention of fourier()
   double crest_factor = 0.0;            ///< largest magnitude over rms
 };
 
-/// Phases uniform in [0, 2π), drawn anew in each call.
+/// Draws new phases, uniform in [0, 2π), in each call.
 /// @throws InvalidInput  no line in the band, the band beyond half the sampling frequency, a shape
 ///                       that is not positive or not ascending
 [[nodiscard]] Multisine multisine(const MultisinePlan& plan, Draw& draw);
 
-/// How several inputs are told apart.
+/// The method that separates several inputs.
 enum class InputScheme {
   one_at_a_time,
-  /// q experiments of all inputs, U_je(k) = A_j(k) e^{jφ_j(k)} W_je with W a Hadamard matrix (q a
-  /// power of 2) or the Fourier matrix: at the same rms q times less noise variance (Dobrowiecki,
-  /// Schoukens, Guillaume 2006).
+  /// q experiments with all inputs, U_je(k) = A_j(k) e^{jφ_j(k)} W_je. W is a Hadamard matrix (q a
+  /// power of 2) or the Fourier matrix. At the same rms the noise variance is q times less
+  /// (Dobrowiecki, Schoukens, Guillaume 2006).
   orthogonal,
 };
 
@@ -64,7 +64,7 @@ struct ExperimentSet {
 [[nodiscard]] ExperimentSet experiments(const MultisinePlan& plan, Eigen::Index inputs,
                                         InputScheme scheme, Draw& draw);
 
-/// Largest magnitude over root mean square; 0 of a signal that is 0.
+/// Largest magnitude over root mean square; 0 for a signal that is 0.
 [[nodiscard]] double crest_factor(const Eigen::Ref<const Eigen::VectorXd>& signal);
 
 }  // namespace chladni::identification

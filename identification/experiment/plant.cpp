@@ -58,7 +58,7 @@ Plant coupled(const modal::ReducedModel& model, const std::vector<modal::FrfKind
   return result;
 }
 
-// One pole above the real axis as a block of its real and imaginary part; a real pole as one state.
+// A pole above the real axis gives a block with its real and imaginary part; a real pole one state.
 Plant::Block pole_block(std::complex<double> pole, const Eigen::RowVectorXcd& in,
                         const Eigen::VectorXcd& out) {
   if (pole.imag() == 0.0) {
@@ -105,7 +105,7 @@ Plant plant(const ChainMatrices& chain, const Eigen::VectorXd& sensors_m,
   const auto n = chain.mass.rows();
   const Eigen::MatrixXd sensors = displacement_rows(chain, sensors_m);
   const Eigen::MatrixXd forces = displacement_rows(chain, actuators_m).transpose();
-  // Modal coordinates first: the first-order matrix is then well scaled.
+  // Modal coordinates come first: they scale the first-order matrix well.
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(chain.stiffness,
                                                                         chain.mass);
   const Eigen::MatrixXd& shapes = modes.eigenvectors();

@@ -1,4 +1,4 @@
-// A structure that moves in time: small independent blocks of states, sampled exactly.
+// A structure in the time domain: small independent blocks of states, sampled exactly.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,21 +21,22 @@ struct Plant {
   [[nodiscard]] Eigen::Index input_count() const { return d.cols(); }
 };
 
-/// One block of two states for each mode; one of all where dashpots couple them. `kinds`: what each
-/// output measures; empty: displacements. Residual flexibility acts on displacements only.
-/// @throws InvalidInput  the model does not fit together, another number of kinds
+/// One block of two states for each mode; one block for all states where dashpots couple the modes.
+/// `kinds`: the quantity of each output; empty: displacements. Residual flexibility acts on
+/// displacements only.
+/// @throws InvalidInput  the model does not fit together, the number of kinds differs
 [[nodiscard]] Plant plant(const modal::ReducedModel& model,
                           const std::vector<modal::FrfKind>& kinds = {});
 
-/// The chain with its own damping: pairs of poles of (M, C, K) [rad/s], up to `highest_hz`; what
-/// lies above is its static flexibility. Displacements.
-/// @throws InvalidInput      places off the strip, a chain without flexures (its rigid-body modes
-///                           have no independent poles)
+/// The chain with its own damping: pole pairs of (M, C, K) [rad/s] up to `highest_hz`. Poles above
+/// add their static flexibility. The outputs are displacements.
+/// @throws InvalidInput      places off the strip, a chain without flexures (the poles of its
+///                           rigid-body modes are not independent)
 [[nodiscard]] Plant plant(const ChainMatrices& chain, const Eigen::VectorXd& sensors_m,
                           const Eigen::VectorXd& actuators_m, double highest_hz);
 
-/// x⁺ = A x + B_late u_late + B u, exact for u held between samples and for a delay of a fraction
-/// of a sample: u_late, the value before, still acts for that fraction.
+/// x⁺ = A x + B_late u_late + B u. This is exact for u held between samples and a delay of a
+/// fraction of a sample: u_late, the previous value, still acts during that fraction.
 struct SampledBlock {
   Eigen::MatrixXd a, b, b_late, c;
 };
@@ -48,12 +49,13 @@ struct SampledBlock {
 struct SampledDelay {
   Eigen::Index whole = 0;
   double fraction = 0.0;
-  /// What D sees at sample k of the held u[k − whole − i], i = 0, 1, 2: its mean over one sample
-  /// around k (a sensor does not see a jump at one instant), so D is as late as the states are.
+  /// Weights of the held u[k − whole − i], i = 0, 1, 2, that D sees at sample k. They are the mean
+  /// over one sample around k (a sensor does not see a jump at one instant), so D has the same
+  /// delay as the states.
   Eigen::Vector3d weight = Eigen::Vector3d(0.5, 0.5, 0.0);
 };
 
-/// @throws InvalidInput  negative, or more than 10 000 samples
+/// @throws InvalidInput  the delay is negative or more than 10 000 samples
 [[nodiscard]] SampledDelay sampled_delay(double delay_s, double sample_time_s);
 
 }  // namespace chladni::identification

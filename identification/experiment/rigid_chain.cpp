@@ -46,7 +46,7 @@ void check(const RigidChain& chain) {
           "rigid chain: a damping ratio is negative");
 }
 
-// Displacement and rotation at a place, in the bodies' ends.
+// The body at a place and the relative position within it.
 struct Row {
   Eigen::Index body;
   double along;  // 0 ... 1
@@ -78,7 +78,7 @@ Eigen::VectorXd rotation(const ChainMatrices& chain, double at_m) {
   return result;
 }
 
-// Each body is a uniform rod of its thickness.
+// Each body is a uniform rod with the strip's thickness.
 void add_strip(const RigidChain& strip, ChainMatrices& chain) {
   const double h = chain.body_length_m;
   const double mass = strip.density * strip.width_m * strip.thickness_m * h;
@@ -137,7 +137,7 @@ Spectrum spectrum(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass)
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
-// What the two flexures hold: squared displacement and squared rotation, summed.
+// Form matrices of the two flexures: the sums of squared displacements and of squared rotations.
 struct Flexures {
   Eigen::MatrixXd sway, turn;
 };
@@ -154,7 +154,7 @@ Flexures flexures(const RigidChain& strip, const ChainMatrices& chain) {
   return result;
 }
 
-// φᵀAφ and φᵀBφ of the two lowest modes.
+// φᵀAφ and φᵀBφ of the two lowest modes, one row per mode.
 Eigen::Matrix2d shares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Spectrum& modes) {
   Eigen::Matrix2d result;
   for (int i = 0; i < 2; ++i) {
@@ -164,7 +164,7 @@ Eigen::Matrix2d shares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const
   return result;
 }
 
-// Newton on ω² of the two lowest modes, whose slopes are the shares.
+// Newton's method on ω² of the two lowest modes; `shares` gives its Jacobian.
 void tune_stiffness(const RigidChain& strip, const Flexures& held, ChainMatrices& chain) {
   const Eigen::Vector2d wanted(std::pow(kTwoPi * strip.sway_hz, 2),
                                std::pow(kTwoPi * strip.turn_hz, 2));
@@ -191,8 +191,9 @@ void tune_stiffness(const RigidChain& strip, const Flexures& held, ChainMatrices
   chain.turn_stiffness = stiffness(1);
 }
 
-// Joint damping for the first flexible mode; for what the two lowest then miss, dashpots in the
-// flexures beside drag of the air along the strip, or beside dashpots against turning.
+// The joint damping gives the first flexible mode its ratio. The damping that the two lowest modes
+// still need comes from dashpots in the flexures, with drag along the strip or, if that fails, with
+// dashpots against rotation.
 void tune_damping(const RigidChain& strip, const Flexures& held, const Eigen::MatrixXd& joints,
                   const Eigen::MatrixXd& drag, ChainMatrices& chain) {
   const auto modes = spectrum(chain.stiffness, chain.mass);
@@ -243,7 +244,7 @@ ChainMatrices matrices(const RigidChain& chain) {
   result.mass.setZero(n, n);
   result.damping.setZero(n, n);
   add_strip(chain, result);
-  const Eigen::MatrixXd drag = result.mass;  // in proportion to the strip's own mass
+  const Eigen::MatrixXd drag = result.mass;  // proportional to the strip's own mass
   add_masses(chain, result);
   const Eigen::MatrixXd joints = joint_stiffness(chain, result);
   result.stiffness = joints;

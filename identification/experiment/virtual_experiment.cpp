@@ -23,7 +23,7 @@ void check_levels(const Eigen::VectorXd& levels, Eigen::Index channels, const st
           "virtual experiment: " + what + " is negative or not finite");
 }
 
-// The last commands, newest first, of every input of the plant.
+// The last commands of every input of the plant, newest first.
 class Line {
  public:
   Line(const SampledDelay& delay, Eigen::Index inputs)
@@ -33,7 +33,7 @@ class Line {
     past_.col(newest_) = command;
   }
   void replace(const Eigen::VectorXd& command) { past_.col(newest_) = command; }
-  /// u[k − whole − i], k being the sample of the newest command.
+  /// u[k − whole − i]; k is the sample of the newest command.
   [[nodiscard]] auto acting(Eigen::Index i) const {
     return past_.col((newest_ + delay_.whole + i) % past_.cols());
   }
@@ -55,7 +55,7 @@ double quantised(double value, double step) {
   return step > 0.0 ? step * std::round(value / step) : value;
 }
 
-// The held force at each sample shifted by the delay: u[k − whole − late], zero before the start.
+// The command delayed by `by` samples, zero before the start.
 Eigen::MatrixXd shifted(const Eigen::MatrixXd& command, Eigen::Index by) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(command.rows(), command.cols());
   if (by < command.rows()) {
@@ -64,7 +64,7 @@ Eigen::MatrixXd shifted(const Eigen::MatrixXd& command, Eigen::Index by) {
   return result;
 }
 
-// Column n becomes the state after sample n.
+// Computes x_n += A x_{n−1}; column n becomes the state after sample n.
 void run_through(const Eigen::MatrixXd& a, Eigen::MatrixXd& states) {
   if (a.rows() == 1) {
     for (Eigen::Index n = 1; n < states.cols(); ++n) states(0, n) += a(0, 0) * states(0, n - 1);
@@ -82,7 +82,7 @@ void run_through(const Eigen::MatrixXd& a, Eigen::MatrixXd& states) {
   }
 }
 
-// Block by block over the whole record.
+// Simulates one block after the other over the whole record.
 Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
   const auto now = shifted(force, delay.whole);
@@ -100,7 +100,7 @@ Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   return outputs;
 }
 
-// The structure in steps: whole samples, or parts of one where a spring must be followed.
+// Simulates the structure in steps: whole samples, or parts of a sample if there is a spring.
 class Stepped {
  public:
   explicit Stepped(const VirtualRig& rig)
@@ -114,7 +114,7 @@ class Stepped {
     for (const auto& block : blocks_) states_.emplace_back(Eigen::VectorXd::Zero(block.a.rows()));
   }
 
-  /// At the sample of the newest force.
+  /// Outputs at the sample of the newest force.
   [[nodiscard]] Eigen::VectorXd outputs() const {
     Eigen::VectorXd y =
         rig_.plant.d * (delay_.weight(0) * line_.acting(0) + delay_.weight(1) * line_.acting(1) +
@@ -124,7 +124,7 @@ class Stepped {
   }
   Line& line() { return line_; }
 
-  /// Over one sample after its command is in the line.
+  /// Advances by one sample; the command of the sample must be in the line.
   void advance() {
     if (!rig_.spring) {
       const Eigen::VectorXd now = line_.acting(0);
@@ -144,7 +144,7 @@ class Stepped {
   }
 
  private:
-  // At the middle of the step, which the velocity foretells: second order.
+  // Force at the middle of the step, predicted with the velocity: second order.
   [[nodiscard]] double spring_force() const {
     double middle = 0.0;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -164,7 +164,7 @@ class Stepped {
   Line line_;
 };
 
-// Force on all inputs of the plant: the command and what disturbs it.
+// Force on all inputs of the plant: the command and the disturbance.
 Eigen::MatrixXd forces(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
   Eigen::MatrixXd force = Eigen::MatrixXd::Zero(command.rows(), rig.plant.input_count());
   force.leftCols(command.cols()) = command;
@@ -172,7 +172,7 @@ Eigen::MatrixXd forces(const VirtualRig& rig, const Eigen::MatrixXd& command, Dr
   return force;
 }
 
-// What the loop asks of each input of the plant, step by step.
+// Feedback of the loop on each input of the plant, sample by sample.
 class Feedback {
  public:
   explicit Feedback(const Controller& law)
@@ -191,7 +191,7 @@ class Feedback {
   Eigen::VectorXd states_;
 };
 
-// A loop and a spring need every sample in turn.
+// Simulates sample by sample, which a loop and a spring require.
 Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
   const auto p = count(rig.outputs);
   Record record{.outputs = Eigen::MatrixXd::Zero(command.rows(), p),
@@ -210,7 +210,7 @@ Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
       y(i) = quantised(y(i), rig.quantisation(i));
     }
     record.outputs.row(n) = y.transpose();
-    if (loop) {  // the newest force acts a sample later at the earliest: y does not hang on it
+    if (loop) {  // y does not depend on the newest force: it acts one sample later or more
       Eigen::RowVectorXd sent = record.inputs.row(n);
       loop->add(y, sent, force);
       record.inputs.row(n) = sent;

@@ -20,7 +20,7 @@ PolynomialBasis orthonormal_basis(const Eigen::VectorXd& x, const Eigen::VectorX
   PolynomialBasis basis;
   basis.recurrence.resize(degree);
   basis.first = 1.0 / weight.norm();
-  // φ_k(jx) = j^k times these.
+  // φ_k(jx) is j^k times these real values.
   Eigen::VectorXd last = Eigen::VectorXd::Zero(x.size());
   Eigen::VectorXd now = Eigen::VectorXd::Constant(x.size(), basis.first);
   double gamma = 0.0;
@@ -151,7 +151,7 @@ Eigen::VectorXd FractionEquations::gradient(const Eigen::MatrixXcd& errors) cons
 }
 
 Eigen::VectorXd FractionEquations::step(const Eigen::VectorXd& gradient, double damping) const {
-  // Each column of N is coupled to D only: eliminate it.
+  // Each column of N couples only to D: the Schur complement eliminates it.
   Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(d_count_, d_count_);
   Eigen::VectorXd right = -gradient.head(d_count_);
   for (const auto& one : gram_) reduced += one.topLeftCorner(d_count_, d_count_);
@@ -160,7 +160,7 @@ Eigen::VectorXd FractionEquations::step(const Eigen::VectorXd& gradient, double 
   std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;
   for (std::size_t j = 0; j < gram_.size(); ++j) {
     Eigen::MatrixXd own = gram_[j].bottomRightCorner(n_count_, n_count_);
-    // Rounding only: a column that was not measured at all must not stop the others.
+    // As small as rounding: an unmeasured column must not stop the others.
     const double least = 1e-15 * std::max(own.diagonal().maxCoeff(), 1e-300);
     own.diagonal() = (1.0 + damping) * own.diagonal().array() + least;
     factors.emplace_back(own);

@@ -18,13 +18,13 @@ namespace chladni::identification {
 namespace {
 
 using std::numbers::pi;
-constexpr Eigen::Index kMostUnknowns = 4000;  // of D
+constexpr Eigen::Index kMostUnknowns = 4000;  // coefficients of D
 
 Eigen::VectorXd in_units(const Eigen::VectorXd& frequency_hz, double scale) {
   return 2.0 * pi / scale * frequency_hz;
 }
 
-// A fraction on the lines of the data.
+// Values of a fraction on the lines of the data.
 struct OnLines {
   std::vector<Eigen::MatrixXcd> inverse;  // D⁻¹
   Eigen::MatrixXcd value;                 // K×pq
@@ -56,7 +56,7 @@ double output_error(const FitData& data, const Eigen::MatrixXcd& value) {
   return ((data.value - value).array() * data.weight.array()).abs2().sum();
 }
 
-// Bases that make the columns of the equations alike: φ with the data's size in its weight.
+// Chooses bases that give the columns of the equations similar size. The weight of φ contains |G|.
 void lay_bases(MatrixFraction& fraction, const FitData& data,
                const std::vector<Eigen::MatrixXcd>& divided, const MatrixFractionOptions& options) {
   const auto p = data.outputs;
@@ -87,8 +87,8 @@ void set_coefficients(MatrixFraction& fraction, const FractionEquations& equatio
   }
 }
 
-// To a mean square of 1: in its new basis D has the inverse size of the last D⁻¹, which would grow
-// from iteration to iteration.
+// Scales all D⁻¹ to a mean square of 1. In its new basis D has the inverse size of the last D⁻¹,
+// which would otherwise grow with each iteration.
 void normalise(std::vector<Eigen::MatrixXcd>& divided) {
   double square = 0.0;
   for (const auto& one : divided) square += one.squaredNorm();
@@ -96,7 +96,7 @@ void normalise(std::vector<Eigen::MatrixXcd>& divided) {
   for (auto& one : divided) one *= factor;
 }
 
-// The iterate of lowest output error; `costs` are those of all.
+// Returns the iterate of lowest output error; its `costs` are those of all iterates.
 MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOptions& options) {
   MatrixFraction now;
   now.scale = 2.0 * pi * data.frequency_hz.maxCoeff();
@@ -114,7 +114,7 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
     const Eigen::MatrixXcd n_basis = values(now.numerator_basis, x);
     const FractionEquations equations(data, divided, data.value, d_basis, n_basis);
     Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(equations.count());
-    for (int pass = 0; pass < 2; ++pass) {  // the second takes out what squaring rounded off
+    for (int pass = 0; pass < 2; ++pass) {  // the second pass removes rounding errors of squaring
       coefficients += equations.step(equations.gradient(equations.errors(coefficients, true)), 0.0);
     }
     set_coefficients(now, equations, coefficients);
@@ -130,7 +130,7 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
   return best;
 }
 
-// One step of the output error, with the damping that it takes. False where none lowers it.
+// One step that lowers the output error; adapts the damping. False if no step lowers it.
 bool levenberg_step(MatrixFraction& fraction, const FitData& data, double& damping) {
   const auto x = in_units(data.frequency_hz, fraction.scale);
   const Eigen::MatrixXcd d_basis = values(fraction.denominator_basis, x);
@@ -178,7 +178,7 @@ void check(const FitData& data, const MatrixFractionOptions& options) {
               " coefficients");
 }
 
-// Those that oscillate, turned into the left half plane, the ones of the modes at 0 Hz left out.
+// The oscillating poles, turned into the left half plane, without those of the modes at 0 Hz.
 Eigen::VectorXcd resonances(const MatrixFraction& fraction, Eigen::Index rigid_count) {
   Eigen::VectorXcd all = poles(fraction);
   std::ranges::sort(all, {}, [](const std::complex<double>& pole) { return std::abs(pole); });
@@ -191,7 +191,7 @@ Eigen::VectorXcd resonances(const MatrixFraction& fraction, Eigen::Index rigid_c
   return Eigen::Map<Eigen::VectorXcd>(kept.data(), std::ssize(kept));
 }
 
-// The n worth most, in order of frequency.
+// The n poles of highest significance, in order of frequency.
 std::vector<Eigen::Index> worthiest(const Eigen::VectorXd& significance, Eigen::Index n) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(significance.size()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});

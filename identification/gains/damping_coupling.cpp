@@ -13,15 +13,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The simulation's mode next to a frequency.
+// The mode of the simulation that is nearest to a frequency.
 Index nearest(const VectorXd& frequency_hz, double hz) {
   Index own = 0;
   (frequency_hz.array() - hz).abs().minCoeff(&own);
   return own;
 }
 
-// Standard deviations of what the simulation's modes turn mode m by. Of its own twin no more than
-// the phase is uncertain by.
+// Standard deviations of the parts of the simulation's modes that coupling adds to mode m. For the
+// mode's own twin it is the damping ratio, the uncertainty of the phase.
 VectorXd spread(const ModalFit& fit, Index m, const VectorXd& frequency_hz) {
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
   const Index rigid = fit.model.rigid_count;
@@ -39,7 +39,7 @@ VectorXd spread(const ModalFit& fit, Index m, const VectorXd& frequency_hz) {
   return result;
 }
 
-// Of the fit's shapes over the simulation's.
+// Scale of the fit's shapes relative to the simulation's.
 double scale(const ModalFit& fit, const GainMatch& match, const CouplingBasis& basis) {
   double there = 0.0;
   double own = 0.0;

@@ -60,7 +60,7 @@ void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channe
   }
 }
 
-// Multiplies what one channel shows, and what is known of it.
+// Multiplies the values of one channel, and their covariances, by a factor.
 void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double factor) {
   auto& model = state.fit.model;
   if (is_output) {
@@ -86,7 +86,7 @@ void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double
   scale_rigid_covariance(state, is_output, channel, factor);
 }
 
-// Divides what one side of a pair shows by the pair's gain.
+// Divides the values of one side of a pair by the pair's gain.
 void correct_gains(Matching& state) {
   const auto& options = state.options;
   if (options.fault == GainFault::nobody) return;
@@ -104,7 +104,7 @@ void correct_gains(Matching& state) {
   }
 }
 
-// A pair does not tell a mode where its residue has the sign that it cannot have.
+// Excludes a pair from a mode where its residue has an impossible sign.
 void leave_out_contradictions(Matching& state) {
   const auto n = state.signs.size();
   for (Eigen::Index c = 0; c < n; ++c) {
@@ -206,8 +206,8 @@ void gather_rows(Matching& state) {
   }
 }
 
-// Variances that are not known stand in the sums as a thousand times the size of what they are of,
-// squared: finite, and no information.
+// Replaces each unknown variance by the square of a thousand times the size of its value. This is
+// finite and carries no information.
 void bound(Eigen::MatrixXd& covariance, const Eigen::VectorXd& size) {
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     if (std::isfinite(covariance(i, i))) continue;
@@ -217,7 +217,7 @@ void bound(Eigen::MatrixXd& covariance, const Eigen::VectorXd& size) {
   }
 }
 
-// (2 + p + q, and p + q again of complex shapes): size of ω, ζ, L and R.
+// Sizes of ω, ζ, L and R (2 + p + q); complex shapes need p + q more.
 Eigen::VectorXd sizes(const ModalFit& fit, Eigen::Index m, Eigen::Index count) {
   const auto p = fit.model.output_count();
   const auto q = fit.model.input_count();
@@ -250,7 +250,7 @@ void bound_unknown(ModalFit& fit) {
   bound(fit.rigid_covariance, Eigen::VectorXd::Constant(rigid, size));
 }
 
-// What the fit does not know stays unknown, whatever was made of the channel's values.
+// Values that the fit does not know stay unknown after the match.
 void mark_unknown(const ModalFit& fit, Matching& state) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto m = fit.model.mode_count();

@@ -10,7 +10,7 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-// One mode's imaginary parts at the sensors and at the actuators, with variances.
+// Imaginary parts of one mode at the sensors and at the actuators, with variances.
 struct Sides {
   Eigen::VectorXd outputs, inputs, output_variance, input_variance;
 };
@@ -25,7 +25,7 @@ Sides scaled_sides(const Matching& state, Index m) {
           (complex.input_imaginary_std.row(m).transpose() * alpha).cwiseAbs2()};
 }
 
-// γ with L e^{−jγ} and R e^{jγ} alike in phase at the pairs; within ±π/4, signs are told later.
+// γ that gives L e^{−jγ} and R e^{jγ} the same phase at the pairs, within ±π/4; signs come later.
 double phase_between(const Matching& state, Index m) {
   const auto& complex = *state.fit.complex;
   Complex sum = 0.0;
@@ -38,7 +38,7 @@ double phase_between(const Matching& state, Index m) {
   return sum == 0.0 ? 0.0 : 0.5 * std::arg(sum);
 }
 
-// (ω, ζ, Re L, Re R, Im L, Im R) of the shapes turned by e^{−jγ} and e^{jγ}, from what it was.
+// Jacobian of (ω, ζ, Re L, Re R, Im L, Im R) for shapes turned by e^{−jγ} and e^{jγ}.
 Eigen::MatrixXd turning(Index p, Index q, double gamma) {
   const double c = std::cos(gamma);
   const double s = std::sin(gamma);
@@ -74,7 +74,7 @@ void turn_mode(Matching& state, Index m, double gamma) {
   complex.input_imaginary_std.row(m) = deviation.tail(q).transpose();
 }
 
-// At a pair both sides are one value.
+// Gives both sides of a pair one value, weighted by their variances.
 void tie_pairs(const Matching& state, Sides& sides) {
   for (std::size_t c = 0; c < state.options.pairs.size(); ++c) {
     const auto& pair = state.options.pairs[c];

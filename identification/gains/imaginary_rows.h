@@ -5,13 +5,13 @@
 
 namespace chladni::identification {
 
-/// The data leave a phase open between both sides of a complex mode: that at which the pairs at one
-/// place agree best. The fit's shapes, real parts and covariances are turned by it; nothing where
-/// the shapes are real.
+/// The data do not determine the phase between both sides of a complex mode. This function takes
+/// the phase at which the pairs at one place agree best, and turns the fit's shapes, real parts and
+/// covariances by it. It does nothing for real shapes.
 void agree_in_phase(Matching& state);
 
-/// Fills GainMatch::imaginary and input_imaginary from the fit's complex shapes, on the scale of
-/// the real parts; nothing where the shapes are real. @pre the rows are gathered
+/// Fills GainMatch::imaginary and input_imaginary from the fit's complex shapes, in the scale of
+/// the real parts. It does nothing for real shapes. @pre the rows are gathered
 void add_imaginary_rows(Matching& state);
 
 }  // namespace chladni::identification

@@ -25,7 +25,7 @@ OneScale on_scale(const Eigen::VectorXd& outputs, const Eigen::VectorXd& inputs,
   return scaled;
 }
 
-// d = A x for x = (L, R): L_c − β ratio_c R_c.
+// A of the gaps d = A x with x = (L, R): L_c − β ratio_c R_c.
 Eigen::MatrixXd constraint(const TwoSides& mode, double beta) {
   const auto p = mode.outputs.size();
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(mode.ties.count(), p + mode.inputs.size());
@@ -47,8 +47,8 @@ Eigen::MatrixXd gap_covariance(const TwoSides& mode, const Eigen::MatrixXd& rows
   return spread;
 }
 
-// C with the direction in which L and R trade their scale made uncertain, and the deviation from a
-// motion of the whole. 1e-8 of the size stands for rounding.
+// C with two additions: a large variance in the direction that exchanges scale between L and R, and
+// the deviation from rigid motion. 1e-8 of the size stands for rounding.
 Eigen::MatrixXd motion_covariance(const TwoSides& mode, double bending) {
   const auto p = mode.outputs.size();
   const auto q = mode.inputs.size();
@@ -64,7 +64,7 @@ Eigen::MatrixXd motion_covariance(const TwoSides& mode, double bending) {
   return covariance;
 }
 
-// x = (α P_s c, P_a c / α): one Gauss-Newton step of ln α, c by least squares.
+// x = (α P_s c, P_a c / α): one Gauss-Newton step of ln α; c by least squares.
 struct MotionStep {
   Eigen::VectorXd coefficients;
   double step = 0.0, chi_square = 0.0;
@@ -96,7 +96,7 @@ MotionStep motion_step(const Eigen::LLT<Eigen::MatrixXd>& whiten, const Eigen::M
   return next;
 }
 
-// Rows of L_c S = ratio R_cᵀ for the entries of the symmetric S.
+// Rows of L_c S = ratio R_cᵀ; the unknowns are the entries of the symmetric S.
 Eigen::MatrixXd block_design(const Eigen::MatrixXd& l) {
   const auto n = l.rows();
   const auto g = l.cols();
@@ -137,7 +137,7 @@ OneScale scaled_by_ties(const TwoSides& mode) {
     const Eigen::VectorXd gap = l - beta * r;
     moved = x - mode.covariance * a.transpose() * factor.solve(gap);
     chi_square = gap.dot(factor.solve(gap));
-    // Stationary in β: λᵀ dA/dβ x = 0 with the moved x.
+    // Condition for a stationary β: λᵀ dA/dβ x = 0 with the moved x.
     const Eigen::VectorXd weight =
         factor.solve(at_ties(moved.tail(q), mode.ties.inputs).cwiseProduct(mode.ties.ratio));
     const double next = weight.dot(l) / weight.dot(r);
@@ -235,7 +235,7 @@ Eigen::VectorXd propagated(const std::function<Eigen::VectorXd(const Eigen::Vect
       const Eigen::VectorXd step = kStep * factor.col(i);
       variance += ((value(x + step) - value(x - step)) / (2.0 * kStep)).cwiseAbs2();
     }
-  } catch (const NumericalFailure&) {  // nearby values have no answer
+  } catch (const NumericalFailure&) {  // value() fails for nearby x
     variance.setConstant(std::numeric_limits<double>::infinity());
   }
   return variance.cwiseSqrt();

@@ -13,7 +13,8 @@ namespace chladni::identification {
 
 namespace {
 
-// The pairs that tell a group, with all their known factors. Of a block no simulated mode is one.
+// The pairs that count for a group, with their known factors. A block takes only pairs at one
+// place: no simulated mode belongs to it.
 Ties ties_of(const Matching& state, std::size_t group) {
   Ties ties;
   const auto g = static_cast<Eigen::Index>(group);
@@ -49,7 +50,7 @@ TwoSides sides_of(const Matching& state, std::size_t group) {
 
 using Scaling = std::function<OneScale(const TwoSides&)>;
 
-// Scales the mode, with the deviations of all that comes out.
+// Scales the mode and computes the deviations of all results.
 void apply(Matching& state, std::size_t group, const Scaling& scaling, MatchedBy by) {
   const auto mode = state.groups[group].first;
   const auto p = state.p();
@@ -88,7 +89,7 @@ void apply(Matching& state, std::size_t group, const Scaling& scaling, MatchedBy
   told.disagreement = scaled.chi_square;
 }
 
-// A guess: the same rms on both sides.
+// A guess: gives both sides the same rms.
 void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto& model = state.fit.model;
@@ -108,7 +109,7 @@ void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
   }
 }
 
-// Covariance of the modes' (L_m, R_m) one after the other, the side's sign in.
+// Covariance of (L_m, R_m) of all modes of the group in sequence, with the sign of the side.
 Eigen::MatrixXd block_covariance(const Matching& state, const modal::ModeGroup& group) {
   const auto p = state.p();
   const auto q = state.q();
@@ -135,7 +136,7 @@ Eigen::MatrixXd block_covariance(const Matching& state, const modal::ModeGroup& 
   return covariance;
 }
 
-// What a block of g modes becomes: p×g and g×q, from its L and R.
+// The scaled shapes of a block of g modes, p×g and g×q, from its L and R.
 struct Block {
   Eigen::MatrixXd outputs, inputs;
 };
@@ -174,7 +175,7 @@ void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& s
   }
 }
 
-// Deviations of the entries of L R; empty where not all are known.
+// Deviations of the entries of L R; empty if not all are known.
 Eigen::MatrixXd product_deviation(const Matching& state, const modal::ModeGroup& group) {
   const auto p = state.p();
   const auto q = state.q();
@@ -277,7 +278,8 @@ bool is_suspended(const Matching& state, Eigen::Index mode) {
                                        state.options.geometry->suspended.end();
 }
 
-// By what the shape may bend, a part of its rms: rows that follow the motion are off by it.
+// Adds the possible bending, a part of the shape's rms, to the deviations of rows that
+// follow the motion.
 void widen_by_bending(Matching& state, Eigen::Index mode, bool only_at_inputs) {
   const double bending = state.options.geometry->bending;
   auto& match = state.match;
@@ -320,14 +322,14 @@ void match_by_pairs(Matching& state, std::size_t group) {
   if (tied) told.freedoms = ties_of(state, group).count() - 1;
 }
 
-// Whether the motion tells a mode, be there pairs or not.
+// Whether the rigid motion gives the scale of a mode, with or without pairs.
 bool goes_by_motion(const Matching& state, std::size_t group) {
   const auto& modes = state.groups[group];
   if (modes.size != 1 || !is_suspended(state, modes.first)) return false;
   return !state.options.geometry->pairs_first || ties_of(state, group).count() == 0;
 }
 
-// @returns  whether anything told it; what failed goes to the warnings
+// @returns  whether the group was scaled; failures become warnings
 bool matched(Matching& state, std::size_t group) {
   const auto& modes = state.groups[group];
   const bool at_zero = modes.first < state.fit.model.rigid_count;

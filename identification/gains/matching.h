@@ -1,4 +1,4 @@
-// The state of gain_match while it goes through the modes.
+// The state of gain_match during its loop over the modes.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,19 +14,19 @@ namespace chladni::identification {
 
 using Channels = std::vector<modal::MeasuredChannel>;
 
-// Everything that is known before a mode is scaled, and what comes out.
+// All that is known before a mode is scaled, and the results.
 struct Matching {
-  ModalFit fit;  // with the gains of the channels corrected where asked for
+  ModalFit fit;  // channel gains are corrected where the options require it
   const Channels& outputs;
   const Channels& inputs;
   const GainMatchOptions& options;
   std::vector<modal::ModeGroup> groups;
   PlaceRatios ratios;
   PairResidues residues;
-  Eigen::VectorXi signs;  // per pair, the side's sign taken out
+  Eigen::VectorXi signs;  // per pair, without the sign of the side
   int side = 1;
   GainMatch match;
-  Eigen::MatrixXd at_inputs, at_inputs_std;  // q×m: rows of the actuators
+  Eigen::MatrixXd at_inputs, at_inputs_std;  // q×m: shape rows at the actuators
 
   [[nodiscard]] Eigen::Index p() const { return fit.model.output_count(); }
   [[nodiscard]] Eigen::Index q() const { return fit.model.input_count(); }
@@ -43,10 +43,10 @@ struct Matching {
   }
 };
 
-/// Scales one group of modes by whatever tells it, or leaves it with a warning.
+/// Scales one group of modes with the information available; without any it adds a warning.
 void match_group(Matching& state, std::size_t group);
 
-/// +1 or −1 for all inputs from the suspended modes' geometry, where no pair tells it.
+/// +1 or −1 for all inputs from the suspended modes' geometry, if no pair gives the sign.
 [[nodiscard]] int side_by_motion(const Matching& state);
 
 }  // namespace chladni::identification

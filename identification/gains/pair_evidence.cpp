@@ -12,7 +12,7 @@ namespace chladni::identification {
 
 namespace {
 
-// ln of the ratio of both sides at the telling pairs of one mode, and its covariance.
+// ln of the ratio of both sides at the pairs that count for one mode, with its covariance.
 struct LogRatios {
   std::vector<Eigen::Index> pairs;
   Eigen::VectorXd value;
@@ -47,7 +47,7 @@ LogRatios log_ratios(const ModalFit& fit, Eigen::Index mode, Eigen::Index group,
   return logs;
 }
 
-// S⁻¹ with the mode's own α taken out. Certain values count alike.
+// S⁻¹ without the mode's own α. A value of no variance gets 1e-24, so such values weigh alike.
 Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
   const auto n = covariance.rows();
   Eigen::MatrixXd spread = covariance;
@@ -57,7 +57,7 @@ Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
   return weight - ones * ones.transpose() / ones.sum();
 }
 
-// Pseudo-inverse: one common factor of all gains is not told.
+// Pseudo-inverse, because one common factor of all gains is not determined.
 Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& normal) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(finite(normal, "gains of the pairs"));
   const double least = 1e-9 * solver.eigenvalues()(normal.rows() - 1);
@@ -66,11 +66,11 @@ Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& normal) {
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-// The two-way layout: gains, and what is left of each entry in deviations.
+// The two-way layout: the gains, and the residual of each entry in deviations.
 struct Layout {
   Eigen::VectorXd log_gain;
   Eigen::MatrixXd covariance;
-  std::vector<Eigen::VectorXd> left;  // of each mode, in the order of its entries
+  std::vector<Eigen::VectorXd> left;  // for each mode, in the order of its entries
 };
 
 Layout layout_of(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
@@ -92,7 +92,7 @@ Layout layout_of(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
   return layout;
 }
 
-// The entry furthest off, in deviations.
+// The entry with the largest residual, in deviations.
 struct Worst {
   std::size_t mode = 0;
   Eigen::Index entry = 0;
@@ -122,7 +122,7 @@ LogRatios without(const LogRatios& mode, Eigen::Index entry) {
   return result;
 }
 
-// How many modes tell each pair's gain; 0: none does.
+// Number of modes that give each pair's gain; 0: none.
 std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
   std::vector<Eigen::Index> count(static_cast<std::size_t>(pairs), 0);
   for (const auto& mode : modes) {
@@ -131,9 +131,9 @@ std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::In
   return count;
 }
 
-// Without entries that the others contradict, the worst first, as long as two modes tell each
-// pair: a gain is the same in all modes, and one entry that is not one place would pull it with the
-// certainty of the fit.
+// Removes entries that the others contradict, the worst first, while two modes are left for each
+// pair. A gain is the same in all modes; an entry of a pair that is not one place would pull the
+// gain with the full certainty of the fit.
 std::vector<LogRatios> consistent(std::vector<LogRatios> modes, Eigen::Index pairs) {
   constexpr double kContradicts = 5.0;  // deviations
   while (true) {
@@ -165,7 +165,7 @@ PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index 
             "gain match: pair " + std::to_string(c + 1) + " has simulated shapes of " +
                 std::to_string(pair.at_output.size()) + " and " +
                 std::to_string(pair.at_input.size()) + " modes; expected " + std::to_string(modes));
-    // Less than this at either place is a node: nothing is known of the ratio.
+    // A smaller value at either place is a node: the ratio is unknown there.
     const double least = 1e-6 * (pair.at_output.norm() + pair.at_input.norm()) + 1e-300;
     for (Eigen::Index m = 0; m < modes; ++m) {
       const double there = pair.at_output(m);
@@ -175,7 +175,7 @@ PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index 
         continue;
       }
       ratios.value(c, m) = there / here;
-      // The change may be wrong at either place: near a node of one the ratio is not known.
+      // The change can be wrong at either place: near a node of one the ratio is unknown.
       ratios.deviation(c, m) = simulation_error * std::abs((there - here) * ratios.value(c, m)) *
                                std::hypot(1.0 / there, 1.0 / here);
     }
@@ -197,7 +197,7 @@ std::vector<modal::ModeGroup> matched_groups(const ModalFit& fit) {
   if (rigid > 0) groups.push_back({0, rigid});
   Eigen::Index next = rigid;
   for (const auto& group : fit.groups) {
-    if (group.first != next) continue;  // of the rigid-body modes, or not there
+    if (group.first != next) continue;  // a group of rigid-body modes, or not in sequence
     groups.push_back(group);
     next += group.size;
   }

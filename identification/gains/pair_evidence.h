@@ -1,4 +1,4 @@
-// What the collocated pairs of a fit say before anything is scaled.
+// Information from the collocated pairs of a fit before anything is scaled.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,16 +9,16 @@
 
 namespace chladni::identification {
 
-/// φ at the sensor over φ at the actuator that a simulation expects, n_c×m; 1 at one place.
+/// φ at the sensor over φ at the actuator in a simulation, n_c×m; 1 for both at one place.
 struct PlaceRatios {
   Eigen::MatrixXd value, deviation;
 };
-/// @throws InvalidInput  shapes that are not m each
+/// @throws InvalidInput  a pair has not m simulated shapes on each side
 [[nodiscard]] PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index modes,
                                        double simulation_error);
 
-/// Residue L R at each pair, summed over a group of modes (so that no basis matters), over its sign
-/// as the places ask for it; n_c×groups.
+/// Residue L R at each pair, times the sign that the places require, summed over a group of modes
+/// (so that no basis matters); n_c×groups.
 struct PairResidues {
   Eigen::MatrixXd value, deviation;
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> telling;  ///< beyond `significance`
@@ -28,20 +28,21 @@ struct PairResidues {
                                          const std::vector<CollocatedPair>& pairs,
                                          const PlaceRatios& ratios, double significance);
 
-/// +1 or −1 per pair: how its sensor and actuator count; all −1: the two sides do.
+/// +1 or −1 per pair: the relative direction of its sensor and actuator. All −1: the two sides have
+/// opposite directions.
 [[nodiscard]] Eigen::VectorXi pair_signs(const PairResidues& residues);
 
-/// The fit's group of modes, rigid-body modes at 0 Hz as one; single ones where it has none.
+/// The fit's groups of modes, all rigid-body modes at 0 Hz as one; else single modes.
 [[nodiscard]] std::vector<modal::ModeGroup> matched_groups(const ModalFit& fit);
 
-/// C of L and R of a mode, (p+q) squared; zeros where the fit has none.
+/// Covariance C of L and R of a mode, (p+q) squared; zeros if the fit has none.
 [[nodiscard]] Eigen::MatrixXd shape_covariance(const ModalFit& fit, Eigen::Index mode);
 
-/// ln|L_cm| − ln|ratio R_mc| = ln ρ_c + 2 ln α_m by weighted least squares over pairs and single
-/// modes that tell (section 2.7 of the method: the two-way layout).
+/// ln|L_cm| − ln|ratio R_mc| = ln ρ_c + 2 ln α_m by weighted least squares over the pairs and
+/// single modes that count (section 2.7 of the method: the two-way layout).
 struct PairGains {
   std::vector<PairGain> gains;
-  /// Of each pair and group, in deviations: what the two-way layout leaves; 0 where it is not told.
+  /// Residual of the two-way layout for each pair and group, in deviations; 0 without information.
   Eigen::MatrixXd left;
 };
 [[nodiscard]] PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& groups,

@@ -11,7 +11,7 @@ namespace chladni::identification {
 
 namespace {
 
-// Column a + r b of the r² unknowns: entry (a, b) of the inverse mass.
+// Design matrix. Column a + r b of the r² unknowns: entry (a, b) of the inverse mass.
 Eigen::MatrixXd design(const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs) {
   const auto r = outputs.cols();
   Eigen::MatrixXd rows(outputs.rows() * inputs.rows(), r * r);
@@ -23,7 +23,7 @@ Eigen::MatrixXd design(const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& in
   return rows;
 }
 
-// r² entries from the r (r + 1) / 2 of a symmetric matrix.
+// Maps the r (r + 1) / 2 entries of a symmetric matrix to all r² entries.
 Eigen::MatrixXd symmetric_entries(Eigen::Index r) {
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(r * r, r * (r + 1) / 2);
   Eigen::Index column = 0;
@@ -39,7 +39,7 @@ Eigen::MatrixXd symmetric_entries(Eigen::Index r) {
 struct Solution {
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;  // for deviations of 1
-  double square = 0.0;         // of what is left
+  double square = 0.0;         // of the residual
   bool determined = false;
 };
 
@@ -62,7 +62,7 @@ Solution least_squares(const Eigen::MatrixXd& rows, const Eigen::VectorXd& value
   return solution;
 }
 
-// d M = −M dS M for every entry of the symmetric S.
+// Deviations of M, with d M = −M dS M for every entry of the symmetric S.
 Eigen::MatrixXd mass_deviation(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& spread,
                                const Eigen::MatrixXd& covariance) {
   const auto r = mass.rows();

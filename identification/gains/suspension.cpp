@@ -11,11 +11,12 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kLeastApart = 3.0;  // of the next mode's frequency over that of a suspended one
-constexpr double kMostBent = 0.2;    // of a suspended mode's rms
+constexpr double kLeastApart = 3.0;  // frequency of the next mode over that of a suspended one
+constexpr double kMostBent = 0.2;    // part of a suspended mode's rms
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// What a motion as a whole leaves of a shape, of its size. NaN: the places do not tell.
+// Part of a shape that no rigid motion explains, relative to the shape. NaN: the
+// places do not tell.
 double bent_part(const Eigen::VectorXd& shape, const Eigen::MatrixXd& directions) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions);
   if (directions.rows() <= directions.cols() || qr.rank() < directions.cols()) return kUnknown;
@@ -23,7 +24,7 @@ double bent_part(const Eigen::VectorXd& shape, const Eigen::MatrixXd& directions
   return size > 0.0 ? (shape - directions * qr.solve(shape)).norm() / size : kUnknown;
 }
 
-// At the side that tells, the one with more channels first.
+// The same part at the side with more channels, or at the other side where that one does not tell.
 double bent_part(const ModalFit& fit, Eigen::Index mode, const Eigen::MatrixXd& outputs,
                  const Eigen::MatrixXd& inputs) {
   const double left = bent_part(fit.model.output_shapes.col(mode), outputs);

@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kLeastGap = 1e-9;  // between poles of one block, relative
+constexpr double kLeastGap = 1e-9;  // least relative gap between poles of one block
 
 void split_single(const Block& block, BlockFractions& result) {
   const double half = 0.5 * block.damping(0, 0);
@@ -26,7 +26,7 @@ void split_single(const Block& block, BlockFractions& result) {
   result.y << 1.0 / (above - below), 1.0 / (below - above);
 }
 
-// From the eigenvectors of the companion form.
+// Uses the eigenvectors of the companion form.
 void split_coupled(const Block& block, BlockFractions& result) {
   const auto g = block.size();
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(finite(companion(block), "block of modes"));
@@ -42,7 +42,7 @@ void split_coupled(const Block& block, BlockFractions& result) {
   }
 }
 
-// A (1, j)ᵀ = p (1, j)ᵀ.
+// Uses A (1, j)ᵀ = p (1, j)ᵀ.
 void split_general(const Block& block, BlockFractions& result) {
   const Complex j(0.0, 1.0);
   result.pole = poles(block);
@@ -52,7 +52,7 @@ void split_general(const Block& block, BlockFractions& result) {
   result.y << 0.5, -0.5 * j, 0.5, 0.5 * j;
 }
 
-// Of σ and ω, that move the pole and its conjugate alone.
+// Derivatives for a general block. σ and ω move only its pole and the conjugate.
 SmallComplex general_derivatives(const BlockFractions& parts, Eigen::Index i, Eigen::Index j) {
   SmallComplex result = SmallComplex::Zero(4, 6);
   for (Eigen::Index r = 0; r < 2; ++r) {
@@ -112,7 +112,7 @@ SmallComplex derivatives(const Block& block, const BlockFractions& parts, Eigen:
     }
   }
   for (Eigen::Index b = 0; b < g; ++b) {
-    for (Eigen::Index a = 0; a < g; ++a) {  // −(left H)_a (H right)_b, and times s
+    for (Eigen::Index a = 0; a < g; ++a) {  // −(left H)_a (H right)_b; s times it for damping
       const auto stiffness = 2 * g + a + g * b;
       const auto damping = stiffness + g * g;
       for (Eigen::Index r = 0; r < n; ++r) {

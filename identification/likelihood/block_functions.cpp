@@ -15,7 +15,7 @@ Index own_count(const Block& block) {
   return parameter_count(block) - block.size() * (block.left.rows() + block.right.cols());
 }
 
-// H and its derivatives at s, one column of g×g per kind.
+// H and its derivatives at s: one column of g² entries for each.
 void evaluate(const Block& block, Complex s, Eigen::MatrixXcd& result) {
   const auto g = block.size();
   if (block.rigid) {

@@ -12,9 +12,9 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kDependent = 1e-3;  // least over largest singular value of unit shapes
+constexpr double kDependent = 1e-3;  // least over largest singular value of normalised shapes
 
-// v e^{jφ} with the largest real part, over its length.
+// Real part of v e^{jφ} with the φ that makes it largest, normalised.
 Eigen::VectorXd turned_real(const Eigen::VectorXcd& v) {
   const double angle = 0.5 * std::arg((v.array() * v.array()).sum());
   const Eigen::VectorXd real = (v * std::polar(1.0, -angle)).real();
@@ -41,7 +41,7 @@ Eigen::VectorXcd poles(const Block& block) {
 }
 
 Block damped_after(Block block, const Block& before) {
-  constexpr double kMostOff = 0.1;  // of the damping, what a step leaves at least
+  constexpr double kMostOff = 0.1;  // part of the damping that a step leaves at least
   if (block.general) {
     const double least =
         std::max(kLeastDampingRatio * std::abs(block.pole), -kMostOff * before.pole.real());
@@ -72,7 +72,7 @@ bool is_stable(const Block& block) {
 }
 
 Block balanced(const Block& block) {
-  if (block.general) {  // another basis would not leave A as it is
+  if (block.general) {  // a basis change would change A
     Block result = block;
     const double factor = std::sqrt(0.5 * block.right.norm() / std::max(1e-300, block.left.norm()));
     if (!(factor > 0.0) || !std::isfinite(factor)) return block;
@@ -80,7 +80,7 @@ Block balanced(const Block& block) {
     result.right /= factor;
     return result;
   }
-  // left right = Q (A Bᵀ) Pᵀ of two thin QR: the singular values are those of g×g.
+  // left right = Q (A Bᵀ) Pᵀ by two thin QR: the singular values are those of the g×g matrix A Bᵀ.
   const auto g = block.size();
   const auto p = block.left.rows();
   const auto q = block.right.cols();

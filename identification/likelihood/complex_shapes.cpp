@@ -79,7 +79,7 @@ modal::StateSpace state_space(const modal::ReducedModel& model, const ComplexSha
     }
     const Complex own = pole(model, m);
     result.a.block<2, 2>(2 * m, 2 * m) << own.real(), own.imag(), -own.imag(), own.real();
-    // l r / (s − p) and its conjugate, l (1, j)ᵀ and ½ (1, −j) r being the vectors of the block.
+    // l r / (s − p) and its conjugate: l (1, j)ᵀ and ½ (1, −j) r are the vectors of the block.
     const Complex root = std::sqrt(Complex(0.0, 2.0 * own.imag()));
     const Eigen::VectorXcd l = shapes.outputs.col(m) / root;
     const Eigen::RowVectorXcd r = shapes.inputs.row(m) / root;

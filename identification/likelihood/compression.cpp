@@ -13,8 +13,8 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kSeparable = 0.1;    // mean square of log w less log abc
-constexpr double kAboveNoise = 1.05;  // of an eigenvalue over the largest of noise alone
+constexpr double kSeparable = 0.1;    // rms of log w − log (a b c)
+constexpr double kAboveNoise = 1.05;  // of an eigenvalue over the largest one of noise alone
 constexpr Eigen::Index kMostDirections = 48;
 
 struct Scales {
@@ -63,7 +63,7 @@ Scales scales(const FitData& data) {
   return result;
 }
 
-// Whitened responses of some columns of the data, real over imaginary parts: 2K×columns.
+// Whitened responses of some columns of the data, real above imaginary parts: 2K×columns.
 Eigen::MatrixXd whitened(const FitData& data, const Scales& scale, Eigen::Index first,
                          Eigen::Index step, Eigen::Index count, bool by_line) {
   const auto lines = data.line_count();
@@ -83,14 +83,14 @@ Eigen::MatrixXd whitened(const FitData& data, const Scales& scale, Eigen::Index 
   return result;
 }
 
-// Directions of one side that noise alone does not have; `others` channels on the other.
+// Directions of one side that exceed noise alone. The other side has `others` channels.
 Eigen::MatrixXd directions(const Eigen::MatrixXd& square, Eigen::Index lines, Eigen::Index others,
                            bool noise_known) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       finite(Eigen::MatrixXd(square.selfadjointView<Eigen::Lower>()), "products of the responses"));
   const auto size = square.rows();
   const auto numbers = static_cast<double>(2 * lines * others);
-  // E of a noise eigenvalue: half of the numbers, each of variance 1/2.
+  // Expected eigenvalue of noise: half of the number of values, since each has a variance of 1/2.
   const double level = noise_known ? 0.5 * numbers : solver.eigenvalues()(size / 4);
   const double edge = std::pow(1.0 + std::sqrt(static_cast<double>(size) / numbers), 2);
   Eigen::Index count = 0;
@@ -109,7 +109,7 @@ Eigen::MatrixXd random_basis(Eigen::Index rows, Eigen::Index columns, unsigned s
          Eigen::MatrixXd::Identity(rows, columns);
 }
 
-// leftᵀ G right of every line, as fit data with the weights of its lines.
+// leftᵀ G right of every line, as fit data with the weights of the lines.
 FitData projected(const std::vector<Eigen::MatrixXd>& by_input, const Eigen::MatrixXd& right,
                   const FitData& like, const Eigen::VectorXd& line_weight) {
   const auto lines = like.line_count();

@@ -1,4 +1,4 @@
-// Many channels as few: what all responses have in common is in a small space on each side.
+// Reduces many channels to few: what all responses share lies in a small space on each side.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,29 +9,29 @@
 
 namespace chladni::identification {
 
-/// G ≈ left Z rightᵀ, Z being r×s and its noise white.
+/// G ≈ left Z rightᵀ; Z is r×s and its noise is white.
 struct Compressed {
   FitData data;                  ///< of Z
-  Eigen::MatrixXd left, right;   ///< p×r, q×s; their rows are deviations' units
+  Eigen::MatrixXd left, right;   ///< p×r, q×s; their rows hold 1/a and 1/b as factors
   Eigen::MatrixXd left_back;     ///< r×p: left_back left = 1
   Eigen::MatrixXd right_back;    ///< s×q
-  Eigen::VectorXd output_scale;  ///< p: a of w_ijk = a_i b_j c_k
+  Eigen::VectorXd output_scale;  ///< p: a in w_ijk = a_i b_j c_k
   Eigen::VectorXd input_scale;   ///< q: b
 };
 
-/// The directions of the outputs and of the inputs in which the whitened data stand out of the
-/// noise: left and right singular vectors, in the metric of the noise. Empty where the weights are
-/// no products a_i b_j c_k (to 10 % in the mean square) or single values are missing.
+/// Finds the directions of the outputs and of the inputs in which the whitened data exceed the
+/// noise: left and right singular vectors in the metric of the noise. Empty if the weights are not
+/// products a_i b_j c_k (to 10 % rms) or if single values are missing.
 /// Cost: 4 K pq (p + q) operations; 2 K p + K r q numbers beside the data.
 [[nodiscard]] std::optional<Compressed> compressed(const FitData& data);
 
-/// Random orthogonal combinations of the channels, `size` on each side at most: every mode is in
-/// them, none alone. The same for the same sizes.
+/// Random orthogonal combinations of the channels, at most `size` on each side. They contain every
+/// mode, and none alone. Equal sizes give equal combinations.
 [[nodiscard]] FitData sketched(const FitData& data, Eigen::Index size);
 
-/// A fit of `small.data` as one of all channels, residual and cost those of the data. Deviations of
-/// shapes are those within the small space, and beside it what the noise of the channel allows with
-/// all else given.
+/// Turns a fit of `small.data` into a fit of all channels, with residual and cost of the full data.
+/// The deviations of shapes are those within the small space; outside of it, those that the
+/// channel's noise gives with everything else fixed.
 /// Cost: 4 K pq (modes) operations, one input's responses at a time.
 [[nodiscard]] ModalFit expanded(const ModalFit& fit, const Compressed& small, const FitData& data);
 

@@ -11,9 +11,9 @@
 namespace chladni::identification {
 namespace {
 
-// What the basis of a block may be changed by.
+// Basis changes of a block that change no response.
 std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
-  if (block.general) {  // what A commutes with
+  if (block.general) {  // the matrices that commute with A
     return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd{{0.0, 1.0}, {-1.0, 0.0}}};
   }
   const auto g = block.size();
@@ -27,7 +27,7 @@ std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
   return all;
 }
 
-// Parameters of which no data speak, or that a bound holds.
+// Parameters that no data determine, or that a bound holds.
 Unknown unknown_parameters(const BlockModel& model, const Eigen::MatrixXd& symmetric) {
   Unknown unknown = !(symmetric.diagonal().array() > 0.0);
   for (Eigen::Index i = 0; i < unknown.size(); ++i) {
@@ -42,8 +42,8 @@ Unknown unknown_parameters(const BlockModel& model, const Eigen::MatrixXd& symme
   return unknown;
 }
 
-// A⁻¹ of a matrix with a unit diagonal. Directions that no number of double precision tells are
-// left out, what takes part in them by a hundredth or more is unknown.
+// A⁻¹ of a matrix with a unit diagonal. Directions below double precision are left out; parameters
+// with a share of a hundredth or more in them become unknown.
 Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& a, Unknown& unknown) {
   constexpr double kTold = 1e-13;
   constexpr double kShare = 1e-4;  // squared

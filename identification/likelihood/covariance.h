@@ -1,5 +1,4 @@
-// What the normal equations of a block model say of the deviations of its parameters. Of this room
-// only.
+// Deviations of the parameters from the normal equations of a block model. Used in this room only.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,20 +9,20 @@ namespace chladni::identification {
 
 using Unknown = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-/// Of n parameters, n×n; where one is not known its row and column are zeros.
+/// Covariance of n parameters, n×n; zero rows and columns for unknown parameters.
 struct Covariance {
   Eigen::MatrixXd matrix;
-  Unknown unknown;  ///< n: no data speak of it, or a bound holds it
+  Unknown unknown;  ///< n: no data determine the parameter, or a bound holds it
 };
 
-/// n×d: directions in the parameters that leave every response as it is.
+/// n×d: parameter directions that change no response.
 [[nodiscard]] Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters);
 
-/// Pseudo-inverse of the normal equations that holds the idle directions still, orthogonally to
-/// them in the parameters' own metric. Unknown are parameters that change no response, the damping
-/// of undamped modes, and what takes part by a hundredth or more in a direction that changes the
-/// responses by less than double precision tells (1e-13 of a scaled eigenvalue); the deviations of
-/// the others are those with these given.
+/// Pseudo-inverse of the normal equations. It keeps the idle directions still: the result is
+/// orthogonal to them in the parameters' own metric. Unknown are: parameters that change no
+/// response, the damping of undamped modes, and parameters with a share of a hundredth or more in a
+/// direction below double precision (1e-13 of a scaled eigenvalue). The deviations of the others
+/// hold for given values of the unknown ones.
 /// Cost: n³, ten times that where there are such directions.
 /// @throws NumericalFailure  the equations are not finite
 [[nodiscard]] Covariance held_inverse(const BlockModel& model, const NormalEquations& normal,

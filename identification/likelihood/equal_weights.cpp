@@ -14,10 +14,10 @@ namespace chladni::identification {
 namespace {
 
 using Eigen::Index;
-constexpr std::size_t kShares = 8;  // of the responses, for the threads
-constexpr Index kSpare = 4;         // combinations of functions beyond those they span
+constexpr std::size_t kShares = 8;  // parts of the responses for the threads
+constexpr Index kSpare = 4;         // combinations of functions beyond the dimension of their span
 
-// Takes from the real parts of each column what a constant of these weights does.
+// Removes from the real parts of each column their mean with these weights (the best constant).
 void take_constant(const Eigen::VectorXd& weight, Eigen::MatrixXd& columns) {
   const auto lines = weight.size();
   const double sum = std::max(weight.sum(), 1e-300);
@@ -27,7 +27,7 @@ void take_constant(const Eigen::VectorXd& weight, Eigen::MatrixXd& columns) {
   }
 }
 
-// Products of rows with the columns of all responses: pq×rows.
+// Products of the functions (rows) with the columns of all responses: pq×rows.
 Eigen::MatrixXd products_with(const Eigen::MatrixXd& functions, const Eigen::MatrixXd& columns) {
   const auto count = static_cast<std::size_t>(columns.cols());
   const auto shares = std::min(count, kShares);
@@ -44,13 +44,13 @@ Eigen::MatrixXd products_with(const Eigen::MatrixXd& functions, const Eigen::Mat
   return result;
 }
 
-// Functions as combinations of fewer, orthonormal ones: basis·coefficient.
+// Functions as combinations of fewer orthonormal ones: basis·coefficient.
 struct Spanned {
   Eigen::MatrixXd basis, coefficient;  // 2K×M, M×U
 };
 
-// What a block's functions span: their dimension is known, a few more combinations of all of them
-// than that (drawn, in units of their size) span the same.
+// Finds a basis for a block's functions. The dimension of their span is known. A few more random
+// combinations of all functions (in units of their size) have the same span.
 Spanned spanned(Eigen::MatrixXd functions, Index size) {
   const auto columns = 4 * size + kSpare;
   const auto count = functions.cols();
@@ -103,7 +103,7 @@ class CommonProducts {
   Eigen::MatrixXd left_, right_;      // p×modes, modes×q: of all blocks
   Eigen::MatrixXd outputs_, inputs_;  // modes²: LᵀL, RRᵀ
   Eigen::VectorXd weight_;            // K: w²
-  Eigen::MatrixXd basis_;             // M×2K, weighted: what spans the functions
+  Eigen::MatrixXd basis_;             // M×2K, weighted: basis of the functions
   Eigen::MatrixXd coefficient_;       // M×U
   Eigen::MatrixXd gram_;              // U×U
 };
@@ -128,7 +128,7 @@ CommonProducts::CommonProducts(const BlockModel& model, const Misfit& misfit, co
   fill_functions(model);
 }
 
-// Weighted, less the constant, and all their products.
+// Computes the functions, weighted and without the constant, and all their products.
 void CommonProducts::fill_functions(const BlockModel& model) {
   const Eigen::VectorXd root = weight_.cwiseSqrt().replicate(2, 1);
   std::vector<Spanned> blocks(places_.size());
@@ -198,7 +198,7 @@ Eigen::MatrixXd CommonProducts::over_outputs(Index c, Index kind, Index d, Index
   return sum;
 }
 
-// Left shapes of one output with each other, and right shapes of one input.
+// Products of left shapes of one output, and of right shapes of one input.
 void CommonProducts::add_like_sides(Index c, Index d, Eigen::MatrixXd& matrix) const {
   const auto& one = place(c);
   const auto& two = place(d);
@@ -217,7 +217,7 @@ void CommonProducts::add_like_sides(Index c, Index d, Eigen::MatrixXd& matrix) c
   }
 }
 
-// Left shapes of one block with right shapes of another: Σ l'_ia' ⟨H_ab, H'_a'b'⟩ r_bj.
+// Products of left shapes of one block and right shapes of another: Σ l'_ia' ⟨H_ab, H'_a'b'⟩ r_bj.
 void CommonProducts::add_left_right(Index c, Index d, Eigen::MatrixXd& matrix) const {
   const auto& one = place(c);
   const auto& two = place(d);
@@ -244,7 +244,7 @@ void CommonProducts::add_left_right(Index c, Index d, Eigen::MatrixXd& matrix) c
   }
 }
 
-// Shapes of one block with the own parameters of another.
+// Products of the shapes of one block with the own parameters of another.
 void CommonProducts::add_sides_own(Index c, Index d, Eigen::MatrixXd& matrix) const {
   const auto& one = place(c);
   const auto& two = place(d);
@@ -274,7 +274,8 @@ void CommonProducts::add_own(Index c, Index d, Eigen::MatrixXd& matrix) const {
   }
 }
 
-// Σ over the responses of sums with each function times what the parameters make of it.
+// Gradient-like sum over all parameters: `sums` of each response with each function, times the
+// function's factor in the derivative of the response.
 Eigen::VectorXd CommonProducts::along_parameters(const Eigen::MatrixXd& sums) const {
   const auto p = target_.outputs;
   const auto q = target_.inputs;

@@ -18,7 +18,7 @@ struct Sides {
   Eigen::MatrixXd covariance;  // of (ω, ζ, L, R)
 };
 
-// L and R of one mode from those of the small space, balanced and signed as ModalFit says.
+// L and R of one mode from those of the small space, balanced and signed as in ModalFit.
 Sides sides_of(const ModalFit& fit, const Compressed& small, Eigen::Index m) {
   const auto p = small.left.rows();
   const auto q = small.right.rows();
@@ -38,7 +38,7 @@ Sides sides_of(const ModalFit& fit, const Compressed& small, Eigen::Index m) {
   turn.bottomRightCorner(q, small.right.cols()) = small.right / balance;
   result.left *= balance;
   result.right /= balance;
-  if (!rigid) {  // the scale between both sides is held where they are equally long
+  if (!rigid) {  // the scale between both sides is fixed by their equal lengths
     Eigen::VectorXd along = Eigen::VectorXd::Zero(2 + p + q);
     along.segment(2, p) = result.left;
     along.tail(q) = -result.right.transpose();
@@ -48,8 +48,8 @@ Sides sides_of(const ModalFit& fit, const Compressed& small, Eigen::Index m) {
   return result;
 }
 
-// What noise adds beside the small space: with the modes and the other side given, an entry of L
-// has the variance 1 / (2 a² Σ c² |h|² Σ b² R²), but not along the directions that are fitted.
+// Adds the noise outside of the small space. For given modes and the other side, an entry of L has
+// the variance 1 / (2 a² Σ c² |h|² Σ b² R²), except along the fitted directions.
 void add_beside(const Compressed& small, double information, double variance, Sides& sides) {
   if (!(information > 0.0)) return;
   const auto p = small.left.rows();
@@ -85,8 +85,8 @@ double information_of(const modal::ReducedModel& model, Eigen::Index m, const Fi
   return sum;
 }
 
-// h = 1/(s² + 2ζωs + ω²) of every mode on every line, real over imaginary parts, less what a
-// constant takes of it: 2K×n.
+// h = 1/(s² + 2ζωs + ω²) of every mode on every line, real above imaginary parts, without the best
+// constant if there is a residual: 2K×n.
 Eigen::MatrixXd fractions(const ModalFit& fit, const FitData& small, bool residual) {
   const auto lines = small.line_count();
   const auto n = fit.model.mode_count();
@@ -129,7 +129,7 @@ Eigen::MatrixXd along_modes(const Eigen::MatrixXd& weighted, const FitData& data
   return result;
 }
 
-// |L| = |R| of every flexible mode.
+// Makes |L| = |R| for every flexible mode.
 void balance(modal::ReducedModel& model) {
   for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
     const double factor =
@@ -139,8 +139,8 @@ void balance(modal::ReducedModel& model) {
   }
 }
 
-// L and R of all channels by linear least squares, one side after the other, poles given: what of
-// the shapes is beside the small space.
+// L and R of all channels by linear least squares for given poles, one side after the other. This
+// adds the part of the shapes outside of the small space.
 void refine_shapes(const Compressed& small, const FitData& data, bool residual, ModalFit& fit) {
   const auto lines = data.line_count();
   const auto p = data.outputs;
@@ -180,7 +180,7 @@ void refine_shapes(const Compressed& small, const FitData& data, bool residual, 
   balance(fit.model);
 }
 
-// Residual, its deviation and the cost of all responses, those of one input at a time.
+// Residual with its deviation, and the cost of all responses; handles one input at a time.
 void fill_residual(const FitData& data, bool wanted, double variance, ModalFit& fit) {
   const auto p = data.outputs;
   modal::ReducedModel one = fit.model;
@@ -210,7 +210,7 @@ void fill_residual(const FitData& data, bool wanted, double variance, ModalFit& 
   }
 }
 
-// Of the rigid-body modes' (vec L, vec R) together.
+// Covariance of (vec L, vec R) of all rigid-body modes together.
 Eigen::MatrixXd rigid_covariance(const ModalFit& fit, const Compressed& small) {
   const auto g = fit.model.rigid_count;
   if (g == 0) return {};

@@ -16,14 +16,14 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kUnknownShape = 0.15;  // relative deviation of a shape that cannot be told apart
+constexpr double kUnknownShape = 0.15;  // relative deviation above which a shape counts as unknown
 
 double own_frequency(const Block& block) {
   if (block.general) return std::abs(block.pole);
   return block.rigid ? 0.0 : std::sqrt(block.stiffness(0, 0));
 }
 
-// Single modes by frequency, and how many of each block stayed together.
+// Single modes in order of frequency, with signs fixed. A note tells each block that is split.
 BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
   BlockModel result = model;
   result.blocks.clear();
@@ -59,14 +59,14 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
   return result;
 }
 
-// Variances without bound where `unknown`.
+// Sets infinite variances where `unknown`.
 void mark(const Unknown& unknown, Eigen::MatrixXd& covariance) {
   for (Eigen::Index i = 0; i < unknown.size(); ++i) {
     if (unknown(i)) covariance(i, i) = std::numeric_limits<double>::infinity();
   }
 }
 
-// Rows of (ω, ζ, L, R) of a single mode in its parameters (L, R, K, D), physical units.
+// Jacobian of (ω, ζ, L, R) of a single mode by its parameters (L, R, K, D), in physical units.
 Eigen::MatrixXd physical(const Block& block, double scale) {
   const auto pq = block.left.rows() + block.right.cols();
   const double own = own_frequency(block);
@@ -78,8 +78,8 @@ Eigen::MatrixXd physical(const Block& block, double scale) {
   return jacobian;
 }
 
-// Of (ω, ζ, Re L, Re R, Im L, Im R): what of a general block's parameters (left, right, σ, ω) is
-// not known makes of it.
+// Unknown entries of (ω, ζ, Re L, Re R, Im L, Im R): those that depend on an unknown parameter of a
+// general block (left, right, σ, ω).
 Unknown unknown_of_general(const Unknown& parameters, const Block& block) {
   const auto p = block.left.rows();
   const auto q = block.right.cols();
@@ -179,7 +179,7 @@ class Filler {
     shapes.covariance.push_back(covariance);
   }
 
-  // In physical units.
+  // All arguments are in physical units.
   void put(double frequency_hz, double damping, const Eigen::VectorXd& left,
            const Eigen::RowVectorXd& right, const Eigen::MatrixXd& covariance) {
     const auto m = mode_++;
@@ -224,8 +224,8 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
   shapes.input_real_std = shapes.input_imaginary_std = fit.input_std;
 }
 
-// Neighbours within a bandwidth form one group where the shape of either is hardly known: the data
-// turn them into each other.
+// Neighbours within a bandwidth form one group if the shape of either is hardly known: the data do
+// not separate them.
 std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   const auto& model = fit.model;
   const auto unknown = [&](Eigen::Index m) {
@@ -247,9 +247,9 @@ std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   return groups;
 }
 
-constexpr double kNothing = std::numeric_limits<double>::infinity();  // is known
+constexpr double kNothing = std::numeric_limits<double>::infinity();  // deviation if unknown
 
-// Modes whose damping is held by its bound.
+// Notes the modes whose damping is held by its bound.
 void note_undamped(const BlockModel& model, ModalFit& fit) {
   for (const auto& block : model.blocks) {
     if (!is_undamped(block)) continue;
@@ -261,7 +261,7 @@ void note_undamped(const BlockModel& model, ModalFit& fit) {
   }
 }
 
-// The delays with their deviations; the mean is that of the channels that were measured.
+// The delays with their deviations. The mean is over the measured channels.
 void fill_delays(const BlockModel& model, const Fitted& fitted, const Covariance& covariance,
                  ModalFit& fit) {
   fit.delay_s = model.delay / model.scale;

@@ -1,4 +1,4 @@
-// A block model as a modal model, with the standard deviations of all it consists of.
+// Turns a block model into a modal model with standard deviations of all its parts.
 #pragma once
 
 #include "identification/likelihood/levenberg.h"
@@ -6,16 +6,16 @@
 
 namespace chladni::identification {
 
-/// Covariance (2 JᵀJ)⁻¹ of circular noise, times noise_level and variance_factor; directions that
-/// change nothing (the scale between L and R, the basis of the rigid-body modes) are held still.
-/// Blocks that stayed together become modes of one group. Cost: one set of normal equations and the
-/// inverse of their matrix.
+/// Covariance (2 JᵀJ)⁻¹ for circular noise, times noise_level and variance_factor. Directions that
+/// change no response (the scale between L and R, the basis of the rigid-body modes) are held
+/// still. Neighbouring modes with hardly known shapes form one group. Cost: one set of normal
+/// equations and the inverse of their matrix.
 [[nodiscard]] ModalFit with_uncertainty(const Descent& found, const Target& target,
                                         const Fitted& fitted, const FitData& data, Damping damping);
 
-/// Of what no data speak nothing is known: infinite deviations of the residuals, shapes and
-/// rigid-body rows of channels without a measured response.
-/// @param weight  p×q: of each response, 0 where it is not measured
+/// Sets infinite deviations where no data exist: residuals, shapes and rigid-body rows of channels
+/// without a measured response.
+/// @param weight  p×q, for each response; 0 where it is not measured
 void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit);
 
 }  // namespace chladni::identification

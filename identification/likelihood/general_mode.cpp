@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// l, r of l r / (s − p).
+// l and r of l r / (s − p).
 Eigen::VectorXcd left_of(const Block& block) {
   return block.left.col(0) + Complex(0.0, 1.0) * block.left.col(1);
 }
@@ -19,10 +19,10 @@ Eigen::RowVectorXcd right_of(const Block& block) {
   return 0.5 * (block.right.row(0) - Complex(0.0, 1.0) * block.right.row(1));
 }
 
-// L = c l, R = c r.
+// c of L = c l, R = c r.
 Complex factor_of(const Block& block) { return std::sqrt(Complex(0.0, 2.0 * block.pole.imag())); }
 
-// Rows (ω, ζ, Re L, Re R, Im L, Im R), columns (Re l, Im l, right by columns, σ, ω_d).
+// Jacobian. Rows (ω, ζ, Re L, Re R, Im L, Im R), columns (Re l, Im l, right by columns, σ, ω_d).
 Eigen::MatrixXd physical(const Block& block, double scale) {
   const auto p = block.left.rows();
   const auto q = block.right.cols();
@@ -56,8 +56,9 @@ Eigen::MatrixXd physical(const Block& block, double scale) {
   return jacobian;
 }
 
-// What keeps |L| = |R| and the phase of Σ L² + conj(Σ R²): 1 − N (GᵀN)⁻¹ Gᵀ of (Re L, Re R, Im L,
-// Im R), N the changes by a complex factor between both sides, G the gradients of the two rules.
+// Projector that keeps |L| = |R| and the phase of Σ L² + conj(Σ R²): 1 − N (GᵀN)⁻¹ Gᵀ on (Re
+// L, Re R, Im L, Im R). N are the changes by a complex factor between both sides, G the
+// gradients of the two rules.
 Eigen::MatrixXd held(const Eigen::VectorXcd& l, const Eigen::RowVectorXcd& r) {
   const auto p = l.size();
   const auto q = r.size();

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kLargestDamping = 1e8;
 constexpr double kEnough = 1e-3;    // decrease of the cost, over the level of the noise
-constexpr double kUndamped = 1e-3;  // damping of a step that is as good as Gauss' and Newton's
+constexpr double kUndamped = 1e-3;  // below it a step is as good as that of Gauss and Newton
 
-// (N + λ diag N) x = g, scaled to a unit diagonal. Empty where N is not even positive then.
+// Solves (N + λ diag N) x = g, scaled to a unit diagonal. Empty if that is not positive definite.
 Eigen::VectorXd damped_step(const NormalEquations& normal, double damping) {
   const Eigen::VectorXd scale = normal.matrix.diagonal()
                                     .cwiseMax(std::numeric_limits<double>::min())
@@ -39,7 +39,7 @@ bool is_stable(const BlockModel& model) {
   return true;
 }
 
-// One accepted step, or false where no damping helps.
+// Takes one accepted step; false if no damping helps.
 bool step_down(Descent& now, double& damping, const Target& target, const Fitted& fitted) {
   const auto normal = normal_equations(now.model, now.misfit, target, fitted);
   for (; damping < kLargestDamping; damping *= 8.0) {

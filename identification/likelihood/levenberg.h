@@ -1,4 +1,4 @@
-// Levenberg's and Marquardt's descent to the likeliest block model.
+// Descent by Levenberg and Marquardt to the most likely block model.
 #pragma once
 
 #include "base/progress.h"
@@ -15,14 +15,15 @@ struct Descent {
 
 struct DescentOptions {
   int iterations = 60;
-  double damping = 1e-4;   ///< of the normal equations scaled to a unit diagonal, at the start
-  bool keep_best = false;  ///< an interrupt ends the descent instead of the program's work
+  double damping = 1e-4;   ///< start value, for normal equations scaled to a unit diagonal
+  bool keep_best = false;  ///< an interrupt ends only the descent, not the program's work
   Progress progress = {};
 };
 
-/// Steps that lower the cost and keep every pole stable; each divides the damping by 10, a failure
-/// multiplies it by 8. Converged: an undamped step, or two running, lower the cost by less than a
-/// thousandth of what one number's noise adds to it, or nothing lowers it further.
+/// Takes steps that lower the cost and keep every pole stable. Each success divides the
+/// damping by 10, each failure multiplies it by 8. It has converged if an undamped step, or
+/// two steps in sequence, lower the cost by less than a thousandth of the noise level, or if
+/// nothing lowers the cost.
 [[nodiscard]] Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
                               const DescentOptions& options);
 

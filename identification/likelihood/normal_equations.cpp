@@ -15,8 +15,8 @@ namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-// Entries of H of all blocks; a rigid block has 1/s² alone, a general one (s − σ)/d and ω/d with
-// d = (s − σ)² + ω².
+// Number of different entries of H of a block. A rigid block has only 1/s², a general one (s − σ)/d
+// and ω/d with d = (s − σ)² + ω².
 Eigen::Index entry_count(const Block& block) {
   if (block.general) return 2;
   return block.rigid ? 1 : block.size() * block.size();
@@ -61,7 +61,7 @@ Eigen::MatrixXd entries(const BlockModel& model, const Eigen::VectorXd& x) {
   return result;
 }
 
-// What multiplies them in every response: entries×pq.
+// Factors of these entries in every response: entries×pq.
 Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::Index inputs) {
   Eigen::Index count = 0;
   for (const auto& block : model.blocks) count += entry_count(block);
@@ -86,7 +86,7 @@ Eigen::MatrixXd factors(const BlockModel& model, Eigen::Index outputs, Eigen::In
   return result;
 }
 
-// The data turned back by the delays: value · e^{+s delay}.
+// The data without the delays: value · e^{+s delay}.
 Eigen::MatrixXd undelayed(const Target& target, const BlockModel& model, const Fitted& fitted) {
   const bool own = model.channel_delay.size() > 0;
   if (model.delay == 0.0 && !own) return target.value;
@@ -167,8 +167,8 @@ NormalEquations normal_equations_by_response(const BlockModel& model, const Misf
   NormalEquations sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   const ResponseProducts products(model, misfit, target, fitted);
   const dense::OneBlasThread one_thread;
-  // Shares of the responses that do not depend on the threads, added in order: the same bits on
-  // any number of cores.
+  // The shares of the responses do not depend on the threads and are added in order, so any number
+  // of cores gives the same bits.
   const auto count = static_cast<std::size_t>(target.response_count());
   const std::size_t shares = std::min<std::size_t>(count, 8);
   std::vector<NormalEquations> parts(shares);

@@ -1,4 +1,4 @@
-// How well a block model fits the data, and the step that would fit it better.
+// The misfit between a block model and the data, and the step that lowers it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +9,18 @@
 
 namespace chladni::identification {
 
-/// The data as the sums want them: a column per response, real parts of all lines, then imaginary.
+/// The data in the layout of the sums: a column per response, first the real parts of all lines,
+/// then the imaginary parts.
 struct Target {
   Eigen::Index outputs = 0, inputs = 0;
   Eigen::VectorXd x;           ///< K: ω / scale
-  Eigen::MatrixXd value;       ///< pq×2K
-  Eigen::MatrixXd squared;     ///< pq×K: w²
+  Eigen::MatrixXd value;       ///< 2K×pq
+  Eigen::MatrixXd squared;     ///< K×pq: w²
   double total = 0.0;          ///< Σ |w G|²
-  double expected_cost = 0.5;  ///< of noise alone
+  double expected_cost = 0.5;  ///< left by noise alone
 
-  /// noise_level of the data, no parameters taken off, but without its floor: a descent on data
-  /// that are better than they say goes on to where their own errors end it.
+  /// noise_level of the data without parameters and without its floor of 1. If the data are better
+  /// than they state, the descent continues until their own errors stop it.
   [[nodiscard]] double noise_level(double cost) const;
   [[nodiscard]] Eigen::Index line_count() const { return x.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }
@@ -27,12 +28,12 @@ struct Target {
 
 [[nodiscard]] Target target(const FitData& data, double scale);
 
-/// What is fitted beside the blocks.
+/// The quantities that are fitted beside the blocks.
 struct Fitted {
   bool residual = true, delay = false;
   DelayOf delay_of = DelayOf::all;
 
-  /// How many delays there are, and which of them is that of response e = i + p j.
+  /// Number of delays, and the index of the delay of response e = i + p j.
   [[nodiscard]] Eigen::Index delay_count(Eigen::Index outputs, Eigen::Index inputs) const {
     if (!delay) return 0;
     if (delay_of == DelayOf::all) return 1;
@@ -44,30 +45,30 @@ struct Fitted {
   }
 };
 
-/// The model's residual is the best for its blocks; what is left of the data then.
+/// The remaining error of the data, with the best residual for the model's blocks.
 struct Misfit {
-  Eigen::MatrixXd error;     ///< 2K×pq: data turned back by the delay, less the model
-  Eigen::MatrixXd response;  ///< 2K×pq: the model without its delay; empty where none is fitted
+  Eigen::MatrixXd error;     ///< 2K×pq: data without the delay, less the model
+  Eigen::MatrixXd response;  ///< 2K×pq: the model without its delay; empty if no delay is fitted
   double cost = 0.0;         ///< Σ |w error|²
 };
 
-/// Sets model.residual to the best where it is fitted. Cost: 2K·pq per entry of the blocks' H.
+/// Sets model.residual to its best value if it is fitted. Cost: 2K·pq per entry of the blocks' H.
 [[nodiscard]] Misfit misfit(BlockModel& model, const Target& target, const Fitted& fitted);
 
-/// JᵀJ and Jᵀr of the weighted errors, residual eliminated. Parameters: of each block left (column
-/// by column), right, stiffness, damping (of a general block σ, ω instead); the delays last.
+/// JᵀJ and Jᵀr of the weighted errors, with the residual eliminated. Parameters of each block: left
+/// (column by column), right, stiffness, damping (σ, ω for a general block). The delays come last.
 struct NormalEquations {
   Eigen::MatrixXd matrix;    ///< lower triangle
-  Eigen::VectorXd gradient;  ///< the step that lowers the cost is along it
+  Eigen::VectorXd gradient;  ///< points along the step that lowers the cost
 };
 
-/// The gradient is exact. Where all responses have the same weights the sums of one are those of
-/// all (equal_weights.h), if that costs less; else response by response.
+/// The gradient is exact. If all responses have the same weights and it costs less, the sums of one
+/// response serve for all (equal_weights.h); else it takes each response by itself.
 [[nodiscard]] NormalEquations normal_equations(const BlockModel& model, const Misfit& misfit,
                                                const Target& target, const Fitted& fitted);
 
-/// From one sum per pole and response (as PoleProducts, with the squares of the fractions too):
-/// the matrix to 1e-7 of its diagonal where poles are very near.
+/// Uses one sum per pole and response (like PoleProducts, with the squares of the fractions as
+/// well). Where poles are very near, the error of the matrix is 1e-7 of its diagonal.
 /// Cost: some 10 n·K·pq and 100 n²·pq operations, shared between the threads.
 [[nodiscard]] NormalEquations normal_equations_by_response(const BlockModel& model,
                                                            const Misfit& misfit,
@@ -77,7 +78,7 @@ struct NormalEquations {
 [[nodiscard]] Eigen::Index parameter_count(const Block& block);
 [[nodiscard]] Eigen::Index parameter_count(const BlockModel& model, const Fitted& fitted);
 
-/// The model moved by a step in its parameters, balanced.
+/// The model after a step in its parameters, balanced.
 [[nodiscard]] BlockModel moved(const BlockModel& model, const Eigen::VectorXd& step,
                                const Fitted& fitted);
 

@@ -12,8 +12,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr Eigen::Index kAtOnce = 32;  // responses whose sums are one product
-constexpr double kLostDigits = 1e-3;  // gap over the distance of the nearest line
+constexpr Eigen::Index kAtOnce = 32;  // number of responses summed in one product
+constexpr double kLostDigits = 1e-3;  // gap between poles over the distance of the nearest line
 
 enum Kind : Eigen::Index {
   kWeight,
@@ -114,7 +114,7 @@ ResponseProducts::Sums ResponseProducts::sums(Eigen::Index begin, Eigen::Index e
   return result;
 }
 
-// Σ w² f̄_u f_v for the fractions and squares of all poles.
+// Σ w² f̄_u f_v for the fractions of all poles and their squares.
 void ResponseProducts::fill_pole_pairs(const Eigen::VectorXcd& moment,
                                        Eigen::MatrixXcd& gram) const {
   const auto n = static_cast<std::size_t>(pole_.size());
@@ -178,8 +178,8 @@ void ResponseProducts::fill_near_poles(Eigen::Index e, Eigen::MatrixXcd& gram) c
   }
 }
 
-// What no pole is part of: 1/s², 1 and the delay among themselves and with the error. Only the real
-// parts are ever used.
+// Products without a pole: of 1/s², 1 and the delay with each other and with the error. Only their
+// real parts are used.
 void ResponseProducts::fill_single_functions(Eigen::Index e, Products& products) const {
   const auto lines = target_.line_count();
   const auto w = target_.squared.col(e).array();
@@ -202,7 +202,7 @@ void ResponseProducts::fill_single_functions(Eigen::Index e, Products& products)
   if (!fitted_.delay) return;
   const auto response = misfit_.response.col(e);
   const Eigen::ArrayXd wx = w * target_.x.array();
-  const Eigen::ArrayXd late = wx * response.tail(lines).array();  // Re −s Ĝ, weighted
+  const Eigen::ArrayXd late = wx * response.tail(lines).array();  // weighted Re(−s Ĝ)
   const auto row = delay_row();
   put(row, row,
       (wx * target_.x.array() *
@@ -256,7 +256,7 @@ std::vector<ResponseProducts::Part> ResponseProducts::parts_of(Eigen::Index e) c
   return parts;
 }
 
-// The residual of a response touches no other: its best value follows the others'.
+// The residual of one response affects no other response, so its best value is eliminated here.
 void ResponseProducts::add_gradient(const Products& products, double pivot,
                                     std::vector<Part>& parts, NormalEquations& sum) const {
   const double off = fitted_.residual ? products.right(residual_row()).real() : 0.0;
@@ -278,7 +278,7 @@ void ResponseProducts::add_gradient(const Products& products, double pivot,
 ResponseProducts::SmallReal ResponseProducts::between(const Eigen::MatrixXcd& gram, const Part& c,
                                                       const Part& d) {
   const auto single = [](const Part& one) { return one.by.rows() == 4 && one.by.cols() == 4; };
-  if (single(c) && single(d)) {  // most of them
+  if (single(c) && single(d)) {  // the most frequent case
     const Eigen::Matrix4cd half = gram.block<4, 4>(c.row, d.row) * d.by.topLeftCorner<4, 4>();
     return (c.by.topLeftCorner<4, 4>().adjoint() * half).real();
   }

@@ -50,7 +50,7 @@ double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool ri
       best = at;
     }
   }
-  // The top of the parabola through the least one and its neighbours.
+  // Refines with the minimum of the parabola through the least cost and its neighbours.
   const double before = cost(best - kStep);
   const double after = cost(best + kStep);
   const double curvature = before - 2.0 * least + after;

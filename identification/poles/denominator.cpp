@@ -14,12 +14,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kJitter = 1e-13;   // of products scaled to a unit diagonal
-constexpr double kRounding = 0.1;   // of what is left, at most
-constexpr std::size_t kShares = 8;  // of the responses, for the threads
+constexpr double kJitter = 1e-13;   // for products scaled to a unit diagonal
+constexpr double kRounding = 0.1;   // largest part of `left`
+constexpr std::size_t kShares = 8;  // parts of the responses for the threads
 
-// Σ over the responses, in shares that do not depend on the threads and are added in order: the
-// same bits on any number of cores.
+// Sums over the responses. The shares do not depend on the threads and are added in order, so any
+// number of cores gives the same bits.
 template <class Add>
 DenominatorProducts sum_of(Eigen::Index responses, Eigen::Index unknowns, const Add& add) {
   const auto count = static_cast<std::size_t>(responses);
@@ -40,8 +40,8 @@ DenominatorProducts sum_of(Eigen::Index responses, Eigen::Index unknowns, const 
   return sums[0];
 }
 
-// Mᵀ A⁻¹ M taken away, A scaled to a unit diagonal first. With X = A⁻¹ M an error ε of A, the
-// jitter among them, is one of Xᵀ ε X.
+// Subtracts Mᵀ A⁻¹ M, with A first scaled to a unit diagonal. With X = A⁻¹ M, an error ε of A (the
+// jitter included) changes the result by Xᵀ ε X.
 void eliminate(Eigen::MatrixXd a, Eigen::MatrixXd m, DenominatorProducts& result) {
   const Eigen::VectorXd scale = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   a = scale.asDiagonal() * a * scale.asDiagonal();
@@ -54,7 +54,7 @@ void eliminate(Eigen::MatrixXd a, Eigen::MatrixXd m, DenominatorProducts& result
   result.rounding.noalias() += error * x.transpose() * x;
 }
 
-// Real parts of the functions above imaginary ones, 2K×(2n+1).
+// Real parts of the functions above the imaginary parts, 2K×(2n+1).
 Eigen::MatrixXd functions_of(const Eigen::VectorXd& x, const Eigen::VectorXcd& poles) {
   const Eigen::Index lines = x.size();
   Eigen::MatrixXcd values(lines, 2 * poles.size() + 1);
@@ -73,7 +73,7 @@ Eigen::MatrixXd functions_of(const Eigen::VectorXd& x, const Eigen::VectorXcd& p
   return result;
 }
 
-// W Φ and −W G Ψ of one response side by side, 1/s² between them where it is one of Φ.
+// W Φ and −W G Ψ of one response side by side; if rigid-body modes are fitted, 1/s² belongs to Φ.
 Eigen::MatrixXd rows_of(const FitData& data, Eigen::Index response, const Eigen::VectorXd& x,
                         const Eigen::MatrixXd& functions, bool rigid) {
   const Eigen::Index lines = x.size();

@@ -7,14 +7,14 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kStep = 1e-7;     // relative, of the slopes
-constexpr double kMatters = 0.05;  // of the responses' size
+constexpr double kStep = 1e-7;     // relative frequency step for the slopes
+constexpr double kMatters = 0.05;  // relative to the responses
 constexpr double kExcess = 5.0;    // deviations
 constexpr int kRounds = 10;
-constexpr double kSettled = 1e-3;  // of a shift's rms, by which a round moves them
-constexpr int kFewSteps = 12;      // of a fit between them
+constexpr double kSettled = 1e-3;  // last change of the shifts, relative to their size
+constexpr int kFewSteps = 12;      // iterations of each fit in between
 
-// The fit as one of response e alone.
+// The fit reduced to response e.
 ModalFit single(const ModalFit& fit, Eigen::Index e) {
   const auto i = e % fit.model.output_count();
   const auto j = e / fit.model.output_count();
@@ -32,14 +32,14 @@ ModalFit single(const ModalFit& fit, Eigen::Index e) {
   return one;
 }
 
-// How the model changes with a shift of its resonances: K×pq.
+// Derivative of the model by a relative shift of its resonances: K×pq.
 Eigen::MatrixXcd slopes(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
   return (responses(fit, frequency_hz * (1.0 - kStep)) -
           responses(fit, frequency_hz * (1.0 + kStep))) /
          (2.0 * kStep);
 }
 
-// Shifts beyond those that `data` were freed of, and what is known of them.
+// Adds the shifts that remain in `data`, and sets the deviations.
 void add_shifts(const FitData& data, const ModalFit& fit, Drift& drift) {
   const auto slope = slopes(fit, data.frequency_hz);
   const Eigen::MatrixXcd error = data.value - responses(fit, data.frequency_hz);
@@ -54,7 +54,7 @@ void add_shifts(const FitData& data, const ModalFit& fit, Drift& drift) {
   }
 }
 
-// About their mean, what is not certain shrunk.
+// The shifts about their mean; uncertain ones are shrunk.
 Eigen::VectorXd settled(const Drift& drift) {
   const Eigen::ArrayXd information = drift.deviation.array().square().inverse();
   const double mean = (information * drift.shift.array()).sum() / information.sum();
@@ -67,7 +67,7 @@ Eigen::VectorXd settled(const Drift& drift) {
          (scatter + drift.deviation.array().square()).max(std::numeric_limits<double>::min());
 }
 
-// |Ĝ(f / (1 + shift)) − Ĝ(f)| over |Ĝ|, rms of the responses.
+// |Ĝ(f / (1 + shift)) − Ĝ(f)| over |Ĝ|, rms over the responses.
 double change_by(const FitData& data, const ModalFit& fit, const Eigen::VectorXd& shift) {
   const auto moved = without_drift(data, fit, shift);
   const auto fitted = responses(fit, data.frequency_hz);

@@ -12,7 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kReach = 8.0;  // bandwidths on each side that are looked at
+constexpr double kReach = 8.0;  // bandwidths on each side that are used
 
 std::vector<double> damping_ratios(const ModalFit& fit) {
   std::vector<double> known;

@@ -1,4 +1,4 @@
-// The mode that would explain most of what a fit leaves.
+// The further mode that explains most of the residual of a fit.
 #pragma once
 
 #include <complex>
@@ -9,11 +9,11 @@ namespace chladni::identification {
 
 struct MissingMode {
   std::complex<double> pole;  ///< [rad/s]
-  double gain = 0.0;          ///< by which it would lower Σ |w error|², the others held still
+  double gain = 0.0;          ///< decrease of Σ |w error|² with the other modes fixed
 };
 
 /// Scans natural frequencies over the band, a third of a bandwidth apart, and damping ratios from a
-/// quarter to four times those of the fit (0.001 to 0.05 where it has none).
+/// quarter of the least to four times the largest of the fit (0.001 to 0.05 if the fit has none).
 /// Cost: pq times the lines within 8 bandwidths of each candidate.
 [[nodiscard]] MissingMode missing_mode(const FitData& data, const ModalFit& fit);
 

@@ -13,10 +13,10 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kWorthwhile = 25.0;  // significance of a pole, per channel
-constexpr double kSecond = 0.2;       // least of a residue's further direction over its first
-constexpr double kBroad = 10.0;       // damping over what is usual
+constexpr double kSecond = 0.2;       // least size of a residue's second direction over its first
+constexpr double kBroad = 10.0;       // damping over the usual damping
 constexpr double kSatellite = 0.01;   // worth of a pole over that of a mode near it
-constexpr double kMostDamping = 0.4;  // of what is called a mode
+constexpr double kMostDamping = 0.4;  // largest damping ratio of a mode
 
 bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
   const double own = std::abs(pole) / (2.0 * pi);
@@ -24,23 +24,23 @@ bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
          own < 1.1 * data.frequency_hz(data.line_count() - 1);
 }
 
-// Of poles with their worth: damping as it is where most of the worth is.
+// Usual damping of the poles: mean of its logarithm, weighted by their worth.
 double usual_damping(const Eigen::VectorXcd& poles, const Eigen::VectorXd& worth) {
   const Eigen::VectorXd log_ratio =
       (-poles.real().array() / poles.cwiseAbs().array()).max(1e-12).log();
   return std::exp(worth.dot(log_ratio) / worth.sum());
 }
 
-// Mean distance of the lines [rad/s].
+// Mean distance between lines [rad/s].
 double line_spacing(const FitData& data) {
   return 2.0 * pi * (data.frequency_hz(data.line_count() - 1) - data.frequency_hz(0)) /
          static_cast<double>(data.line_count() - 1);
 }
 
-// What real data have beside a resonance (leakage, drift between hits, nonlinearity) draws poles of
-// its own: near it, or broad ones below it. Where the noise is not known, a pole of a hundredth of
-// another's worth is taken for such within three bandwidths of either or ten lines, and anywhere
-// where it is damped ten times more than usual.
+// Removes poles that measured data draw without a mode: leakage, drift between hits and
+// nonlinearity give poles near a resonance, or broad ones below it. This applies where no variance
+// is stated. A pole of a hundredth of another's worth is removed if it is within three bandwidths
+// of either or ten lines, or anywhere if its damping is ten times the usual one.
 std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueProblem& problem,
                                              const Eigen::VectorXcd& poles,
                                              const std::vector<Eigen::Index>& all) {
@@ -76,7 +76,7 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
     if (looks_like_a_mode(poles(i), data)) kept.push_back(i);
   }
   if (modes == 0) kept = without_satellites(data, problem, poles, kept);
-  // What nothing but noise leaves is known with all poles in place.
+  // The residual of the fit with all poles gives the level of the noise.
   const double least = least_significance(data, problem.residues().cost);
   while (!kept.empty()) {
     Eigen::Index weakest = 0;
@@ -119,7 +119,7 @@ bool is_satellite(const FitData& data, const ModalFit& fit, const std::complex<d
 
 namespace {
 
-// |σ₂ u₂ v₂ᴴ|² of a residue, a column; empty where it is small beside the first direction.
+// |σ₂ u₂ v₂ᴴ|² of a residue, as a column; empty if it is small beside the first direction.
 template <typename Matrix>
 Eigen::VectorXd second_direction(const Matrix& residue) {
   const Eigen::JacobiSVD<Matrix> svd(finite(residue, "residue"),

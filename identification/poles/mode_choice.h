@@ -1,4 +1,4 @@
-// Which poles are modes of a structure, and how often.
+// Decides which poles are modes of the structure, and which of them count twice.
 #pragma once
 
 #include <complex>
@@ -10,31 +10,31 @@
 
 namespace chladni::identification {
 
-/// By how much the cost must grow without a pole for it to be more than noise.
+/// Least growth of the cost without a pole, so that the pole is more than noise.
 [[nodiscard]] double least_significance(const FitData& data, double cost);
 
-/// The poles that are left of all when those that are no modes are left out, and then, one after
-/// the other, those that are not worth their parameters.
-/// @param problem  of `poles`; @param modes  how many to keep; 0: as many as are worth it
+/// Removes first the poles that are no modes, then, one by one, those not worth their parameters.
+/// @param problem  of `poles`; @param modes  number of modes to keep; 0: all that are worth it
 [[nodiscard]] Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
                                           const Eigen::VectorXcd& poles, Eigen::Index modes);
 
-/// One pole of each resonance: those that have a stronger one within three bandwidths of the
-/// sharper or three lines are left out.
+/// One pole for each resonance: a pole is removed if a stronger one is within three bandwidths (of
+/// the sharper pole) or three lines.
 [[nodiscard]] Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles,
                                          bool rigid);
 
-/// Whether a further mode looks like what data have beside a resonance: within a bandwidth of a
-/// mode that is there, or damped ten times more than they are at most.
+/// Whether a further mode looks like an artefact beside a resonance: within a bandwidth of an
+/// existing mode, or with more than ten times the largest damping. Always false where a
+/// variance is stated.
 [[nodiscard]] bool is_satellite(const FitData& data, const ModalFit& fit,
                                 const std::complex<double>& pole);
 
-/// Poles of which the residue has a second direction that is no noise, alone within a bandwidth:
-/// two modes of one frequency.
+/// Poles that are alone within a bandwidth and have a second residue direction above noise: these
+/// are two modes of one frequency.
 [[nodiscard]] std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& poles,
                                                  const Residues& residues);
 
-/// How many directions of the 1/s² term stand out of the noise.
+/// Number of directions of the 1/s² term that exceed noise.
 [[nodiscard]] Eigen::Index rigid_rank(const FitData& data, const Residues& residues,
                                       Eigen::Index most);
 

@@ -15,13 +15,13 @@ enum Kind : Eigen::Index {
   kReal,       // w² Re G
   kImaginary,  // w² Im G
   kSquare,     // w² |G|²
-  kPlainSlow,  // w² / x², and likewise
+  kPlainSlow,  // w² / x²; the next two likewise
   kRealSlow,
   kImaginarySlow,
   kKinds
 };
 
-// Re(t̄ᵤ A tᵥ) for the four entries of A between a pole (and its conjugate) and another one.
+// Re(t̄ᵤ A tᵥ) for the four entries of A between a pole and its conjugate and another pair.
 struct Quad {
   Complex pp, pc, cp, cc;  // p with p, p with conjugate, …
 };

@@ -13,7 +13,7 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kJitter = 1e-13;  // of products scaled to a unit diagonal
+constexpr double kJitter = 1e-13;  // for products scaled to a unit diagonal
 
 }  // namespace
 

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kFrequency = 1e-3, kDamping = 0.05, kShape = 0.98;
 constexpr double kMostDamping = 0.4;
-constexpr int kIterations = 6;  // of each order, from the poles of the one below
+constexpr int kIterations = 6;  // for each order, from the poles of the order below
 
 struct Pole {
   StabilisationPoint point;
-  Eigen::VectorXd shape;  // its residues, of unit length
+  Eigen::VectorXd shape;  // the pole's residues, normalised
 };
 
 std::vector<Pole> poles_of(const FitData& data, const Eigen::VectorXcd& poles, bool rigid) {

@@ -13,15 +13,15 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kStartDamping = 0.005;  // of the poles at peaks
-constexpr double kSettled = 0.05;        // relative change of what a vector fit leaves at its end
+constexpr double kSettled = 0.05;        // relative change of the vector fit's cost at its end
 constexpr double kHardlyLess = 0.7;      // cost of a higher order over that of a lower one
-constexpr double kNoiseLeft = 1.3;       // cost over what noise leaves at which to stop
-constexpr double kProminence = 2.0;      // of a maximum over the valleys beside it
+constexpr double kNoiseLeft = 1.3;       // cost over that of noise; the search stops below it
+constexpr double kProminence = 2.0;      // ratio of a maximum to the valleys beside it
 constexpr Eigen::Index kSpareOrder = 5;
-constexpr int kPeakReach = 3;  // lines on each side that a peak tops
+constexpr int kPeakReach = 3;  // a peak is the maximum of so many lines on each side
 
-// Whether a maximum is twice the deepest point on the way to any higher one: the noise on the flank
-// of a resonance is not.
+// Whether a maximum is twice the deepest point on the way to any higher one. Noise on the flank of
+// a resonance is not.
 bool is_prominent(const Eigen::ArrayXd& all, Eigen::Index top) {
   const auto falls = [&](Eigen::Index step) {
     double least = all(top);
@@ -35,8 +35,8 @@ bool is_prominent(const Eigen::ArrayXd& all, Eigen::Index top) {
   return falls(-1) && falls(1);
 }
 
-// Resonances that stand out [Hz], as a first guess of the poles: maxima of Σ |ω² G|², each response
-// over its mean, by a factor above the median around them.
+// Visible resonances [Hz] as a first guess of the poles: maxima of Σ |ω² G|² that exceed the median
+// around them by a factor of 3. Each response is divided by its mean.
 std::vector<double> peaks(const FitData& data) {
   const auto lines = data.line_count();
   const Eigen::ArrayXd acceleration = data.frequency_hz.array().pow(4);
@@ -61,7 +61,7 @@ std::vector<double> peaks(const FitData& data) {
   return list;
 }
 
-// As damped as structures are; none where that would be more than the order.
+// Poles at the peaks with a usual structural damping; none if they are more than the order.
 Eigen::VectorXcd poles_at(const std::vector<double>& peaks, Eigen::Index order) {
   const auto n = static_cast<Eigen::Index>(peaks.size());
   if (n > order) return {};
@@ -77,12 +77,12 @@ StartPoles start_poles(const FitData& data, const IdentificationOptions& options
   const auto highest = std::min(options.most_modes + kSpareOrder, room);
   const auto seen = peaks(data);
   const auto guess = options.modes > 0 ? options.modes : static_cast<Eigen::Index>(seen.size());
-  // As many again: a pair is one peak, and so is what one response has between two modes.
+  // The spare order doubles the guess: a repeated pair is one peak, and so are close resonances.
   const auto spare = std::max(kSpareOrder, guess);
   VectorFitOptions how{.order = std::min(guess + spare, highest), .rigid = rigid};
   how.enough = 1e-4;
   how.enough_value = kSettled;
-  if (data.noise_known) {  // then what is left may not pass for a mode
+  if (data.noise_known) {  // so that what the fit leaves cannot look like a mode
     const double noise = expected_cost(data, 0).mean;
     how.enough_value = std::min(kSettled, 0.5 * least_significance(data, noise) / noise);
   }

@@ -1,4 +1,4 @@
-// Poles to choose the modes from, before any likelihood.
+// Poles to choose the modes from, before the likelihood is used.
 #pragma once
 
 #include "identification/identified.h"
@@ -6,15 +6,15 @@
 
 namespace chladni::identification {
 
-/// Poles and the residues that go with them.
+/// Poles with the problem of their residues.
 struct StartPoles {
   Eigen::VectorXcd pole;  ///< [rad/s]
   ResidueProblem problem;
-  Eigen::Index order = 0;  ///< of the vector fit
+  Eigen::Index order = 0;  ///< order of the vector fit
 };
 
-/// Vector fits from the resonances that stand out, of rising order until a higher one leaves hardly
-/// less.
+/// Vector fits that start from the visible resonances. The order rises until a higher one
+/// hardly lowers the cost.
 [[nodiscard]] StartPoles start_poles(const FitData& data, const IdentificationOptions& options);
 
 }  // namespace chladni::identification

@@ -19,9 +19,9 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kStartDamping = 0.01;
-constexpr double kLeastDamping = 1e-7;  // of a pole that came out on the axis
+constexpr double kLeastDamping = 1e-7;  // for a pole on the imaginary axis
 
-// Equally apart; where the band spans two decades, half of them by ratio.
+// Equally spaced; if the band spans two decades, half of them are spaced by a constant ratio.
 Eigen::VectorXcd start_poles(const Eigen::VectorXd& x, Eigen::Index order) {
   const double low = std::max(x(0), 1e-4 * x(x.size() - 1));
   const double high = x(x.size() - 1);
@@ -69,7 +69,7 @@ Eigen::VectorXcd zeros(const Eigen::VectorXcd& poles, const Eigen::VectorXd& c) 
   return finite(a, "vector fit").eigenvalues();
 }
 
-// n pairs again: unstable ones turned over, two real ones become a pair of their product.
+// Makes n pairs again: turns unstable poles over, joins two real poles to a pair of their product.
 Eigen::VectorXcd pairs_of(const Eigen::VectorXcd& all) {
   std::vector<Complex> upper;
   std::vector<double> real;

@@ -1,4 +1,4 @@
-// Poles to start from: fast relaxed vector fitting (Gustavsen and Semlyen 1999, Gustavsen 2006,
+// Start poles: fast relaxed vector fitting (Gustavsen and Semlyen 1999, Gustavsen 2006,
 // Deschrijver et al. 2008).
 #pragma once
 
@@ -10,14 +10,14 @@ struct VectorFitOptions {
   Eigen::Index order = 20;  ///< pairs of poles
   bool rigid = false;       ///< a term in 1/s² beside them, of any rank
   int iterations = 20;
-  double enough = 1e-8;         ///< largest relative change of a pole at which to stop
-  double enough_value = 0.0;    ///< likewise, of the cost that it linearises
-  Eigen::VectorXcd start = {};  ///< [rad/s], poles known already; the others are spread
+  double enough = 1e-8;         ///< largest relative change of a pole at which it stops
+  double enough_value = 0.0;    ///< the same for the linearised cost
+  Eigen::VectorXcd start = {};  ///< [rad/s], known poles; the others are spread over the band
 };
 
-/// Poles [rad/s], those with Im > 0, ascending by it; Re < 0. What is not a resonance is among
-/// them: each is only as good as its residues say.
-/// Cost: per iteration 0.6 K·order·pq and pq·order³ operations times some ten.
+/// Poles [rad/s] with Im > 0 in ascending order; Re < 0. Some are no resonances: their residues
+/// tell which poles matter.
+/// Cost: per iteration 0.6 K·order·pq and some ten times pq·order³ operations.
 /// @throws InvalidInput  fewer measured numbers than unknowns, order < 1
 [[nodiscard]] Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options);
 

@@ -5,7 +5,7 @@
 namespace chladni::placement {
 namespace {
 
-// The mean square of the group at the actuators, and what noise adds to it there.
+// Mean square of the group's shapes at the actuators, and the variance of their noise.
 struct AtActuators {
   double signal, noise;
 };
@@ -24,7 +24,7 @@ Eigen::MatrixXd score(const PairView& view) {
   for (Eigen::Index g = 0; g < error.cols(); ++g) {
     const auto [signal, noise] = at_actuators(view, g);
     const double own = noise / std::max(signal, 1e-12 * view.rms(g) * view.rms(g));
-    // Rows that come from actuators are scaled by β = α² against those from sensors.
+    // β = α² scales rows from actuators relative to rows from sensors.
     error.col(g) = (4.0 * error.col(g).array().square() + own).sqrt().matrix();
   }
   return error.cwiseInverse();

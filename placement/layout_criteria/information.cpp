@@ -1,4 +1,4 @@
-// What the sampled modal matrix is worth: Fisher information of the modal amplitudes.
+// Value of the sampled modal matrix: Fisher information of the modal amplitudes.
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// None where there are fewer points than modes.
+// Empty if there are fewer points than modes.
 Eigen::VectorXd singular_values(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
   if (seen.rows() < seen.cols()) return {};
@@ -39,7 +39,7 @@ double condition_number(const LayoutView& view) {
   return values.size() == 0 ? kNone : values.maxCoeff() / values.minCoeff();
 }
 
-// Between groups: the largest squared cosine of an angle between the spans.
+// Largest squared cosine of an angle between the spans of two groups.
 double largest_mac(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
   double largest = 0.0;
@@ -59,7 +59,7 @@ double largest_mac(const LayoutView& view) {
   return largest;
 }
 
-// The least of diag Φ (ΦᵀΦ)⁻¹ Φᵀ: a point that the others make needless has little.
+// The least of diag Φ (ΦᵀΦ)⁻¹ Φᵀ: it is small for a point that the others make redundant.
 double least_independence(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
   if (seen.rows() < seen.cols()) return kNone;

@@ -1,4 +1,4 @@
-// What the layout will let one predict: the pair's gain, the shapes between the points, an FRF.
+// Predictions that a layout allows: the pair's gain, the shapes between the points, an FRF.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -50,7 +50,7 @@ double worst_mode(const LayoutView& view) {
   return worst;
 }
 
-// Root mean square over the wanted modes, at the place where that is largest.
+// Root mean square deviation over the wanted modes, at the place with the largest one.
 double worst_place(const LayoutView& view) {
   const auto all = samples(view);
   if (all.rows.rows() == 0) return kNone;
@@ -59,7 +59,7 @@ double worst_place(const LayoutView& view) {
   return 100.0 * std::sqrt(deviation.cwiseAbs2().rowwise().mean().maxCoeff());
 }
 
-// Σ over modes of the energy of their peaks from all actuators: what is missed over what there is.
+// Missed part of the modes' peak energy, from all actuators to the points of interest.
 double frf_percent(const LayoutView& view) {
   const auto all = samples(view);
   if (view.interest_all.rows() == 0 || view.actuators.rows() == 0 || all.rows.rows() == 0) {

@@ -1,4 +1,4 @@
-// How strongly sensors see and actuators drive the wanted modes.
+// Strength with which sensors see and actuators drive the wanted modes.
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// Of one group at some channels: the smallest eigenvalue of ΦᵀΦ [1/kg]. It is the Gramian's, up to
-// a factor of the mode's own, for modes that are lightly damped and apart.
+// Smallest eigenvalue of ΦᵀΦ [1/kg] for one group at some channels. For lightly damped, separate
+// modes it equals that of the Gramian up to a factor of the mode.
 double least(const Eigen::MatrixXd& shapes, const modal::ModeGroup& group) {
   const Eigen::MatrixXd block = shapes.middleCols(group.first, group.size);
   const Eigen::MatrixXd gram = block.transpose() * block;
@@ -36,7 +36,7 @@ double seen(const LayoutView& view) { return weakest(view.sensors, view); }
 
 double driven(const LayoutView& view) { return weakest(view.actuators, view); }
 
-// The Hankel singular value of a mode: half its peak of receptance, over all channels.
+// Smallest Hankel singular value of a mode: half its peak of receptance, over all channels.
 double smallest_response(const LayoutView& view) {
   if (view.sensors.rows() == 0 || view.actuators.rows() == 0) return kNone;
   double smallest = std::numeric_limits<double>::infinity();

@@ -18,17 +18,17 @@ namespace {
 
 using Indices = std::vector<Eigen::Index>;
 constexpr Eigen::Index kCoarse = 240;  // candidates of the first search
-constexpr double kForbidden = -1.0;    // gain of a site that may not be taken
+constexpr double kForbidden = -1.0;    // gain of a forbidden site
 
-// One shape: rows scaled by the prior, so that its coefficients start as the identity.
+// One shape. Its rows are scaled by the prior, so that its coefficients start as the identity.
 struct Shape {
   Eigen::MatrixXd rows;        // N×r
   Eigen::MatrixXd gram;        // r×r
   Eigen::MatrixXd covariance;  // r×r, posterior
-  double variance = 0.0;       // of the noise of one site
+  double variance = 0.0;       // noise variance of one site
 };
 
-// A layout and what is not known beside it.
+// A layout with the remaining uncertainty.
 class Layout {
  public:
   explicit Layout(const InterpolationProblem& problem) : problem_(problem) {
@@ -68,7 +68,7 @@ class Layout {
     sites_.erase(sites_.begin() + static_cast<std::ptrdiff_t>(k));
   }
 
-  // By how much each of `candidates` would lower the error.
+  // Decrease of the error by each of `candidates`.
   [[nodiscard]] Eigen::VectorXd gains(const Indices& candidates) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidates.size()));
     const bool all = sum.size() == problem_.rows.rows();
@@ -87,7 +87,7 @@ class Layout {
     return sum / static_cast<double>(shapes_.size());
   }
 
-  // Adds the best of `candidates`; whether there was one.
+  // Adds the best of `candidates`; returns whether there was one.
   bool add_best(const Indices& candidates) {
     Eigen::Index best = 0;
     if (candidates.empty() || gains(candidates).maxCoeff(&best) < 0.0) return false;
@@ -96,7 +96,7 @@ class Layout {
   }
 
  private:
-  // By one rank (Sherman and Morrison).
+  // Rank-one update (Sherman and Morrison).
   void change(Eigen::Index site, double sign) {
     for (auto& shape : shapes_) {
       const Eigen::VectorXd row = shape.rows.row(site).transpose();
@@ -115,13 +115,13 @@ class Layout {
   Indices sites_;
 };
 
-// Replaces each site by the best of `candidates(site)` until a whole round changes nothing.
+// Replaces each site by the best of `candidates(site)` until a whole round brings no gain.
 template <typename Candidates>
 void exchange(Layout& layout, int rounds, const Candidates& candidates) {
   for (int round = 0; round < rounds; ++round) {
     const double before = layout.error();
     for (std::size_t k = 0; k < layout.sites().size(); ++k) {
-      const Eigen::Index site = layout.sites()[0];  // the one that is oldest
+      const Eigen::Index site = layout.sites()[0];  // the oldest site
       layout.remove(0);
       if (!layout.add_best(candidates(site))) layout.add(site);
     }
@@ -129,7 +129,7 @@ void exchange(Layout& layout, int rounds, const Candidates& candidates) {
   }
 }
 
-// Some hundreds of candidates that cover the surface: each the farthest from those before it.
+// Some hundreds of candidates that cover the surface: each is the farthest from the earlier ones.
 Indices thinned(const Points& position, Eigen::Index count) {
   Indices chosen{0};
   Eigen::VectorXd distance = (position.rowwise() - position.row(0)).rowwise().squaredNorm();
@@ -169,7 +169,7 @@ bool fill_greedily(Layout& layout, const Indices& candidates, Eigen::Index count
 }
 
 void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std::mt19937& random) {
-  // Half at random, the rest greedily: starts that differ and are not poor.
+  // Half of the sites are random, the rest greedy: different starts that are not poor.
   for (Eigen::Index k = 0; k < count / 2; ++k) {
     const Indices one{candidates[random() % candidates.size()]};
     layout.add_best(one);
@@ -177,7 +177,7 @@ void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std:
   fill_greedily(layout, candidates, count);
 }
 
-// Exchange among some hundreds of candidates, then among the neighbours of what was chosen.
+// Exchange among some hundreds of candidates, then among the neighbours of the chosen sites.
 class Search {
  public:
   explicit Search(const InterpolationProblem& problem)
@@ -187,7 +187,7 @@ class Search {
     if (is_large_) reach_ = reach_of(problem.position, coarse_);
   }
 
-  // The first start is greedy, the others are half random; none where spacing leaves no room.
+  // The first start is greedy, the others are half random; none if the spacing leaves no room.
   [[nodiscard]] std::optional<Layout> from_a_start(int start, std::mt19937& random) const {
     Layout layout = empty_;
     if (start > 0) fill_at_random(layout, coarse_, problem_.count, random);
@@ -200,7 +200,7 @@ class Search {
     return layout;
   }
 
-  // Among all candidates once more, where the search was among few.
+  // One more exchange among all candidates, if the search used only a part of them.
   [[nodiscard]] Indices polished(const Indices& sites) const {
     if (!is_large_) return sites;
     Layout layout = layout_at(sites);
@@ -229,7 +229,7 @@ class Search {
   Layout empty_;
   Indices all_, coarse_;
   bool is_large_ = false;
-  double reach_ = 0.0;  // [m] of a neighbour
+  double reach_ = 0.0;  // [m], distance of a neighbour
 };
 
 void check(const InterpolationProblem& problem) {

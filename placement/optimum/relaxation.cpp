@@ -14,7 +14,7 @@ double log_det(const Eigen::LLT<Eigen::MatrixXd>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
-// The candidates in play, their weights and the information they make.
+// The candidates of the working set, their weights and their information.
 class WorkingSet {
  public:
   WorkingSet(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& base, Eigen::Index count)
@@ -25,7 +25,7 @@ class WorkingSet {
   [[nodiscard]] double value() const { return value_; }
   [[nodiscard]] const Eigen::LLT<Eigen::MatrixXd>& factor() const { return factor_; }
 
-  // All start with equal shares, or newcomers with a little of everyone's.
+  // The first members get equal shares; newcomers get a small part of all shares.
   void admit(const Indices& newcomers) {
     const auto before = z_.size();
     members_.insert(members_.end(), newcomers.begin(), newcomers.end());
@@ -43,7 +43,7 @@ class WorkingSet {
     refresh();
   }
 
-  // One damped Newton step on value + mu Σ (log z + log(1 − z)); returns the decrement.
+  // One damped Newton step on value + mu Σ (log z + log(1 − z)); returns the Newton decrement.
   double step(double mu) {
     const Eigen::MatrixXd half = factor_.matrixL().solve(rows_.transpose());
     const Eigen::MatrixXd among = half.transpose() * half;
@@ -120,7 +120,7 @@ Indices largest(const Eigen::VectorXd& values, Eigen::Index count) {
   return order;
 }
 
-// The first members: those with the largest gain, one after the other, so that they differ.
+// The first members: those of largest gain, chosen one after the other, so that they differ.
 Indices spread(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& base, Eigen::Index count) {
   const Eigen::LLT<Eigen::MatrixXd> factor(base);
   Eigen::MatrixXd left = factor.matrixL().solve(rows.transpose());

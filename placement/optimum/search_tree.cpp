@@ -14,7 +14,7 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 
 struct Node {
-  Indices in, free;  // chosen for good; not yet decided. All others are out.
+  Indices in, free;  // `in`: chosen finally; `free`: not yet decided. All others are out.
   double bound = 0.0;
 };
 
@@ -52,7 +52,7 @@ class Search {
     const Eigen::Index wanted = problem_.count - static_cast<Eigen::Index>(node.in.size());
     const Eigen::MatrixXd rows = problem_.rows(node.free, Eigen::all);
     const double target = best_.score + options_.enough;
-    // A looser answer is enough where the node will be split anyway.
+    // A node that will be split needs a looser tolerance only.
     const double tolerance = node.in.empty() ? 1e-6 : 1e-4;
     const auto relaxation =
         relaxed(rows, information(problem_, node.in), wanted, target, tolerance);
@@ -62,7 +62,7 @@ class Search {
     branch(node, relaxation, wanted);
   }
 
-  // The largest weights as a choice.
+  // Tries the candidates of largest weight as a choice.
   void offer(const Node& node, const Relaxation& relaxation, Eigen::Index wanted) {
     if (problem_.spacing > 0.0) return;
     Indices order(node.free.size());
@@ -80,7 +80,7 @@ class Search {
     best_.score = log_determinant(problem_, best_.sites);
   }
 
-  // Fixes by reduced cost, then splits at the weight nearest to one half.
+  // Fixes candidates by reduced cost, then splits at the weight nearest to one half.
   void branch(const Node& node, const Relaxation& relaxation, Eigen::Index wanted) {
     Eigen::VectorXd sorted = relaxation.gain;
     std::sort(sorted.data(), sorted.data() + sorted.size(), std::greater<>());
@@ -130,7 +130,7 @@ class Search {
     }
   }
 
-  // Nothing is left to decide: all free ones are needed, or none.
+  // All is decided: either all free candidates are needed, or none.
   void settle(const Node& node, Eigen::Index wanted) {
     Indices sites = node.in;
     if (wanted > static_cast<Eigen::Index>(node.free.size()) || wanted < 0) return;

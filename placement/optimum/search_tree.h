@@ -5,11 +5,11 @@
 
 namespace chladni::placement {
 
-/// P + Σ φφᵀ over `sites`, with a trace of the identity so that it can be factorised: r×r.
+/// P + Σ φφᵀ over `sites`, plus a very small multiple of the identity for the factorisation: r×r.
 [[nodiscard]] Eigen::MatrixXd information(const DeterminantProblem& problem,
                                           const std::vector<Eigen::Index>& sites);
 
-/// Fills in the bound of `best`, and betters it and proves it as far as the options let it.
+/// Sets the bound of `best`, and improves and proves `best` as far as the options allow.
 void search(const DeterminantProblem& problem, const DeterminantOptions& options, Choice& best);
 
 }  // namespace chladni::placement

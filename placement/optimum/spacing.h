@@ -1,4 +1,4 @@
-// Sites that keep their distance.
+// Minimum distance between sites.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace chladni::placement {
 
-/// Whether sites a and b may not both be chosen. @param position  N×3 [m]; may be empty where
-/// `spacing` is 0
+/// Whether sites a and b exclude each other. @param position  N×3 [m]; may be
+/// empty if `spacing` is 0
 [[nodiscard]] inline bool too_near(const Points& position, double spacing, Eigen::Index a,
                                    Eigen::Index b) {
   if (a == b) return true;

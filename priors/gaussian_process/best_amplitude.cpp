@@ -15,7 +15,7 @@ double misfit(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double
   return (variance.log() + square / variance).sum();
 }
 
-// The best of a coarse scan, then golden sections.
+// The best point of a coarse scan, refined by golden sections.
 double smallest(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double low,
                 double high) {
   constexpr int kScan = 60;
@@ -39,8 +39,8 @@ double smallest(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, doub
 
 }  // namespace
 
-// Whitened by the noise and freed of the trend, the values are independent in the eigenbasis of the
-// covariance.
+// After whitening by the noise and removal of the trend, the values are independent in the
+// eigenbasis of the covariance.
 double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& noise_variance,
                       const Eigen::MatrixXd& trend, const Eigen::VectorXd& values) {
   require((noise_variance.array() > 0.0).all(),
@@ -60,7 +60,7 @@ double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& 
       finite(matrix, "covariance of a Gaussian process"));
   const Eigen::ArrayXd lambda = eigen.eigenvalues().array().max(0.0);
   const Eigen::ArrayXd square = (eigen.eigenvectors().transpose() * z).array().square();
-  // Ten thousandths of the noise to a thousand times what all of the values would need.
+  // Range of the variance: 1e-4 of the noise's to 1e6 times the one that the values would need.
   const double mean = lambda.mean();
   const double low = std::log(1e-4 / mean);
   const double high = std::max(low + 1.0, std::log(1e6 * (1.0 + square.mean()) / mean));

@@ -135,7 +135,7 @@ Slopes GaussianProcess::slopes(Merit merit, const Eigen::MatrixXd& values,
                                              : leave_one_out_slopes(values, factor);
 }
 
-// dL/dt = ½ (αᵀ dC α − tr(P dC)); a² dK/da² follows from C = a² K + N without another product.
+// dL/dt = ½ (αᵀ dC α − tr(P dC)); a² dK/da² follows from C = a² K + N without a further product.
 Slopes GaussianProcess::likelihood_slopes(const Eigen::MatrixXd& values,
                                           const Eigen::VectorXd& factor) const {
   const Eigen::MatrixXd alpha = projected(values) * factor.cwiseInverse().asDiagonal();
@@ -155,7 +155,7 @@ Slopes GaussianProcess::likelihood_slopes(const Eigen::MatrixXd& values,
 }
 
 // dL = tr(W dC), W = −P diag(c) P + sym(α (P b)ᵀ), c = ½ (1 / p + α² / p²), b = α / p, p = diag P
-// (Rasmussen and Williams 2006, (5.13), gathered into one matrix).
+// (Rasmussen and Williams 2006, (5.13), written as one matrix).
 Slopes GaussianProcess::leave_one_out_slopes(const Eigen::MatrixXd& values,
                                              const Eigen::VectorXd& factor) const {
   const Eigen::MatrixXd all = projected(values) * factor.cwiseInverse().asDiagonal();

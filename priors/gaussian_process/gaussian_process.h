@@ -6,7 +6,7 @@
 
 namespace chladni::priors {
 
-/// f ~ GP(Hβ, a² k), β free where there is a trend (universal kriging: β integrated out).
+/// f ~ GP(Hβ, a² k); with a trend β is free (universal kriging: β integrated out).
 struct GaussianPrior {
   Kernel kernel;
   Eigen::VectorXd parameters;  ///< of the kernel
@@ -14,13 +14,13 @@ struct GaussianPrior {
   Trend trend;
 };
 
-/// What hyper-parameters are chosen by.
+/// The merit that chooses hyper-parameters.
 enum class Merit {
-  marginal_likelihood,  ///< ln p(y); with a trend, of what the trend leaves (REML)
+  marginal_likelihood,  ///< ln p(y); with a trend, of the contrasts without the trend (REML)
   leave_one_out,        ///< Σ_i ln p(y_i | all others)
 };
 
-/// Per output. Of m shapes that share C = a² K + N, each may have its own factor b²: b² C.
+/// One entry per output. m shapes share C = a² K + N; each may have its own factor b²: b² C.
 struct Score {
   Eigen::VectorXd value;   ///< m: natural logarithm
   Eigen::VectorXd factor;  ///< m: b; the best one in closed form, or 1
@@ -39,42 +39,42 @@ struct Prediction {
 };
 
 struct LeaveOneOut {
-  Eigen::MatrixXd mean;      ///< N×m: of each value from all others
-  Eigen::VectorXd variance;  ///< N: of the value, with its noise
+  Eigen::MatrixXd mean;      ///< N×m: prediction of each value from all others
+  Eigen::VectorXd variance;  ///< N: of the value, including its noise
 };
 
-/// A prior and the places of its N values, factorised once for any number of outputs.
+/// A prior and the places of its N values, factorised once for all outputs.
 class GaussianProcess {
  public:
   /// Cost N³ / 3. A matrix that is singular to working precision gets a jitter on its diagonal,
-  /// said by jitter(); it never throws because of a long length scale.
+  /// which jitter() returns. A long length scale never causes an exception.
   /// @param noise_variance  N, 0 or more
   /// @throws InvalidInput      sizes that do not fit, a trend of more functions than values
-  /// @throws NumericalFailure  not positive definite even with a jitter of 1e-4 of its mean
-  /// diagonal
+  /// @throws NumericalFailure  not positive definite even with a jitter of 1e-4 of the mean
+  ///                           diagonal
   GaussianProcess(GaussianPrior prior, const Points& points, const Eigen::VectorXd& noise_variance);
 
   [[nodiscard]] const GaussianPrior& prior() const { return prior_; }
   [[nodiscard]] Eigen::Index point_count() const { return points_.rows(); }
-  /// Variance that was added to every value for the sake of the factorisation; 0: none.
+  /// Variance that was added to every value for the factorisation; 0: none.
   [[nodiscard]] double jitter() const { return jitter_; }
 
-  /// @param values  N×m; with `best_factor` each output's own b is chosen
+  /// @param values  N×m; with `best_factor` each output gets its own b
   [[nodiscard]] Score score(Merit merit, const Eigen::MatrixXd& values,
                             bool best_factor = false) const;
-  /// Of that score at the factors given, exactly; where they are the best ones it is the gradient
-  /// of the profile. Cost 2N³ / 3, and as much again per output for leave-one-out.
+  /// Exact derivatives of that score at the given factors. At the best factors they are the
+  /// gradient of the profile. Cost 2N³ / 3, and the same again per output for leave-one-out.
   [[nodiscard]] Slopes slopes(Merit merit, const Eigen::MatrixXd& values,
                               const Eigen::VectorXd& factor) const;
-  /// In closed form (Dubrule 1983); cost as of `slopes`.
+  /// In closed form (Dubrule 1983); the cost is that of `slopes`.
   [[nodiscard]] LeaveOneOut leave_one_out(const Eigen::MatrixXd& values) const;
-  /// At n places; cost n N² in blocks of bounded memory.
+  /// Prediction at n places; cost n N² in blocks of bounded memory.
   [[nodiscard]] Prediction at(const Points& places, const Eigen::MatrixXd& values) const;
-  /// The prediction's mean is these times the values: n×N.
+  /// Matrix that gives the prediction's mean from the values: n×N.
   [[nodiscard]] Eigen::MatrixXd weights(const Points& places) const;
 
  private:
-  // P = C⁻¹ − C⁻¹H (HᵀC⁻¹H)⁻¹ HᵀC⁻¹: what the trend leaves of the inverse.
+  // P = C⁻¹ − C⁻¹H (HᵀC⁻¹H)⁻¹ HᵀC⁻¹: the inverse without the trend.
   [[nodiscard]] Eigen::MatrixXd projected(const Eigen::MatrixXd& values) const;  // P y
   [[nodiscard]] Eigen::MatrixXd projected_inverse() const;                       // P, lower
   [[nodiscard]] double log_determinant() const;
@@ -96,8 +96,8 @@ class GaussianProcess {
   double gram_log_determinant_ = 0.0;  // ln |HᵀC⁻¹H| − ln |HᵀH|
 };
 
-/// a that maximises the marginal likelihood of N values under a² K + diag(noise_variance) with the
-/// trend free: one dimension in the eigenbasis. Cost about 9N³.
+/// The a that maximises the marginal likelihood of N values under a² K + diag(noise_variance) with
+/// a free trend. The search is one-dimensional, in the eigenbasis. Cost about 9N³.
 /// @param covariance      lower triangle of K (amplitude 1)
 /// @param noise_variance  N, positive
 [[nodiscard]] double best_amplitude(const Eigen::MatrixXd& covariance,

@@ -13,7 +13,7 @@ using Table = std::map<double, Eigen::VectorXd>;
 
 struct Triple {
   std::map<double, Eigen::VectorXd>::const_iterator left, best, right;
-  bool inside = false;  // neighbours on both sides
+  bool inside = false;  // there are neighbours on both sides
 };
 
 Triple around_the_best(const Table& table, Eigen::Index function) {
@@ -29,7 +29,7 @@ Triple around_the_best(const Table& table, Eigen::Index function) {
   return triple;
 }
 
-// The polynomial through the values at some places, by Neville's scheme.
+// The polynomial through the values at some points, by Neville's scheme.
 double interpolated(const std::vector<double>& places, std::vector<double> values, double at) {
   const std::size_t n = places.size();
   for (std::size_t k = 1; k < n; ++k) {
@@ -41,8 +41,8 @@ double interpolated(const std::vector<double>& places, std::vector<double> value
   return values[0];
 }
 
-// Where the polynomial through the best place and two on either side is highest between the nearest
-// neighbours.
+// Maximum, between the nearest neighbours, of the polynomial through the best point
+// and two on each side.
 double summit(const Table& table, const Triple& t, Eigen::Index function) {
   constexpr double kGolden = 0.6180339887498949;
   const auto first = t.left == table.begin() ? t.left : std::prev(t.left);
@@ -64,10 +64,10 @@ double summit(const Table& table, const Triple& t, Eigen::Index function) {
   return 0.5 * (left + right);
 }
 
-// The next place worth a look for a function; none (not a number) where it is found.
+// The next point to evaluate for a function; NaN if its maximum is found.
 double next_place(const Table& table, Eigen::Index function, double tolerance, double width) {
   const auto t = around_the_best(table, function);
-  if (!t.inside) {  // at an end: closer to it
+  if (!t.inside) {  // at an end of the range: move closer to it
     const auto next = t.best == table.begin() ? std::next(t.best) : std::prev(t.best);
     const double gap = next->first - t.best->first;
     return std::abs(gap) > 0.01 * width ? t.best->first + 0.3 * gap : std::nan("");
@@ -78,7 +78,7 @@ double next_place(const Table& table, Eigen::Index function, double tolerance, d
   if (std::max(left, right) < 2.0 * tolerance) return std::nan("");
   const double at = summit(table, t, function);
   if (std::abs(at - x) > 0.5 * tolerance) return at;
-  // The summit is where we are. A neighbour nearby makes the polynomial one to believe.
+  // The summit is the present point. A close neighbour makes the polynomial reliable.
   constexpr double kNear = 50.0;
   if (std::min(left, right) < kNear * tolerance) return std::nan("");
   return right > left ? x + 0.1 * right : x - 0.1 * left;

@@ -19,7 +19,7 @@ void require_sound(const Kernel& kernel, const Task& task, int lengths) {
           "matched length: the noise must be positive and the grid of three lengths or more");
 }
 
-// Squared error of every shape over its own square, amplitudes as the values tell.
+// Mean squared error over the square of each shape; the values give the amplitudes.
 double mean_error(const Kernel& kernel, const Task& task, double length) {
   const Eigen::VectorXd theta = Eigen::VectorXd::Constant(1, length);
   const Eigen::MatrixXd k = covariance(kernel, theta, task.places);
@@ -31,7 +31,7 @@ double mean_error(const Kernel& kernel, const Task& task, double length) {
     const Eigen::VectorXd noise = Eigen::VectorXd::Constant(task.places.rows(), variance);
     const double amplitude = best_amplitude(k, noise, trend, task.at_places.col(f));
     const GaussianProcess process({kernel, theta, amplitude, task.trend}, task.places, noise);
-    // The noise is not drawn: what it adds to the squared error is its expectation.
+    // The noise is not drawn; its expectation is added to the squared error.
     const Eigen::MatrixXd weights = process.weights(task.surface);
     const Eigen::VectorXd off = weights * task.at_places.col(f) - task.on_surface.col(f);
     const Eigen::VectorXd error = off.cwiseAbs2() + variance * weights.rowwise().squaredNorm();
@@ -40,7 +40,7 @@ double mean_error(const Kernel& kernel, const Task& task, double length) {
   return sum / static_cast<double>(task.at_places.cols());
 }
 
-// Of a random shape: E |W (Ψ_S c + e) − Ψ c|² / E |Ψ c|².
+// Expected error of a random shape: E |W (Ψ_S c + e) − Ψ c|² / E |Ψ c|².
 double expected_error(const Kernel& kernel, const Task& task, double length) {
   const Eigen::VectorXd theta = Eigen::VectorXd::Constant(1, length);
   const double square = task.on_surface.rowwise().squaredNorm().dot(task.area) / task.area.sum();

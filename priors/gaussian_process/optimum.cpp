@@ -9,7 +9,7 @@
 namespace chladni::priors {
 namespace {
 
-// What NLopt calls back, and the first exception of the objective.
+// Data of NLopt's callback, and the first exception of the objective.
 struct Call {
   const Objective& objective;
   Optimum best;
@@ -59,9 +59,9 @@ Optimum minimum(const Objective& objective, const Eigen::VectorXd& start,
     const auto how = search.optimize(point, value);
     call.best.converged = how != nlopt::MAXEVAL_REACHED;
   } catch (const nlopt::roundoff_limited&) {
-    call.best.converged = true;  // no lower point to the last digits
+    call.best.converged = true;  // no lower point within rounding
   } catch (const nlopt::forced_stop&) {
-  } catch (const std::runtime_error& failure) {  // the line search gave up: keep the best point
+  } catch (const std::runtime_error& failure) {  // the line search failed: keep the best point
     if (call.best.at.size() == 0) throw NumericalFailure(failure.what());
   }
   if (call.failure) std::rethrow_exception(call.failure);

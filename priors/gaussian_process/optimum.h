@@ -1,4 +1,4 @@
-// The lowest point of a smooth function in a box. (NLopt stands behind it.)
+// Local minimum of a smooth function in a box, by NLopt.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,15 @@
 
 namespace chladni::priors {
 
-/// The value at a point; sets the gradient, of the same size. May throw NumericalFailure.
+/// Returns the value at a point and sets the gradient, of the same size. May
+/// throw NumericalFailure.
 using Objective = std::function<double(const Eigen::VectorXd& at, Eigen::VectorXd& gradient)>;
 
 struct Optimum {
   Eigen::VectorXd at;
   double value = 0.0;
   int evaluations = 0;
-  bool converged = false;      ///< within the tolerance, not stopped by the count
+  bool converged = false;      ///< to the tolerance, not stopped by the number of evaluations
   std::vector<bool> at_bound;  ///< per coordinate
 };
 
@@ -23,8 +24,8 @@ struct OptimumOptions {
   int evaluations = 200;    ///< at most
 };
 
-/// The local minimum that limited-memory BFGS (Nocedal 1980; NLopt's LD_LBFGS) finds from `start`.
-/// @throws InvalidInput  sizes differ, a bound is on the wrong side of the other
+/// The local minimum that limited-memory BFGS finds from `start` (Nocedal 1980; NLopt's LD_LBFGS).
+/// @throws InvalidInput  sizes differ, or the start is not between the bounds
 [[nodiscard]] Optimum minimum(const Objective& objective, const Eigen::VectorXd& start,
                               const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                               const OptimumOptions& options = {});

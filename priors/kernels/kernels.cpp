@@ -6,7 +6,7 @@
 
 namespace chladni::priors {
 
-// To add one: a file in priors/kernels/, its name here, its pointer in the table.
+// A new kernel needs a file in priors/kernels/, its name here and its pointer in the table.
 extern const KernelFamily squared_exponential_kernel;
 extern const KernelFamily matern_5_2_kernel;
 extern const KernelFamily matern_3_2_kernel;

@@ -11,7 +11,7 @@ std::vector<Hyperparameter> parameters_of(Scales scales) {
   return {{"period_x", "m"}, {"period_y", "m"}, {"period_z", "m"}, {"roughness", "1", 5e-2, 20.0}};
 }
 
-// k = exp(−2 Σ_a sin²(u_a) / q²), u_a = π (x_a − x'_a) / p_a: a product of one factor per axis.
+// k = exp(−2 Σ_a sin²(u_a) / q²), u_a = π (x_a − x'_a) / p_a: one factor per axis.
 void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
               const Eigen::VectorXd& parameters, KernelColumn& column) {
   const Eigen::Index last = parameters.size() - 1;

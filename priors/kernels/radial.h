@@ -1,14 +1,14 @@
-// Kernels of one scaled distance: s = Σ_a (x_a − x'_a)² / l_a².
+// Kernels of a scaled distance: s = Σ_a (x_a − x'_a)² / l_a².
 #pragma once
 
 #include "priors/kernel.h"
 
 namespace chladni::priors {
 
-/// "length_scale", or one per axis.
+/// The parameter "length_scale", or one per axis.
 [[nodiscard]] std::vector<Hyperparameter> length_scales(Scales scales);
 
-/// The three lengths among the first parameters, of which there are one or three besides `others`.
+/// The three lengths from the first parameters. There are one or three of them, besides `others`.
 [[nodiscard]] Eigen::RowVector3d lengths(const Eigen::VectorXd& parameters, Eigen::Index others);
 
 /// s of every point.
@@ -16,8 +16,8 @@ namespace chladni::priors {
                                            const Eigen::RowVector3d& other,
                                            const Eigen::RowVector3d& lengths);
 
-/// Derivatives by the logarithm of each length, from dk/ds: the first columns of the gradient,
-/// which is sized for `others` more.
+/// Sets the derivatives by the logarithm of each length from dk/ds. They fill the first columns of
+/// the gradient, which has `others` more.
 void set_length_gradient(const CoordinatesView& points, const Eigen::RowVector3d& other,
                          const Eigen::RowVector3d& lengths, Eigen::Index length_count,
                          const Eigen::ArrayXd& square, const Eigen::ArrayXd& slope,

@@ -1,4 +1,4 @@
-// Fields at many places, a block of them at a time: what a block needs stays in the cache.
+// Evaluates fields at many places block by block, so that the data of a block stay in the cache.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The dynamic residual's prior, learned from all shapes together; the default.
+// The dynamic residual's prior, learned from all shapes together; the default method.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,8 +16,8 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kLeastTolerance = 0.1;  // of orthogonality where corrections were learned: what
-                                         // they make alike they also made fit
+constexpr double kLeastTolerance = 0.1;  // of orthogonality after learned corrections: shapes that
+                                         // these make similar also fit better
 
 std::vector<FittedShape> fitted_shapes(const MeasuredShapes& measured, const ModalBasis& basis,
                                        const ResidualErrors& errors) {
@@ -41,7 +41,7 @@ void add_errors(const ResidualErrors& errors, FitSummary& summary) {
   summary.parameters.push_back(parameter("noise_ratio", errors.noise));
 }
 
-// The fit on given modes of the simulation, the shapes' coefficients on these modes.
+// A fit on given modes of the simulation, with the shapes' coefficients on these modes.
 struct Fit {
   std::vector<ShapeCoefficients> shapes;
   FitSummary summary;
@@ -72,7 +72,7 @@ std::unique_ptr<ModeField> plain_field(const MeasuredShapes& measured, const Sim
   return std::make_unique<ModalField>(std::move(fit.shapes), std::move(fit.summary));
 }
 
-// Mean coefficients of the shapes on the simulation's modes, r×m, if it is meant like this.
+// Mean coefficients of the shapes on the simulation's modes, r×m, for a corrected simulation.
 Eigen::MatrixXd means_of(const MeasuredShapes& measured, const ModalBasis& basis,
                          const CorrectedSimulation& meant) {
   const auto there = corrected_measured(measured, meant.modes);
@@ -89,7 +89,7 @@ Eigen::MatrixXd means_of(const MeasuredShapes& measured, const ModalBasis& basis
   return means;
 }
 
-// A root of covariance A Aᵀ + B Bᵀ with as many columns as rows.
+// A square root matrix of the covariance A Aᵀ + B Bᵀ.
 Eigen::MatrixXd joint_root(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const Eigen::MatrixXd covariance = a * a.transpose() + b * b.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
@@ -97,7 +97,7 @@ Eigen::MatrixXd joint_root(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-// Adds to the shapes, on the likeliest modes, what they owe to the corrections' uncertainty.
+// Adds the uncertainty of the corrections to the shapes, which are on the most likely modes.
 void add_uncertainty(const MeasuredShapes& measured, const ModalBasis& basis,
                      const LearnedCorrections& learned, std::vector<ShapeCoefficients>& shapes) {
   const Eigen::MatrixXd middle = means_of(measured, basis, learned.likeliest);
@@ -116,8 +116,7 @@ void add_uncertainty(const MeasuredShapes& measured, const ModalBasis& basis,
   }
 }
 
-// The fit on the simulation as the shapes correct it, its coefficients on the simulation's own
-// modes.
+// The fit on the corrected simulation; its coefficients are on the modes of the original one.
 Fit corrected_fit(const MeasuredShapes& measured, const ModalBasis& basis,
                   const std::vector<Correction>& corrections) {
   const auto learned = learned_corrections(measured, basis, corrections);

@@ -1,4 +1,4 @@
-// Shapes as those of models that differ from the simulation in what is not known of it.
+// Shapes from an ensemble of models that differ from the simulation in its uncertain parameters.
 #include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
@@ -11,15 +11,15 @@
 namespace chladni::priors {
 namespace {
 
-constexpr std::array kWidths{0.02, 0.05, 0.15};  // of ln f between model and real shape
+constexpr std::array kWidths{0.02, 0.05, 0.15};  // of ln f between a model's and the real shape
 constexpr std::array kResiduals{0.003, 0.01, 0.03, 0.1, 0.3, 1.0};  // of the mean square
 
 struct Mixture {
   double width = 0.0, residual = 0.0;
 };
 
-// Mean of c cᵀ over the members' shapes, those near the real frequency counting most: no shape of
-// a member is paired with a real one. Scaled to mean square 1 over the surface.
+// Mean of c cᵀ over the members' shapes, weighted by their distance to the real frequency. No
+// member's shape is paired with a real one. Scaled to mean square 1 over the surface.
 Eigen::MatrixXd likeness(const std::vector<SimilarModel>& similar, const ModalBasis& basis,
                          double real_hz, double gamma, double width) {
   const auto r = basis.frequency_hz.size();
@@ -39,7 +39,7 @@ Eigen::MatrixXd likeness(const std::vector<SimilarModel>& similar, const ModalBa
   return whole / square;
 }
 
-// Root of (1 − ρ) likeness + ρ dynamic residual.
+// Root of the prior covariance (1 − ρ) likeness + ρ dynamic residual.
 Eigen::MatrixXd root_of(const MeasuredShapes& measured, Eigen::Index mode,
                         const std::vector<SimilarModel>& similar, const ModalBasis& basis,
                         const ResidualErrors& errors, const Mixture& mixture) {

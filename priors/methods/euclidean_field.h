@@ -1,4 +1,4 @@
-// Mode fields of Gaussian processes that know distances only: one direction for all places.
+// Mode fields of Gaussian processes that use only distances: all places have one direction.
 #pragma once
 
 #include <string>
@@ -14,19 +14,19 @@ struct EuclideanShape {
   GaussianProcess process;
   Eigen::VectorXd values;  ///< s
   double log_evidence = 0.0;
-  double widening = 1.0;  ///< of the deviation: the amplitude is known from few values only
+  double widening = 1.0;  ///< factor on the deviation, because few values determine the amplitude
 };
 
-/// The process of a shape with its amplitude by marginal likelihood and the noise known. The
-/// deviation is that of Student's distribution, which the amplitude's own uncertainty makes of a
-/// normal one.
+/// The process of a shape with known noise; marginal likelihood gives its amplitude. The
+/// uncertainty of the amplitude makes the distribution Student's; the deviation is that of
+/// this distribution.
 [[nodiscard]] EuclideanShape euclidean_shape(const MeasuredShapes& measured, Eigen::Index mode,
                                              const Kernel& kernel,
                                              const Eigen::VectorXd& parameters, const Trend& trend);
 
 class EuclideanField : public ModeField {
  public:
-  /// @param direction  unit, of all places
+  /// @param direction  unit, for all places
   EuclideanField(std::vector<EuclideanShape> shapes, const Eigen::RowVector3d& direction,
                  std::string method, FitSummary summary);
 
@@ -39,11 +39,11 @@ class EuclideanField : public ModeField {
   std::string method_;
 };
 
-/// The direction of all places.
+/// The common direction of all places.
 /// @throws InvalidInput  two differ by more than 1e-6
 [[nodiscard]] Eigen::RowVector3d common_direction(const std::string& method, const Places& places);
 
-/// The rigid trend of places in one direction, or none where it would leave nothing to learn from.
+/// The rigid trend of places in one direction; none if it would leave no data to learn from.
 [[nodiscard]] Trend trend_of(const Places& places);
 
 }  // namespace chladni::priors

@@ -1,4 +1,4 @@
-// Gaussian processes on distances: the thesis's (5.4.2, 5.4.3) and what comes nearest to it.
+// Gaussian processes on distances: the thesis' method (5.4.2, 5.4.3) and its closest variants.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,17 +13,17 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kAsymmetric = 0.15;    // of the variance
-constexpr Eigen::Index kSurface = 300;  // points that stand for the surface
+constexpr double kAsymmetric = 0.15;    // part of the variance
+constexpr Eigen::Index kSurface = 300;  // points that represent the surface
 constexpr double kRigid = 0.25;         // of a flexible frequency
-constexpr double kBand = 2.0;  // modes of the simulation up to this times the highest measured one
+constexpr double kBand = 2.0;  // the simulation's modes count up to this times the highest one
 
-// What a method settles for each mode before the values are looked at.
+// Choices of a method for each mode, made before the values are used.
 struct Settled {
   std::vector<Kernel> kernel;  // m
   Eigen::VectorXd length;      // m
-  std::vector<bool> is_rigid;  // m: its plane is free. That of a flexible mode is not: it has none
-                               // (thesis 5.4.2), and freeing it doubles the error
+  std::vector<bool> is_rigid;  // m: its plane is free. A flexible mode has no free plane (thesis
+                               // 5.4.2): freeing it doubles the error
   bool at_bound = false;
   std::vector<std::string> notes;
 };
@@ -37,14 +37,14 @@ Settled settled_with(const Kernel& kernel, Eigen::Index modes) {
           {}};
 }
 
-// What the simulation lets expect of each measured shape: a random sum of its modes.
+// Expectation of each measured shape from the simulation: a random sum of its modes.
 class Expectation {
  public:
   Expectation(const MeasuredShapes& measured, const Simulation& simulation)
       : measured_(measured),
         simulation_(simulation),
         surface_(part(simulation.surface, spread_points(simulation.surface.position, kSurface))) {
-    // The frequencies are alike up to a factor: that of the middle one, counted from the lowest.
+    // The frequencies agree up to a factor: the median ratio, counted from the lowest modes.
     std::vector<double> ratio;
     Eigen::Index j = simulation.rigid_count();
     for (Eigen::Index i = 0; i < measured.mode_count() && j < simulation.mode_count(); ++i) {
@@ -75,9 +75,9 @@ class Expectation {
     return task;
   }
 
-  // A prior that is smoother than the shapes, or a shape that the places hardly see, lets a process
-  // think too well of itself: its deviation is widened to the error that is to be expected of what
-  // it does with the values. Returns that error over the square of the shape.
+  // A prior that is smoother than the shapes, or a shape that the places hardly see, makes the
+  // deviation of a process too small. This function widens it to the expected error of the process'
+  // prediction. Returns that error relative to the square of the shape.
   double widen(Eigen::Index mode, EuclideanShape& shape) const {
     const auto what = task(mode);
     const Eigen::MatrixXd weights = shape.process.weights(what.surface);
@@ -142,7 +142,7 @@ void note_bounds(const Learned& what, double frequency_hz, Settled& settled) {
                   frequency_hz, what.parameters(0)));
 }
 
-// The thesis: one length for all modes, that of the most complex one in the band.
+// The thesis' rule: one length for all modes, that of the most complex mode in the band.
 Settled one_length(const std::string& method, const Kernel& kernel, const MeasuredShapes& measured,
                    const Simulation& simulation) {
   const double most_hz = measured.frequency_hz.maxCoeff();
@@ -158,7 +158,7 @@ Settled one_length(const std::string& method, const Kernel& kernel, const Measur
   return settled;
 }
 
-// Each mode has that of the simulation's mode that it resembles.
+// Each mode gets the length of the most similar mode of the simulation.
 Settled length_per_mode(const std::string& method, const Kernel& kernel,
                         const MeasuredShapes& measured, const Simulation& simulation,
                         bool symmetric) {
@@ -200,7 +200,7 @@ std::unique_ptr<ModeField> per_mode(const MeasuredShapes& measured, const Simula
                   length_per_mode(method, kernel, measured, simulation, symmetric), &expectation);
 }
 
-// The length that is best for these places, were the shapes what the simulation lets expect.
+// The best length for these places, if the shapes are as the simulation predicts.
 std::unique_ptr<ModeField> matched(const MeasuredShapes& measured, const Simulation& simulation) {
   const std::string method = "squared_exponential_matched";
   (void)common_direction(method, simulation.surface);

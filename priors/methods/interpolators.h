@@ -1,4 +1,4 @@
-// Every way to interpolate, one line each; interpolator.cpp lists them.
+// All methods of interpolation; interpolator.cpp lists them.
 #pragma once
 
 #include "priors/interpolator.h"

@@ -1,4 +1,4 @@
-// Sums of the simulation's modes whose prior is the same for every real shape.
+// Sums of the simulation's modes with the same prior for every real shape.
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,11 @@ namespace chladni::priors {
 namespace {
 
 constexpr double kFree =
-    1e3;  // root of a rigid-body mode's variance over a value's: as good as free
-constexpr double kBand = 1.3;    // SEREP takes the modes up to so much above the measured ones
-constexpr double kBlind = 1e-6;  // a mode below this part of the strongest one's values is not seen
+    1e3;  // root of a rigid-body mode's variance over a value's: large enough to be free
+constexpr double kBand = 1.3;    // SEREP takes modes up to this times the highest measured one
+constexpr double kBlind = 1e-6;  // modes below this part of the strongest one's values are not seen
 
-// Coefficients whose deviations, up to each shape's own scale, are `deviation`.
+// Coefficients with the deviations `deviation`, up to a scale of each shape.
 std::unique_ptr<ModeField> field_with(const MeasuredShapes& measured, const Simulation& simulation,
                                       const Eigen::VectorXd& deviation) {
   const auto basis = modal_basis(simulation);
@@ -29,7 +29,7 @@ std::unique_ptr<ModeField> field_with(const MeasuredShapes& measured, const Simu
   return std::make_unique<ModalField>(std::move(known), modal_summary(shapes));
 }
 
-// λ_j^(−power/2) on flexible modes; rigid-body modes are free.
+// Deviations λ_j^(−power/2) for flexible modes; rigid-body modes are free.
 std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
                                          const Simulation& simulation, double power) {
   const auto rigid = simulation.rigid_count();
@@ -43,7 +43,7 @@ std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
   return field_with(measured, simulation, deviation);
 }
 
-// The columns of modes up to a band, that the places see, fewer than there are places.
+// The modes in the band that the places see, at most as many as there are places.
 std::vector<Eigen::Index> modes_in_band(const MeasuredShapes& measured,
                                         const Simulation& simulation) {
   const double limit = kBand * measured.frequency_hz.maxCoeff();

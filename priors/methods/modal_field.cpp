@@ -35,7 +35,7 @@ ModalField::ModalField(std::vector<ShapeCoefficients> shapes, FitSummary summary
   }
 }
 
-// At places [first, first + count).
+// Deviations at places [first, first + count).
 void ModalField::add_deviations(const Places& places, Eigen::Index first, Eigen::Index count,
                                 Eigen::MatrixXd& deviation) const {
   const Eigen::MatrixXd block = places.shapes.middleRows(first, count);

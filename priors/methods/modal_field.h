@@ -12,7 +12,7 @@ namespace chladni::priors {
 struct ShapeCoefficients {
   Eigen::VectorXd mean;  ///< r
   Eigen::MatrixXd root;  ///< r×k: F of the covariance F Fᵀ
-  double beyond = 0.0;   ///< variance that modes beyond the r add anywhere, in the values' unit²
+  double beyond = 0.0;   ///< variance by modes beyond the r, in the values' unit²
 };
 
 /// A field of such shapes. Cost of `at`, per place and mode: r k multiplications, on all cores.
@@ -32,16 +32,16 @@ class ModalField : public ModeField {
 
   std::vector<ShapeCoefficients> shapes_;
   Eigen::MatrixXd means_;               // r×m
-  std::vector<Eigen::MatrixXd> roots_;  // r×r, lower: of the shapes' covariances
+  std::vector<Eigen::MatrixXd> roots_;  // r×r, lower: roots of the shapes' covariances
 };
 
-/// The coefficients of one shape with c ~ N(0, a² R Rᵀ), a² the likeliest, once it is measured.
+/// The posterior of one shape with c ~ N(0, a² R Rᵀ) and the most likely a².
 /// @param root  r×k: R
 struct FittedShape {
   ShapeCoefficients coefficients;
   double log_evidence = 0.0;
-  double left_out_log_density = 0.0;  ///< of each value given the others, summed
-  double misfit = 0.0;  ///< mean square of what the others predict, over its variance: about 1
+  double left_out_log_density = 0.0;  ///< Σ of the log density of each value given the others
+  double misfit = 0.0;  ///< mean square of the left-out errors over their variance: about 1
   double expected_error = 0.0;  ///< of the shape's mean square over the surface, relative
   bool vanishes = false;
 };
@@ -49,8 +49,8 @@ struct FittedShape {
                                        Eigen::Index mode, const Eigen::MatrixXd& root, double noise,
                                        double beyond);
 
-/// What every modal method says of its fit: parameters `amplitude`, `misfit`, `expected_error`;
-/// notes on shapes that the places cannot see and on shapes that the prior does not expect.
+/// Summary of every modal method: parameters `misfit` and `expected_error`; notes on shapes that
+/// the places cannot see.
 [[nodiscard]] FitSummary modal_summary(const std::vector<FittedShape>& shapes);
 
 }  // namespace chladni::priors

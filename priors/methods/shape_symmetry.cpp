@@ -10,8 +10,8 @@ namespace chladni::priors {
 namespace {
 
 constexpr Eigen::Index kSamples = 500;
-constexpr double kGrains = 0.75;     // how far from a point of the surface an image may fall
-constexpr double kMapped = 0.98;     // of the samples
+constexpr double kGrains = 0.75;     // reach of an image from a point, in mean point distances
+constexpr double kMapped = 0.98;     // least part of the samples that must be mapped
 constexpr double kSameShape = 0.95;  // correlation
 constexpr double kRepeated = 0.01;   // of the frequency
 
@@ -38,7 +38,7 @@ std::vector<Eigen::Matrix3d> operations_of_a_square(const Eigen::Matrix3d& frame
       }
     }
   }
-  return operations;  // the identity first
+  return operations;  // the first is the identity
 }
 
 Eigen::RowVector3d middle_of(const Points& points, const Eigen::Matrix3d& frame) {
@@ -47,7 +47,7 @@ Eigen::RowVector3d middle_of(const Points& points, const Eigen::Matrix3d& frame)
   return middle * frame.transpose();
 }
 
-// Of each sample, the point of the surface on which its image falls; empty where too many miss.
+// For each sample, the point of the surface nearest to its image; empty if too many images miss.
 std::vector<Eigen::Index> images(const Places& surface, const std::vector<Eigen::Index>& samples,
                                  const Eigen::Matrix3d& operation, const Eigen::RowVector3d& centre,
                                  double reach) {
@@ -91,7 +91,7 @@ bool is_group(const Symmetry& symmetry) {
   return true;
 }
 
-// `characters` is r×operations: ±1, or 0 where a shape does not keep the operation.
+// `characters` is r×operations: ±1, or 0 if a shape does not have the symmetry.
 Symmetry symmetry_of(const modal::ModeGroup& group, const Eigen::MatrixXd& characters,
                      const std::vector<Eigen::Matrix3d>& operations,
                      const Eigen::RowVector3d& centre) {

@@ -1,4 +1,4 @@
-// Symmetries of a plate that its simulated shapes keep.
+// Symmetries of a plate that its simulated shapes have as well.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace chladni::priors {
 
-/// Per mode of the simulation: the turns and mirrors of a square about the middle of its surface,
-/// seen along the common `direction`, that leave the surface as it is and the shape up to its sign.
-/// Those of modes within 1 % of each other in frequency must agree, since their basis is arbitrary.
-/// The identity alone where there is no symmetry. The square lies along the axes x, y, z.
+/// For each mode of the simulation: the rotations and reflections of a square about the middle of
+/// its surface, seen along the common `direction`, that keep the surface and keep the shape up to
+/// its sign. Modes within 1 % in frequency must agree, since their basis is arbitrary. Without
+/// symmetry only the identity. The square lies along the axes x, y, z.
 [[nodiscard]] std::vector<Symmetry> shape_symmetries(const Simulation& simulation,
                                                      const Eigen::RowVector3d& direction);
 

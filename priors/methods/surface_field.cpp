@@ -1,4 +1,4 @@
-// Measured shapes as random fields on the surface's own harmonics.
+// Measured shapes as random fields on the harmonics of the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ const Eigen::MatrixXd& harmonics_of(const Places& places, Eigen::Index count) {
   return places.harmonics;
 }
 
-// One shape, on h harmonics and s places.
+// One shape on h harmonics and s places.
 struct SurfaceShape {
   SurfaceFit fit;
   Smoother smoother;
@@ -83,7 +83,7 @@ class SurfaceField final : public ModeField {
   std::vector<SurfaceShape> shapes_;
 };
 
-// Variance over mean square and variance, over the surface: what is expected to be wrong.
+// Expected relative error: variance over mean square plus variance, over the surface.
 double expected_error(const SurfaceShape& shape, const Simulation& simulation) {
   const auto& harmonics = simulation.surface.harmonics;
   const double left = shape.variance(harmonics).dot(simulation.area);

@@ -1,4 +1,4 @@
-// Thin-plate splines through measured shapes, one for each.
+// Thin-plate splines through measured shapes, one for each shape.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace chladni::priors {
 namespace {
 
-// The geometric mean of the noise of a shape's values, and each over it.
+// Noise of a shape's values: their geometric mean, and each value relative to it.
 struct Noise {
   double level = 1.0;
   Eigen::VectorXd relative;
@@ -26,7 +26,7 @@ Noise noise_of(const Eigen::VectorXd& deviation) {
   return {level, deviation / level};
 }
 
-// Shapes whose noise is alike, up to its level: one factorisation.
+// Shapes with equal noise up to its level: they share one factorisation.
 struct AlikeShapes {
   Smoother smoother;
   Eigen::VectorXd relative;
@@ -64,7 +64,7 @@ class SplineField final : public ModeField {
     const Eigen::MatrixXd plane = plane_functions(block);
     field.mean.middleRows(first, count) = kernel * weights_ + plane * trends_;
     for (const auto& shapes : alike_) {
-      // Three places are one plane: they say nothing of the bending between them.
+      // Three places determine only a plane: they give no information on the bending.
       const bool unknown = shapes.smoother.contrast_count() == 0;
       const Eigen::MatrixXd variance =
           shapes.smoother.variance(kernel, Eigen::VectorXd::Zero(count), plane, shapes.smoothings);
@@ -93,7 +93,7 @@ AlikeShapes& alike(const Eigen::VectorXd& relative, const Eigen::MatrixXd& knots
   return groups.back();
 }
 
-// λ of the domain's own unit of length, over that in metres.
+// Factor of λ between the domain's own unit of length and metres.
 double length_power(const SplineDomain& domain) {
   return std::pow(domain.size, 4.0 - static_cast<double>(domain.dimensions()));
 }

@@ -19,7 +19,7 @@ MeasuredShapes part_of(const MeasuredShapes& measured, const std::vector<Eigen::
           measured.noise(rows, Eigen::all)};
 }
 
-// Per value that was left out: the factor with which the band just holds it.
+// For each left-out value: the factor with which the band just contains it.
 std::vector<double> factors_of(const MeasuredShapes& measured, Eigen::Index which,
                                const Fitting& fit) {
   std::vector<Eigen::Index> kept;

@@ -1,4 +1,4 @@
-// How wide a band must be to hold what it says.
+// Calibration of the width of uncertainty bands.
 #pragma once
 
 #include <functional>
@@ -7,13 +7,13 @@
 
 namespace chladni::priors {
 
-/// A fit of measured shapes, by whatever method.
+/// A fit of measured shapes by any method.
 using Fitting = std::function<std::unique_ptr<ModeField>(const MeasuredShapes&)>;
 
-/// The factor on the deviations of a fit with which its 95 % bands hold 95 % of values that it has
-/// not seen: the places are left out in four parts, each predicted from the others, all shapes
-/// together. Within [0.75, 4]; 1 with fewer than eight places. Cost: four fits, on all cores.
-/// What no place sees it cannot know.
+/// The factor on a fit's deviations with which its 95 % bands contain 95 % of unseen values. The
+/// places are left out in four parts; each part is predicted from the others, all shapes together.
+/// Within [0.75, 4]; 1 with fewer than eight places. Cost: four fits, on all cores. Errors that no
+/// place sees stay unknown.
 [[nodiscard]] double band_factor(const MeasuredShapes& measured, const Fitting& fit);
 
 }  // namespace chladni::priors

@@ -8,7 +8,7 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kRigid = 1e-11;  // of the largest eigenvalue: 0 but for rounding
+constexpr double kRigid = 1e-11;  // relative to the largest eigenvalue: 0 up to rounding
 
 }  // namespace
 

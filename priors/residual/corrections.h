@@ -1,4 +1,4 @@
-// A simulation whose stiffness and mass are corrected, and how likely that makes measured shapes.
+// A simulation with corrected stiffness and mass, and the likelihood of measured shapes with it.
 #pragma once
 
 #include <optional>
@@ -7,28 +7,28 @@
 
 namespace chladni::priors {
 
-/// A simulation's modes once corrections have been added to its stiffness and mass, within the span
-/// of the r modes that it had (Rayleigh-Ritz).
+/// Modes of a simulation after corrections of its stiffness and mass, within the span of its r
+/// modes (Rayleigh-Ritz).
 struct CorrectedModes {
   Eigen::VectorXd frequency_hz;  ///< r, ascending; rigid-body modes exactly 0
   Eigen::MatrixXd turn;          ///< r×r: the shapes are Ψ · turn, mass-normalised
 };
 
-/// None where the corrected stiffness or mass is not positive. Cost: r² per correction, 20 r³.
+/// None if the corrected stiffness or mass is not positive. Cost: r² per correction, 20 r³.
 /// @param parameters  per correction
 [[nodiscard]] std::optional<CorrectedModes> corrected_modes(
     const Eigen::VectorXd& frequency_hz, const std::vector<Correction>& corrections,
     const Eigen::VectorXd& parameters);
 
-/// The simulation's basis, and the measured places, told on the corrected modes.
+/// The simulation's basis, and the measured places, expressed in the corrected modes.
 [[nodiscard]] ModalBasis corrected_basis(const ModalBasis& basis, const CorrectedModes& modes);
 [[nodiscard]] MeasuredShapes corrected_measured(const MeasuredShapes& measured,
                                                 const CorrectedModes& modes);
 
-/// pooled_evidence of the corrected simulation, and its slopes with ln η, ln κ, ln γ, ln noise
-/// (first four) and with each parameter; exact, also where frequencies are repeated, since the
-/// prior depends on the corrected stiffness and mass alone, not on how their modes are chosen
-/// (divided differences: Daleckii and Krein 1965). None where corrected_modes has none.
+/// pooled_evidence of the corrected simulation, with its slopes by ln η, ln κ, ln γ, ln noise
+/// (first four) and by each parameter. The slopes are exact, also for repeated frequencies: the
+/// prior depends only on the corrected stiffness and mass, not on the choice of their modes
+/// (divided differences: Daleckii and Krein 1965). None if corrected_modes has none.
 /// Cost: that of pooled_evidence and of corrected_modes, and 3 r³.
 struct CorrectedEvidence {
   double log_evidence = 0.0;

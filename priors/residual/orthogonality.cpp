@@ -9,8 +9,8 @@
 namespace chladni::priors {
 namespace {
 
-// Shape i given that its products with the others of `known` are near zero. `alone` is what was
-// known of it from its own values.
+// Shape i, conditioned on products near zero with the other shapes of `known`. `alone` is its
+// posterior from its own values.
 ShapeCoefficients given_others(const ShapeCoefficients& alone,
                                const std::vector<ShapeCoefficients>& known, std::size_t i,
                                double tolerance) {
@@ -38,7 +38,7 @@ ShapeCoefficients given_others(const ShapeCoefficients& alone,
   return better;
 }
 
-// Squares of the products of unit shapes, and how well each product is known.
+// Squares of the products of unit shapes, with the variance of each product.
 struct Products {
   std::vector<double> square, variance;
 };

@@ -11,7 +11,7 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kScan = 16.0;  // ln a² is sought within e^±16 of what the values suggest
+constexpr double kScan = 16.0;  // ln a² is searched within ±16 of the estimate from the values
 constexpr double kScanStep = 1.0;
 constexpr double kNegligible = 1e-13;  // of the largest squared singular value
 
@@ -65,7 +65,7 @@ double RandomCoefficients::slope_at(double log_square) const {
   return 0.5 * (along_.array().square() * part / (1.0 + part).square() - part / (1.0 + part)).sum();
 }
 
-// A scan that finds the highest hill, then bisection on the slope between its neighbours.
+// A scan finds the highest peak; then bisection of the slope between its neighbours.
 void RandomCoefficients::find_amplitude() {
   const double signal = along_.squaredNorm() / std::max(strength_.sum(), 1e-300);
   const double middle = std::log(std::max(signal, 1e-300));
@@ -93,7 +93,7 @@ Eigen::VectorXd RandomCoefficients::solved(const Eigen::VectorXd& whitened) cons
   return whitened - directions_ * damping().cwiseProduct(directions_.transpose() * whitened);
 }
 
-// How much of a direction the prior explains away: 0 none, 1 all.
+// Part of each direction that the prior explains: 0 none, 1 all.
 Eigen::VectorXd RandomCoefficients::damping() const {
   const Eigen::ArrayXd part = square_ * strength_.array();
   return part / (1.0 + part);

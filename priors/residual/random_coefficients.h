@@ -1,5 +1,5 @@
-// A shape as a sum of known functions with random coefficients: its evidence and what is left of
-// the coefficients' uncertainty once it is measured.
+// A shape as a sum of known functions with random coefficients: its evidence and the posterior
+// of the coefficients.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 namespace chladni::priors {
 
 /// Values y at s places are W b + e, with k coefficients b ~ N(0, a² I) and noise e ~ N(0, diag
-/// σ²). The amplitude a² is the likeliest one; everything else follows in closed form from one
+/// σ²). a² is the most likely amplitude. All other results follow in closed form from one
 /// decomposition of min(s, k) rows (Rasmussen and Williams 2006, 2.7 and 5.4).
 class RandomCoefficients {
  public:
@@ -20,16 +20,17 @@ class RandomCoefficients {
                      const Eigen::VectorXd& noise);
 
   [[nodiscard]] double amplitude_square() const { return square_; }
-  /// The likeliest amplitude is as good as zero: the values are noise to this prior.
+  /// The most likely amplitude is practically zero: for this prior the values are noise.
   [[nodiscard]] bool vanishes() const { return vanishes_; }
   [[nodiscard]] double log_evidence() const { return log_evidence_; }
 
-  /// How the evidence changes with ln q_j, where column j is scaled by the root of q_j; k.
+  /// Derivatives of the evidence by ln q_j, where the root of q_j scales column j; k.
   [[nodiscard]] Eigen::VectorXd variance_slopes() const;
-  /// How it changes with the coefficients' covariance a² C; k'×k', symmetric: the change is the sum
-  /// of products of its entries with those of dC. @param functions  s×k': W = functions · root of C
+  /// Derivatives of the evidence by the coefficients' covariance a² C; k'×k', symmetric. The change
+  /// is the sum of their products with the entries of dC. @param functions  s×k':
+  /// W = functions · root of C
   [[nodiscard]] Eigen::MatrixXd covariance_slopes(const Eigen::MatrixXd& functions) const;
-  /// How it changes with ln σ; s.
+  /// Derivatives of the evidence by ln σ; s.
   [[nodiscard]] Eigen::VectorXd noise_slopes() const;
 
   /// The coefficients' mean, k; cheaper than posterior().
@@ -41,8 +42,9 @@ class RandomCoefficients {
   };
   [[nodiscard]] Posterior posterior() const;
 
-  /// Per place, what the other places predict there: the error over its standard deviation, and
-  /// the log density of the value (Rasmussen and Williams 5.10 to 5.12, the amplitude kept).
+  /// For each place, the prediction from the other places: the error over its standard
+  /// deviation, and the log density of the value (Rasmussen and Williams 5.10 to 5.12, with
+  /// the same amplitude).
   struct LeftOut {
     Eigen::VectorXd standardised;
     double log_density = 0.0;
@@ -62,7 +64,7 @@ class RandomCoefficients {
   Eigen::VectorXd noise_, values_;    // s; values over σ
   Eigen::MatrixXd directions_;        // s×p: left singular vectors of `whitened_`
   Eigen::VectorXd strength_, along_;  // p: squared singular values; values along the directions
-  double rest_ = 0.0;                 // squared length of the values across them
+  double rest_ = 0.0;                 // squared length of the values' part orthogonal to them
   double square_ = 0.0, log_evidence_ = 0.0;
   bool vanishes_ = false;
 };

@@ -14,11 +14,11 @@
 namespace chladni::priors {
 namespace {
 
-constexpr Eigen::Index kBeyond = 200;  // modes guessed above those that were computed
+constexpr Eigen::Index kBeyond = 200;  // estimated modes above the computed ones
 constexpr double kFarDeviations = 2.5;
 
-// Frequencies of the modes above the last one: the power of their number that the upper half grows
-// with, between a cubic body's and a bar's.
+// Frequencies of the modes above the last one. They grow with the power of the mode number that the
+// upper half shows, between that of a cubic body and that of a bar.
 Eigen::VectorXd frequencies_beyond(const Eigen::VectorXd& frequency_hz, Eigen::Index rigid) {
   const Eigen::Index flexible = frequency_hz.size() - rigid;
   if (flexible < 4) return {};
@@ -35,7 +35,7 @@ Eigen::VectorXd frequencies_beyond(const Eigen::VectorXd& frequency_hz, Eigen::I
   return beyond;
 }
 
-// d ln q with ln η, ln κ, ln γ; r×3.
+// Derivatives of ln q by ln η, ln κ, ln γ; r×3.
 Eigen::MatrixXd variance_slopes(const Eigen::VectorXd& frequency_hz, double real_hz,
                                 const DynamicResidual& prior) {
   const Eigen::ArrayXd r = prior.gamma * (frequency_hz / real_hz).array().square();
@@ -67,8 +67,8 @@ ResidualErrors errors_of(const Eigen::Vector4d& logarithms) {
   return {{value(0), value(1), value(2)}, value(3)};
 }
 
-// Divided differences between the simulation's eigenvalues λ_a and λ_b of q(λ) and of λ q(λ), r×r,
-// without cancellation where two are near each other.
+// Divided differences of q(λ) and of λ q(λ) between the simulation's eigenvalues λ_a and λ_b, r×r,
+// without cancellation for close eigenvalues.
 struct DividedDifferences {
   Eigen::MatrixXd q, lambda_q;
 };
@@ -95,7 +95,7 @@ DividedDifferences divided_differences(const Eigen::VectorXd& frequency_hz, doub
   return found;
 }
 
-// One shape's part of the pooled evidence.
+// The contribution of one shape to the pooled evidence.
 PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& basis,
                            Eigen::Index mode, const ResidualErrors& errors, bool matrix_slopes) {
   const auto known = coefficient_prior(basis, measured.frequency_hz(mode), errors.prior);
@@ -105,7 +105,7 @@ PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& bas
   PooledEvidence evidence;
   evidence.log_evidence = shape.log_evidence();
   evidence.slopes.head<3>() = known.slopes.transpose() * shape.variance_slopes();
-  // σ² = (noise σ0)² + beyond v: with ln noise and with `beyond`.
+  // σ² = (noise σ0)² + beyond v: slopes by ln noise and by `beyond`.
   const Eigen::ArrayXd of_noise = shape.noise_slopes();
   const Eigen::ArrayXd variance = deviation.array().square();
   const double square =
@@ -115,7 +115,7 @@ PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& bas
   evidence.slopes.head<3>() += of_beyond * known.beyond_slopes;
   evidence.slopes(3) = (of_noise * own / variance).sum();
   if (!matrix_slopes) return evidence;
-  // The prior's covariance T q Tᵀ turns and stretches with the eigenvectors T of (λ + dK, I + dM).
+  // The prior's covariance T q Tᵀ changes with the eigenvectors T of (λ + dK, I + dM).
   Eigen::MatrixXd of_covariance = shape.covariance_slopes(measured.places.shapes);
   if (known.beyond > 0.0) {
     const double seen = known.variance.dot(basis.gram.diagonal());
@@ -218,7 +218,7 @@ LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& b
     return 0.5 * weight.dot(away.cwiseAbs2()) - pooled.log_evidence;
   };
   const Eigen::Vector4d range = 4.0 * plausible.spread;
-  // The one number with several hills is γ: the search goes up the highest slope of a few.
+  // Only γ has several peaks: the search starts at the best of a few values.
   Eigen::VectorXd start = middle;
   Eigen::VectorXd unused = middle;
   double least = std::numeric_limits<double>::infinity();

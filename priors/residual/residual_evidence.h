@@ -1,4 +1,4 @@
-// What all measured shapes together say of the errors of a simulation.
+// Information of all measured shapes together on the errors of a simulation.
 #pragma once
 
 #include "priors/dynamic_residual.h"
@@ -6,65 +6,67 @@
 
 namespace chladni::priors {
 
-/// The numbers that the dynamic residual's prior has, and the noise that the data have.
+/// The parameters of the dynamic residual's prior and the noise of the data.
 struct ResidualErrors {
   DynamicResidual prior;
-  double noise = 1.0;  ///< the real noise over the stated one
+  double noise = 1.0;  ///< real noise over the stated noise
 };
 
-/// What the prior needs to know of the simulation's modes: those that were computed, and those
-/// above them, guessed from how the frequencies of the upper half grow (a power of their number).
+/// Data on the simulation's modes for the prior: the computed modes, and the modes above
+/// them. The latter are estimated from the growth of the frequencies in the upper half (a
+/// power of the mode number).
 struct ModalBasis {
   Eigen::VectorXd frequency_hz;  ///< r
   Eigen::MatrixXd gram;          ///< r×r: mean of ψ ψᵀ over the surface, along its directions
   Eigen::VectorXd beyond_hz;     ///< of some higher modes; may be empty
-  double beyond_square = 0.0;    ///< mean square of each of those
+  double beyond_square = 0.0;    ///< mean square of each of these modes
 };
 /// Cost: N r².
 [[nodiscard]] ModalBasis modal_basis(const Simulation& simulation);
 
-/// How the coefficients of one real shape on the simulation's modes are distributed.
+/// Prior distribution of the coefficients of one real shape on the simulation's modes.
 struct CoefficientPrior {
   Eigen::VectorXd variance;  ///< r, up to one scale
-  double beyond = 0.0;       ///< the part of its expected mean square that higher modes carry
-  Eigen::MatrixXd slopes;    ///< r×3: of ln variance with ln η, ln κ, ln γ
+  double beyond = 0.0;       ///< part of the expected mean square in the higher modes
+  Eigen::MatrixXd slopes;    ///< r×3: of ln variance by ln η, ln κ, ln γ
   Eigen::Vector3d beyond_slopes = Eigen::Vector3d::Zero();  ///< of `beyond`
 };
 
-/// The prior of the real shape at `real_hz`; at 0 Hz it is a motion as a whole, which only
-/// rigid-body modes carry.
+/// The prior of the real shape at `real_hz`. At 0 Hz it is a rigid-body motion, which only
+/// rigid-body modes contain.
 [[nodiscard]] CoefficientPrior coefficient_prior(const ModalBasis& basis, double real_hz,
                                                  const DynamicResidual& prior);
 
-/// The noise of a shape's values and what the r modes cannot show of it, s.
+/// Deviation of a shape's values: the noise and the part beyond the r modes, s.
 [[nodiscard]] Eigen::VectorXd deviation_of_values(const MeasuredShapes& measured, Eigen::Index mode,
                                                   double noise, double beyond);
 
-/// Σ ln p(y_i) over the shapes, each with its likeliest amplitude, and its slopes with ln η, ln κ,
-/// ln γ and ln noise. Cost per shape: a decomposition of as many rows as places or modes.
+/// Σ ln p(y_i) over the shapes, each with its most likely amplitude, and its slopes by ln η, ln κ,
+/// ln γ and ln noise. Cost per shape: a decomposition of min(places, modes) rows.
 struct PooledEvidence {
   double log_evidence = 0.0;
   Eigen::Vector4d slopes = Eigen::Vector4d::Zero();
   /// r×r, symmetric: small changes dK of the simulation's stiffness diag λ [s^-2] and dM of its
-  /// mass I add the sum of products of their entries with these. Empty unless asked for.
+  /// mass I change the evidence by the sum of their products with these entries. Only on request.
   Eigen::MatrixXd stiffness_slopes, mass_slopes;
 };
 [[nodiscard]] PooledEvidence pooled_evidence(const MeasuredShapes& measured,
                                              const ModalBasis& basis, const ResidualErrors& errors,
                                              bool matrix_slopes = false);
 
-/// What is thought of the errors before anything is measured: each number log-normal.
+/// Prior of the errors before any measurement: each number is log-normal.
 struct ResidualPlausible {
   Eigen::Vector4d middle{0.1, 5.0, 0.8, 1.0};   ///< η, κ, γ, noise
   Eigen::Vector4d spread{1.0, 1.5, 0.5, 0.25};  ///< of their logarithms
 };
 
-/// The likeliest errors under what is measured and what is plausible, from several starts.
+/// The most likely errors under the measurement and the prior. The search starts at
+/// the best of a few γ.
 struct LearnedErrors {
   ResidualErrors errors;
   double log_evidence = 0.0;
   int evaluations = 0;
-  std::vector<std::string> doubts;  ///< numbers that are far from what is plausible
+  std::vector<std::string> doubts;  ///< numbers that are far from their prior
 };
 [[nodiscard]] LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& basis,
                                            const ResidualPlausible& plausible = {});

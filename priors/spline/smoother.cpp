@@ -14,17 +14,17 @@
 namespace chladni::priors {
 namespace {
 
-constexpr double kRankLost = 1e-10;     // of the triangle's largest entry
-constexpr double kIndefinite = 1e-8;    // of the largest eigenvalue
-constexpr double kRounding = 1e-14;     // of the kernel
-constexpr double kNoEnergy = 1e-13;     // eigenvalues below are 0: places at one point
-constexpr double kNothingLeft = 1e-26;  // of the values' squares: all of it lies in the free part
+constexpr double kRankLost = 1e-10;     // relative to the triangle's largest entry
+constexpr double kIndefinite = 1e-8;    // relative to the largest eigenvalue
+constexpr double kRounding = 1e-14;     // relative to the kernel
+constexpr double kNoEnergy = 1e-13;     // smaller eigenvalues are 0: places at one point
+constexpr double kNothingLeft = 1e-26;  // of the values' squares: the values lie in the free part
 constexpr double kPerDecade = 8.0;
 
 constexpr double kFlat = std::numeric_limits<double>::infinity();
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
-// Of contrasts z with variances noise²/h.
+// Minus log likelihood of contrasts z with variances noise²/h, and its slope by ln λ.
 Smoother::Criterion likelihood(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h, double noise) {
   const Eigen::ArrayXd square = (z / noise).square() * h;
   const auto count = static_cast<double>(z.size());
@@ -77,7 +77,7 @@ void Smoother::decompose(const Eigen::MatrixXd& rest) {
   directions_ = rest * eigen.eigenvectors();
   eigenvalue_ = eigen.eigenvalues();
   const double largest = std::max(eigenvalue_.maxCoeff(), 0.0);
-  // What rounding leaves of a kernel that is mostly free part.
+  // Rounding errors of a kernel that lies mostly in the free part.
   const double rounding = kRounding * scaled_.norm();
   if (eigenvalue_.minCoeff() < -kIndefinite * largest - rounding) {
     throw NumericalFailure("smoother: the kernel is not positive semidefinite, one eigenvalue is " +
@@ -213,8 +213,8 @@ Eigen::VectorXd Smoother::influence(double lambda) const {
 Eigen::MatrixXd Smoother::variance(const Eigen::MatrixXd& kernel, const Eigen::VectorXd& self,
                                    const Eigen::MatrixXd& trend,
                                    const std::vector<Smoothing>& smoothings) const {
-  // With w the weights on the values that give the free part: f(x) − wᵀy is free of it, and is
-  // known from the contrasts.
+  // w are the weights on the values that give the free part. f(x) − wᵀy does not depend on this
+  // part, so the contrasts determine it.
   const Eigen::MatrixXd a =
       triangle_.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(trend);
   const Eigen::MatrixXd rows = kernel * deviation_.cwiseInverse().asDiagonal();

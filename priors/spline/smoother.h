@@ -1,4 +1,4 @@
-// Smooth functions through noisy values, with a part that costs nothing: splines in general.
+// Smooth functions through noisy values, with a free part that is not penalised: general splines.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,18 +6,18 @@
 
 namespace chladni::priors {
 
-/// How the smoothing λ is chosen. With n values, n − p of them beyond the free part:
+/// The choice of the smoothing λ. There are n values and n − p contrasts beyond the free part.
 enum class SmoothingRule {
-  reml_known_noise,  ///< likelihood of the contrasts that the free part leaves, noise as stated
-  reml,              ///< the same, noise learned
+  reml_known_noise,  ///< likelihood of the contrasts, with the stated noise
+  reml,              ///< the same with learned noise
   generalised_cross_validation,  ///< Σ c_m ε_m², c_m = ((1 − A_mm) / (1 − tr A / n))²
-  leave_one_out,                 ///< Σ ε_m², ε_m the error at m of the fit without m
+  leave_one_out,                 ///< Σ ε_m², ε_m the error at m of the fit without value m
 };
 
 struct Smoothing {
-  double lambda = 0.0;          ///< infinite: the free part alone
-  double noise = 1.0;           ///< of a value whose relative deviation is 1: stated or learned
-  double log_likelihood = 0.0;  ///< of the contrasts, at these
+  double lambda = 0.0;          ///< infinite: only the free part
+  double noise = 1.0;           ///< for a value of relative deviation 1: stated or learned
+  double log_likelihood = 0.0;  ///< of the contrasts, at this λ and noise
   bool interpolates = false;    ///< λ is at its lower bound
 };
 
@@ -27,11 +27,11 @@ struct SmoothFunction {
   Eigen::VectorXd trend;    ///< d, p
 };
 
-/// Minimises Σ ((y_m − f(x_m)) / ν_m)² + λ cᵀ K c over functions as above with Tᵀ c = 0. Equally:
-/// the posterior mean where f is t(x)ᵀ d, d unknown, plus a Gaussian process of covariance
+/// Minimises Σ ((y_m − f(x_m)) / ν_m)² + λ cᵀ K c over the functions above with Tᵀ c = 0. This
+/// equals the posterior mean if f is t(x)ᵀ d, with unknown d, plus a Gaussian process of covariance
 /// (σ²/λ) k, and the noise of y_m is σ ν_m (Wahba 1978). One QR of T and one eigen-decomposition of
-/// the projected K serve every λ, rule and set of values: with z the n − p contrasts and
-/// h_k = λ / (e_k + λ), all of the above are sums over k (Demmler and Reinsch 1975).
+/// the projected K serve every λ, rule and set of values: with the n − p contrasts z and
+/// h_k = λ / (e_k + λ), all results are sums over k (Demmler and Reinsch 1975).
 class Smoother {
  public:
   /// @param kernel     n×n, k(x_l, x_m); positive semidefinite on vectors with Tᵀ c = 0
@@ -44,27 +44,27 @@ class Smoother {
 
   [[nodiscard]] Eigen::Index contrast_count() const { return eigenvalue_.size(); }
 
-  /// What the rule minimises, and its derivative by ln λ. REML: minus the log likelihood.
+  /// The criterion of the rule and its derivative by ln λ. For REML: minus the log likelihood.
   struct Criterion {
     double value = 0.0, slope = 0.0;
   };
   [[nodiscard]] Criterion criterion(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
                                     double lambda) const;
 
-  /// The lowest point of the criterion: the best of a grid of 8 per decade, then bisected to
-  /// rounding. @param noise  σ as stated. `reml` learns its own, Σ z² h / (n − p); the
-  /// cross-validations Σ z² h² / Σ h (Wahba 1983), but no less than is stated: where they follow
-  /// the values too closely it would vanish. Cost: n² for each of some 250 points.
+  /// The minimum of the criterion: the best of a grid of 8 per decade, then bisected to rounding.
+  /// @param noise  stated σ. `reml` learns its own, σ² = Σ z² h / (n − p). The cross-validations
+  /// take Σ z² h² / Σ h (Wahba 1983), but at least the stated noise: it would vanish if they follow
+  /// the values too closely. Cost: n² for each of some 250 points.
   [[nodiscard]] Smoothing chosen(const Eigen::VectorXd& values, SmoothingRule rule,
                                  double noise) const;
 
-  /// A given λ, with σ as stated.
+  /// A given λ, with the stated σ.
   [[nodiscard]] Smoothing given(const Eigen::VectorXd& values, double lambda, double noise) const;
 
   [[nodiscard]] SmoothFunction fit(const Eigen::VectorXd& values, double lambda) const;
 
-  /// y_m less what the fit without m gives there; n. Not a number where the others do not determine
-  /// the free part.
+  /// y_m less the prediction of the fit without m; n. NaN where the other values do not
+  /// determine the free part.
   [[nodiscard]] Eigen::VectorXd left_out_errors(const Eigen::VectorXd& values, double lambda) const;
   /// A_mm = ∂f(x_m)/∂y_m; n.
   [[nodiscard]] Eigen::VectorXd influence(double lambda) const;
@@ -94,7 +94,7 @@ class Smoother {
   Eigen::MatrixXd scaled_;      // n×n: K over ν on both sides
   Eigen::MatrixXd free_;        // n×p: Q of T over ν
   Eigen::MatrixXd triangle_;    // p×p: its R
-  Eigen::MatrixXd directions_;  // n×(n−p): orthonormal to the free part, diagonalise the kernel
+  Eigen::MatrixXd directions_;  // n×(n−p): orthonormal to the free part, diagonalise K
   Eigen::VectorXd eigenvalue_;  // n−p, 0 or more
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLengths = 32;
 
-// ln of the shortest and the longest length that can be told.
+// ln of the shortest and of the longest length that the harmonics resolve.
 std::pair<double, double> length_range(const Eigen::VectorXd& eigenvalue) {
   const double highest = eigenvalue.maxCoeff();
   require(highest > 0.0, "surface kernel: all harmonics are constant");

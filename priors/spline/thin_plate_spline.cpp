@@ -18,7 +18,7 @@ std::string degrees(double cosine) {
   return std::to_string(std::acos(std::min(std::abs(cosine), 1.0)) * 180.0 / std::numbers::pi);
 }
 
-// An axis of the places' own along which they extend most; its sign by its largest entry.
+// Gives each axis a sign: its largest entry is positive.
 Eigen::MatrixXd oriented(Eigen::MatrixXd axes) {
   for (auto axis : axes.colwise()) {
     Eigen::Index largest = 0;
