@@ -14,7 +14,7 @@ std::vector<Parameter> share(const Structure& /*structure*/) {
   return {{"share", "1", Parameter::Scale::linear, 0.0, 0.05, 1e-5}};
 }
 
-// Ordered pairs: the channel that is spoilt, and by which.
+// Ordered pairs: the disturbed channel and the disturbing one.
 struct Spoilt {
   Index channel, by;
 };
@@ -56,7 +56,7 @@ void mix(State& state, const Structure& structure, Index option, const VectorXd&
   }
 }
 
-// The responses that a pair's share adds to first order, K×pq.
+// First-order change of the responses by the share of a pair, K×pq.
 template <Side side>
 MatrixXcd added(const Scene& scene, const Spoilt& pair) {
   const MatrixXcd& now = scene.now().value;
@@ -71,7 +71,7 @@ MatrixXcd added(const Scene& scene, const Spoilt& pair) {
   return change;
 }
 
-// The likeliest pairs, each with the share that fits best to first order.
+// The likeliest pairs, each with its best share to first order.
 template <Side side>
 std::vector<EffectStart> likeliest(const Scene& scene) {
   constexpr std::size_t kKept = 6;
@@ -95,23 +95,27 @@ std::vector<EffectStart> likeliest(const Scene& scene) {
 
 }  // namespace
 
-const Effect sensor_crosstalk{"sensor_crosstalk",
-                              "a sensor's record carries a share of another's",
-                              "a row of C and of the residual plus a share of another",
-                              "the place of that sensor, a support that moves",
-                              share,
-                              ordered_pairs<Side::sensors>,
-                              both<Side::sensors>,
-                              mix<Side::sensors>,
-                              likeliest<Side::sensors>};
-const Effect actuator_crosstalk{"actuator_crosstalk",
-                                "an actuator also gives a share of another's force",
-                                "a column of B and of the residual plus a share of another",
-                                "the place of that actuator",
-                                share,
-                                ordered_pairs<Side::actuators>,
-                                both<Side::actuators>,
-                                mix<Side::actuators>,
-                                likeliest<Side::actuators>};
+const Effect sensor_crosstalk{
+    .name = "sensor_crosstalk",
+    .summary = "a sensor's record carries a share of another's",
+    .source = "a row of C and of the residual plus a share of another",
+    .confusable = "the place of that sensor, a support that moves",
+    .parameters = share,
+    .options = ordered_pairs<Side::sensors>,
+    .channels = both<Side::sensors>,
+    .apply = mix<Side::sensors>,
+    .starts = likeliest<Side::sensors>,
+};
+const Effect actuator_crosstalk{
+    .name = "actuator_crosstalk",
+    .summary = "an actuator also gives a share of another's force",
+    .source = "a column of B and of the residual plus a share of another",
+    .confusable = "the place of that actuator",
+    .parameters = share,
+    .options = ordered_pairs<Side::actuators>,
+    .channels = both<Side::actuators>,
+    .apply = mix<Side::actuators>,
+    .starts = likeliest<Side::actuators>,
+};
 
 }  // namespace chladni::diagnosis

@@ -19,7 +19,7 @@ void delay_one(State& state, const Structure& /*structure*/, Index option, const
   paths_of<side>(state)[static_cast<std::size_t>(option)].delay += x(0);
 }
 
-// Up to a turn at the top of the band, a tenth of it apart; small ones more finely.
+// Up to ±1 period at the top of the band, in steps of a tenth; finer steps for small delays.
 std::vector<EffectStart> scan(const Scene& scene, Index options) {
   std::vector<EffectStart> starts;
   for (Index option = 0; option < options; ++option) {
@@ -44,28 +44,38 @@ constexpr std::string_view kSource = "e^{-s tau} on the responses";
 
 }  // namespace
 
-const Effect delay{"delay",     "all responses are late",
-                   kSource,     "low-pass (magnitude falls toward the top of the band)",
-                   delays,      one_option,
-                   no_channels, delay_all,
-                   one_delay};
-const Effect sensor_delay{"sensor_delay",
-                          "a sensor is later than the others",
-                          kSource,
-                          "its low-pass",
-                          delays,
-                          each_channel<Side::sensors>,
-                          the_channel<Side::sensors>,
-                          delay_one<Side::sensors>,
-                          each_delay<Side::sensors>};
-const Effect actuator_delay{"actuator_delay",
-                            "an actuator is later than the others",
-                            kSource,
-                            "its low-pass",
-                            delays,
-                            each_channel<Side::actuators>,
-                            the_channel<Side::actuators>,
-                            delay_one<Side::actuators>,
-                            each_delay<Side::actuators>};
+const Effect delay{
+    .name = "delay",
+    .summary = "all responses are late",
+    .source = kSource,
+    .confusable = "low-pass (magnitude falls toward the top of the band)",
+    .parameters = delays,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = delay_all,
+    .starts = one_delay,
+};
+const Effect sensor_delay{
+    .name = "sensor_delay",
+    .summary = "a sensor is later than the others",
+    .source = kSource,
+    .confusable = "its low-pass",
+    .parameters = delays,
+    .options = each_channel<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = delay_one<Side::sensors>,
+    .starts = each_delay<Side::sensors>,
+};
+const Effect actuator_delay{
+    .name = "actuator_delay",
+    .summary = "an actuator is later than the others",
+    .source = kSource,
+    .confusable = "its low-pass",
+    .parameters = delays,
+    .options = each_channel<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = delay_one<Side::actuators>,
+    .starts = each_delay<Side::actuators>,
+};
 
 }  // namespace chladni::diagnosis

@@ -15,7 +15,7 @@ std::vector<Parameter> tilts(const Structure& /*structure*/) {
           {"toward_v", "rad", Parameter::Scale::linear, 0.0, 0.05, 1e-5}};
 }
 
-// None where the simulation holds no motion along the surface.
+// No option if the simulation has no motion along the surface.
 template <Side side>
 Index tiltable(const Structure& structure) {
   const auto& channels = channels_of<side>(structure);
@@ -53,27 +53,29 @@ std::vector<EffectStart> upright(const Scene& scene) {
 
 }  // namespace
 
-const Effect sensor_direction{"sensor_direction",
-                              "a sensor is tilted",
-                              "its row of the shapes along the direction turned",
-                              "a sensor that is off its place: the same to first order in bending",
-                              tilts,
-                              tiltable<Side::sensors>,
-                              the_channel<Side::sensors>,
-                              tilt<Side::sensors>,
-                              upright<Side::sensors>,
-                              nullptr,
-                              kMovedError};
-const Effect actuator_direction{"actuator_direction",
-                                "an actuator pushes at an angle",
-                                "its column of the shapes along the direction turned",
-                                "an actuator that is off its place: the same to first order",
-                                tilts,
-                                tiltable<Side::actuators>,
-                                the_channel<Side::actuators>,
-                                tilt<Side::actuators>,
-                                upright<Side::actuators>,
-                                nullptr,
-                                kMovedError};
+const Effect sensor_direction{
+    .name = "sensor_direction",
+    .summary = "a sensor is tilted",
+    .source = "its row of the shapes along the direction turned",
+    .confusable = "a sensor that is off its place: the same to first order in bending",
+    .parameters = tilts,
+    .options = tiltable<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = tilt<Side::sensors>,
+    .starts = upright<Side::sensors>,
+    .error = kMovedError,
+};
+const Effect actuator_direction{
+    .name = "actuator_direction",
+    .summary = "an actuator pushes at an angle",
+    .source = "its column of the shapes along the direction turned",
+    .confusable = "an actuator that is off its place: the same to first order",
+    .parameters = tilts,
+    .options = tiltable<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = tilt<Side::actuators>,
+    .starts = upright<Side::actuators>,
+    .error = kMovedError,
+};
 
 }  // namespace chladni::diagnosis

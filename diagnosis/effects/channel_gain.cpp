@@ -43,28 +43,38 @@ constexpr std::string_view kSource = "a real factor on a row or column of the re
 
 }  // namespace
 
-const Effect sensor_gain{"sensor_gain",
-                         "a sensor reads too much or too little",
-                         kSource,
-                         "its place or direction (changes over frequency), density",
-                         gain_parameters,
-                         each_channel<Side::sensors>,
-                         the_channel<Side::sensors>,
-                         apply_gain<Side::sensors>,
-                         gain_starts<Side::sensors>};
-const Effect actuator_gain{"actuator_gain",
-                           "an actuator gives more or less force than it says",
-                           kSource,
-                           "its place or direction (changes over frequency)",
-                           gain_parameters,
-                           each_channel<Side::actuators>,
-                           the_channel<Side::actuators>,
-                           apply_gain<Side::actuators>,
-                           gain_starts<Side::actuators>};
-const Effect overall_gain{"overall_gain",  "all responses share a wrong scale",
-                          kSource,         "density and modulus together: weigh the body",
-                          gain_parameters, one_option,
-                          no_channels,     apply_overall,
-                          overall_starts};
+const Effect sensor_gain{
+    .name = "sensor_gain",
+    .summary = "a sensor reads too much or too little",
+    .source = kSource,
+    .confusable = "its place or direction (changes over frequency), density",
+    .parameters = gain_parameters,
+    .options = each_channel<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = apply_gain<Side::sensors>,
+    .starts = gain_starts<Side::sensors>,
+};
+const Effect actuator_gain{
+    .name = "actuator_gain",
+    .summary = "an actuator gives more or less force than it says",
+    .source = kSource,
+    .confusable = "its place or direction (changes over frequency)",
+    .parameters = gain_parameters,
+    .options = each_channel<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = apply_gain<Side::actuators>,
+    .starts = gain_starts<Side::actuators>,
+};
+const Effect overall_gain{
+    .name = "overall_gain",
+    .summary = "all responses share a wrong scale",
+    .source = kSource,
+    .confusable = "density and modulus together: weigh the body",
+    .parameters = gain_parameters,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = apply_overall,
+    .starts = overall_starts,
+};
 
 }  // namespace chladni::diagnosis

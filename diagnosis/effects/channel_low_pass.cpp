@@ -24,7 +24,7 @@ void filter_one(State& state, const Structure& /*structure*/, Index option, cons
   paths_of<side>(state)[static_cast<std::size_t>(option)].lag += lag(x);
 }
 
-// From a third of the band to a thousand times it.
+// Corners from a third of the top of the band to a thousand times it.
 std::vector<EffectStart> scan(const Scene& scene, Index options) {
   std::vector<EffectStart> starts;
   for (Index option = 0; option < options; ++option) {
@@ -44,28 +44,38 @@ constexpr std::string_view kSource = "1 / (1 + s / omega_c) on the responses";
 
 }  // namespace
 
-const Effect low_pass{"low_pass",  "amplifier or filter in all channels",
-                      kSource,     "delay (leaves the magnitude)",
-                      corner,      one_option,
-                      no_channels, filter_all,
-                      one_corner};
-const Effect sensor_low_pass{"sensor_low_pass",
-                             "a sensor is slow",
-                             kSource,
-                             "its delay",
-                             corner,
-                             each_channel<Side::sensors>,
-                             the_channel<Side::sensors>,
-                             filter_one<Side::sensors>,
-                             each_corner<Side::sensors>};
-const Effect actuator_low_pass{"actuator_low_pass",
-                               "an actuator or its amplifier is slow",
-                               kSource,
-                               "its delay",
-                               corner,
-                               each_channel<Side::actuators>,
-                               the_channel<Side::actuators>,
-                               filter_one<Side::actuators>,
-                               each_corner<Side::actuators>};
+const Effect low_pass{
+    .name = "low_pass",
+    .summary = "amplifier or filter in all channels",
+    .source = kSource,
+    .confusable = "delay (leaves the magnitude)",
+    .parameters = corner,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = filter_all,
+    .starts = one_corner,
+};
+const Effect sensor_low_pass{
+    .name = "sensor_low_pass",
+    .summary = "a sensor is slow",
+    .source = kSource,
+    .confusable = "its delay",
+    .parameters = corner,
+    .options = each_channel<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = filter_one<Side::sensors>,
+    .starts = each_corner<Side::sensors>,
+};
+const Effect actuator_low_pass{
+    .name = "actuator_low_pass",
+    .summary = "an actuator or its amplifier is slow",
+    .source = kSource,
+    .confusable = "its delay",
+    .parameters = corner,
+    .options = each_channel<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = filter_one<Side::actuators>,
+    .starts = each_corner<Side::actuators>,
+};
 
 }  // namespace chladni::diagnosis

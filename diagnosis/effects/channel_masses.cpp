@@ -10,7 +10,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// What all of them carry together may well be a third of the body.
+// The standard deviation of their total mass is 30 % of the body.
 template <Side side>
 std::vector<Parameter> of_each(const Structure& structure) {
   const double share =
@@ -40,7 +40,7 @@ std::function<void(State&)> carrying(const Structure& structure, Index /*option*
   };
 }
 
-// A hundred-thousandth of the body to all of it, on all together, and as much missing.
+// In total from a hundred-thousandth of the body to all of it, and the same negative.
 template <Side side>
 std::vector<EffectStart> weights(const Scene& scene) {
   const auto& structure = scene.structure();
@@ -58,27 +58,31 @@ constexpr std::string_view kSource = "s^2 m at the place of each, Woodbury";
 
 }  // namespace
 
-const Effect sensor_masses{"sensor_masses",
-                           "every sensor weighs something that the model lacks: accelerometers",
-                           kSource,
-                           "density, masses of the actuators where they are collocated",
-                           of_each<Side::sensors>,
-                           are_on_the_surface<Side::sensors>,
-                           no_channels,
-                           at_once<carrying<Side::sensors>>,
-                           weights<Side::sensors>,
-                           carrying<Side::sensors>,
-                           kHungError};
-const Effect actuator_masses{"actuator_masses",
-                             "every actuator carries a mass that the model lacks: coils, magnets",
-                             kSource,
-                             "density, masses of the sensors where they are collocated",
-                             of_each<Side::actuators>,
-                             are_on_the_surface<Side::actuators>,
-                             no_channels,
-                             at_once<carrying<Side::actuators>>,
-                             weights<Side::actuators>,
-                             carrying<Side::actuators>,
-                             kHungError};
+const Effect sensor_masses{
+    .name = "sensor_masses",
+    .summary = "every sensor weighs something that the model lacks: accelerometers",
+    .source = kSource,
+    .confusable = "density, masses of the actuators where they are collocated",
+    .parameters = of_each<Side::sensors>,
+    .options = are_on_the_surface<Side::sensors>,
+    .channels = no_channels,
+    .apply = at_once<carrying<Side::sensors>>,
+    .starts = weights<Side::sensors>,
+    .change = carrying<Side::sensors>,
+    .error = kHungError,
+};
+const Effect actuator_masses{
+    .name = "actuator_masses",
+    .summary = "every actuator carries a mass that the model lacks: coils, magnets",
+    .source = kSource,
+    .confusable = "density, masses of the sensors where they are collocated",
+    .parameters = of_each<Side::actuators>,
+    .options = are_on_the_surface<Side::actuators>,
+    .channels = no_channels,
+    .apply = at_once<carrying<Side::actuators>>,
+    .starts = weights<Side::actuators>,
+    .change = carrying<Side::actuators>,
+    .error = kHungError,
+};
 
 }  // namespace chladni::diagnosis

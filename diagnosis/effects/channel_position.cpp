@@ -44,27 +44,29 @@ Index all(const Structure& structure) {
 
 }  // namespace
 
-const Effect sensor_position{"sensor_position",
-                             "a sensor looks at another point than it says",
-                             "its row of the shapes at the place moved",
-                             "a tilted sensor (the same to first order), its gain",
-                             offsets,
-                             all<Side::sensors>,
-                             the_channel<Side::sensors>,
-                             move<Side::sensors>,
-                             moves<Side::sensors>,
-                             nullptr,
-                             kMovedError};
-const Effect actuator_position{"actuator_position",
-                               "an actuator pushes at another point than it says",
-                               "its column of the shapes at the place moved",
-                               "a tilted actuator (the same to first order), its gain",
-                               offsets,
-                               all<Side::actuators>,
-                               the_channel<Side::actuators>,
-                               move<Side::actuators>,
-                               moves<Side::actuators>,
-                               nullptr,
-                               kMovedError};
+const Effect sensor_position{
+    .name = "sensor_position",
+    .summary = "a sensor looks at another point than it says",
+    .source = "its row of the shapes at the place moved",
+    .confusable = "a tilted sensor (the same to first order), its gain",
+    .parameters = offsets,
+    .options = all<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = move<Side::sensors>,
+    .starts = moves<Side::sensors>,
+    .error = kMovedError,
+};
+const Effect actuator_position{
+    .name = "actuator_position",
+    .summary = "an actuator pushes at another point than it says",
+    .source = "its column of the shapes at the place moved",
+    .confusable = "a tilted actuator (the same to first order), its gain",
+    .parameters = offsets,
+    .options = all<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = move<Side::actuators>,
+    .starts = moves<Side::actuators>,
+    .error = kMovedError,
+};
 
 }  // namespace chladni::diagnosis

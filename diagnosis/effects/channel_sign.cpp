@@ -6,7 +6,8 @@ namespace {
 
 std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
 
-// One per channel. Where a side has one, turning it turns all: of a single response the sensor.
+// One option per channel. A single response has one option only, for its sensor, because the sign
+// of the actuator has the same effect.
 template <Side side>
 Eigen::Index turnable(const Structure& structure) {
   const Eigen::Index count = channels_of<side>(structure).count();
@@ -31,23 +32,27 @@ std::vector<EffectStart> turned(const Scene& scene) {
 
 }  // namespace
 
-const Effect sensor_sign{"sensor_sign",
-                         "a sensor is wired or mounted the wrong way round",
-                         "a row of the responses turned",
-                         "a gain of -200 %: the same",
-                         none,
-                         turnable<Side::sensors>,
-                         the_channel<Side::sensors>,
-                         turn<Side::sensors>,
-                         turned<Side::sensors>};
-const Effect actuator_sign{"actuator_sign",
-                           "an actuator pushes the other way",
-                           "a column of the responses turned",
-                           "a gain of -200 %: the same",
-                           none,
-                           turnable<Side::actuators>,
-                           the_channel<Side::actuators>,
-                           turn<Side::actuators>,
-                           turned<Side::actuators>};
+const Effect sensor_sign{
+    .name = "sensor_sign",
+    .summary = "a sensor is wired or mounted the wrong way round",
+    .source = "a row of the responses turned",
+    .confusable = "a gain of -200 %: the same",
+    .parameters = none,
+    .options = turnable<Side::sensors>,
+    .channels = the_channel<Side::sensors>,
+    .apply = turn<Side::sensors>,
+    .starts = turned<Side::sensors>,
+};
+const Effect actuator_sign{
+    .name = "actuator_sign",
+    .summary = "an actuator pushes the other way",
+    .source = "a column of the responses turned",
+    .confusable = "a gain of -200 %: the same",
+    .parameters = none,
+    .options = turnable<Side::actuators>,
+    .channels = the_channel<Side::actuators>,
+    .apply = turn<Side::actuators>,
+    .starts = turned<Side::actuators>,
+};
 
 }  // namespace chladni::diagnosis

@@ -32,8 +32,8 @@ std::vector<Parameter> hysteresis(const Structure& /*structure*/) {
           {"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.3, 1e-4}};
 }
 
-// Part of each mode's losses follows its displacement instead of its speed: 2ζω², not 2ζωs. What
-// is attached keeps its dashpots.
+// Makes a part of each mode's losses proportional to displacement instead of velocity: 2ζω², not
+// 2ζωs. Attachments keep their dashpots.
 void relax(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
   const Eigen::VectorXd root = omega.cwiseSqrt();
@@ -50,23 +50,27 @@ std::vector<EffectStart> shares(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect modal_damping{"modal_damping",
-                           "all modes are damped more or less than supposed",
-                           "D times a factor",
-                           "gains (peak against flank decides), a damper in one place",
-                           level,
-                           one_option,
-                           no_channels,
-                           scale,
-                           levels};
-const Effect hysteretic_damping{"hysteretic_damping",
-                                "losses follow the displacement, not the speed",
-                                "K (1 + j eta) instead of s D",
-                                "modal damping that differs from mode to mode",
-                                hysteresis,
-                                one_option,
-                                no_channels,
-                                relax,
-                                shares};
+const Effect modal_damping{
+    .name = "modal_damping",
+    .summary = "all modes are damped more or less than supposed",
+    .source = "D times a factor",
+    .confusable = "gains (peak against flank decides), a damper in one place",
+    .parameters = level,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = scale,
+    .starts = levels,
+};
+const Effect hysteretic_damping{
+    .name = "hysteretic_damping",
+    .summary = "losses follow the displacement, not the speed",
+    .source = "K (1 + j eta) instead of s D",
+    .confusable = "modal damping that differs from mode to mode",
+    .parameters = hysteresis,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = relax,
+    .starts = shares,
+};
 
 }  // namespace chladni::diagnosis

@@ -11,7 +11,7 @@ std::vector<Parameter> first_to_last(const Structure& /*structure*/) {
   return {{"first_to_last", "1", Parameter::Scale::linear, 0.0, 2e-3, 1e-6}};
 }
 
-// One experiment per actuator, in their order.
+// Needs more than two experiments: one per actuator, in their order.
 Index several(const Structure& structure) { return structure.input_count() > 2 ? 1 : 0; }
 
 void warm(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
@@ -32,14 +32,16 @@ std::vector<EffectStart> steps(const Scene& scene) {
 
 }  // namespace
 
-const Effect drift{"drift",
-                   "the body's stiffness drifts from experiment to experiment, as with temperature",
-                   "each column of the responses from a K of its own, evenly from first to last",
-                   "modal damping (averaged peaks), a modulus that is wrong all the time",
-                   first_to_last,
-                   several,
-                   no_channels,
-                   warm,
-                   steps};
+const Effect drift{
+    .name = "drift",
+    .summary = "the body's stiffness drifts from experiment to experiment, as with temperature",
+    .source = "each column of the responses from a K of its own, evenly from first to last",
+    .confusable = "modal damping (averaged peaks), a modulus that is wrong all the time",
+    .parameters = first_to_last,
+    .options = several,
+    .channels = no_channels,
+    .apply = warm,
+    .starts = steps,
+};
 
 }  // namespace chladni::diagnosis

@@ -8,7 +8,7 @@ namespace chladni::diagnosis {
 // The body.
 extern const Effect youngs_modulus, density, thickness, thickness_field, modulus_field, orthotropy,
     local_stiffness, size_error, modes_above, drift;
-// What hangs on it.
+// Attachments to it.
 extern const Effect point_mass, mass_with_inertia, sensor_masses, actuator_masses, ground_spring,
     ground_damper, resonator, frame, suspension;
 // Damping.

@@ -43,14 +43,16 @@ std::vector<EffectStart> frames(const Scene& scene) {
 
 }  // namespace
 
-const Effect frame{"frame",
-                   "the support moves: actuators push it back, sensors are measured against it",
-                   "1 / (m s^2 + c s + k) added to all responses alike",
-                   "a resonator on the body, a spring to ground",
-                   mass_frequency_damping,
-                   one_option,
-                   no_channels,
-                   stand,
-                   frames};
+const Effect frame{
+    .name = "frame",
+    .summary = "the support moves: actuators push it back, sensors are measured against it",
+    .source = "1 / (m s^2 + c s + k) added to all responses alike",
+    .confusable = "a resonator on the body, a spring to ground",
+    .parameters = mass_frequency_damping,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = stand,
+    .starts = frames,
+};
 
 }  // namespace chladni::diagnosis

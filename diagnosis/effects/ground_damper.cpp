@@ -35,16 +35,17 @@ std::vector<EffectStart> dashpots(const Scene& scene) {
 
 }  // namespace
 
-const Effect ground_damper{"ground_damper",
-                           "a damper in one place: eddy currents, a cable that rubs, a pad",
-                           "s c at a place, Woodbury; modes become complex",
-                           "modal damping where a pair is degenerate",
-                           damping_and_place,
-                           has_surface,
-                           no_channels,
-                           drag,
-                           dashpots,
-                           nullptr,
-                           kHungError};
+const Effect ground_damper{
+    .name = "ground_damper",
+    .summary = "a damper in one place: eddy currents, a cable that rubs, a pad",
+    .source = "s c at a place, Woodbury; modes become complex",
+    .confusable = "modal damping where a pair is degenerate",
+    .parameters = damping_and_place,
+    .options = has_surface,
+    .channels = no_channels,
+    .apply = drag,
+    .starts = dashpots,
+    .error = kHungError,
+};
 
 }  // namespace chladni::diagnosis

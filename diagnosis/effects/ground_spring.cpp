@@ -36,16 +36,17 @@ std::vector<EffectStart> springs(const Scene& scene) {
 
 }  // namespace
 
-const Effect ground_spring{"ground_spring",
-                           "something holds the body: flexure, cable, gravity compensator",
-                           "k at a place, Woodbury",
-                           "a frame, what a closed loop leaves at low frequency",
-                           stiffness_and_place,
-                           has_surface,
-                           no_channels,
-                           hold,
-                           springs,
-                           nullptr,
-                           kHungError};
+const Effect ground_spring{
+    .name = "ground_spring",
+    .summary = "something holds the body: flexure, cable, gravity compensator",
+    .source = "k at a place, Woodbury",
+    .confusable = "a frame, what a closed loop leaves at low frequency",
+    .parameters = stiffness_and_place,
+    .options = has_surface,
+    .channels = no_channels,
+    .apply = hold,
+    .starts = springs,
+    .error = kHungError,
+};
 
 }  // namespace chladni::diagnosis

@@ -46,16 +46,17 @@ std::vector<EffectStart> weights(const Scene& scene) {
 
 }  // namespace
 
-const Effect mass_with_inertia{"mass_with_inertia",
-                               "a mass whose height or width resists rotation",
-                               "s^2 m at a place and s^2 m r^2 at its two rotations, Woodbury",
-                               "two masses; a resonator above the band",
-                               mass_radius_place,
-                               has_surface,
-                               no_channels,
-                               hang,
-                               weights,
-                               nullptr,
-                               kHungError};
+const Effect mass_with_inertia{
+    .name = "mass_with_inertia",
+    .summary = "a mass whose height or width resists rotation",
+    .source = "s^2 m at a place and s^2 m r^2 at its two rotations, Woodbury",
+    .confusable = "two masses; a resonator above the band",
+    .parameters = mass_radius_place,
+    .options = has_surface,
+    .channels = no_channels,
+    .apply = hang,
+    .starts = weights,
+    .error = kHungError,
+};
 
 }  // namespace chladni::diagnosis

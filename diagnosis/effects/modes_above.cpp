@@ -29,14 +29,16 @@ std::vector<EffectStart> both_ways(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect modes_above{"modes_above",
-                         "the modes above the band yield more or less than they should",
-                         "their static flexibility (1 + r)",
-                         "a modulus: that moves the modes within the band too",
-                         relative,
-                         is_known,
-                         no_channels,
-                         yield,
-                         both_ways};
+const Effect modes_above{
+    .name = "modes_above",
+    .summary = "the modes above the band yield more or less than they should",
+    .source = "their static flexibility (1 + r)",
+    .confusable = "a modulus: that moves the modes within the band too",
+    .parameters = relative,
+    .options = is_known,
+    .channels = no_channels,
+    .apply = yield,
+    .starts = both_ways,
+};
 
 }  // namespace chladni::diagnosis

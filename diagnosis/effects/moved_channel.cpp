@@ -8,7 +8,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Of a point's motion: its last one is what the modes have that no channel sees one by one.
+// The modes above at a point, with the last one set to 0: it stands for all modes beyond, and it is
+// 0 for every channel.
 VectorXd upper_of(const PointMotion& motion, Eigen::Index size) {
   VectorXd result = motion.upper;
   if (result.size() != size || size == 0) return {};
@@ -27,7 +28,7 @@ ChannelChange channel_change(const Structure& structure, const ChannelSide& side
   const auto here = structure.surface.at(place);
   const auto there = structure.surface.at(place + by);
   if (!here || !there) return {first_order, {}};
-  // Only along the surface's normal does the surface know it.
+  // The surface knows only the motion along its normal.
   const double along = here->shape.dot(side.shapes.row(i));
   const double own = here->shape.squaredNorm();
   if (own <= 0.0) return {first_order, {}};

@@ -31,14 +31,16 @@ std::vector<EffectStart> steps(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect orthotropy{"orthotropy",
-                        "stiffer along one side than along the other: rolled, ribbed, fibred",
-                        "K plus parts of it by elastic constant",
-                        "a modulus or thickness that varies",
-                        constants,
-                        known,
-                        no_channels,
-                        stretch,
-                        steps};
+const Effect orthotropy{
+    .name = "orthotropy",
+    .summary = "stiffer along one side than along the other: rolled, ribbed, fibred",
+    .source = "K plus parts of it by elastic constant",
+    .confusable = "a modulus or thickness that varies",
+    .parameters = constants,
+    .options = known,
+    .channels = no_channels,
+    .apply = stretch,
+    .starts = steps,
+};
 
 }  // namespace chladni::diagnosis

@@ -21,7 +21,7 @@ void hang(State& state, const Structure& structure, Eigen::Index /*option*/, con
   state.attached.push_back(std::move(one));
 }
 
-// A hundred-thousandth to a third of the body, and as much missing.
+// From a hundred-thousandth to a third of the body, and the same negative.
 std::vector<EffectStart> weights(const Scene& scene) {
   std::vector<VectorXd> sizes;
   for (double part = 1e-5; part < 0.3; part *= 1.6) {
@@ -33,16 +33,17 @@ std::vector<EffectStart> weights(const Scene& scene) {
 
 }  // namespace
 
-const Effect point_mass{"point_mass",
-                        "a mass on the body that the model lacks (negative: missing material)",
-                        "s^2 m at a place, Woodbury",
-                        "a resonator far above the band; stiffness lost under it",
-                        mass_and_place,
-                        has_surface,
-                        no_channels,
-                        hang,
-                        weights,
-                        nullptr,
-                        kHungError};
+const Effect point_mass{
+    .name = "point_mass",
+    .summary = "a mass on the body that the model lacks (negative: missing material)",
+    .source = "s^2 m at a place, Woodbury",
+    .confusable = "a resonator far above the band; stiffness lost under it",
+    .parameters = mass_and_place,
+    .options = has_surface,
+    .channels = no_channels,
+    .apply = hang,
+    .starts = weights,
+    .error = kHungError,
+};
 
 }  // namespace chladni::diagnosis

@@ -28,7 +28,8 @@ void carry(State& state, const Structure& structure, Eigen::Index /*option*/, co
   state.attached.push_back(std::move(one));
 }
 
-// Far below its frequency it is a mass, far above a spring and a dashpot to what stands still.
+// A resonator acts as a mass far below its frequency. Far above it, its mass stands still and it
+// acts as a spring and a dashpot to ground.
 std::optional<double> implied(std::string_view name, const VectorXd& x) {
   const auto [mass, damping, stiffness] = oscillator(x);
   if (name == "stiffness") return stiffness;
@@ -36,7 +37,8 @@ std::optional<double> implied(std::string_view name, const VectorXd& x) {
   return std::nullopt;
 }
 
-// Where a free complex number per line explains most, over masses and frequencies.
+// A grid of masses and frequencies, at the places where a free complex number per line explains
+// most.
 std::vector<EffectStart> oscillators(const Scene& scene) {
   std::vector<VectorXd> sizes;
   const double low = std::max(scene.low_hz(), 1.0);
@@ -52,19 +54,20 @@ std::vector<EffectStart> oscillators(const Scene& scene) {
 
 }  // namespace
 
-const Effect resonator{"resonator",
-                       "a mass on a spring hangs on the body: bracket, cable, loose part",
-                       "m s^2 (k + c s) / (m s^2 + c s + k) at a place, Woodbury: one more pole",
-                       "frame mode; a mass where its frequency is far above the band, a spring "
-                       "where it is far below",
-                       oscillator_and_place,
-                       has_surface,
-                       no_channels,
-                       carry,
-                       oscillators,
-                       nullptr,
-                       kHungError,
-                       nullptr,
-                       implied};
+const Effect resonator{
+    .name = "resonator",
+    .summary = "a mass on a spring hangs on the body: bracket, cable, loose part",
+    .source = "m s^2 (k + c s) / (m s^2 + c s + k) at a place, Woodbury: one more pole",
+    .confusable =
+        "frame mode; a mass where its frequency is far above the band, a spring "
+        "where it is far below",
+    .parameters = oscillator_and_place,
+    .options = has_surface,
+    .channels = no_channels,
+    .apply = carry,
+    .starts = oscillators,
+    .error = kHungError,
+    .implied = implied,
+};
 
 }  // namespace chladni::diagnosis

@@ -11,20 +11,20 @@ using Eigen::Index;
 
 std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
 
-// What the record of a sensor is, and by what it is off for it: a power of s, or a factor.
+// A wrong reading of a sensor's record, and its effect: a power of s, or a factor.
 struct Mistaken {
   std::string_view text;
   double by;
 };
 
-// What is recorded, and what it is called: each is one or two derivatives of the other.
+// The recorded quantity and the assumed one: they differ by one or two derivatives.
 constexpr std::array<Mistaken, 4> kPowers{{
     {"velocity taken for displacement (or acceleration for velocity)", 1.0},
     {"acceleration taken for displacement", 2.0},
     {"displacement taken for velocity (or velocity for acceleration)", -1.0},
     {"displacement taken for acceleration", -2.0},
 }};
-// Numbers in the first unit, read as if they were in the second.
+// Numbers in the first unit, read as numbers in the second.
 constexpr double kGravity = 9.80665;
 constexpr double kTurn = 6.283185307179586;
 constexpr std::array<Mistaken, 10> kFactors{{
@@ -48,7 +48,7 @@ Choice chosen(Index option, std::string_view number) {
 Choice quantity(Index option) { return chosen<kPowers>(option, "derivative"); }
 Choice unit(Index option) { return chosen<kFactors>(option, "factor"); }
 
-// Every sensor by itself, then all of them together.
+// Each sensor by itself, then all of them together.
 Index sensors_and_all(const Structure& structure) {
   return structure.output_count() > 1 ? structure.output_count() + 1 : 1;
 }
@@ -86,7 +86,7 @@ void rescale(State& state, const Structure& /*structure*/, Index option,
                             [](Path& path, std::size_t kind) { path.gain *= kFactors[kind].by; });
 }
 
-// Only where the scale of a row is off by a factor of two or more.
+// Only for rows whose scale is wrong by a factor of two or more.
 std::vector<EffectStart> off_scale(const Scene& scene, Index kinds) {
   std::vector<EffectStart> starts;
   bool all = true;
@@ -111,29 +111,31 @@ std::vector<EffectStart> units(const Scene& scene) {
 
 }  // namespace
 
-const Effect sensor_quantity{"sensor_quantity",
-                             "velocity or acceleration called displacement, or the reverse",
-                             "a row times a power of s",
-                             "unit, low-pass",
-                             none,
-                             choices<kPowers.size()>,
-                             whose<kPowers.size()>,
-                             differentiate,
-                             powers,
-                             nullptr,
-                             0.0,
-                             quantity};
-const Effect sensor_unit{"sensor_unit",
-                         "a unit taken for another: g for m/s^2, mm for m, inch for mm",
-                         "a row times one of the factors between units",
-                         "gain",
-                         none,
-                         choices<kFactors.size()>,
-                         whose<kFactors.size()>,
-                         rescale,
-                         units,
-                         nullptr,
-                         0.0,
-                         unit};
+const Effect sensor_quantity{
+    .name = "sensor_quantity",
+    .summary = "velocity or acceleration called displacement, or the reverse",
+    .source = "a row times a power of s",
+    .confusable = "unit, low-pass",
+    .parameters = none,
+    .options = choices<kPowers.size()>,
+    .channels = whose<kPowers.size()>,
+    .apply = differentiate,
+    .starts = powers,
+    .error = 0.0,
+    .choice = quantity,
+};
+const Effect sensor_unit{
+    .name = "sensor_unit",
+    .summary = "a unit taken for another: g for m/s^2, mm for m, inch for mm",
+    .source = "a row times one of the factors between units",
+    .confusable = "gain",
+    .parameters = none,
+    .options = choices<kFactors.size()>,
+    .channels = whose<kFactors.size()>,
+    .apply = rescale,
+    .starts = units,
+    .error = 0.0,
+    .choice = unit,
+};
 
 }  // namespace chladni::diagnosis

@@ -1,4 +1,4 @@
-// Sensors and actuators, for effects that may sit in either.
+// Templates for effects that exist for sensors and for actuators.
 #pragma once
 
 #include "diagnosis/effect.h"
@@ -16,7 +16,8 @@ template <Side side>
 [[nodiscard]] std::vector<Path>& paths_of(State& state) {
   return side == Side::sensors ? state.output_paths : state.input_paths;
 }
-/// One option per channel; none where there is one channel only, since all are alike then.
+/// One option per channel. None if there is only one channel: then all channels have the same
+/// error.
 template <Side side>
 [[nodiscard]] Eigen::Index each_channel(const Structure& structure) {
   const Eigen::Index count = channels_of<side>(structure).count();
@@ -31,7 +32,7 @@ template <Side side>
 [[nodiscard]] double channel_factor(const Scene& scene, Eigen::Index channel) {
   return side == Side::sensors ? scene.row_factor(channel) : scene.column_factor(channel);
 }
-/// Pairs a < b of n, counted row by row.
+/// The pair a < b of n channels, counted row by row.
 [[nodiscard]] inline std::pair<Eigen::Index, Eigen::Index> pair_of(Eigen::Index n,
                                                                    Eigen::Index option) {
   Eigen::Index a = 0;

@@ -26,7 +26,7 @@ MatrixXd all_of(const std::vector<MatrixXd>& cells, double weight, Index modes) 
   return sum_of(cells, VectorXd::Constant(static_cast<Index>(cells.size()), weight));
 }
 
-// The channels stay where they are, so that on the body they move.
+// The channels keep their place in space, so on the larger body they move.
 template <Side side>
 std::vector<ChannelChange> moved(const Structure& structure, double longer) {
   const Vector2d middle = structure.cells.from + 0.5 * structure.cells.size;
@@ -40,8 +40,8 @@ std::vector<ChannelChange> moved(const Structure& structure, double longer) {
   return changes;
 }
 
-// w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ²; what the shear resists and what turns
-// keep their size.
+// w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ². Shear stiffness and rotary inertia do
+// not change.
 std::function<void(State&)> stretching(const Structure& structure, Index /*option*/,
                                        const VectorXd& x) {
   const double longer = std::exp(x(0));
@@ -76,16 +76,18 @@ std::vector<EffectStart> steps(const Scene& scene) {
 
 }  // namespace
 
-const Effect size_error{"size_error",
-                        "the body is longer and wider than its drawing, or smaller",
-                        "K as 1/l^2 but for shear, M as l^2; channels stay where they are",
-                        "modulus and density together: measure it",
-                        relative,
-                        bends,
-                        no_channels,
-                        at_once<stretching>,
-                        steps,
-                        stretching,
-                        0.005};
+const Effect size_error{
+    .name = "size_error",
+    .summary = "the body is longer and wider than its drawing, or smaller",
+    .source = "K as 1/l^2 but for shear, M as l^2; channels stay where they are",
+    .confusable = "modulus and density together: measure it",
+    .parameters = relative,
+    .options = bends,
+    .channels = no_channels,
+    .apply = at_once<stretching>,
+    .starts = steps,
+    .change = stretching,
+    .error = 0.005,
+};
 
 }  // namespace chladni::diagnosis

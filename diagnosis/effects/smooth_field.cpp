@@ -9,7 +9,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kWaveError = 0.02;  // Effect::error: what varies faster than a square
+constexpr double kWaveError = 0.02;  // Effect::error: variations of higher order than a square
 
 constexpr std::array<std::string_view, 5> kPlane{"u1", "v1", "u2", "u1v1", "v2"};
 constexpr std::array<std::string_view, 2> kLine{"u1", "u2"};
@@ -55,27 +55,31 @@ std::vector<EffectStart> flat(const Scene& scene) {
 
 }  // namespace
 
-const Effect modulus_field{"modulus_field",
-                           "Young's modulus varies smoothly over the body",
-                           "sum of x_f K_f, Legendre polynomials over the body",
-                           "thickness that varies (changes the mass too), orthotropy",
-                           coefficients,
-                           has_cells,
-                           no_channels,
-                           at_once<stiffening>,
-                           flat,
-                           stiffening,
-                           kWaveError};
-const Effect thickness_field{"thickness_field",
-                             "the thickness varies smoothly: a taper, a bow",
-                             "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
-                             "a modulus that varies (leaves the mass)",
-                             coefficients,
-                             bends,
-                             no_channels,
-                             at_once<thickening>,
-                             flat,
-                             thickening,
-                             kWaveError};
+const Effect modulus_field{
+    .name = "modulus_field",
+    .summary = "Young's modulus varies smoothly over the body",
+    .source = "sum of x_f K_f, Legendre polynomials over the body",
+    .confusable = "thickness that varies (changes the mass too), orthotropy",
+    .parameters = coefficients,
+    .options = has_cells,
+    .channels = no_channels,
+    .apply = at_once<stiffening>,
+    .starts = flat,
+    .change = stiffening,
+    .error = kWaveError,
+};
+const Effect thickness_field{
+    .name = "thickness_field",
+    .summary = "the thickness varies smoothly: a taper, a bow",
+    .source = "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
+    .confusable = "a modulus that varies (leaves the mass)",
+    .parameters = coefficients,
+    .options = bends,
+    .channels = no_channels,
+    .apply = at_once<thickening>,
+    .starts = flat,
+    .change = thickening,
+    .error = kWaveError,
+};
 
 }  // namespace chladni::diagnosis

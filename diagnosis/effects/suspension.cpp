@@ -26,8 +26,8 @@ void hold(State& state, const Structure& structure, Index /*option*/, const Vect
   attach_damping(state, (2.0 * std::exp(x(1)) * omega * rigid).asDiagonal());
 }
 
-// Effect::error: it holds mass by mass, which nothing that is built does. On a table whose
-// thickness varies by 0.15 % springs of one stiffness everywhere left 0.0055 of what they explain.
+// Effect::error: the model holds every mass separately, which no real suspension does. On a table
+// whose thickness varies by 0.15 %, springs of equal stiffness left 0.0055 of their gain.
 constexpr double kUneven = 0.01;
 
 std::vector<EffectStart> holds(const Scene& scene) {
@@ -42,17 +42,19 @@ std::vector<EffectStart> holds(const Scene& scene) {
 
 }  // namespace
 
-const Effect suspension{"suspension",
-                        "the body is held as a whole: a soft suspension, what is left of a control "
-                        "loop that was not taken out whole",
-                        "w^2 + 2 z w s on the rigid-body modes, one w and z for all",
-                        "a spring to ground (one place), a support that moves",
-                        frequency_and_damping,
-                        is_free,
-                        no_channels,
-                        hold,
-                        holds,
-                        nullptr,
-                        kUneven};
+const Effect suspension{
+    .name = "suspension",
+    .summary =
+        "the body is held as a whole: a soft suspension, what is left of a control "
+        "loop that was not taken out whole",
+    .source = "w^2 + 2 z w s on the rigid-body modes, one w and z for all",
+    .confusable = "a spring to ground (one place), a support that moves",
+    .parameters = frequency_and_damping,
+    .options = is_free,
+    .channels = no_channels,
+    .apply = hold,
+    .starts = holds,
+    .error = kUneven,
+};
 
 }  // namespace chladni::diagnosis

@@ -31,7 +31,7 @@ void swap_labels(State& state, const Structure& structure, Index option,
   std::swap(of[static_cast<std::size_t>(a)], of[static_cast<std::size_t>(b)]);
 }
 
-// Rows that fit each other's place better than their own.
+// Every pair of channels.
 template <Side side>
 std::vector<EffectStart> swapped(const Scene& scene) {
   std::vector<EffectStart> starts;
@@ -43,23 +43,27 @@ std::vector<EffectStart> swapped(const Scene& scene) {
 
 }  // namespace
 
-const Effect swapped_sensors{"swapped_sensors",
-                             "two sensors carry each other's name",
-                             "two rows of the responses exchanged",
-                             "two wrong places at once",
-                             none,
-                             pairs<Side::sensors>,
-                             both<Side::sensors>,
-                             swap_labels<Side::sensors>,
-                             swapped<Side::sensors>};
-const Effect swapped_actuators{"swapped_actuators",
-                               "two actuators carry each other's name",
-                               "two columns of the responses exchanged",
-                               "two wrong places at once",
-                               none,
-                               pairs<Side::actuators>,
-                               both<Side::actuators>,
-                               swap_labels<Side::actuators>,
-                               swapped<Side::actuators>};
+const Effect swapped_sensors{
+    .name = "swapped_sensors",
+    .summary = "two sensors carry each other's name",
+    .source = "two rows of the responses exchanged",
+    .confusable = "two wrong places at once",
+    .parameters = none,
+    .options = pairs<Side::sensors>,
+    .channels = both<Side::sensors>,
+    .apply = swap_labels<Side::sensors>,
+    .starts = swapped<Side::sensors>,
+};
+const Effect swapped_actuators{
+    .name = "swapped_actuators",
+    .summary = "two actuators carry each other's name",
+    .source = "two columns of the responses exchanged",
+    .confusable = "two wrong places at once",
+    .parameters = none,
+    .options = pairs<Side::actuators>,
+    .channels = both<Side::actuators>,
+    .apply = swap_labels<Side::actuators>,
+    .starts = swapped<Side::actuators>,
+};
 
 }  // namespace chladni::diagnosis

@@ -37,8 +37,8 @@ std::function<void(State&)> thickening(const Structure& structure, Eigen::Index 
   };
 }
 
-// Frequencies move by `power` x: steps as fine as resonances are wide, up to ±30 % in frequency;
-// matrices that are not diagonal are costly, and what is left to find by then is small.
+// Frequencies change by `power` x. The steps follow the width of the resonances, up to ±30 % in
+// frequency. For matrices that are not diagonal the steps double, because each one is expensive.
 std::vector<EffectStart> steps(const Scene& scene, double power) {
   const auto& state = scene.state();
   const bool cheap = state.stiffness.isDiagonal(0.0) && state.mass.isDiagonal(0.0) &&
@@ -62,26 +62,39 @@ Eigen::Index bends(const Structure& structure) { return structure.bending_power 
 }  // namespace
 
 const Effect youngs_modulus{
-    "youngs_modulus", "the whole body is stiffer or softer",
-    "K (1 + e)",      "density with an overall gain; thickness: weigh the body",
-    relative,         one_option,
-    no_channels,      stiffen,
-    by_half};
-const Effect density{"density",   "the whole body is heavier or lighter",
-                     "M (1 + r)", "modulus with an overall gain: weigh the body",
-                     relative,    one_option,
-                     no_channels, weigh,
-                     by_half};
-const Effect thickness{"thickness",
-                       "the whole body is thicker or thinner",
-                       "K (1 + t)^3 but for shear, M (1 + t) of a body that bends",
-                       "modulus and density together: measure it",
-                       relative,
-                       bends,
-                       no_channels,
-                       at_once<thickening>,
-                       by_one,
-                       thickening,
-                       0.005};
+    .name = "youngs_modulus",
+    .summary = "the whole body is stiffer or softer",
+    .source = "K (1 + e)",
+    .confusable = "density with an overall gain; thickness: weigh the body",
+    .parameters = relative,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = stiffen,
+    .starts = by_half,
+};
+const Effect density{
+    .name = "density",
+    .summary = "the whole body is heavier or lighter",
+    .source = "M (1 + r)",
+    .confusable = "modulus with an overall gain: weigh the body",
+    .parameters = relative,
+    .options = one_option,
+    .channels = no_channels,
+    .apply = weigh,
+    .starts = by_half,
+};
+const Effect thickness{
+    .name = "thickness",
+    .summary = "the whole body is thicker or thinner",
+    .source = "K (1 + t)^3 but for shear, M (1 + t) of a body that bends",
+    .confusable = "modulus and density together: measure it",
+    .parameters = relative,
+    .options = bends,
+    .channels = no_channels,
+    .apply = at_once<thickening>,
+    .starts = by_one,
+    .change = thickening,
+    .error = 0.005,
+};
 
 }  // namespace chladni::diagnosis
