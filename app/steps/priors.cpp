@@ -1,4 +1,3 @@
-// chladni priors STUDY: length scales, amplitudes and noise from the simulated modes.
 #include "app/steps/priors.h"
 
 #include <fmt/format.h>
@@ -15,8 +14,8 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kStill = 1e-3;  // of a body that moves as a whole
-constexpr double kRidge = 0.05;  // change of a logarithm
+constexpr double kStill = 1e-3;  // relative motion of a rigid-body mode
+constexpr double kRidge = 0.05;  // change in ln
 constexpr int kOrdinaryModes = 12;
 constexpr Eigen::Index kMatchedOn = 400;  // points of the surface
 
@@ -89,7 +88,7 @@ LearnedAt learned_at(const LearnedPriors& result, Eigen::Index samples, unsigned
   return at;
 }
 
-// Where the study has channels that look along the surface's own direction.
+// Adds matched lengths, if channels look along the surface's own direction.
 void add_matched(const Solution& solution, const priors::Places& places, LearnedPriors& result) {
   if (places.count() < 2 || result.kernel.parameter_count() != 1) return;
   const auto& surface = result.surface.sites;
@@ -114,7 +113,7 @@ void add_matched(const Solution& solution, const priors::Places& places, Learned
   }
 }
 
-// A mode's frequency for people, or "all modes together".
+// The frequency of a mode as text, or "all together".
 std::string name_of(const Solution& solution, const LearnedPriors& result, Eigen::Index mode) {
   if (mode == std::ssize(result.columns)) return "all together";
   const auto column = result.columns[static_cast<std::size_t>(mode)];
@@ -151,9 +150,9 @@ void add_warnings(const Solution& solution, LearnedPriors& result) {
   }
 }
 
-// The mode of the shortest length, of those that the channels see; of all where they see none.
+// The mode of the shortest length among those that the channels see; among all if they see none.
 int most_complex_of(const LearnedPriors& result) {
-  constexpr double kSeen = 0.5;  // so much of a shape's square stays unknown at most
+  constexpr double kSeen = 0.5;  // largest part of a shape's square that may stay unknown
   const auto& modes = result.last().per_mode;
   const auto sees = [&](std::size_t i) {
     return result.expected_error.size() == 0 ||
@@ -165,14 +164,6 @@ int most_complex_of(const LearnedPriors& result) {
     if (sees(i) != sees(best) ? sees(i) : shorter) best = i;
   }
   return static_cast<int>(best);
-}
-
-void run(const Study& study, Run& run) {
-  const Solution solution = solved(study, run);
-  const LearnedPriors result = learned_priors(study, solution, run);
-  for (const auto& note : result.notes) run.talk().note(note);
-  run.show(priors_table(solution, result));
-  run.leave("priors.json", priors_json(solution, result), true);
 }
 
 }  // namespace
@@ -209,11 +200,5 @@ LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& 
   add_warnings(solution, result);
   return result;
 }
-
-constinit const Command priors_command{
-    .name = "priors",
-    .summary = "what the simulated modes teach of length scales, amplitudes and noise",
-    .run = run,
-};
 
 }  // namespace chladni::app
