@@ -1,4 +1,4 @@
-// chladni check STUDY: what the study says in SI, and what it would cost; solves nothing.
+// chladni check STUDY: prints the study in SI units and the expected cost; solves nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kMeshedAtOnce = 5e5;  // degrees of freedom as guessed: some seconds of the mesher
+constexpr double kMeshedAtOnce = 5e5;  // degrees of freedom, estimated: some seconds of meshing
 
-// Walls thinner than an edge and slivers between a hole and a rib make several times the cells that
-// volume and area tell; only a mesh knows.
+// Walls thinner than an edge and slivers between a hole and a rib need several times the cells that
+// volume and area suggest. Only the mesh shows this.
 void forecast_from_mesh(const Study& study, Introduction& introduction, Run& run) {
   auto& cost = introduction.cost;
   if (cost.exact || cost.degrees_of_freedom > kMeshedAtOnce) return;
@@ -22,7 +22,8 @@ void forecast_from_mesh(const Study& study, Introduction& introduction, Run& run
   cost = forecast(study, body, introduction.body);
 }
 
-// Data that are named and are not there; what `simulate` will write is only told of.
+// Reports named data files that do not exist. For a file that `simulate` will write there is only a
+// note.
 void look_for_files(const Study& study, Run& run) {
   Problems problems(study.file.string());
   for (const auto& file : study.files) {

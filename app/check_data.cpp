@@ -1,4 +1,4 @@
-// chladni check FILE: what a file of measured data holds, and what in it is suspect.
+// chladni check FILE: prints the content of a file of measured data, and suspect values in it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr Index kMostShown = 24;  // responses with a line of their own
 constexpr std::size_t kMostChannelsShown = 64;
 constexpr const char* kKinds[] = {"receptance", "mobility", "accelerance"};
 
-/// What is large in one response.
+/// The largest value in one response.
 struct Largest {
   double size = 0.0, frequency_hz = 0.0, coherence = 0.0;
   Index lines = 0;
@@ -53,7 +53,7 @@ std::string resolution(const Eigen::VectorXd& frequency_hz) {
   if (count < 2) return "";
   const Eigen::VectorXd steps = frequency_hz.tail(count - 1) - frequency_hz.head(count - 1);
   const double low = steps.minCoeff(), high = steps.maxCoeff();
-  if (high - low < 2e-3 * steps.mean()) {  // the rounding of texts
+  if (high - low < 2e-3 * steps.mean()) {  // texts are rounded
     return fmt::format(", each {:.6g} Hz", steps.mean());
   }
   return fmt::format(", {:.4g} to {:.4g} Hz apart", low, high);

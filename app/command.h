@@ -1,4 +1,4 @@
-// What every verb of the command line is made of.
+// Common parts of all verbs of the command line.
 #pragma once
 
 #include <chrono>
@@ -20,30 +20,30 @@
 
 namespace chladni::app {
 
-/// What the command line said beside the verb and the study.
+/// Options of the command line, in addition to the verb and the study.
 struct Options {
   std::filesystem::path folder;                ///< -o; empty: out/<study name>
   std::vector<std::filesystem::path> allowed;  ///< --allow-outside
-  int threads = 0;                             ///< 0: the physical cores
-  long long seed = -1;                         ///< −1: the study's, or 1
+  int threads = 0;                             ///< 0: number of physical cores
+  long long seed = -1;                         ///< −1: that of the study, or 1
   bool quiet = false, json = false;
   bool certificate = true;  ///< the inertia count
   bool pictures = true;
-  int animate = 0;             ///< mode, counted from 1, whose phase animation is wanted
+  int animate = 0;             ///< mode, counted from 1, for the phase animation
   bool expect = false;         ///< `check` computes the modes and compares
   bool reproducible = false;   ///< no times in the results
   bool keep_best = false;      ///< Ctrl-C stops a fit, not the program
-  std::string unit;            ///< `check` of measured data that does not state it
+  std::string unit;            ///< for `check` of measured data without a unit
   double sample_time_s = 0.0;  ///< likewise
 };
 
-/// One run of a verb: where it writes, whom it talks to, how long its steps took.
+/// One run of a verb: its output folder, its messages, and the times of its steps.
 class Run {
  public:
   /// @throws as OutputFolder
   Run(const Study& study, Options options, std::ostream& results, Talk& talk);
-  /// Says which results in the folder are of another state of the study than what was left now. A
-  /// report of another state is kept as report_before.html.
+  /// Reports results in the folder that belong to another state of the study than those of this
+  /// run. A report of another state is kept as report_before.html.
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
@@ -54,12 +54,12 @@ class Run {
   [[nodiscard]] unsigned seed() const { return seed_; }
   [[nodiscard]] std::filesystem::path operator/(std::string_view name) const;
   [[nodiscard]] Talk& talk() { return talk_; }
-  /// Wall time of each step so far; none with --reproducible.
+  /// Wall time of each finished step; empty with --reproducible.
   [[nodiscard]] std::vector<std::pair<std::string, double>> seconds() const;
 
-  /// Text for a person, on stdout; not with --json.
+  /// Text for the user, on stdout; nothing with --json.
   void show(std::string_view text);
-  /// Does one step and keeps its wall time for the results.
+  /// Runs one step and stores its wall time for the results.
   template <typename Step>
   auto timed(const std::string& name, Step step) {
     const auto start = std::chrono::steady_clock::now();
@@ -71,7 +71,7 @@ class Run {
     keep();
     return result;
   }
-  /// While it lives, steps and what is shown are named after a part of the run: "truth: mesh".
+  /// While it exists, steps and shown text have the name of a part of the run: "truth: mesh".
   class Part {
    public:
     Part(Run& run, std::string name) : run_(run) { run_.part_ = std::move(name); }
@@ -83,18 +83,18 @@ class Run {
     Run& run_;
   };
   [[nodiscard]] Part part(std::string name) { return {*this, std::move(name)}; }
-  /// Writes `content` as a JSON file, headed by what every one carries (version, study, seed,
-  /// seconds); the one that `--json` prints is the verb's own `main_result`.
+  /// Writes `content` as a JSON file with the common header (version, study, seed, seconds).
+  /// `--json` prints only the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
 
-  /// Has `draw` paint the picture `file`, unless pictures are not wanted. One that cannot be
-  /// painted is a warning, and no earlier one of its name is left.
+  /// Lets `draw` paint the picture `file`, unless pictures are switched off. A failure is a
+  /// warning, and an older picture of that name is removed.
   void paint(const std::string& file,
              const std::function<void(const std::filesystem::path& png)>& draw);
-  /// Whether this run painted it.
+  /// True if this run painted it.
   [[nodiscard]] bool has_painted(const std::string& file) const { return painted_.contains(file); }
-  /// The fingerprints that results of this run carry: of the study, of the body's file and, with
-  /// `measured`, of the files of what was measured. Each file is read once.
+  /// The fingerprints in the results of this run: of the study, of the body's file and, with
+  /// `measured`, of the measurement's files. Each file is read once.
   [[nodiscard]] Origin origin(bool measured);
 
  private:
@@ -131,13 +131,13 @@ extern const Command interpolate_command;
 extern const Command diagnose_command;
 extern const Command study_command;
 
-/// The verbs that take no study. They return the exit code.
+/// Verbs without a study. They return the exit code.
 [[nodiscard]] int doctor(std::ostream& results);
 [[nodiscard]] int list(std::string_view what, std::ostream& results);
 [[nodiscard]] std::vector<std::string> listable();
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
                           const std::string& unit, std::ostream& results);
-/// Measured data: what a file holds and what in it is suspect; from one format to another.
+/// Measured data: the content of a file and suspect values; conversion between formats.
 [[nodiscard]] int check_data(const std::filesystem::path& file, const Options& options,
                              std::ostream& results);
 [[nodiscard]] int convert_data(const std::filesystem::path& from, const std::filesystem::path& to,

@@ -16,7 +16,7 @@
 namespace chladni::app {
 namespace {
 
-/// Corners of the boundary's triangles.
+/// Corner nodes of the boundary's triangles.
 mesh::Surface boundary_of(const mesh::TetMesh& mesh) {
   mesh::Surface surface;
   surface.points = mesh.points;
@@ -35,7 +35,7 @@ void append(std::string& bytes, const Eigen::Vector3d& vector) {
   append(bytes, single.data(), 3 * sizeof(float));
 }
 
-/// Binary STL in mm: 80 bytes of head, the count, then normal, corners and two empty bytes each.
+/// Binary STL in mm: 80 bytes of header, the count, then normal, corners and two empty bytes each.
 std::string stl_of(const mesh::Surface& surface) {
   std::string bytes = "chladni, lengths in mm";
   bytes.resize(80, ' ');

@@ -1,4 +1,4 @@
-// chladni diagnose STUDY: what the simulation gets wrong, its cause, the extended study, the gain.
+// chladni diagnose STUDY: errors of the simulation, their causes, the extended study, the gain.
 #include "app/steps/diagnosis.h"
 
 namespace chladni::app {

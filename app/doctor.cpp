@@ -1,4 +1,4 @@
-// chladni doctor: is this installation fit, and how fast will it be?
+// chladni doctor: checks the installation and estimates its speed.
 #include <fmt/format.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// A study is also a test: what it expects beside what was found.
+// A study is also a test: compares its expectations with the results.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ std::string verdict_line(const Expectation& expectation, double found, bool met)
                      expectation.within, unit, found, unit, relative);
 }
 
-/// What every study expects without saying so: modes that solve their equation.
+/// An implicit expectation of every study: the modes satisfy their equation.
 constexpr double kLargestResidual = 1e-8;
 
 bool residuals_are_small(const Solution& solution, Run& run) {

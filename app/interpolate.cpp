@@ -1,4 +1,4 @@
-// chladni interpolate STUDY: every mode shape everywhere, from a few measured points.
+// chladni interpolate STUDY: all mode shapes on the whole body, from a few measured points.
 #include "app/interpolation.h"
 
 #include <filesystem>

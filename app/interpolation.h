@@ -1,4 +1,4 @@
-// Mode shapes everywhere on the body from what was measured at a few places.
+// Mode shapes on the whole body, from measurements at a few places.
 #pragma once
 
 #include <memory>
@@ -16,30 +16,31 @@
 
 namespace chladni::app {
 
-/// What the study's measurement says.
+/// The measured shapes of a study.
 struct Measured {
-  /// Where the shapes were identified from responses; null otherwise.
+  /// The identified model, if the shapes come from responses; else null.
   std::shared_ptr<const IdentifiedModel> identified;
-  std::vector<Eigen::Index> fitted_mode;  ///< of the identified model, per shape
+  std::vector<Eigen::Index> fitted_mode;  ///< for each shape its mode in the identified model
   std::vector<std::string> channels, hidden_channels;
   priors::MeasuredShapes shapes;  ///< at `channels`
-  priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which no fit sees
-  Eigen::VectorXd damping_ratio;  ///< per mode; 0 where unknown
-  /// The simulation's shapes at the identified model's sensors and actuators; empty without one.
+  priors::MeasuredShapes hidden;  ///< at `hidden_channels`, which are held out of every fit
+  Eigen::VectorXd damping_ratio;  ///< per mode; 0: unknown
+  /// The simulation's shapes at the identified model's sensors and actuators; empty without a
+  /// model.
   Eigen::MatrixXd sensor_shapes, input_shapes;
-  Eigen::MatrixXd truth;       ///< on the surface, without noise; empty where nothing knows it
-  Eigen::VectorXd truth_area;  ///< [m²] of the surface's points; 0 where the real body is not there
+  Eigen::MatrixXd truth;       ///< on the surface, without noise; empty: not known
+  Eigen::VectorXd truth_area;  ///< [m²] of the surface's points; 0: outside the real body
 };
 
-/// One way to interpolate and what came of it.
+/// One interpolation method and its results.
 struct Interpolation {
   const priors::Interpolator* method = nullptr;
   std::unique_ptr<priors::ModeField> field;
   priors::Field surface, hidden, points;
   priors::Field unmeasured;          ///< at Interpolated::unmeasured
-  Eigen::VectorXd error, covered;    ///< per mode on the surface, where the truth is known
-  Eigen::VectorXd hidden_error;      ///< per held-out channel: of its shape values, relative
-  Eigen::VectorXd hidden_frf_error;  ///< of its FRFs to all measured channels, relative
+  Eigen::VectorXd error, covered;    ///< per mode on the surface, if the truth is known
+  Eigen::VectorXd hidden_error;      ///< relative error of the shape values, per held-out channel
+  Eigen::VectorXd hidden_frf_error;  ///< the same of its FRFs to all measured channels
   Eigen::VectorXd hidden_covered;    ///< part of its values within the 95 % band
 };
 
@@ -47,26 +48,26 @@ struct Interpolated {
   placement::Surface surface;
   std::optional<Eigen::Vector3d> direction;  ///< of the motion; none: the surface's normals
   priors::Simulation simulation;
-  fem::LaplaceSpectrum harmonics;  ///< of the body; empty where no method needs them
+  fem::LaplaceSpectrum harmonics;  ///< of the body; empty if no method needs them
   Measured measured;
   std::vector<std::string> points;  ///< names
   priors::Places point_places;
-  std::vector<std::string> unmeasured;  ///< sensors of the study that no fit saw
+  std::vector<std::string> unmeasured;  ///< sensors of the study outside the fit
   priors::Places unmeasured_places;
-  /// Per mode of the simulation: what of its mean square the channels would leave unknown, before
-  /// anything is measured; not a number for rigid-body modes.
+  /// For each mode of the simulation: expected part of its mean square that stays unknown with
+  /// these channels, before any measurement; NaN for rigid-body modes.
   Eigen::VectorXd expected_error;
-  std::vector<Interpolation> methods;  ///< the first is the one that is shown
+  std::vector<Interpolation> methods;  ///< the first one is shown
 };
 
-/// Whether shapes can be had from it: a table, or a study that stands for the real body.
+/// True if it gives shapes: a table, or a study that stands for the real body.
 [[nodiscard]] bool has_shapes(const MeasurementPlan& plan);
 
-/// @throws InvalidInput  nothing measured, channels that the table lacks, patches that are not
-///                       there, a method that was asked for and cannot be used here
+/// @throws InvalidInput  nothing measured, channels that the table lacks, patches that do not
+///                       exist, a requested method that cannot be used here
 [[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Run& run);
 
-/// The step of `interpolated` that reads a table or asks a study that stands for the real body.
+/// The step of `interpolated` that reads a table, or a study that stands for the real body.
 [[nodiscard]] Measured measured(const Study& study, const Solution& solution,
                                 const priors::Simulation& simulation,
                                 const fem::LaplaceSpectrum& harmonics, Run& run);
@@ -75,33 +76,34 @@ struct Interpolated {
 [[nodiscard]] Measured measured_by_responses(const Study& study, const Solution& solution,
                                              const fem::LaplaceSpectrum& harmonics, Run& run);
 
-/// Responses at places with shapes from a field (mean and deviation per fitted shape), rigid-body
-/// rows from the geometry, the residual from the simulation's modes above the band.
+/// Shapes of responses at places, from a field (mean and deviation per fitted shape). Rigid-body
+/// rows come from the geometry, the residual from the simulation's modes above the band.
 /// @throws InvalidInput  nothing was identified
 [[nodiscard]] identification::PlacesOfInterest places_of_interest(const Interpolated& result,
                                                                   const priors::Places& places,
                                                                   const priors::Field& field);
 
-/// The shapes with all rows of actuators off by a deviation of the scale between them and the
-/// sensors' rows; none where no scale is in doubt.
+/// The shapes with all actuator rows changed by one standard deviation of the scale between them
+/// and the sensor rows; none if no scale is uncertain.
 [[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured);
 
-/// Per held-out channel: what is predicted off what is measured, over it, all lines of the band.
+/// For each held-out channel: error of the prediction over the measured response, over all lines of
+/// the band.
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
                                                   const Interpolation& one);
 
-/// `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file,
-/// predicted.png and spatio_temporal.mat: receptances at the sensors that no fit saw and at the
+/// Writes `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file,
+/// predicted.png and spatio_temporal.mat: receptances at the sensors outside the fit and at the
 /// points of interest.
 void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
-/// predicted.png beside predicted.csv.
+/// Name of the picture: predicted.png for predicted.csv.
 [[nodiscard]] std::string predictions_picture(const std::string& file);
-/// At most 24 of them, over what was measured there.
+/// At most 24 predicted responses, over the measured ones.
 /// @param predicted  with variances
 void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,
                       const std::filesystem::path& png);
 
-/// A sensor or actuator of the study where it is on the body.
+/// A sensor or actuator of the study at its place on the body.
 struct ChannelSite {
   std::string name;
   mesh::Site site;

@@ -1,4 +1,4 @@
-// chladni list WHAT: what there is to choose from, with its sources.
+// chladni list WHAT: available choices, with their sources.
 #include <fmt/format.h>
 
 #include <array>

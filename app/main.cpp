@@ -19,7 +19,7 @@ namespace {
 
 namespace app = chladni::app;
 
-// In the order of the flow; a new verb is one line here.
+// In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
     &app::check_command,    &app::mesh_command,        &app::modes_command,
     &app::place_command,    &app::priors_command,      &app::simulate_command,
@@ -37,7 +37,7 @@ enum ExitCode {
   kInterrupted = 130
 };
 
-/// Runs `work` and turns whatever it throws into a message and an exit code.
+/// Runs `work` and turns any exception into a message and an exit code.
 int guarded(app::Talk& talk, const std::function<int()>& work) {
   const auto failed = [&](const std::exception& e, ExitCode code) {
     talk.error(e.what());
@@ -78,7 +78,7 @@ int guarded(app::Talk& talk, const std::function<int()>& work) {
   }
 }
 
-/// The message, headed by the study's name where it does not have it yet.
+/// The message, with the study's name in front if it is not there yet.
 std::string with_file(const std::filesystem::path& file, const std::string& message) {
   return message.starts_with(file.string()) ? message : file.string() + ": " + message;
 }
@@ -169,7 +169,7 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& sta
   doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
 }
 
-/// The command line: reads `argv`, runs the verb in it.
+/// Reads the command line `argv` and runs its verb.
 int answer(int argc, char** argv, app::Talk& talk) {
   CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
   cli.name("chladni");

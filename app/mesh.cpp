@@ -1,4 +1,4 @@
-// chladni mesh STUDY: the body's surface checked and filled with tetrahedra.
+// chladni mesh STUDY: checks the body's surface and fills it with tetrahedra.
 #include "app/stage/solution.h"
 #include "io/patches_picture.h"
 #include "io/vtu.h"

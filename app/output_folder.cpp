@@ -17,7 +17,7 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// The lock's file was removed by its last holder between our opening and our locking it.
+/// True if the last holder removed the lock file after we opened it and before we locked it.
 bool is_stale(int descriptor) {
   struct stat status {};
   return fstat(descriptor, &status) == 0 && status.st_nlink == 0;

@@ -1,16 +1,16 @@
-// The folder a run writes to, held by one run at a time.
+// The output folder of a run. Only one run can hold it at a time.
 #pragma once
 
 #include <filesystem>
 
 namespace chladni::app {
 
-/// Creates `folder`, makes sure that it can be written, and holds a lock with this process's number
-/// in it until the end; a run that dies leaves no lock behind.
+/// Creates `folder`, checks that it can be written, and holds a lock with this process's number
+/// until the end. A run that crashes leaves no lock.
 class OutputFolder {
  public:
-  /// @throws InvalidInput  it cannot be made or written, or another run holds it (names that
-  /// process)
+  /// @throws InvalidInput  it cannot be created or written, or another run holds it (names that
+  ///                       process)
   /// @throws OutOfResources  the disk is full
   explicit OutputFolder(const std::filesystem::path& folder);
   ~OutputFolder();

@@ -1,4 +1,4 @@
-// chladni place STUDY: where the collocated pair belongs, and how good layouts are.
+// chladni place STUDY: the best places of collocated pairs, and the quality of layouts.
 #include "app/steps/placement/placement.h"
 
 namespace chladni::app {

@@ -21,7 +21,7 @@ unsigned seed_of(const Study& study, const Options& options) {
   return options.seed >= 0 ? static_cast<unsigned>(options.seed) : study.seed.value_or(1);
 }
 
-/// Whether what was measured goes into a result.
+/// True if the result depends on the measurement.
 bool stands_on_measured(const std::string& file) {
   constexpr std::array results = {"diagnosis.json", "identified.json", "interpolation.json"};
   return std::find(results.begin(), results.end(), file) != results.end();
@@ -49,7 +49,7 @@ Run::~Run() {
   try {
     if (has_left_) put_outdated_aside();
   } catch (const std::exception&) {
-    return;  // the results are whole
+    return;  // the results are complete
   }
 }
 

@@ -1,5 +1,5 @@
-// chladni simulate STUDY: an experiment that was never made, on the study's model or on the thesis'
-// chain of rigid bodies.
+// chladni simulate STUDY: a virtual experiment, on the study's model or on the thesis' chain of
+// rigid bodies.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostNumbers = 1e8;  // of a table of recordings: 2 GB of text
+constexpr double kMostNumbers = 1e8;  // in a table of recordings: 2 GB of text
 
-// Where the responses go. A file that is not an earlier run's own stays.
+// The file for the responses. A file that an earlier run did not write is not overwritten.
 fs::path target_of(const Study& study, Run& run) {
   const bool stated = study.measurement && !study.measurement->frf.empty();
   const fs::path file = stated ? study.measurement->frf : run / "measured.csv";
@@ -29,7 +29,7 @@ fs::path target_of(const Study& study, Run& run) {
     try {
       own = io::parse_json(read_whole(run / "simulated.json")).at("sha256").string();
     } catch (const InvalidInput&) {
-      own.clear();  // not ours, or of another version
+      own.clear();  // not ours, or from another version
     }
   }
   require(own == sha256(read_whole(file)),

@@ -1,4 +1,4 @@
-// chladni study STUDY: every step for which the study has the data.
+// chladni study STUDY: runs every step for which the study has data.
 #include <filesystem>
 #include <optional>
 
@@ -7,8 +7,8 @@
 namespace chladni::app {
 namespace {
 
-// Whether there is something measured; says which file is missing: `simulate` may yet have to write
-// it, or it does not come with the study.
+// True if there are measured data. A warning names a missing file: `simulate` must still write it,
+// or it does not come with the study.
 bool is_there(const MeasurementPlan& plan, Run& run) {
   for (const auto& path : {plan.frf, plan.time}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
@@ -23,7 +23,7 @@ void run(const Study& study, Run& run) {
   const Solution solution = solved(study, run);
   run.show(modes_table(solution));
   leave_mesh(solution.model.body, run, false);
-  // Of a body that is given by its dimensions the names are known.
+  // If the body is given by its dimensions, the names of its patches are known.
   if (study.geometry.kind == "file") paint_patches(study, solution.model.body, run);
   leave_modes(study, solution, run);
   std::optional<Placed> placement;

@@ -1,4 +1,4 @@
-// Talking to a person: a progress line, notes and warnings on stderr, results on stdout.
+// Output for the user: a progress line, notes and warnings on stderr, results on stdout.
 #pragma once
 
 #include <chrono>
@@ -10,14 +10,14 @@
 
 namespace chladni::app {
 
-/// How a stream is spoken to.
+/// Style of the output on a stream.
 struct Manner {
-  bool quiet = false;     ///< no notes and no progress; warnings still
-  bool progress = false;  ///< the progress line: only where stderr is a terminal
+  bool quiet = false;     ///< no notes and no progress, but warnings
+  bool progress = false;  ///< the progress line: only if stderr is a terminal
   bool colour = false;    ///< bold and dim; not with NO_COLOR
 };
 
-/// What this process's stderr allows.
+/// The style that this process's stderr allows.
 [[nodiscard]] Manner manner_of_stderr(bool quiet);
 
 class Talk {
@@ -28,8 +28,7 @@ class Talk {
   void warn(std::string_view message);  ///< "warning: ..."
   void error(std::string_view message);
 
-  /// Draws "meshing  43 %" over itself at most ten times a second; empty where there is no
-  /// terminal.
+  /// Draws "meshing  43 %" in place, at most ten times a second; empty if there is no terminal.
   [[nodiscard]] Progress progress();
   void clear_progress();
 

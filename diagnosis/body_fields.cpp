@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// With what each part of a cell is multiplied: what goes as t^power, and as t.
+// Sums the parts of all cells, with one factor for t^power and one for t.
 BodyChange change(const Structure& structure, const ArrayXd& powered, const ArrayXd& linear) {
   const auto& cells = structure.cells;
   BodyChange result{sum_of(cells.stiffness, powered), sum_of(cells.mass, linear)};
@@ -18,7 +18,7 @@ BodyChange change(const Structure& structure, const ArrayXd& powered, const Arra
   return result;
 }
 
-// Of the box, 0 along an axis that one cell spans: nothing varies along it.
+// Size of the box; 0 along an axis that one cell spans, because no field varies along it.
 Eigen::RowVector2d resolved_size(const BodyCells& cells) {
   const Eigen::RowVector2d spread =
       cells.centres.colwise().maxCoeff() - cells.centres.colwise().minCoeff();
@@ -29,7 +29,7 @@ Eigen::RowVector2d resolved_size(const BodyCells& cells) {
   return size;
 }
 
-// From -1 to 1 over the box; 0 along an axis that is not resolved.
+// Coordinate from -1 to 1 over the box; 0 along an axis that is not resolved.
 ArrayXd along(const BodyCells& cells, const Eigen::MatrixX2d& places, Index axis) {
   const double size = resolved_size(cells)(axis);
   if (size <= 0.0) return ArrayXd::Zero(places.rows());

@@ -11,7 +11,7 @@
 namespace chladni::diagnosis {
 namespace {
 
-// Causes in a channel before those in the body: they are the cheaper ones to look after.
+// Causes in a channel come before causes in the body, because they cost less to check.
 constexpr std::array kAll{
     &sensor_sign,
     &actuator_sign,
@@ -57,7 +57,7 @@ constexpr std::array kAll{
     &drift,
 };
 
-// Which coordinates are u and v.
+// Indices of the coordinates u and v.
 std::optional<std::array<Eigen::Index, 2>> place_coordinates(const Supposed& supposed,
                                                              const Structure& structure) {
   std::array<Eigen::Index, 2> at{-1, -1};
@@ -124,13 +124,13 @@ struct SimplerPair {
   double share = 0.0;
 };
 
-// A pole that brings less than this of what its resonator explains is not seen: it lies beside the
-// band, or is damped away.
+// The pole of a resonator is not visible if it brings less than this part of the gain: it lies
+// outside the band or is heavily damped.
 constexpr double kPoleUnseen = 0.01;
 
-// What turns with the body goes with the slopes of the shapes, in which solvers differ more than in
-// the shapes: a point mass that another solver found was told with a radius of gyration of 12 mm
-// for 0.0006 of what it explains. Radii from 25 mm on bring a tenth and more.
+// Rotary inertia depends on the slopes of the shapes, in which solvers differ more than in the
+// shapes. A point mass from another solver was found with a radius of gyration of 12 mm, for 0.0006
+// of its gain. Radii of 25 mm and more bring a tenth of the gain and more.
 constexpr double kTurnsOtherwise = 0.002;
 
 constexpr std::array kSimpler{
@@ -147,7 +147,7 @@ constexpr std::array kSimpler{
     SimplerPair{"actuator_direction", "actuator_position"},
 };
 
-// The simpler effect's parameter as the general one has it; at its centre where it has none.
+// The value of the general effect's parameter for the simpler effect; its centre if there is none.
 double shared_coordinate(const Parameter& wanted, const Supposed& general,
                          const std::vector<Parameter>& parameters) {
   const auto same = std::ranges::find(parameters, wanted.name, &Parameter::name);

@@ -12,7 +12,7 @@ namespace {
 
 using Indices = std::vector<Eigen::Index>;
 
-constexpr double kOnePlace = 1e-3;  // shapes of a pair differ by so much of their size at most
+constexpr double kOnePlace = 1e-3;  // largest difference of the shapes of a pair, relative
 
 struct Collocated {
   Eigen::Index output = 0, input = 0;
@@ -34,7 +34,7 @@ std::vector<Collocated> collocated(const modal::ReducedModel& model) {
   return pairs;
 }
 
-// Σ over lines where both are measured.
+// Sums over lines where both are measured.
 struct Sums {
   std::complex<double> between = 0.0;
   double one = 0.0, other = 0.0, different = 0.0, variance = 0.0;
@@ -74,7 +74,7 @@ Reciprocity of(const Collocated& a, const Collocated& b, const Sums& sum) {
   return result;
 }
 
-// Where the names of `wanted` stand among those of the structure; −1: nowhere.
+// Indices of the names of `wanted` among those of the structure; −1: not there.
 Indices places(const std::vector<modal::MeasuredChannel>& wanted,
                const std::vector<std::string>& names) {
   Indices result;
@@ -85,7 +85,7 @@ Indices places(const std::vector<modal::MeasuredChannel>& wanted,
   return result;
 }
 
-// Rows of the measurement that the structure has too.
+// Rows of the measurement that the structure also has.
 Indices shared(const Indices& places) {
   Indices rows;
   for (std::size_t i = 0; i < places.size(); ++i) {

@@ -25,7 +25,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// P(χ²(dof, λ) > threshold): a power of it is nearly normal.
+// P(χ²(dof, λ) > threshold): a power of χ² is nearly normal.
 double power_of(double lambda, double dof, double threshold) {
   const double mean = dof + lambda;
   const double more = dof + 2.0 * lambda;
@@ -37,8 +37,8 @@ double power_of(double lambda, double dof, double threshold) {
   return 0.5 * std::erfc((std::pow(threshold / mean, h) - centre) / width / std::numbers::sqrt2);
 }
 
-// The effect of a probe at another amplitude: of a difference its coordinate, of a strength the
-// multiple of the probe's own.
+// The effect of a probe at another amplitude. For a difference the amplitude is the coordinate; for
+// a strength it is a multiple of the probe's own.
 class Amplitude {
  public:
   Amplitude(const Structure& structure, const Effect& effect, const Probe& probe)
@@ -76,7 +76,7 @@ class Amplitude {
   }
 
  private:
-  // By which the slope of a coordinate is larger than at the probe: what a size multiplies.
+  // Ratio of a coordinate's slope to that at the probe. The size multiplies the other slopes.
   [[nodiscard]] double growth(Index i, double amplitude) const {
     if (probe_.nothing != Nothing::zero) return amplitude;
     return is_about_zero(parameters_[at(i)]) ? 1.0 : amplitude / probe_.x(probe_.size);
@@ -120,7 +120,7 @@ Detectable described(const Structure& structure, const Effect& effect, Index opt
   return told;
 }
 
-// The less, the better it is found.
+// Lower rank: easier to detect.
 double rank(const Detectable& one) {
   if (one.parameter.empty()) return -one.log_evidence;
   return one.from_above && std::isfinite(one.size) ? -one.size : one.size;
@@ -181,10 +181,10 @@ Detector::Detector(const Experiment& experiment, const DetectableOptions& option
 
 std::vector<LeastSize> Detector::sizes(const Effect& effect,
                                        const std::vector<Probe>& probes) const {
-  constexpr std::size_t kTogether = 32;  // so that the columns take little memory
+  constexpr std::size_t kTogether = 32;  // limits the memory of the columns
   std::vector<LeastSize> all;
   for (std::size_t first = 0; first < probes.size();) {
-    // Probes that differ in nothing but which coordinate is their size have the same columns.
+    // Probes that differ only in the choice of the size coordinate have the same columns.
     std::vector<Probe> different;
     std::vector<std::size_t> which;
     std::size_t next = first;

@@ -24,8 +24,8 @@ using Eigen::Index;
 
 constexpr double kHardlyByChance = 0.05;
 
-// The best few fits again on more lines and with the errors of the mode shapes, which the search
-// saw as noise.
+// Fits the best few again, on more lines and with the errors of the mode shapes as parameters. The
+// search took these errors as noise.
 Found fitted_again(const Problem& problem, const Found& found) {
   constexpr std::size_t kMost = 3;
   const auto again = [&](const Fit& fit) {
@@ -49,7 +49,7 @@ Found fitted_again(const Problem& problem, const Found& found) {
   return fine;
 }
 
-// Where the place of the best explanation's first cause in a place may be.
+// Map of the possible places of the first cause with a place in the best explanation.
 CauseMap map_of(const Problem& problem, const Fit& best) {
   Fit without = best;
   const auto placed = std::ranges::find_if(without.causes, [&](const Supposed& cause) {
@@ -87,7 +87,7 @@ std::string note_on_places(const Structure& structure, const Explanation& told) 
          "thing that is spread out, which the catalogue lacks";
 }
 
-// All but the notes.
+// The diagnosis without its notes.
 Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOptions& options) {
   auto told = explanations(problem, found, options.rival_within);
   Diagnosis diagnosis;
@@ -105,7 +105,7 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
     tell(options.progress, "where the unknown acts");
-    // Where no cause is believed, the unknown acts on the simulation itself.
+    // If no cause is believed, the unknown acts on the simulation itself.
     const bool believed = diagnosis.verdict == Verdict::partial;
     diagnosis.superclass = superclass(problem, believed ? best : found.nothing);
   }
@@ -135,13 +135,13 @@ std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
       all.push_back(one);
     }
   }
-  for (const auto& name : options.only) (void)effect(name);  // an unknown one is told
+  for (const auto& name : options.only) (void)effect(name);  // an unknown name throws
   return all;
 }
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
-  const dense::OneBlasThread one;  // the tasks of the search are what runs side by side
+  const dense::OneBlasThread one;  // the tasks of the search run in parallel instead
   const auto given = prepared(structure, measured, options.tolerances);
   const Found first = searched_in(given, options);
   tell(options.progress, "the last word");

@@ -1,4 +1,4 @@
-// What a simulation gets wrong and why: measured responses in, causes with their probabilities out.
+// Why a simulation disagrees with measured responses: causes with their probabilities.
 #pragma once
 
 #include <optional>
@@ -24,45 +24,45 @@ struct CauseParameter {
 
 struct Cause {
   std::string effect;                 ///< as effects() names it
-  std::vector<std::string> channels;  ///< it acts on; empty for the body
+  std::vector<std::string> channels;  ///< where it acts; empty for the body
   std::string option;                 ///< Choice::text: "g taken for m/s^2"; or empty
   std::vector<CauseParameter> parameters;
-  std::vector<CauseParameter> fixed;  ///< what the option fixes, of std 0: "factor", "derivative"
+  std::vector<CauseParameter> fixed;     ///< fixed by the option, std 0: "factor", "derivative"
   std::optional<Eigen::Vector2d> place;  ///< on the chart [m]: parameters "u" and "v"
-  double log_evidence_gain = 0.0;        ///< ln Z lost when it alone is left out
-  double probability = 0.0;              ///< that this, and no rival, is behind the data
-  double share = 0.0;                    ///< of the initial excess misfit that leaves with it
+  double log_evidence_gain = 0.0;        ///< loss of ln Z if only this cause is left out
+  double probability = 0.0;              ///< posterior that this cause, and no rival, is present
+  double share = 0.0;                    ///< part of the initial excess misfit that it removes
 };
 
-/// Causes that explain the data together.
+/// A set of causes that explains the data together.
 struct Explanation {
   std::vector<Cause> causes;
-  double log_evidence = 0.0;  ///< over that of the simulation with its tolerances
+  double log_evidence = 0.0;  ///< relative to the simulation with its tolerances
   double probability = 0.0;   ///< among the explanations found
-  double excess = 0.0;        ///< z = (χ² − N) / sqrt(2N) of what it leaves
-  double strained = 0.0;      ///< χ² of what it leaves, stretched tolerances too
-  double error_excess = 0.0;  ///< of which as much may be the causes' own (error_of)
-  std::size_t fit = 0;        ///< of those found (Found::fits)
-  double promise = 0.0;       ///< of log_evidence, where its fit has not converged; else 0
+  double excess = 0.0;        ///< z = (χ² − N + parameters) / sqrt(2N) of the remaining misfit
+  double strained = 0.0;      ///< remaining penalised misfit χ² + ηᵀη
+  double error_excess = 0.0;  ///< part of `excess` that errors of the causes may explain (error_of)
+  std::size_t fit = 0;        ///< index in Found::fits
+  double promise = 0.0;       ///< possible gain of log_evidence; 0 if the fit has converged
 };
 
-/// Where something acts that no effect of the catalogue explains.
+/// The location of a cause that is not in the catalogue.
 struct Superclass {
   std::string name;     ///< "sensor", "actuator", "place", "all sensors alike", "frequencies", ...
-  std::string channel;  ///< of a row or a column
+  std::string channel;  ///< for a row or a column
   std::optional<Eigen::Vector2d> place;
-  double explained = 0.0;  ///< part of the excess misfit that a free function of frequency takes
+  double explained = 0.0;  ///< part of the excess misfit that a free function of frequency removes
   Eigen::VectorXd frequency_hz;
   Eigen::VectorXcd curve;  ///< that function
 };
 
-/// How likely a point attachment is at each place of the scan (Structure::surface).
+/// The probability of a point attachment at each place of the scan (Structure::surface).
 struct CauseMap {
   Eigen::VectorXd explained;  ///< n: part of the excess misfit
   Eigen::VectorXd posterior;  ///< n: sums to 1; zero where no place was named
 };
 
-/// Left by a fit: χ² per number measured, 1 where only noise is left.
+/// Residual of a fit: χ² per measured number, 1 if only noise is left.
 struct Residue {
   Eigen::VectorXd per_output, per_input;
   Eigen::VectorXd band_edges_hz, per_band;  ///< b + 1, b
@@ -71,10 +71,10 @@ struct Residue {
 
 struct DiagnosisOptions {
   Tolerances tolerances;
-  int lines = 320;  ///< of the search, at most; the last fit takes twice as many
+  int lines = 320;  ///< lines of the search, at most; the last fit takes twice as many
   int most_causes = 3;
-  double least_evidence = 8.0;    ///< of a cause: ln of the Bayes factor
-  double rival_within = 5.0;      ///< ln Z: rivals nearer than this make it ambiguous
+  double least_evidence = 8.0;    ///< that a cause needs: ln of the Bayes factor
+  double rival_within = 5.0;      ///< ln Z: the verdict is ambiguous if a rival is nearer than this
   std::vector<std::string> only;  ///< names of effects; empty: all
   Progress progress = {};
 };
@@ -88,16 +88,16 @@ struct Diagnosis {
   std::string measure_next;    ///< what would decide between the best and its rivals; or empty
   double excess_before = 0.0;  ///< z of the simulation within its tolerances
   Residue before, after;
-  std::vector<std::string> breaches;  ///< tolerances that are stretched beyond three deviations
+  std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
   std::vector<std::string> notes;
 };
 
 struct Effect;  // diagnosis/effect.h
-/// What is looked for. @throws InvalidInput  `only` has a name that no effect has
+/// The effects that are looked for. @throws InvalidInput  `only` has a name that no effect has
 [[nodiscard]] std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options);
 
-/// @param measured  receptances (modal::converted) with variances; channels by name, those that
-///                  the structure lacks are left out with a note; NaN is not measured
+/// @param measured  receptances (modal::converted) with variances. Channels are matched by name;
+///                  those that the structure lacks are left out with a note. NaN: not measured
 /// @throws InvalidInput  no channel in common, no line within the structure's modes, variances
 ///                       missing or negative
 [[nodiscard]] Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,

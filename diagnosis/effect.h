@@ -1,4 +1,4 @@
-// What may be wrong with a simulation: the catalogue, one entry per cause.
+// Catalogue of possible errors of a simulation: one entry per cause.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace chladni::diagnosis {
 
-/// A number of an effect. The search moves its coordinate x, whose prior is normal.
+/// A parameter of an effect. The search moves its coordinate x, whose prior is normal.
 struct Parameter {
   enum class Scale {
     linear,       ///< value = x
@@ -24,8 +24,8 @@ struct Parameter {
   };
   std::string_view name, unit;
   Scale scale = Scale::linear;
-  double centre = 0.0, width = 1.0;  ///< of the prior, of x
-  double step = 1e-4;                ///< for differences, of x
+  double centre = 0.0, width = 1.0;  ///< of the prior of x
+  double step = 1e-4;                ///< of x, for finite differences
 
   [[nodiscard]] double value(double x) const;
   [[nodiscard]] double coordinate(double value) const;
@@ -33,110 +33,111 @@ struct Parameter {
   [[nodiscard]] bool is_place() const { return scale == Scale::place_u || scale == Scale::place_v; }
 };
 
-/// Where a search of an effect begins.
+/// A start of the search for an effect.
 struct EffectStart {
   Eigen::Index option = 0;
   Eigen::VectorXd x;  ///< coordinates of the parameters
 };
 
-/// What a choice says beside its channels: a unit, a quantity. Two that differ in it are not of one
-/// name.
+/// Additional data of a choice, beside its channels: a unit, a quantity. Choices with different
+/// data have different names.
 struct Choice {
   std::string text;         ///< "g taken for m/s^2"; or empty
-  std::string_view number;  ///< the name of what it fixes: "factor", "derivative"; or empty
-  double value = 0.0;       ///< [1], of that number
+  std::string_view number;  ///< the number that it fixes: "factor", "derivative"; or empty
+  double value = 0.0;       ///< [1], value of that number
 };
 
 class Scene;  // diagnosis/search/scene.h
 
-/// An effect: some numbers, and perhaps a choice (which channel). With all its sizes at 0 (or at
-/// −∞ of their logarithm) it changes nothing.
+/// An effect: some parameters, and perhaps a discrete choice (which channel). With all sizes at 0
+/// (or their logarithm at −∞) it changes nothing.
 struct Effect {
   std::string_view name;        ///< "point_mass"
   std::string_view summary;     ///< one line
-  std::string_view source;      ///< where its mathematics comes from
-  std::string_view confusable;  ///< with what, and what tells them apart
+  std::string_view source;      ///< source of its mathematics
+  std::string_view confusable;  ///< similar effects, and what separates them
 
   std::vector<Parameter> (*parameters)(const Structure& structure);
-  Eigen::Index (*options)(const Structure& structure);  ///< choices; 0: cannot be here
+  Eigen::Index (*options)(const Structure& structure);  ///< number of choices; 0: not possible here
   std::vector<std::string> (*channels)(const Structure& structure, Eigen::Index option);
   /// @param x  coordinates, as many as parameters
   void (*apply)(State& state, const Structure& structure, Eigen::Index option,
                 const Eigen::VectorXd& x);
-  /// Coordinates worth a look, cheap to find; empty: what the scene offers by itself is enough.
+  /// Promising starts, cheap to find; empty: no start in this scene.
   std::vector<EffectStart> (*starts)(const Scene& scene);
-  /// `apply` in two steps, where its first, which needs no state, is the dear one (`at_once` then
-  /// makes `apply` of it); or none.
+  /// `apply` in two steps, or none. The first step is the expensive one and needs no state.
+  /// `at_once` makes `apply` from `change`.
   std::function<void(State&)> (*change)(const Structure& structure, Eigen::Index option,
                                         const Eigen::VectorXd& x) = nullptr;
-  /// How far off, relative, what it does to the responses may be: what could mend as much beside it
-  /// is not believed, and what it leaves is no reason for more (error_of). 0: it is exact.
+  /// Relative model-form error of its effect on the responses. A further cause that only corrects
+  /// an error of this size is not believed, and a residual of this size is no reason for one
+  /// (error_of). 0: exact.
   double error = 0.0;
-  /// What its choices say beside the channels; or none.
+  /// Additional data of each choice, beside its channels; or none.
   Choice (*choice)(Eigen::Index option) = nullptr;
-  /// A number that follows from its own, of the name that a simpler effect has for it; or none.
+  /// The value of a parameter `name` of a simpler effect that follows from this one's x; or none.
   std::optional<double> (*implied)(std::string_view name, const Eigen::VectorXd& x) = nullptr;
 };
 
-/// Empty for an effect whose choices are its channels, or that has none.
+/// Empty for an effect whose choices are its channels, or that has no choices.
 [[nodiscard]] Choice choice_of(const Effect& effect, Eigen::Index option);
 
-/// All effects, in the order in which equals are told.
+/// All effects. Equally good ones are reported in this order.
 [[nodiscard]] std::span<const Effect* const> effects();
 
-/// @throws InvalidInput  there is none of that name; the message lists those there are
+/// @throws InvalidInput  no effect has this name; the message lists all names
 [[nodiscard]] const Effect& effect(std::string_view name);
 
-/// An effect of which another is more general: where both explain the data about equally it is
-/// meant, and where it leaves less than `share` of what the general one explains.
+/// A simpler special case of an effect. It is preferred where both explain the data about equally,
+/// or where it leaves less than `share` of what the general effect explains.
 struct Simpler {
   const Effect* effect = nullptr;
   double share = 0.0;
 };
 [[nodiscard]] std::vector<Simpler> simpler_of(const Effect& effect);
 
-/// An effect with its numbers.
+/// An effect with its parameter values.
 struct Supposed {
   const Effect* effect = nullptr;
   Eigen::Index option = 0;
   Eigen::VectorXd x;
 };
 
-/// Its effect's error; of what has a "factor" in proportion to that, up to 1.
+/// The error of its effect. With a "factor" parameter it is multiplied by |factor|, at most 1.
 [[nodiscard]] double error_of(const Supposed& supposed, const Structure& structure);
 
-/// What it does to any state, for many states; as long as both arguments live.
+/// The change that it makes to a state, for use on many states. Both arguments must outlive it.
 [[nodiscard]] std::function<void(State&)> change_of(const Supposed& supposed,
                                                     const Structure& structure);
 
-/// Each simpler one with what numbers both share or the general one implies.
+/// Each simpler effect, with the numbers that both share or that the general one implies.
 [[nodiscard]] std::vector<Supposed> simplified(const Supposed& supposed,
                                                const Structure& structure);
 
-/// Where on the surface; none for effects that have no place.
+/// The place on the surface; none for effects without a place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
                                                       const Structure& structure);
-/// How far around its place it acts [m]: its "radius", or 0.
+/// Radius [m] around its place in which it acts: its "radius", or 0.
 [[nodiscard]] double reach_of(const Supposed& supposed, const Structure& structure);
 
-/// Widths of its prior within which a size is thought of at all.
+/// A size further from the centre of its prior than this many widths is not considered.
 inline constexpr double kPlausible = 6.0;
 
-/// ln of the prior density of the coordinates and of the choice; −∞ beside the surface and for
-/// sizes that are not plausible.
+/// ln of the prior density of the coordinates and of the choice. −∞ for a place outside the surface
+/// and for implausible sizes.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);
 
-/// What lies beside the surface taken back toward where it came from, by halves, until it is on it;
-/// or all the way.
+/// Moves a place outside the surface back toward `from`, by halves, until it is on the surface. If
+/// that fails, it takes the place of `from`.
 void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to);
 
-/// For entries of the table: `apply` of an effect that has a `change`.
+/// For entries of the table: the `apply` of an effect that has a `change`.
 template <auto change>
 void at_once(State& state, const Structure& structure, Eigen::Index option,
              const Eigen::VectorXd& x) {
   change(structure, option, x)(state);
 }
-/// Effects without a choice.
+/// For effects without a choice.
 [[nodiscard]] Eigen::Index one_option(const Structure& structure);
 [[nodiscard]] std::vector<std::string> no_channels(const Structure& structure, Eigen::Index option);
 

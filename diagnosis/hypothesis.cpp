@@ -27,7 +27,7 @@ Eigen::VectorXd coordinates(const Cause& cause, const Effect& effect, const Stru
   return x;
 }
 
-// The choice that acts on these channels in the cause's way; −1: there is none.
+// The choice of the cause that acts on these channels; −1: there is none.
 Index option_of(const Cause& cause, const Effect& effect, const Structure& structure,
                 const std::vector<std::string>& channels) {
   const Index options = effect.options(structure);

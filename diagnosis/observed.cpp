@@ -15,7 +15,7 @@ using Eigen::Index;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// For each name of `wanted` its place in `channels`, or −1.
+// For each name of `wanted` its index in `channels`, or −1.
 std::vector<Index> places_of(const std::vector<std::string>& wanted,
                              const std::vector<modal::MeasuredChannel>& channels) {
   std::vector<Index> places;
@@ -36,7 +36,7 @@ void note_strangers(const std::vector<modal::MeasuredChannel>& channels,
   }
 }
 
-// Those that are measured; `places` becomes theirs.
+// The channels that are measured; `places` becomes theirs.
 ChannelSide measured_part(const ChannelSide& side, std::vector<Index>& places,
                           std::vector<Index>& kept) {
   std::vector<Index> found;
@@ -157,14 +157,14 @@ Observed thinned(const Observed& observed, Index count) {
       const double a = std::abs(observed.value(k - 1, c));
       const double b = std::abs(observed.value(k, c));
       if (a <= 0.0 || b <= 0.0) continue;
-      // Not more than the curve's own noise allows to be seen.
+      // Changes below three standard deviations of the noise do not count.
       const double noise = 1.0 / (observed.weight(k, c) * b);
       turned += std::max(0.0, std::abs(std::log(b / a)) - 3.0 * noise);
       responses += 1.0;
     }
     length(k) = length(k - 1) + (responses > 0.0 ? turned / responses : 0.0);
   }
-  // Half of the lines by the length of the curves, half evenly.
+  // Half of the density follows the length of the curves, half is even.
   const double whole = std::max(length(lines - 1), 1e-12);
   std::vector<Index> chosen;
   double next = 0.0;

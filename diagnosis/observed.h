@@ -1,4 +1,4 @@
-// What a diagnosis sees of the measurement.
+// Measured data in the form that a diagnosis uses.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,44 +15,46 @@ struct Observed {
   Eigen::Index outputs = 0, inputs = 0;
   Eigen::VectorXd omega;   ///< K [rad/s], ascending, above 0
   Eigen::MatrixXcd value;  ///< K×pq [m/N]; 0 where not measured
-  Eigen::MatrixXd weight;  ///< K×pq: √2/σ, σ² = E|G − G₀|², so that χ² counts each part; 0: none
+  Eigen::MatrixXd weight;  ///< K×pq: √2/σ, σ² = E|G − G₀|², so χ² counts each part; 0: not measured
 
   [[nodiscard]] Eigen::Index line_count() const { return omega.size(); }
   /// Real numbers measured: two per response and line of weight above 0.
   [[nodiscard]] double number_count() const {
     return 2.0 * static_cast<double>((weight.array() > 0.0).count());
   }
-  /// χ² of no response at all.
+  /// χ² of a zero response.
   [[nodiscard]] double power() const {
     return (value.cwiseAbs().array() * weight.array()).square().sum();
   }
 };
 
-/// Channels of both, in the order of the structure; lines above 0 Hz and at most `high_hz`.
-/// @throws InvalidInput  no channel in common, fewer than 8 lines, a variance that is missing where
-///                       a value is, or not positive
+/// Channels that both have, in the structure's order; lines above 0 Hz and at most `high_hz`.
+/// @throws InvalidInput  no channel in common, fewer than 8 lines, a value whose variance is
+///                       missing or not positive
 struct Seen {
-  Structure structure;  ///< its channels those that are measured
+  Structure structure;  ///< with the measured channels only
   Observed observed;
   std::vector<std::string> notes;
 };
 [[nodiscard]] Seen seen(const Structure& structure, const modal::FrfSet& measured, double high_hz);
 
-/// With more variance E|error|² in its responses, K×pq [m²/N²].
+/// The same data with additional variance E|error|² of the responses, K×pq [m²/N²].
 [[nodiscard]] Observed widened(const Observed& observed, const Eigen::MatrixXd& variance);
 
-/// Of a model that is wrong by `response` times the level of each line: of a response the mean
-/// squares of its row and of its column, over that of all. K×pq [m²/N²].
+/// Variance of a model-form error of `response` times the level of each line. The level squared of
+/// a response is the mean square of its row times that of its column, over that of all. K×pq
+/// [m²/N²].
 [[nodiscard]] Eigen::MatrixXd model_variance(const Observed& observed, double response);
 
-/// About `count` lines, dense where the responses turn (evenly along the length of the curves
-/// ln|G| over ln f, averaged over the responses); all where there are fewer.
+/// About `count` lines, or all if there are fewer. Half of the density follows the length Σ|Δ
+/// ln|G||, averaged over the responses, so lines are dense where the responses change; half is
+/// even.
 [[nodiscard]] Observed thinned(const Observed& observed, Eigen::Index count);
 
-/// √weight-ed differences of `model` from what was observed, as 2·K·pq real numbers: real parts
-/// first, then imaginary ones.
+/// Differences of the observation from `model`, multiplied by the weights, as 2·K·pq real numbers:
+/// real parts first, then imaginary parts.
 [[nodiscard]] Eigen::VectorXd residual(const Observed& observed, const Eigen::MatrixXcd& model);
-/// The same of a change of the model, without the sign turned: d model / dx weighted.
+/// The same for a change of the model, without the change of sign: d model / dx, weighted.
 [[nodiscard]] Eigen::VectorXd weighted(const Observed& observed, const Eigen::MatrixXcd& change);
 
 }  // namespace chladni::diagnosis

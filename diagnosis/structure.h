@@ -1,5 +1,5 @@
-// The simulation as the diagnosis sees it: its modes where they were measured, where something may
-// hang on it, and what each part of the body adds to stiffness and mass.
+// The simulation in the form that a diagnosis uses: modes at the channels, places where a cause may
+// be attached, and the contribution of each part of the body to stiffness and mass.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,63 +11,64 @@
 namespace chladni::diagnosis {
 
 /// Motion of the r modes at one place of the surface, along its normal. The slopes are along the
-/// chart's axes: a rotation of the material there, for thin bodies.
+/// axes of the chart; for thin bodies they are rotations of the material.
 struct PointMotion {
   Eigen::VectorXd shape;             ///< r [kg^-1/2]
   Eigen::VectorXd slope_u, slope_v;  ///< r [kg^-1/2 m^-1]
-  /// u, or empty: φ/ω [kg^-1/2 s] and its slopes of modes far above the band, which yield at once.
+  /// u, or empty: φ/ω [kg^-1/2 s] and its slopes for modes far above the band, which yield
+  /// statically.
   Eigen::VectorXd upper, upper_slope_u, upper_slope_v;
 };
 
-/// Channels of one side, c of them.
+/// The c channels of one side.
 struct ChannelSide {
   std::vector<std::string> names;
   Eigen::MatrixXd shapes;            ///< c×r, along each channel's direction [kg^-1/2]
-  Eigen::MatrixXd slope_u, slope_v;  ///< c×r: how they change when it is moved [kg^-1/2 m^-1]
-  Eigen::MatrixXd aside_u, aside_v;  ///< c×r: along the chart's axes instead [kg^-1/2]
+  Eigen::MatrixXd slope_u, slope_v;  ///< c×r: change when the channel moves [kg^-1/2 m^-1]
+  Eigen::MatrixXd aside_u, aside_v;  ///< c×r: shapes along the chart's axes instead [kg^-1/2]
   Eigen::MatrixX2d places;           ///< c×2, on the chart [m]
-  Eigen::MatrixXd upper;             ///< c×u, or c×0: as PointMotion's
+  Eigen::MatrixXd upper;             ///< c×u, or c×0: as PointMotion::upper
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };
 
-/// A part of the surface as a map of two coordinates (for a plate: its top, x and y).
+/// A part of the surface with two coordinates (for a plate: its top, x and y).
 struct Surface {
-  Eigen::MatrixX2d places;  ///< n×2 [m]: of the scan, evenly spread
+  Eigen::MatrixX2d places;  ///< n×2 [m]: places of the scan, evenly spread
   Eigen::VectorXd area;     ///< n [m²]
   Eigen::MatrixXd shapes;   ///< n×r, along the normal
-  /// Anywhere on it; none beside it.
+  /// The motion at any place on it; none for a place outside it.
   std::function<std::optional<PointMotion>(const Eigen::Vector2d&)> at;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]: of the chart, in the body's frame
   Eigen::Vector3d axis_u = Eigen::Vector3d::UnitX(), axis_v = Eigen::Vector3d::UnitY();
 
-  /// Maxima of a scan that are nearer to each other, as a part of size(), are one.
+  /// Maxima of a scan count as one if their distance is below this part of size().
   static constexpr double kOnePeak = 0.08;
 
   [[nodiscard]] Eigen::Index count() const { return places.rows(); }
-  /// [m]: the diagonal of what the scan spans.
+  /// [m]: diagonal of the box around the places of the scan.
   [[nodiscard]] double size() const {
     return (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
   }
-  /// [m], in the body's frame.
+  /// The position of a place [m], in the body's frame.
   [[nodiscard]] Eigen::Vector3d in_body(const Eigen::Vector2d& place) const {
     return origin + place(0) * axis_u + place(1) * axis_v;
   }
 };
 
-/// The body in parts, seen along the normal of the chart: sums of all are diag(ω²) and 1 where
-/// nothing is attached.
+/// The body in parts, seen along the normal of the chart. If nothing is attached, the sums over all
+/// cells are diag(ω²) for stiffness and 1 for mass.
 struct BodyCells {
   Eigen::MatrixX2d centres;                                                        ///< b×2 [m]
   Eigen::Vector2d from = Eigen::Vector2d::Zero(), size = Eigen::Vector2d::Zero();  ///< [m]: box
   Eigen::VectorXd area;                                                            ///< b [m²]
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< b, each r×r: Φᵀ K_c Φ [s^-2], Φᵀ M_c Φ [1]
-  /// Of a body that bends, the parts that go otherwise with its thickness t, b each or none: of the
-  /// stiffness (as t³) what resists transverse shear (as t), of the mass (as t) what resists
-  /// turning (as t³).
+  /// For a body that bends: the parts with another power of the thickness t, b each or none. The
+  /// part of the stiffness (t³) that resists transverse shear goes as t. The part of the mass (t)
+  /// that resists rotation goes as t³.
   std::vector<Eigen::MatrixXd> shear, rotary;
-  /// To first order what fields that vary smoothly over the body change, r×r for each of
-  /// smooth_fields, or none: then the cells, each of one value, tell it.
+  /// First-order changes by fields that vary smoothly over the body, r×r for each of smooth_fields.
+  /// If empty, the cells are used, each with one value.
   struct Waves {
     std::vector<Eigen::MatrixXd> modulus;          ///< of K by E (1 + x f)
     std::vector<Eigen::MatrixXd> bent, thickened;  ///< of K and M by t (1 + x f)
@@ -77,42 +78,43 @@ struct BodyCells {
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
 };
 
-/// The stiffness in smaller parts, for what is soft or stiff in one place only. The motion there is
-/// not that of the r modes: u modes above them come in too, as ones that yield at once.
+/// The stiffness in smaller parts, for a body that is soft or stiff in one place only. The r modes
+/// alone cannot describe the motion there. So u modes above them are included; these yield
+/// statically.
 struct FineCells {
   Eigen::MatrixX2d centres;                         ///< f×2 [m]
   Eigen::Vector2d pitch = Eigen::Vector2d::Zero();  ///< [m] along u and v; 0: one cell spans it
-  /// f, each (r + u)×(r + u): of the r modes as BodyCells', of the first u of ChannelSide::upper.
+  /// f, each (r + u)×(r + u): the r modes as in BodyCells, then the first u of ChannelSide::upper.
   std::vector<Eigen::MatrixXd> stiffness;
 
   [[nodiscard]] Eigen::Index count() const { return centres.rows(); }
 };
 
-/// What the stiffness gains, Φᵀ K Φ [s^-2], when one elastic constant of the whole body doubles:
+/// Increase of the stiffness, Φᵀ K Φ [s^-2], when one elastic constant of the whole body doubles:
 /// along u, along v, between the two, in shear. They sum to diag(ω²) (nearly, for solids).
 struct Directional {
   Eigen::MatrixXd along_u, along_v, across, shear;
 };
 
-/// A simulation on r modes: rigid-body modes first, flexible ones well beyond the band (two to
-/// three times), mass-normalised. The r modes are the coordinates of every hypothesis.
+/// A simulation in r modes: rigid-body modes first, then flexible modes to well above the band (two
+/// to three times), mass-normalised. The r modes are the coordinates of every hypothesis.
 struct Structure {
   Eigen::VectorXd frequency_hz;   ///< r, ascending; rigid-body modes exactly 0
   Eigen::VectorXd damping_ratio;  ///< r
-  /// r, or empty for none: how far, relative, mesh and solver may have left each frequency.
+  /// r, or empty for none: relative error of each frequency by mesh and solver.
   Eigen::VectorXd frequency_error;
-  Eigen::MatrixXd dashpots;  ///< r×r Φᵀ C Φ [1/s] of known dampers, beside the ratios; or 0×0
-  /// What the study attaches to the body, within diag(ω²) [s^-2] and 1: r×r, or 0×0 for nothing.
-  /// What scales the body leaves it as it is.
+  Eigen::MatrixXd dashpots;  ///< r×r Φᵀ C Φ [1/s] of known dampers, added to the ratios; or 0×0
+  /// Parts that the study attaches to the body, contained in diag(ω²) [s^-2] and 1: r×r, or 0×0 for
+  /// none. An effect that scales the body does not change them.
   Eigen::MatrixXd springs, masses;
   Eigen::Index rigid_count = 0;
   ChannelSide outputs, inputs;  ///< p displacements, q forces
-  Eigen::MatrixXd residual;     ///< p×q [m/N]: static flexibility of the modes left out
+  Eigen::MatrixXd residual;     ///< p×q [m/N]: residual flexibility of the modes above
   Surface surface;
-  BodyCells cells;          ///< may be empty: then no cause inside the body is sought
-  FineCells fine;           ///< may be empty: then no place inside the body is sought
-  Directional directional;  ///< may be empty (0×0): then no orthotropy is sought
-  /// (thickness)^power: 3 for bodies that bend; 0: thickness means nothing here.
+  BodyCells cells;          ///< may be empty: then the search has no cause inside the body
+  FineCells fine;           ///< may be empty: then the search has no place inside the body
+  Directional directional;  ///< may be empty (0×0): then the search has no orthotropy
+  /// (thickness)^power: 3 for bodies that bend; 0: thickness has no meaning here.
   double bending_power = 3.0;
   double thickness = 0.0;  ///< [m]; 0: not known
   double mass_kg = 0.0;
@@ -122,7 +124,7 @@ struct Structure {
   [[nodiscard]] Eigen::Index input_count() const { return inputs.count(); }
 };
 
-/// @throws InvalidInput  arrays do not fit together, an entry is not finite
+/// @throws InvalidInput  array sizes do not agree, an entry is not finite
 void check(const Structure& structure);
 
 }  // namespace chladni::diagnosis

@@ -1,39 +1,39 @@
-// What a real structure or channel may deviate without that being an effect.
+// Nuisance tolerances: deviations of a real structure or channel that are not an effect.
 #pragma once
 
 namespace chladni::diagnosis {
 
-/// Standard deviations, SI. Every parameter of an effect has its twin here: what stays within a few
-/// of these is never named. 0: known exactly.
+/// Standard deviations, SI. Every parameter of an effect has a tolerance here. A deviation within a
+/// few of these is never named. 0: known exactly.
 struct Tolerances {
   double gain = 5e-3;         ///< of each channel, relative
   double position = 5e-4;     ///< [m], of each channel along each axis
   double delay = 1e-6;        ///< [s], common to all
   double modulus = 5e-3;      ///< of the whole body, relative
   double density = 3e-3;      ///< likewise
-  double thickness = 1.5e-3;  ///< relative, of each smooth wave over the body and of the whole
+  double thickness = 1.5e-3;  ///< relative, of the whole and of each smooth wave over the body
   double orthotropy = 5e-3;   ///< of one direction's stiffness, relative
-  /// Of each mode: what solver and theory leave, beside what its mesh does
+  /// Each mode has this error of solver and theory, in addition to that of its mesh
   /// (Structure::frequency_error).
   double frequency = 1e-3;
-  double damping = 0.2;  ///< of each mode, of the logarithm
-  /// Of the definition of the study's damping ratios: 0 where they are those of the modes of its
-  /// body as it is, 1 where they may as well be those of the modes with what turns out to hang on
-  /// it (loaded_damping.h).
+  double damping = 0.2;  ///< of each mode, in ln
+  /// Uncertain definition of the study's damping ratios. 0: they belong to the modes of its body as
+  /// it is. 1: they may also belong to the modes with all attachments that a cause adds
+  /// (loaded_damping.h).
   double loaded_damping = 1.0;
-  /// Of each response, relative to what its channels respond at that frequency: errors of the mode
-  /// shapes that mesh and theory leave. It widens the noise.
+  /// Error of each response by the mode shapes (mesh and theory), relative to the level of its
+  /// channels at that frequency. It widens the noise.
   double response = 1e-3;
-  /// Of what the modes above those in use yield, relative: where a force acts that depends on the
-  /// mesh.
+  /// Relative error of the residual flexibility of the modes above. This flexibility depends on the
+  /// mesh where a force acts.
   double residual = 0.2;
-  double scale = 0.0;  ///< of all responses together, of the logarithm
-  /// [kg], of what each sensor (each actuator) weighs beside the model, all of a side alike:
-  /// cables, glue, and what the mesh makes of a place.
+  double scale = 0.0;  ///< of all responses together, in ln
+  /// [kg], mass of each sensor (each actuator) that the model lacks, the same for all of a side:
+  /// cables, glue, and the error of the mesh at a place.
   double mass = 2e-3;
 };
 
-/// Nothing may deviate.
+/// No deviations: everything is known exactly.
 [[nodiscard]] inline Tolerances no_tolerances() {
   return {.gain = 0.0,
           .position = 0.0,
@@ -51,7 +51,7 @@ struct Tolerances {
           .mass = 0.0};
 }
 
-/// All but nothing: data made by the very model that is diagnosed.
+/// Almost no deviations: for data made by the same model that is diagnosed.
 [[nodiscard]] inline Tolerances exact_model() {
   return {.gain = 1e-5,
           .position = 1e-6,

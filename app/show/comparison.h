@@ -1,4 +1,4 @@
-// What is wrong with a simulation, told, drawn and kept.
+// Errors of a simulation as text, pictures and JSON.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +12,30 @@
 
 namespace chladni::app {
 
-/// Modes beside each other, errors by band and by channel, what of it stands out.
+/// Modes side by side, errors by band and by channel, and the most important findings.
 [[nodiscard]] std::string comparison_table(const diagnosis::Comparison& comparison);
 
-/// What the table of paired modes leaves out, a line each: modes without a partner, poles that are
-/// no modes, channels that do not tell shapes apart.
+/// Additions to the table of paired modes, one line each: modes without a partner, poles that are
+/// not modes, channels that cannot tell shapes apart.
 [[nodiscard]] std::vector<std::string> unpaired_lines(const diagnosis::ModeComparison& modes);
 
 /// `discrepancy` of diagnosis.json.
 [[nodiscard]] io::JsonObject comparison_json(const diagnosis::Comparison& comparison);
 
-/// Measured responses with their 95 % band, the simulation over them and, where there is one, the
-/// extended simulation; 24 at most: the ones that were most wrong, in their order.
-/// @param before, after  [k], each p×q: as measured.value; `after` may be empty
-/// @param seen           whether a fit saw the responses of output i and input j; none: all
+/// Measured responses with their 95 % band, the simulation and, if there is one, the extended
+/// simulation. At most 24, those with the largest errors, in their original order.
+/// @param before, after  [k], each p×q: arranged as measured.value; `after` may be empty
+/// @param seen           true if a fit used the response of output i and input j; none: all
 void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measured,
                     const std::vector<Eigen::MatrixXcd>& before,
                     const std::vector<Eigen::MatrixXcd>& after = {},
                     const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
 
-/// The MAC of simulated against measured modes. Nothing where no mode was compared.
+/// The MAC of simulated against measured modes. Nothing if no mode was compared.
 void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
 
-/// How wrong each response is: sensors × actuators. Of a response that was not measured nothing is
-/// known: its square stays empty, and the largest error that is known is the darkest.
+/// Error of each response: sensors × actuators. A response that was not measured has an empty
+/// square; the largest known error is the darkest.
 [[nodiscard]] io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison);
 void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
 

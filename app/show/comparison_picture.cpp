@@ -1,4 +1,4 @@
-// Pictures of a comparison: responses over each other, MAC, where it is wrong.
+// Pictures of a comparison: overlaid responses, MAC, errors of the responses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ io::PlotSeries line(const std::string& name, const Eigen::VectorXd& x, const Eig
           .width = 1.4};
 }
 
-// What was measured, as wide as it is uncertain.
+// Adds the measured response with its uncertainty band.
 void add_measured(const modal::FrfSet& measured, Eigen::Index i, Eigen::Index j,
                   io::PlotPanel& panel) {
   const Eigen::VectorXd size = response(measured.value, i, j).cwiseAbs();
@@ -64,7 +64,7 @@ double error(const modal::FrfSet& measured, const std::vector<Eigen::MatrixXcd>&
   return size > 0.0 ? wrong / size : -1.0;
 }
 
-// The responses that were most wrong, in their order: i·q + j.
+// The responses with the largest errors, in their original order: i·q + j.
 std::vector<Eigen::Index> shown(const modal::FrfSet& measured,
                                 const std::vector<Eigen::MatrixXcd>& simulated) {
   const auto q = measured.input_count();
@@ -138,7 +138,7 @@ void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& com
 io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison) {
   const auto& r = comparison.responses;
   const Eigen::MatrixXd in_percent = 100.0 * r.error;
-  double largest = -1.0;  // none is known
+  double largest = -1.0;  // no error is known
   for (const double one : in_percent.reshaped()) {
     if (std::isfinite(one)) largest = std::max(largest, one);
   }

@@ -48,7 +48,7 @@ std::string alone_text(const ModeComparison& modes) {
   return text.empty() ? text : text + "\n";
 }
 
-// Of a row or column: the error of all its responses together is not kept, their mean is.
+// Mean error of the responses of a row or column, because their joint error is not stored.
 double mean_of(const Eigen::VectorXd& errors) {
   double sum = 0.0;
   int count = 0;

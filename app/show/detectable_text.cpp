@@ -14,7 +14,7 @@ namespace {
 
 using diagnosis::Detectable;
 
-// Of one effect.
+// Worst, median and best of one effect.
 struct Range {
   const Detectable *worst = nullptr, *median = nullptr, *best = nullptr;
 };
@@ -48,7 +48,7 @@ std::string where_text(const Detectable& one) {
   return fmt::format("{}{}{:.0f} Hz", text, text.empty() ? "" : ", ", *one.frequency_hz);
 }
 
-// Of effects that are there or not, what might be there and stay unseen.
+// Effects without numbers that could be present without being found.
 std::string unseen(const std::vector<Range>& each, double enough) {
   std::string text;
   for (const auto& one : each) {

@@ -1,4 +1,4 @@
-// What an experiment would find, for a person and as JSON.
+// Detectable effects of an experiment, as text and as JSON.
 #pragma once
 
 #include <string>
@@ -10,21 +10,21 @@
 
 namespace chladni::app {
 
-/// "This experiment finds, 99 times in 100: point_mass of 1 g to 8.1 g, ..."; empty where none of
-/// the usual effects is found. Effects that are there or not and bring less than `least_evidence`
-/// (DiagnosisPlan) are named as what it may miss.
+/// "This experiment finds, 99 times in 100: point_mass of 1 g to 8.1 g, ..."; empty if it finds
+/// none of the usual effects. Effects without numbers whose evidence is below `least_evidence`
+/// (DiagnosisPlan) are listed as possible misses.
 [[nodiscard]] std::string detectable_sentence(const std::vector<diagnosis::Detectable>& all,
                                               double least_evidence);
 
 /// A line per effect: best, median and worst.
 [[nodiscard]] std::string detectable_table(const std::vector<diagnosis::Detectable>& all,
                                            double least_evidence);
-/// The same as a table of the report, with where the worst is.
+/// The same as a table of the report, with the place of the worst.
 [[nodiscard]] io::Table detectable_sizes(const std::vector<diagnosis::Detectable>& all);
 
-/// Entries {effect, of, parameter, size, unit, found, channels, option, place_m,
-/// frequency_hz, log_evidence}; `found` is "above" or "below" the size. Null where nothing is large
-/// enough, and for effects that are there or not, which have an evidence only.
+/// Entries {effect, of, parameter, size, unit, found, channels, option, place_m, frequency_hz,
+/// log_evidence}; `found` is "above" or "below" the size. Null if no size is large enough, and for
+/// effects without numbers, which have only an evidence.
 [[nodiscard]] io::JsonArray detectable_json(const std::vector<diagnosis::Detectable>& all);
 
 }  // namespace chladni::app

@@ -1,4 +1,4 @@
-// What `diagnose` leaves: the answer, the extended study, where on the body, the responses.
+// Files of `diagnose`: the result, the extended study, the map on the body, the responses.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Index;
 
-// The body's upper boundary, its nodes counted anew.
+// The body's upper boundary, with new node numbers.
 struct Top {
   Points points;
   Cells triangles;
@@ -54,7 +54,7 @@ Top top_of(const mesh::TetMesh& body, const DiagnosedFaces& looked_at) {
   return top;
 }
 
-// Values of the scan at points: the nearest places, each by the square of its distance.
+// Values of the scan at points: a mean over its places, weighted by (d² + ¼ mean area)^-3.
 Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::VectorXd& values,
                           const Top& top, const Chart& chart) {
   Eigen::VectorXd result(top.points.rows());

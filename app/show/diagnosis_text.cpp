@@ -1,4 +1,4 @@
-// A diagnosis as a table for a person and as JSON.
+// A diagnosis as a text table and as JSON.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,9 +13,9 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kTold = 1e-3;  // a rival that is less likely is not worth a line
+constexpr double kTold = 1e-3;  // probability; less likely rivals get no line
 
-// A value with its deviation in a unit that people read.
+// A value with its standard deviation, in a readable unit.
 std::string quantity(const diagnosis::CauseParameter& one) {
   const auto [scale, unit] = readable(one.name, one.unit, one.value);
   return fmt::format("{} {:.4g} +- {:.2g}{}{}", one.name, scale * one.value, scale * one.std,

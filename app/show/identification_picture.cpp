@@ -1,4 +1,4 @@
-// fit.png: measured responses, the fit over them, what is left; the stabilisation diagram.
+// fit.png: measured responses, the fit and the residual; the stabilisation diagram.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -84,7 +84,7 @@ io::Json gain_json(const IdentifiedModel& model) {
                         {"pairs", pairs}};
 }
 
-// Of each mode's shapes at the sensors and at the actuators.
+// Phase collinearity of each mode's shapes at the sensors and at the actuators.
 struct Collinearity {
   Eigen::VectorXd outputs, inputs;
 };
@@ -174,8 +174,8 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
   return all;
 }
 
-// The state space of real modes goes to all places of the extended model, that of complex ones to
-// the sensors.
+// The state space of real modes has all places of the extended model as outputs; that of complex
+// modes has the sensors.
 io::MatFields matlab_variables(const Study& study, const IdentifiedModel& model,
                                const modal::ReducedModel& extended) {
   const auto& fit = model.found.fit;
@@ -203,7 +203,7 @@ std::string gain_text(const identification::ModeMatch& match) {
   return fmt::format("{}{:.4g} +- {:.2g}", match.sign < 0 ? "-" : "", match.alpha, match.alpha_std);
 }
 
-// Of the band: the median line's and the largest.
+// Model error over the band: at the median line, and the largest.
 std::string model_error_text(const IdentifiedModel& model) {
   if (model.model_error.size() == 0) return " and the stated error of the model";
   Eigen::VectorXd sorted = model.model_error;

@@ -1,4 +1,4 @@
-// What `interpolate` leaves for ParaView, a controller and a person.
+// Files of `interpolate` for ParaView, a controller and the user.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ std::vector<io::Marker> measured_markers(const Interpolated& result) {
   return markers;
 }
 
-// Where each shape is not known: one panel per mode.
+// Standard deviation of each shape on the surface: one panel per mode.
 void leave_picture(const Interpolated& result, Run& run) {
   const auto& shown = result.methods.front();
   const auto& area = result.simulation.area;
@@ -73,7 +73,7 @@ void leave_picture(const Interpolated& result, Run& run) {
   run.paint("mode_field.png", [&](const auto& png) { io::draw_layouts(png, picture); });
 }
 
-// A grid over the body as seen from above, for a real-time target.
+// A grid over the body, seen from above, for a real-time target.
 void leave_table(const Interpolated& result, const Solution& solution,
                  const InterpolationPlan& plan, const Run& run) {
   const mesh::SiteFinder finder(solution.model.body);

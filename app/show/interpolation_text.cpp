@@ -11,7 +11,7 @@ namespace {
 
 double mean_of(const Eigen::VectorXd& values) { return values.size() > 0 ? values.mean() : NAN; }
 
-// Modes of the simulation that the channels cannot see, as text; empty where there are none.
+// Simulated modes that the channels cannot see, as text; empty if there are none.
 std::string unseen_text(const Interpolated& result) {
   std::string text;
   const auto& simulation = result.simulation;
@@ -50,7 +50,7 @@ std::string methods_text(const Interpolated& result) {
   return text;
 }
 
-// Per mode, for the method that is shown.
+// Results of each mode, for the first method.
 std::string modes_text(const Interpolated& result) {
   const auto& shown = result.methods.front();
   const auto& frequency = result.measured.shapes.frequency_hz;

@@ -1,12 +1,12 @@
-// A file that a command writes where it is told to.
+// Check of a user-named output file.
 #pragma once
 
 #include <filesystem>
 
 namespace chladni::app {
 
-/// @param force  another file than `from` may be written over
-/// @throws InvalidInput  `to` is the file `from`, by any name or link; or it exists
+/// @param force  allows to overwrite any file except `from`
+/// @throws InvalidInput  `to` is the file `from`, by any name or link; or it exists without `force`
 void require_new_output(const std::filesystem::path& from, const std::filesystem::path& to,
                         bool force);
 

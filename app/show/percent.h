@@ -1,13 +1,13 @@
-// Parts of a hundred as people read them.
+// Fractions as percentages.
 #pragma once
 
 #include <string>
 
 namespace chladni::app {
 
-/// "12.3 %", or "-" where it is not finite.
+/// "12.3 %", or "-" if it is not finite.
 [[nodiscard]] std::string percent(double part);
-/// "12.3" for a column that says %, or a dash.
+/// "12.3" for a column in %, or a dash.
 [[nodiscard]] std::string percent_cell(double part);
 
 }  // namespace chladni::app

@@ -160,7 +160,7 @@ io::HeatMapPicture picture_of(const Study& study, const Solution& solution, cons
     picture.forbidden.push_back(placed.forbidden(i) >= 0 ? 1 : 0);
   }
   for (const auto& [first, size] : placed.wanted.groups) {
-    if (size > 1) continue;  // a repeated mode has no nodal lines of its own
+    if (size > 1) continue;  // a repeated mode has no fixed nodal lines
     const auto column = placed.wanted.columns[static_cast<std::size_t>(first)];
     picture.nodal_lines.push_back(
         {fmt::format("mode {} ({:.2f} Hz)", column + 1, solution.modes.frequency_hz(column)),
@@ -168,7 +168,7 @@ io::HeatMapPicture picture_of(const Study& study, const Solution& solution, cons
   }
   const auto& shown = placed.pairs.empty() ? placed.best : placed.pairs;
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    // The best, and those as good by symmetry.
+    // The best one, and those equally good by symmetry.
     if (placed.pairs.empty() && shown[i].score < 0.99 * shown[0].score) break;
     picture.best.push_back(
         {shown[i].position, value_text(*placed.criterion, shown[i].score) + ", mode " +

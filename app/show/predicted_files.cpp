@@ -1,4 +1,5 @@
-// predicted.csv, predicted_band.csv and spatio_temporal.*: responses where nothing was measured.
+// predicted.csv, predicted_band.csv and spatio_temporal.*: responses at places without a
+// measurement.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ modal::FrfSet as_set(const IdentifiedModel& model, const std::vector<std::string
   return set;
 }
 
-// Variances as a set of responses has them: NaN where nothing is known.
+// Variances in the form of a set of responses: NaN if not known.
 Eigen::MatrixXd known_variance(const Eigen::MatrixXd& deviation) {
   return deviation.unaryExpr([](double one) { return std::isfinite(one) ? one * one : NAN; });
 }
@@ -51,8 +52,8 @@ identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
   return all;
 }
 
-// Of modes without a scale the shapes are zeros because they are left out, not because they are
-// known.
+// Sets the deviation of modes without a scale to NaN: their shapes are 0 because they are left out,
+// not because they are known.
 Eigen::MatrixXd stated_deviation(const Measured& measured, const Eigen::MatrixXd& deviation) {
   Eigen::MatrixXd stated = deviation;
   for (auto m = measured.identified->found.fit.model.rigid_count; m < stated.cols(); ++m) {
@@ -62,7 +63,7 @@ Eigen::MatrixXd stated_deviation(const Measured& measured, const Eigen::MatrixXd
   return stated;
 }
 
-// Which places have no band.
+// Warns of places without a band.
 void warn_of_unknown(const modal::FrfSet& band, const std::string& file, Run& run) {
   std::string names;
   for (Eigen::Index i = 0; i < band.output_count(); ++i) {

@@ -1,4 +1,4 @@
-// predicted.png: what was predicted where no fit saw a sensor, over what was measured there.
+// predicted.png: predicted responses at sensors outside the fit, over the measured ones.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -22,7 +22,7 @@ Eigen::VectorXd deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index
   return result;
 }
 
-// Row i of what was predicted by input j, and row `row` of what was measured; none: −1.
+// Prediction at output i by input j, over the measured output `row`; −1: not measured.
 io::PlotPanel panel_of(const modal::FrfSet& predicted, Eigen::Index i, Eigen::Index j,
                        const modal::FrfSet& measured, Eigen::Index row) {
   const auto& x = predicted.frequency_hz;

@@ -1,4 +1,4 @@
-// Numbers of effects in units that people read.
+// Numbers of effects in readable units.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace chladni::app {
 
-/// By what a value in SI is multiplied, and what it is then called: mm, us, g, %, mrad.
+/// Factor from the SI value, and the unit after it: mm, us, g, %, mrad.
 struct Readable {
   double scale = 1.0;
   std::string unit;

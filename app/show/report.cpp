@@ -1,4 +1,4 @@
-// report.html: what exists so far, on one page.
+// report.html: all present results on one page.
 #include "app/show/report.h"
 
 #include <fmt/chrono.h>
@@ -180,8 +180,8 @@ std::string material_text(const StudyMaterial& material) {
   return text + " (SI)";
 }
 
-// When the report was made, in UTC: SOURCE_DATE_EPOCH where that is set, as for any file that is to
-// be the same again (reproducible-builds.org/specs/source-date-epoch).
+// Date of the report, in UTC: SOURCE_DATE_EPOCH if that is set, so that the file is reproducible
+// (reproducible-builds.org/specs/source-date-epoch).
 std::string date_text() {
   std::time_t seconds = std::time(nullptr);
   if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated != nullptr) {
@@ -210,7 +210,7 @@ io::Section provenance_of(const Study& study, Run& run) {
   return io::provenance_section(lines);
 }
 
-// Whether flat faces bound it: of round ones and of files a mesh may be a little too small.
+// True if flat faces bound the body. A mesh of a round body or of a file may be a little too small.
 bool is_filled_exactly(const Geometry& geometry) {
   if (const auto* table = std::get_if<mesh::WaferTable>(&geometry.body)) {
     return table->bores.empty() && !(table->wafer_diameter > 0.0);

@@ -1,4 +1,4 @@
-// The page that shows what a study found.
+// The report page with the results of a study.
 #pragma once
 
 #include "app/interpolation.h"
@@ -7,15 +7,15 @@
 
 namespace chladni::app {
 
-/// What a study found beside the modes; null where a step was not taken.
+/// Results of a study in addition to the modes; null if a step was not made.
 struct Found {
   const Placed* placement = nullptr;
   const Interpolated* shapes = nullptr;
   const Diagnosed* diagnosis = nullptr;
 };
 
-/// report.html: the modes with a viewer, where devices belong, the interpolated shapes, the body,
-/// the channels, where it all comes from. Shows the pictures that are there.
+/// report.html: the modes with a viewer, places for devices, the interpolated shapes, the body, the
+/// channels, the origin of all results. It shows the pictures that exist.
 void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run);
 
 }  // namespace chladni::app

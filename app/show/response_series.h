@@ -9,7 +9,7 @@
 
 namespace chladni::app {
 
-/// Of a circular error of variance 1, its part along the response: 1.96 / sqrt(2).
+/// Radial part of the 95 % band of a circular error with variance 1: 1.96 / sqrt(2).
 inline constexpr double kBandAlong = 1.3859;
 
 /// Entry (i, j) of every line, K.
@@ -20,7 +20,7 @@ inline constexpr double kBandAlong = 1.3859;
   return result;
 }
 
-/// "receptance [m/N]": inputs that state no unit are forces in N.
+/// "receptance [m/N]": inputs without a unit are forces in N.
 [[nodiscard]] inline std::string receptance_label(const modal::MeasuredChannel& input) {
   return "receptance [m/" + (input.unit.empty() ? "N" : input.unit) + "]";
 }

@@ -9,7 +9,7 @@
 namespace chladni::app {
 namespace {
 
-/// The cluster that mode i belongs to; null for a simple one.
+/// The cluster of mode i; null for a simple mode.
 const fem::Cluster* cluster_of(const fem::ModesSummary& summary, Eigen::Index i) {
   for (const auto& cluster : summary.clusters) {
     if (i >= cluster.first && i < cluster.first + cluster.size) return &cluster;
@@ -25,7 +25,7 @@ std::string remark(const Solution& solution, Eigen::Index i) {
                      cluster->first + cluster->size);
 }
 
-/// Digits after the point so that two of the error show.
+/// Number of decimals that shows two digits of the error.
 int digits_for(double error_hz) {
   if (!(error_hz > 0.0)) return 3;
   return std::clamp(1 - static_cast<int>(std::floor(std::log10(error_hz))), 1, 6);

@@ -1,4 +1,4 @@
-// A study's structure where it is measured and pushed.
+// A study's structure at its sensors and actuators.
 #pragma once
 
 #include "app/stage/solution.h"

@@ -9,7 +9,7 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kBlind = 0.01;      // of the largest motion of a mode
+constexpr double kBlind = 0.01;      // part of the largest motion of a mode
 constexpr double kMeshError = 0.01;  // relative, of a frequency
 constexpr std::size_t kMostListed = 8;
 
@@ -49,7 +49,7 @@ Eigen::VectorXd largest_motion(const modal::Modes& modes, const std::vector<Grou
   return largest;
 }
 
-/// channels×groups: what each sees of the largest motion, 0 to 1.
+/// channels×groups: motion at each channel over the largest motion, 0 to 1.
 Eigen::MatrixXd gains(const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites,
                       const modal::Modes& modes, const std::vector<Group>& groups) {
   const Eigen::MatrixXd values = shapes_at(channels, sites, modes);

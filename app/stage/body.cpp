@@ -40,7 +40,7 @@ mesh::Layering layering_of(const Body& body, const MeshPlan& plan) {
   return layering;
 }
 
-/// A plate on four corners is as fine as the rectangle around it.
+/// Layers of a plate on four corners: those of the rectangle around it.
 mesh::Layering layering_of(const mesh::Quadrilateral& body, const MeshPlan& plan) {
   const Eigen::Vector2d extent =
       body.corners.colwise().maxCoeff() - body.corners.colwise().minCoeff();
@@ -67,7 +67,7 @@ mesh::TetMesh layered_body(const Geometry& geometry, const MeshPlan& plan) {
       geometry.body);
 }
 
-/// The surface that TetGen fills, of a body that is given by its dimensions.
+/// The surface for TetGen, of a body that is given by its dimensions.
 mesh::Surface parametric_surface(const Geometry& geometry, double edge_length) {
   if (const auto* plate = std::get_if<mesh::Plate>(&geometry.body)) return surface(*plate);
   if (const auto* disc = std::get_if<mesh::Disc>(&geometry.body)) {
@@ -128,7 +128,7 @@ Outline outline_of(const Study& study, const Progress& progress) {
       return outline_of_tets(std::move(*tets), std::move(geometry.notes));
     }
     auto& surface = std::get<mesh::Surface>(geometry.body);
-    const bool nameless = surface.patch_names.size() < 2;  // one solid, or none that is named
+    const bool nameless = surface.patch_names.size() < 2;  // one solid, or none with a name
     return outline_of_surface(std::move(surface), study.mesh, nameless, std::move(geometry.notes));
   }
   return outline_of_surface(parametric_surface(study.geometry, study.mesh.edge_length), study.mesh,

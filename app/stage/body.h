@@ -12,30 +12,30 @@
 
 namespace chladni::app {
 
-/// A body before it is meshed: cheap to make, and enough to measure it and to find places on it.
+/// A body before meshing: cheap to make, and enough to measure it and to find places on it.
 struct Outline {
-  mesh::TetMesh shell;                   ///< its boundary; with linear or the file's own
-                                         ///< tetrahedra where no mesher is needed
-  std::optional<mesh::Surface> surface;  ///< checked and repaired: what TetGen is to fill
+  mesh::TetMesh shell;                   ///< its boundary; with linear tetrahedra or those of the
+                                         ///< file if no mesher is needed
+  std::optional<mesh::Surface> surface;  ///< checked and repaired, for TetGen
   double volume = 0.0;                   ///< [m^3]
-  std::vector<std::string> notes;        ///< what was found, dropped, guessed or repaired
+  std::vector<std::string> notes;        ///< what was found, dropped, assumed or repaired
 };
 
-/// Plates, beams, discs, spheres and tables without bores or wafer are laid in layers, files of
-/// tetrahedra are taken as they are, all else is a surface for TetGen.
-/// @throws InvalidInput  the dimensions or the file cannot be meant, or the surface is not fit
+/// Plates, beams, discs, spheres and tables without bores or wafer are meshed in layers. Files of
+/// tetrahedra are used as they are. All other bodies are a surface for TetGen.
+/// @throws InvalidInput  the dimensions or the file are not plausible, or the surface is not fit
 [[nodiscard]] Outline outline_of(const Study& study, const Progress& progress = {});
 
-/// Tetrahedra of the study's order (chosen where it says none).
+/// Tetrahedra of the study's order (chosen here if the study states none).
 /// @throws as mesh::tetrahedralize
 [[nodiscard]] mesh::TetMesh body_of(const Study& study, const Outline& outline,
                                     const Progress& progress = {});
 
-/// The order of elements for so many tetrahedra: the study's, else the file's own, else 3, or 2
-/// where there are so many cells that cubic ones would not fit.
+/// The order of elements for this number of tetrahedra: the study's, or else the file's own, or
+/// else 3. It is 2 if there are too many cells for cubic elements.
 [[nodiscard]] int order_for(const Study& study, Eigen::Index tets, int own_order);
 
-/// Nodes of `tets` of `order`, from Euler's formula; exact for a body without tunnels.
+/// Number of nodes of `tets` of `order`, by Euler's formula; exact for a body without tunnels.
 [[nodiscard]] double node_count(const mesh::TetMesh& linear, int order);
 
 }  // namespace chladni::app

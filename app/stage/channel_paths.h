@@ -1,4 +1,4 @@
-// What stands between a channel and its record.
+// The path between a channel and its record.
 #pragma once
 
 #include <complex>
@@ -8,15 +8,15 @@
 
 namespace chladni::app {
 
-/// gain e^{−sτ} / (1 + s / ω_c) at s = 2πj f: by what the channel's record differs from what it
-/// stands for.
+/// gain e^{−sτ} / (1 + s / ω_c) at s = 2πj f: the factor between a channel and its record.
 [[nodiscard]] std::complex<double> path(const Channel& channel, double frequency_hz);
 
-/// Whether a channel of the study says anything but gain 1, no delay and no low-pass.
+/// True if a channel of the study has a gain other than 1, a delay or a low-pass.
 [[nodiscard]] bool has_paths(const Study& study);
 
-/// Responses of the structure as the study's channels record them, and back: divided by the paths
-/// of sensors and of actuators. Variances follow. Channels go by name; others stay as they are.
+/// Responses of the structure as the study's channels record them, and the inverse: divided by the
+/// paths of sensors and of actuators. Variances are scaled too. Channels match by name; others do
+/// not change.
 [[nodiscard]] modal::FrfSet recorded(const Study& study, modal::FrfSet responses);
 [[nodiscard]] modal::FrfSet without_paths(const Study& study, modal::FrfSet records);
 

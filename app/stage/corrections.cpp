@@ -19,7 +19,7 @@ void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
                std::vector<priors::Correction>& all) {
   const int w = uncertain.waves;
   const auto& body = solution.model.body;
-  const Eigen::MatrixXd fields = waves(body, w).rightCols(w * w - 1);  // all but the constant
+  const Eigen::MatrixXd fields = waves(body, w).rightCols(w * w - 1);  // all except the constant
   const auto matrices = fem::field_matrices(body, solution.model.materials, solution.modes.shapes,
                                             fields, Eigen::MatrixXd(body.tet_count(), 0));
   for (int k = 1; k < w * w; ++k) {
@@ -55,8 +55,8 @@ void add_anisotropy(const Solution& solution, double deviation,
   add("stiffness in shear", relative);
 }
 
-// Nodes of the boundary next to the points of a grid over the two longest sides; none where the
-// boundary is more than half a pitch away.
+// Boundary nodes next to the points of a grid over the two longest sides; none if the boundary is
+// more than half a pitch away.
 std::vector<Eigen::Index> grid_nodes(const mesh::TetMesh& body, int along_first) {
   const auto box = mesh::bounding_box(body.points);
   const auto [u, v] = longest_sides(body);
@@ -73,7 +73,7 @@ std::vector<Eigen::Index> grid_nodes(const mesh::TetMesh& body, int along_first)
     for (const auto node : body.faces.reshaped()) {
       const Eigen::Vector2d at(body.points(node, u), body.points(node, v));
       const double distance = (at - place).norm();
-      if (distance > least - 1e-9 * pitch) continue;  // the first of those as near
+      if (distance > least - 1e-9 * pitch) continue;  // keeps the first of equally near ones
       least = distance;
       nearest = node;
     }

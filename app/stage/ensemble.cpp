@@ -12,10 +12,10 @@
 namespace chladni::app {
 namespace {
 
-constexpr int kWaves = 4;  // half waves of a field along each of the two longest sides, less one
+constexpr int kWaves = 4;  // half waves of a field along each of the two longest sides, plus one
 constexpr int kMasses = 4;
 
-// Amplitudes of a field of variance about 1 that is smooth: long waves are stronger.
+// Amplitudes of a smooth field with variance about 1: long waves are stronger.
 Eigen::VectorXd amplitudes(Draw& draw) {
   Eigen::VectorXd share(kWaves * kWaves);
   double variance = 0.0;
@@ -29,7 +29,7 @@ Eigen::VectorXd amplitudes(Draw& draw) {
   return share / std::sqrt(variance);
 }
 
-// φφᵀ of a mass somewhere on the surface, in all three directions.
+// φφᵀ of a mass at a random place of the surface, in all three directions.
 Eigen::MatrixXd mass_somewhere(const Solution& solution, Draw& draw) {
   const auto& body = solution.model.body;
   const auto face =
@@ -59,7 +59,7 @@ std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& pl
   Eigen::MatrixXd mass(basis.cols(), plan.members);
   for (Eigen::Index k = 0; k < plan.members; ++k) {
     const Eigen::VectorXd thickness = plan.thickness * amplitudes(draw);
-    stiffness.col(k) = plan.modulus * amplitudes(draw) + 3.0 * thickness;  // bending: cubic
+    stiffness.col(k) = plan.modulus * amplitudes(draw) + 3.0 * thickness;  // bending goes as t³
     mass.col(k) = plan.density * amplitudes(draw) + thickness;
   }
   const auto& modes = solution.modes;

@@ -1,4 +1,4 @@
-// Bodies that a study could also mean: what is not known of the one that it describes.
+// Uncertain variants of the body that a study describes.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ namespace chladni::app {
 using Member = priors::SimilarModel;
 
 /// `plan.members` draws of smooth random fields of modulus, density and thickness, and of four
-/// attached masses at random places of the surface. Rayleigh-Ritz on the modes that were computed:
-/// frequencies come out a little high, nodal lines move as they would.
+/// attached masses at random places of the surface. Rayleigh-Ritz on the computed modes:
+/// frequencies are slightly too high, and nodal lines move realistically.
 /// @throws NumericalFailure  a draw leaves no positive stiffness or mass
 [[nodiscard]] std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& plan,
                                            unsigned seed);

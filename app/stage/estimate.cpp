@@ -19,16 +19,16 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRigid = 6.0;
-constexpr double kInPlane = 3.0;         // motions as a whole that Weyl's law of a plate leaves out
+constexpr double kInPlane = 3.0;         // rigid-body motions that Weyl's law of a plate leaves out
 constexpr double kFreeRim = 1.75;        // share of a free rim in the modes of a plate, per wave
-constexpr double kFittedModes = 26.0;    // of the runs that the forecast is fitted to
+constexpr double kFittedModes = 26.0;    // modes in the runs that the forecast is fitted to
 constexpr double kVectorsPerMode = 5.5;  // shapes and the iteration: 20 and 200 modes of a plate
 constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of freedom, order 2
-constexpr double kTimePerMode = 0.02;    // of the whole, per mode beyond those
-constexpr double kBelieved = 0.75;       // of a forecast without a mesh
-constexpr double kModesPerFreedom = 0.1;  // beyond, no mesh of any kind resolves them
+constexpr double kTimePerMode = 0.02;    // part of the total time, per mode beyond kFittedModes
+constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
+constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
 
-/// Length, width and thickness: the box's sides by size, and the thickness that its volume gives.
+/// Length, width and thickness: the box's sides by size, and the thickness that fits its volume.
 struct Slab {
   double length, width, thickness;
 };
@@ -46,7 +46,7 @@ std::pair<double, double> plane_constants(const fem::Material& material) {
   return {1.0 / mean, -compliance(0, 1) / mean};
 }
 
-/// The material that most of the body is made of: that of the first region.
+/// The material of most of the body: that of the first region.
 const StudyMaterial& main_material(const Study& study, const Outline& outline) {
   const std::string& region = outline.shell.region_names.front();
   const auto named = std::find_if(study.materials.begin(), study.materials.end(),
@@ -110,9 +110,9 @@ std::string bytes_text(double bytes) {
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-/// Cells and boundary triangles of TetGen on an isotropic surface, from volume and area; fitted to
-/// plates, a disc, a torus and a ribbed table, within a factor of 1.2. What is thinner than an edge
-/// has cells between the two sides of its surface only.
+/// Numbers of cells and boundary triangles of TetGen on an isotropic surface, from volume and area.
+/// Fitted to plates, a disc, a torus and a ribbed table, within a factor of 1.2. A part thinner
+/// than an edge has only cells between the two sides of its surface.
 struct Count {
   double tets, faces;
 };
@@ -133,8 +133,9 @@ double node_count(const Count& count, int order) {
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
 }
 
-/// Time and memory for so many nodes, tetrahedra and modes. The peak is that of the solution or,
-/// when its factor is gone, of the estimate of the mesh's error: system, shapes twice, its own.
+/// Time and memory for this number of nodes, tetrahedra and modes. The peak is that of the
+/// solution, or that of the mesh error's estimate after the factor is freed: system, shapes twice,
+/// its own data.
 Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
   Cost cost;
   cost.exact = exact;
@@ -151,7 +152,7 @@ Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
   return cost;
 }
 
-/// By how much less than `hz` to ask for so that only `most` modes lie below.
+/// Factor on `hz` at which the estimate is at most half of `most` modes, so that `most` is safe.
 double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
                        double most) {
   double ratio = 1.0;

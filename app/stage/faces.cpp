@@ -13,8 +13,8 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kMostOfIt = 1.0 / 3.0;  // of what is seen: a ball's cap is a quarter of it
-constexpr double kThin = 0.5;            // one side over another
+constexpr double kMostOfIt = 1.0 / 3.0;  // of the silhouette: a ball's cap is a quarter of it
+constexpr double kThin = 0.5;            // ratio of two sides
 
 bool has_patch(const mesh::TetMesh& body, const std::string& name) {
   const auto& names = body.patch_names;
@@ -49,7 +49,7 @@ std::string looking_text(const std::string& key, const Eigen::Vector3d& directio
       axis_text(direction), 1e4 * found.area, 1e4 * found.silhouette, left);
 }
 
-// A plate that does not lie: what looks along z may be its rim.
+// Notes a plate that does not lie flat: the faces along z may be its rim.
 void note_thin(const mesh::TetMesh& body, const std::string& key, Faces& faces) {
   const auto box = mesh::bounding_box(body.points);
   const Eigen::RowVector3d size = box.row(1) - box.row(0);
@@ -70,7 +70,7 @@ Faces looking(const Eigen::Vector3d& direction, mesh::Facing found, const std::s
   return faces;
 }
 
-// Where the study says nothing.
+// The faces if the study names none.
 Faces upper_faces(const Study& study, const mesh::TetMesh& body, const std::string& key) {
   Faces faces;
   if (study.geometry.kind != "file" && has_patch(body, "top")) {
@@ -92,7 +92,7 @@ Faces upper_faces(const Study& study, const mesh::TetMesh& body, const std::stri
   return faces;
 }
 
-// What is wrong with it goes to `problems`.
+// The faces that the study asks for; errors go to `problems`.
 Faces asked_faces(const mesh::TetMesh& body, const FacePlan& on, const std::string& key,
                   Problems& problems) {
   if (on.facing) {

@@ -1,25 +1,26 @@
-// How many modes there will be, what a mesh will cost, and what is refused before it is solved.
+// Number of modes and cost of a mesh, and refusal of impossible tasks before solving.
 #pragma once
 
 #include "app/stage/estimate.h"
 
 namespace chladni::app {
 
-/// How many modes a free body of this size and material has below `hz`, rigid-body ones included:
-/// those of a thin plate that bends and moves in its plane, and of a solid (Weyl's law: Courant and
-/// Hilbert, VI.4; the rim's share is fitted to a square plate), added; of a slender one those of a
-/// beam that bends both ways where these are more. Within a factor of 1.5 from ten modes on.
+/// Number of modes below `hz` of a free body of this size and material, with rigid-body modes. It
+/// is the sum for a thin plate that bends and moves in its plane and for a solid (Weyl's law:
+/// Courant and Hilbert, VI.4; the rim's share is fitted to a square plate). For a slender body it
+/// is the number of a beam that bends in both directions, if that is larger. Within a factor of 1.5
+/// for ten modes or more.
 [[nodiscard]] double modes_below(const Understood& body, const fem::Material& material, double hz);
 
-/// The modes that the study asks for, with the rigid-body ones; those of `up_to` estimated.
+/// Number of modes that the study asks for, with the rigid-body ones; estimated for `up_to`.
 [[nodiscard]] double modes_wanted(const Study& study, const Understood& body);
 
-/// `forecast` of a study whose mesh is there.
+/// The `forecast` of a study with an existing mesh.
 [[nodiscard]] Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body);
 
-/// @throws InvalidInput    more modes are asked for below a frequency than the mesh can have
-/// @throws OutOfResources  it needs more memory than there is; of a guess, that is good to a third,
-///                         less is believed
+/// @throws InvalidInput    more modes below a frequency than the mesh can have
+/// @throws OutOfResources  more memory than there is; an estimate without a mesh is reduced first,
+///                         because it is right only to a third
 void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost);
 
 }  // namespace chladni::app

@@ -11,8 +11,8 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kMovedAloud = 1e-3;     // [m] a place may be off the body by so much
-constexpr double kMovedSilently = 1e-9;  // [m] round-off
+constexpr double kMovedAloud = 1e-3;     // [m], largest distance of a place from the body
+constexpr double kMovedSilently = 1e-9;  // [m], rounding error
 
 std::string millimetres(const Eigen::Vector3d& point, bool two) {
   const Eigen::Vector3d mm = 1e3 * point;
@@ -20,7 +20,7 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
              : fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", mm(0), mm(1), mm(2));
 }
 
-/// Finds places one after the other and keeps what is off the body.
+/// Finds places one after the other and collects those that are not on the body.
 class Placing {
  public:
   Placing(const Study& study, const mesh::TetMesh& body)
@@ -87,7 +87,7 @@ void add_channels(std::vector<io::Marker>& markers, const std::string& kind,
   }
 }
 
-/// The direction along which an attachment acts; up for a mass.
+/// The direction in which an attachment acts; up for a mass.
 Eigen::Vector3d direction_of(const fem::Attachment& attachment) {
   if (const auto* spring = std::get_if<fem::GroundSpring>(&attachment.what))
     return spring->direction;

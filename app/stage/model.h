@@ -1,4 +1,4 @@
-// A study on its mesh: materials by region, and where on the body everything is.
+// A study on its mesh: materials by region, and the places of all its parts on the body.
 #pragma once
 
 #include <string>
@@ -19,19 +19,19 @@ struct Model {
   std::vector<mesh::Site> sensors, actuators;  ///< in the order of the study's channels
   fem::MassProperties mass;
   std::vector<std::string> notes;     ///< channels that were moved onto the body
-  std::vector<std::string> warnings;  ///< channels that were named inside the body
+  std::vector<std::string> warnings;  ///< channels at places inside the body
 };
 
 /// Places of the channels and attachments of a study.
 struct Places {
   std::vector<mesh::Site> sensors, actuators, attachments;
-  std::vector<mesh::Site> link_ends;  ///< one per attachment; empty sites but for links
+  std::vector<mesh::Site> link_ends;  ///< one per attachment; empty sites except for links
   std::vector<std::string> notes, warnings;
 };
 
-/// On the boundary of `body`, which may be a shell without cells; of a place inside the body the
-/// nearest of its boundary, with a warning.
-/// @throws InvalidInput  a place is more than 1 mm off the body: by how far, all of them at once
+/// Places on the boundary of `body`, which may be a shell without cells. A place inside the body
+/// moves to the nearest point of the boundary, with a warning.
+/// @throws InvalidInput  places more than 1 mm off the body: their distances, all at once
 [[nodiscard]] Places places_of(const Study& study, const mesh::TetMesh& body);
 
 /// One material per region. @throws InvalidInput  a region has none, or a material has no region

@@ -17,7 +17,7 @@
 namespace chladni::app {
 namespace {
 
-/// Flexible modes to ask for so that the highest that is expected is there.
+/// Number of flexible modes, so that the highest expected one is included.
 int wanted_count(const Study& study) {
   int count = study.modes.count;
   for (const auto& expectation : study.expectations) {
@@ -27,7 +27,7 @@ int wanted_count(const Study& study) {
   return count;
 }
 
-/// Modes that the study names and that will not be there.
+/// Reports modes that the study names but that will not be computed.
 void require_modes(const Study& study) {
   if (study.modes.up_to_hz > 0.0) return;
   const int there = wanted_count(study);
@@ -61,7 +61,7 @@ bool reaches(const modal::Modes& modes, double up_to_hz) {
   return modes.frequency_hz.size() > 0 && modes.frequency_hz.tail<1>()(0) >= up_to_hz;
 }
 
-/// Modes up to a frequency: asks for more until one lies above it, then leaves those above out.
+/// Modes up to a frequency: asks for more until one lies above it, then removes those above.
 fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::ModesOptions options,
                              const Progress& progress) {
   auto result = fem::modes(system, options, progress);
@@ -101,7 +101,7 @@ void warn(const std::vector<std::string>& lines, Solution& solution, Run& run) {
   }
 }
 
-// The mesh is there: what it will cost is known now, and refused while nothing is lost.
+// With the mesh the cost is known. A solution that is too expensive is refused before it starts.
 void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& solution, Run& run) {
   auto& introduction = solution.introduction;
   if (introduction.cost.exact) return;

@@ -1,4 +1,4 @@
-// The modes of a study's body, and how they are told.
+// The modes of a study's body, and their output.
 #pragma once
 
 #include "app/command.h"
@@ -21,19 +21,19 @@ struct Solution {
   Introduction introduction;
   Model model;
   modal::Modes modes;               ///< on all nodes: 3·nodes rows
-  Eigen::MatrixXd extra_shapes;     ///< of the degrees of freedom that attachments brought
+  Eigen::MatrixXd extra_shapes;     ///< for the degrees of freedom that attachments add
   Eigen::VectorXd frequency_error;  ///< per mode, relative; 0 for rigid-body modes
   fem::ModesSummary summary;
   Eigen::Index degrees_of_freedom = 0;  ///< free ones
 };
 
-/// Geometry, mesh, assembly and modes, with the first line, the forecast and progress told.
-/// @throws what its steps throw
+/// Geometry, mesh, assembly and modes. Prints the first line, the forecast and the progress.
+/// @throws as its steps
 [[nodiscard]] Solution solved(const Study& study, Run& run);
-/// The same of a study that was introduced before.
+/// The same for a study that was introduced before.
 [[nodiscard]] Solution solved(const Study& study, Introduction introduction, Run& run);
 
-/// Says the first line, the notes and the warnings.
+/// Prints the first line, the notes and the warnings.
 [[nodiscard]] Introduction introduced(const Study& study, Run& run);
 
 /// Values of the shapes at sites along `directions`, n×3: n×modes [kg^-1/2].
@@ -60,10 +60,10 @@ void paint_patches(const Study& study, const mesh::TetMesh& body, Run& run);
 [[nodiscard]] io::JsonObject mesh_json(const mesh::TetMesh& body);
 [[nodiscard]] std::string mesh_text(const mesh::TetMesh& body);
 
-/// study.json: the study in SI with what is estimated of it.
+/// study.json: the study in SI units with its estimates.
 [[nodiscard]] io::JsonObject study_json(const Study& study, const Introduction& introduction);
 
-/// Each expectation beside what was found.
+/// Compares each expectation with the result.
 /// @throws NumericalFailure  some are not met (their number), after all were shown
 void judge(const Study& study, const Solution& solution, Run& run);
 

@@ -15,7 +15,7 @@
 namespace chladni::app {
 namespace {
 
-// Between the logarithms of two regions: at most, and as a part of the largest there is.
+// Step in ln between two regions: at most this, and at most this part of the largest change.
 constexpr double kMostStep = 5e-3;
 constexpr double kStepsOfLargest = 256.0;
 
@@ -26,7 +26,7 @@ double wave_sum(const std::array<double, 5>& waves, const Eigen::Vector2d& at) {
          waves[4] * (1.5 * v * v - 0.5);
 }
 
-// What the varied quantity is multiplied by at a place of the chart.
+// Factor of the varied quantity at a place of the chart.
 double factor_at(const VariationPlan& plan, const Chart& chart, const Eigen::Vector2d& place) {
   const Eigen::Vector2d unit =
       2.0 * (place - chart.from).cwiseQuotient(chart.size) - Eigen::Vector2d::Ones();
@@ -39,7 +39,8 @@ double factor_at(const VariationPlan& plan, const Chart& chart, const Eigen::Vec
   return factor;
 }
 
-// Four places within a cell whose mean is that of any quadratic over it (Hammer and Stroud 1956).
+// Four places within a cell; their mean is exact for any quadratic over it (Hammer and Stroud
+// 1956).
 std::array<Eigen::Vector3d, 4> places_in(const mesh::TetMesh& body, Eigen::Index tet) {
   constexpr double kNear = 0.5854101966249685;  // (5 + 3 √5) / 20
   constexpr double kFar = (1.0 - kNear) / 3.0;
@@ -54,7 +55,7 @@ std::array<Eigen::Vector3d, 4> places_in(const mesh::TetMesh& body, Eigen::Index
   return places;
 }
 
-// Fine enough that what varies by little is no staircase.
+// Step that is small enough for small variations too.
 double step_of(const Eigen::VectorXd& logarithms) {
   const double largest = logarithms.cwiseAbs().maxCoeff();
   return largest > 0.0 ? std::min(kMostStep, largest / kStepsOfLargest) : kMostStep;
@@ -89,7 +90,7 @@ void vary(const Study& study, mesh::TetMesh& body, std::vector<fem::Material>& m
   const Eigen::MatrixX2d logarithms = varied_factors(study, body).array().log();
   const double stiffness_step = step_of(logarithms.col(0));
   const double mass_step = step_of(logarithms.col(1));
-  std::map<std::tuple<int, long, long>, int> regions;  // region and steps: the new one
+  std::map<std::tuple<int, long, long>, int> regions;  // (old region, steps) to new region
   const auto names = body.region_names;
   for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
     const long stiffer = std::lround(logarithms(t, 0) / stiffness_step);

@@ -7,7 +7,7 @@
 
 namespace chladni::app {
 
-/// The axes of the body's two longest sides, the longest first; of equal ones the first.
+/// The axes of the body's two longest sides, the longest first; for equal sides the first axis.
 [[nodiscard]] std::pair<Eigen::Index, Eigen::Index> longest_sides(const mesh::TetMesh& body);
 
 /// cells×count²: products of cosines of 0 to count − 1 half waves over the two longest sides, at

@@ -27,8 +27,7 @@ namespace {
 using Eigen::Index;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr Index kMostFitted = 200;  // with more responses, no modes are identified for the
-                                    // comparison
+constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
 
 DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(DiagnosisPlan{}); }
 

@@ -1,5 +1,5 @@
-// What naming a cause gains: errors of the predicted responses before and after, on what a fit saw
-// and on what it did not.
+// Gain of naming a cause: errors of the predicted responses before and after, on fitted data and on
+// held-out data.
 #pragma once
 
 #include <limits>
@@ -13,11 +13,11 @@
 
 namespace chladni::app {
 
-/// Where the responses after come from.
+/// Origin of the responses after the diagnosis.
 enum class GainFrom {
   nothing,         ///< no cause was named
   extended_study,  ///< extended.toml, its finite elements solved
-  fitted_model     ///< the reduced model of the fit with all causes: of some no study has a key
+  fitted_model     ///< the reduced model with all causes, if a study cannot express one
 };
 [[nodiscard]] std::string_view name(GainFrom from);
 
@@ -28,21 +28,22 @@ struct MeasuredPart {
   Eigen::Index lines = 0;
 };
 
-/// Relative errors |G − Ĝ| over |G|, over all responses and lines of a set; NaN where there is
-/// nothing to compare.
+/// Relative errors |G − Ĝ| over |G|, over all responses and lines of a set; NaN: nothing to
+/// compare.
 struct Gain {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  double fit_before = kNone, fit_after = kNone;            ///< on what the diagnosis saw
-  double held_out_before = kNone, held_out_after = kNone;  ///< on channels and lines it did not
+  double fit_before = kNone, fit_after = kNone;            ///< on the data of the fit
+  double held_out_before = kNone, held_out_after = kNone;  ///< on held-out channels and lines
   double noise_floor = kNone, held_out_noise = kNone;
-  GainFrom from = GainFrom::nothing;  ///< of what is after
-  /// Of extended.toml where it was solved and lacks a cause: what is after is of the fitted model.
+  GainFrom from = GainFrom::nothing;  ///< origin of the values after
+  /// Errors of extended.toml, if it was solved but lacks a cause; the values after are then those
+  /// of the fitted model.
   double fit_extended = kNone, held_out_extended = kNone;
   MeasuredPart fitted;
   std::vector<std::string> held_out;                        ///< in words: channels, bands
   std::vector<std::pair<double, double>> held_out_band_hz;  ///< one or none
-  /// Whether the extended study is nearer to what was measured, held out and (where that is
-  /// known) seen; none where no extended study was solved.
+  /// True if the extended study is nearer to the measurement, on held-out data and (if known) on
+  /// fitted data; none if no extended study was solved.
   std::optional<bool> pays;
 };
 
@@ -51,19 +52,19 @@ struct Predictions {
   std::vector<Eigen::MatrixXcd> before, extended, fitted;
 };
 
-/// @param predictions  `before` as long as the measured lines
+/// @param predictions  `before` for every measured line
 [[nodiscard]] Gain gain_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan,
                            const std::vector<std::string>& held_out_channels,
                            const Predictions& predictions);
 
-/// Why nobody should act on what was named, or empty: "The extended study predicts what was held
-/// out worse than the study does (38 % off, 24 % before): it is not recommended."
+/// The reason not to use the named causes, or empty: "The extended study predicts what was held out
+/// worse than the study does (38 % off, 24 % before): it is not recommended."
 [[nodiscard]] std::string advice_against(const Gain& gain);
 
 /// "s1, s2 by a1, a2; 300 lines, 20 to 900 Hz"
 [[nodiscard]] std::string words(const MeasuredPart& part);
 
-/// Whether no fit may see a line.
+/// True if the line is held out of every fit.
 [[nodiscard]] bool line_held_out(const DiagnosisPlan& plan, double frequency_hz);
 
 }  // namespace chladni::app

@@ -16,9 +16,9 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kAssumedModelError = 0.01;  // where no variance is stated
+constexpr double kAssumedModelError = 0.01;  // if no variance is stated
 
-// Springs to ground and supports hold it; what hangs on it does not.
+// True if springs to ground or supports hold the body. Attachments on the body do not hold it.
 bool is_held(const Study& study) {
   return !study.supports.empty() ||
          std::any_of(study.attachments.begin(), study.attachments.end(), [](const auto& one) {
@@ -109,7 +109,7 @@ identification::Identified found(const IdentificationPlan& plan, const Study& st
   return result;
 }
 
-// The data as the fit has seen them.
+// The data in the form that the fit uses: without drift.
 void take_out_drift(IdentifiedModel& model) {
   if (!model.found.drift) return;
   const auto& shift = model.found.drift->shift;
@@ -118,10 +118,10 @@ void take_out_drift(IdentifiedModel& model) {
   model.drift += shift;
 }
 
-// What a study states is the most that the model may be off; once its modes are known the data say
-// how much it is, and the fit may come as near as that.
+// True if a closer fit is possible. The stated model error of a study is an upper limit. When its
+// modes are known, the data show the actual error, and the fit may be as close as that.
 bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& model) {
-  constexpr Eigen::Index kMany = 200;  // responses that are fitted by their combinations
+  constexpr Eigen::Index kMany = 200;  // responses; more are fitted by combinations
   const auto& fit = model.found.fit;
   const bool single = std::none_of(fit.groups.begin(), fit.groups.end(),
                                    [](const auto& group) { return group.size > 1; });
@@ -130,9 +130,9 @@ bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& mode
          model.data.response_count() <= kMany && fit.converged;
 }
 
-// The errors of a model go together along the lines and do not average out as noise does: the
-// deviations stay those of the first fit, and so do the delays, which phases of complex modes would
-// pass for.
+// Fits again with the model error that the data show. Model errors are correlated along the lines
+// and do not average out like noise. So the deviations stay those of the first fit. The delays stay
+// too, because phases of complex modes could look like delays.
 void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedModel& model,
                  Run& run) {
   constexpr int kRounds = 2;
@@ -155,7 +155,8 @@ void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedM
   identification::take_values(fit, model.found.fit);
 }
 
-// By the same path without outlying values; the thesis' has no way to look for modes.
+// Judges the fit, also by the same method without outlying values. The thesis' method cannot search
+// for modes, so it has no second fit.
 identification::Judgement judged(const IdentificationPlan& plan, const Study& study,
                                  const IdentifiedModel& model, Run& run) {
   std::optional<identification::IdentificationOptions> again;
@@ -178,7 +179,7 @@ std::string drift_warning(const IdentifiedModel& model) {
       name(high), 1e6 * (most - least), name(low));
 }
 
-// Of the study's responses, as near to them as their noise and the study's model error allow.
+// The fit of the study's responses, as close as their noise and the study's model error allow.
 IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study, Run& run) {
   IdentifiedModel model;
   model.measured = run.timed("read", [&] { return measured_frfs(study, run); });
@@ -190,7 +191,7 @@ IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study,
   if (!stopped() && may_come_nearer(plan, model)) {
     come_nearer(plan, study, model, run);
   } else if (!stopped() && model.seen.variance.empty() && plan.weighting == "variance") {
-    // The noise is better known once the resonances are.
+    // The noise is known better when the resonances are known.
     model.data = identification::reweighted(
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
         data_options(plan, model.seen));

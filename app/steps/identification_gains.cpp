@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kLargestMode = 0.15;  // deviation of ln f between a mode and its simulation
 
-// Seen along its own direction: a sensor and an actuator on both faces of a plate are one place.
+// Removes the coordinate along a channel's own direction: a sensor and an actuator on the two faces
+// of a plate are then in one place.
 std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
   for (auto& one : channels) {
     *one.position -= one.direction * one.direction.dot(*one.position);
@@ -65,7 +66,7 @@ double alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return std::pow(a.dot(b), 2) / std::max(1e-300, a.squaredNorm() * b.squaredNorm());
 }
 
-// The mode of the simulation that a fitted mode is most like, on both sides and in frequency.
+// The simulated mode that is most like a fitted mode, on both sides and in frequency.
 Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
                             const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs,
                             const modal::Modes& modes) {
@@ -84,7 +85,7 @@ Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
   return best;
 }
 
-// What the simulation says of the two places of each pair, mode by mode.
+// Adds the simulated shapes at the two places of each pair, mode by mode.
 void add_simulated_pairs(const Study& study, const Solution& solution, IdentifiedModel& model) {
   const auto& seen = model.seen;
   const auto& fit = model.found.fit.model;
@@ -110,8 +111,8 @@ bool needs_simulation(const IdentifiedModel& model) {
                      [&](const auto& pair) { return distance(model.seen, pair) > 1e-3; });
 }
 
-// So many motions of a body as a whole along z as the channels' places tell apart: 2 of a line
-// along x, 3 of a plane.
+// Number of rigid-body motions along z that the channels' places can tell apart: 2 for a line along
+// x, 3 for a plane.
 Eigen::Index motions_told(const modal::FrfSet& seen) {
   constexpr double kLine = 1e-3;  // [m]
   double least = std::numeric_limits<double>::infinity();
@@ -125,7 +126,7 @@ Eigen::Index motions_told(const modal::FrfSet& seen) {
   return most - least > kLine ? 3 : 2;
 }
 
-// Where all channels move along z and are told apart, motions as a whole have a geometry.
+// Geometry of rigid-body motions, if all channels move along z and their places are distinct.
 std::optional<identification::RigidGeometry> geometry_of(const modal::FrfSet& seen,
                                                          Eigen::Index motions) {
   const auto rows = [&](const std::vector<modal::MeasuredChannel>& channels) {
@@ -150,7 +151,7 @@ std::optional<identification::RigidGeometry> geometry_of(const modal::FrfSet& se
   return geometry;
 }
 
-// What the body does as a whole: at 0 Hz, or on the springs that hold it.
+// Rigid-body motion: at 0 Hz, or on the springs that hold the body.
 std::optional<identification::RigidGeometry> rigid_geometry(const Study& study,
                                                             const IdentifiedModel& model) {
   const auto plan = identification_plan(study);
@@ -173,14 +174,15 @@ std::optional<identification::RigidGeometry> rigid_geometry(const Study& study,
                                                              geometry->inputs, plan.suspended_modes)
                          : identification::suspension(fit, geometry->outputs, geometry->inputs);
   geometry->suspended = found.modes;
-  // 5.2.6 is the thesis' remedy against blended modes; of others it loses what the actuators know.
+  // Thesis 5.2.6 is its remedy against blended modes. For other modes it loses information of the
+  // actuators.
   geometry->pairs_first = plan.gain != "thesis" || plan.suspended_modes < 0;
   geometry->bending = found.bending;
   return geometry;
 }
 
-// The flexible shapes at the side with more channels: each has a scale of its own there, so that
-// what they teach does not depend on the gains.
+// The flexible shapes at the side with more channels. Each shape has its own scale there, so the
+// result does not depend on the gains.
 priors::MeasuredShapes shapes_of_one_side(const IdentifiedModel& model,
                                           const identification::GainPrior& prior) {
   const auto& fit = model.found.fit;
@@ -196,10 +198,10 @@ priors::MeasuredShapes shapes_of_one_side(const IdentifiedModel& model,
           values(Eigen::all, modes), noise(Eigen::all, modes)};
 }
 
-// The simulation as the measured shapes say that it is meant, and its errors then.
+// Corrects the simulation by the measured shapes, and sets its remaining errors.
 void learn(const Solution& solution, const IdentifiedModel& model,
            identification::GainPrior& prior) {
-  constexpr Eigen::Index kFewestPlaces = 3;  // as an interpolation has
+  constexpr Eigen::Index kFewestPlaces = 3;  // as for an interpolation
   const auto shapes = shapes_of_one_side(model, prior);
   if (shapes.places.count() < kFewestPlaces || shapes.mode_count() == 0) return;
   const auto learned = priors::learned_corrections(shapes, prior.basis, corrections(solution));
@@ -210,7 +212,7 @@ void learn(const Solution& solution, const IdentifiedModel& model,
   prior.residual = learned.likeliest.errors.prior;
 }
 
-// What the simulation says of the scale between sensors and actuators where no pair does.
+// Prior of the simulation for the scale between sensors and actuators, where no pair gives it.
 identification::GainPrior gain_prior(const Study& study, const Solution& solution,
                                      const IdentifiedModel& model) {
   const auto on = study.interpolation ? study.interpolation->on : FacePlan{};
@@ -236,7 +238,7 @@ identification::GainPrior gain_prior(const Study& study, const Solution& solutio
   return prior;
 }
 
-// Flexible modes that nothing told.
+// True if the scale of a flexible mode was not found.
 bool is_untold(const identification::GainMatch& match, Eigen::Index rigid_count) {
   return std::any_of(match.modes.begin() + rigid_count, match.modes.end(), [](const auto& mode) {
     return mode.by == identification::MatchedBy::nothing;

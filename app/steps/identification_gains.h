@@ -1,5 +1,4 @@
-// The scale between sensors and actuators of an identified model: what the study and its simulation
-// say of it.
+// Scale between sensors and actuators of an identified model, from the study and its simulation.
 #pragma once
 
 #include "app/steps/identification.h"
@@ -10,10 +9,10 @@ namespace chladni::app {
   return study.identification.value_or(IdentificationPlan{});
 }
 
-/// Fills model.pairs and matches the gains. Modes that no pair tells are told by the simulation,
-/// with the errors and corrections of it that the shapes of the side with more channels teach.
-/// @param solution  of the study; null: solved only where pairs lie apart, and what no pair tells
-///                  stays without a scale
+/// Fills model.pairs and matches the gains. For modes without a pair the simulation gives the
+/// scale, with the errors and corrections that the shapes of the side with more channels show.
+/// @param solution  of the study; null: solved only if the two places of a pair differ; modes
+///                  without a pair then have no scale
 /// @throws as its steps
 [[nodiscard]] identification::GainMatch matched(const Study& study, const Solution* solution,
                                                 IdentifiedModel& model, Run& run);

@@ -1,4 +1,4 @@
-// How far an identified model is to be trusted: as text, as JSON and as an exit code.
+// Trust in an identified model: as text, as JSON and as an exit code.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace chladni::app {
 namespace {
 
-constexpr std::size_t kMostLines = 8;  // that are named on the terminal
+constexpr std::size_t kMostLines = 8;  // named on the terminal
 
 std::string response_name(const IdentifiedModel& model, Eigen::Index e) {
   const auto p = model.data.outputs;
@@ -19,7 +19,7 @@ std::string response_name(const IdentifiedModel& model, Eigen::Index e) {
          model.seen.inputs[static_cast<std::size_t>(e / p)].name;
 }
 
-// Line by line: the responses that are outlying there, the worst first.
+// Lists the outlying responses line by line, the worst first.
 std::string outlying_text(const IdentifiedModel& model) {
   std::map<Eigen::Index, std::vector<identification::OutlyingValue>> lines;
   for (const auto& one : model.judgement.outlying) lines[one.line].push_back(one);
@@ -42,7 +42,7 @@ std::string outlying_text(const IdentifiedModel& model) {
   return text;
 }
 
-// What is left, and against what.
+// Size of the residual, and what it is compared with.
 std::string left_text(const IdentifiedModel& model) {
   const auto& judgement = model.judgement;
   const auto& data = model.data;

@@ -16,11 +16,11 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kAssumedDamping = 0.005;  // of FRFs compared where none was measured
+constexpr double kAssumedDamping = 0.005;  // for compared FRFs, if none was measured
 constexpr int kFrfLines = 400;
-constexpr int kHarmonics = 150;  // of the body, for methods that go along it
+constexpr int kHarmonics = 150;  // of the body, for methods that measure distance along it
 
-// The default and what the thesis compares it with; those of them that there are.
+// The default method and those that the thesis compares it with, as far as they exist.
 std::vector<std::string> default_methods() {
   constexpr std::array kNames{"dynamic_residual", "thin_plate_spline", "squared_exponential"};
   std::vector<std::string> names;
@@ -51,7 +51,7 @@ std::vector<priors::SimilarModel> similar_models(const Study& study, const Solut
   return ensemble(solution, unknown, seed);
 }
 
-// The simulation on the surface, with what the wanted methods need beside its modes.
+// The simulation on the surface, with the additional data that the wanted methods need.
 void add_simulation(const Study& study, const Solution& solution, const InterpolationPlan& plan,
                     unsigned seed, Interpolated& result) {
   const auto& sites = result.surface.sites;
@@ -86,7 +86,7 @@ void add_points(const Study& study, const InterpolationPlan& plan, const Solutio
   result.point_places = places_at(sites, directions, solution.modes, result.harmonics);
 }
 
-// Sensors of the study that no fit saw: their responses are predicted.
+// Sensors of the study that are not in the fit: their responses are predicted.
 void add_unmeasured(const Study& study, const Solution& solution, Interpolated& result) {
   if (!result.measured.identified) return;
   std::vector<ChannelSite> sites;
@@ -103,7 +103,7 @@ void add_unmeasured(const Study& study, const Solution& solution, Interpolated& 
   result.unmeasured_places = places_at(sites, solution.modes, result.harmonics);
 }
 
-// What the measured channels would leave unknown of each mode of the simulation.
+// Expected error of each simulated mode with the measured channels.
 Eigen::VectorXd expected_before(const Interpolated& result, double noise) {
   const auto& simulation = result.simulation;
   std::vector<Eigen::Index> flexible;
@@ -165,9 +165,9 @@ void score_hidden(const Interpolated& result, Interpolation& one) {
   if (measured.identified) one.hidden_frf_error = held_out_frf_errors(result, one);
 }
 
-// What the scale of a mode may be off by, all actuators' rows of it together: errors of the rows
-// that are independent would average out, this one does not. Where it goes with the actuators, as
-// it is kept here, responses to them change with the shape alone.
+// Adds the uncertainty of each mode's scale to the deviations. The scale is common to all actuator
+// rows of a mode, so its error does not average out as independent errors do. The error is put on
+// the actuator rows, so responses to the actuators change only with the shape.
 void widen_by_scale(const Interpolated& result, Interpolation& one) {
   const auto off = with_scale_off(result.measured);
   if (!off) return;
@@ -200,7 +200,7 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
   return one;
 }
 
-// Of the usual methods the first takes any places; what another one cannot take is said.
+// The first default method accepts any places. If another one does not, a note says so.
 void add_method(const std::string& name, bool asked_for, Interpolated& result, Run& run) {
   tell(run.talk().progress(), "interpolating: " + name);
   run.timed("interpolate: " + name, [&] {

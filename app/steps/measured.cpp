@@ -1,4 +1,4 @@
-// What was measured: from a table, or from a study that stands for the real body.
+// Measured shapes: from a table, or from a study that stands for the real body.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kModesOfTruth = 12;
 constexpr double kOffTheBody = 2e-3;  // [m]: between two models of one body
-constexpr double kInView = 1e-2;  // a mode moves along the surface's directions by at least so much
+constexpr double kInView = 1e-2;  // least relative motion of a mode along the surface's directions
 
-// A table could not tell channels of one name apart.
+// In a table, two channels with the same name cannot be told apart.
 void require_distinct_names(const Study& study) {
   for (const auto& sensor : study.sensors) {
     for (const auto& actuator : study.actuators) {
@@ -27,7 +27,7 @@ void require_distinct_names(const Study& study) {
   }
 }
 
-// Shapes of another body at given places: at the nearest point of its surface, so far away.
+// Shapes of another body at given places: at the nearest point of its surface, with the distance.
 struct There {
   Eigen::MatrixXd shapes;    // n×modes
   Eigen::VectorXd distance;  // n [m]
@@ -60,7 +60,7 @@ std::vector<Eigen::Index> modes_in_view(const Solution& real, const Eigen::Matri
 struct Values {
   io::ShapeTable table;   // all channels
   Eigen::MatrixXd truth;  // on the surface
-  Eigen::VectorXd area;   // of it, where the real body is
+  Eigen::VectorXd area;   // of the surface on the real body
 };
 
 Values values_of_truth(const Study& study, const Solution& solution,
@@ -119,7 +119,7 @@ io::ShapeTable table_of_file(const MeasurementPlan& plan) {
   return table;
 }
 
-// The rows of the table that are the wanted channels, as measured shapes.
+// The table rows of the wanted channels, as measured shapes.
 priors::MeasuredShapes part_of(const io::ShapeTable& table,
                                const std::vector<ChannelSite>& channels, const modal::Modes& modes,
                                const fem::LaplaceSpectrum& harmonics) {
@@ -132,7 +132,7 @@ priors::MeasuredShapes part_of(const io::ShapeTable& table,
           table.deviation(rows, Eigen::all)};
 }
 
-// Columns that are no channel, and channels that are no column.
+// Rejects columns that are not a channel, and notes channels without a column.
 void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSite>& channels,
                        const std::string& file, Run& run) {
   for (const auto& name : table.channels) {

@@ -14,7 +14,7 @@ namespace {
 using Index = Eigen::Index;
 using modal::MeasuredChannel;
 
-constexpr double kOblique = 0.01;  // [rad]: what two statements of one direction may differ by
+constexpr double kOblique = 0.01;  // [rad]: two directions that differ less are the same
 
 enum class Along { same, opposite, across, oblique, not_stated };
 

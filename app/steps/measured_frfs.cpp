@@ -38,7 +38,8 @@ modal::FrfSet read_responses(const Study& study, const std::filesystem::path& pa
   return std::move(file.set);
 }
 
-// Periodic recordings with references come from a loop, those without a period from a hammer.
+// Periodic recordings with references come from a closed loop; those without a period, from a
+// hammer test.
 modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std::string>& notes) {
   if (data.period == 0) {
     auto hits = identification::hammer_estimate(data);
@@ -70,7 +71,7 @@ std::vector<Eigen::Index> places_of(const std::vector<MatchedChannel>& matched) 
   return places;
 }
 
-// The matched part of the set, along the study's directions.
+// The matched part of the set, with the study's directions.
 modal::FrfSet part_of(const modal::FrfSet& set, const std::vector<MatchedChannel>& outputs,
                       const std::vector<MatchedChannel>& inputs) {
   auto part = modal::part(set, places_of(outputs), places_of(inputs));
@@ -85,7 +86,7 @@ modal::FrfSet part_of(const modal::FrfSet& set, const std::vector<MatchedChannel
   return part;
 }
 
-// Names, directions and places as the study has them; signs are turned by now.
+// Takes names, directions and places from the study; the signs are already turned.
 void rename(modal::MeasuredChannel& one, const Channel& channel) {
   one.name = channel.name;
   one.direction = channel.direction;

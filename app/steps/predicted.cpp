@@ -1,5 +1,4 @@
-// From identified responses to shapes at the channels, and from a field of shapes back to
-// responses.
+// From identified responses to shapes at the channels, and from a field of shapes to responses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,17 +14,18 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kExplained = 0.3;  // of the fitted residual, for the simulation's to be used
-constexpr double kBeyond = 1.05;    // a mode of the simulation this much above the band is residual
+constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
+constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
 
-// The sites of all channels of the study, by name.
+// The site of a channel of the study, by name.
 const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::string& name) {
   return all[static_cast<std::size_t>(index_of(all, name))];
 }
 
-// By what both sides of the pairs still differ, per mode: what the deviations of the fit do not
-// know (gains, places, neighbours). Of a pair that lies apart by what is left along the simulated
-// shape of both places: near a node of one the ratio of its sides says nothing.
+// Remaining difference between the two sides of the pairs, for each mode. The deviations of the fit
+// do not contain these errors (gains, places, neighbours). If the places of a pair differ, it is
+// the part that remains along the simulated shape at both places, because near a node the ratio of
+// the sides has no meaning.
 Eigen::VectorXd disagreement(const IdentifiedModel& model) {
   const auto& fit = model.found.fit.model;
   const auto& match = model.match;
@@ -40,7 +40,7 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
       const bool apart = !pair.is_one_place();
       const double here = apart ? pair.at_input(m) : 1.0;
       const double there = apart ? pair.at_output(m) : 1.0;
-      // What the gains explain is corrected, on whichever side.
+      // The part that the gains explain is corrected, on either side.
       const double gain = model.corrects_gains ? match.pairs[c].ratio : 1.0;
       const double output = fit.output_shapes(pair.output, m) / mode.alpha / gain;
       const double input = mode.sign * mode.alpha * fit.input_shapes(m, pair.input);
@@ -52,7 +52,7 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
   return result;
 }
 
-// Modes with a scale, and that are no rigid-body modes.
+// Modes that have a scale and are not rigid-body modes.
 std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Run& run) {
   std::vector<Eigen::Index> modes;
   const auto& fit = model.found.fit.model;
@@ -115,7 +115,7 @@ Eigen::MatrixXd flexibility_above(const Interpolated& result, const Eigen::Matri
   return sum;
 }
 
-// The fitted residual over the simulation's; zero where that one does not explain it.
+// Fitted residual over simulated residual; zero if the simulated one does not explain it.
 double residual_factor(const Interpolated& result) {
   const auto& measured = result.measured;
   const auto& model = identified_of(result);
@@ -128,13 +128,13 @@ double residual_factor(const Interpolated& result) {
   return explains ? factor : 0.0;
 }
 
-// The simulation's residual in the unit of the fitted one.
+// The simulated residual in the scale of the fitted one.
 Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& places) {
   return residual_factor(result) *
          flexibility_above(result, places.shapes, result.measured.input_shapes);
 }
 
-// Rigid-body rows at places whose motion is along z.
+// Rigid-body rows at places that move along z.
 void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
                     identification::PlacesOfInterest& result) {
   const auto rigid = model.found.fit.model.rigid_count;
@@ -180,7 +180,7 @@ Measured measured_by_responses(const Study& study, const Solution& solution,
   return result;
 }
 
-// Sensors' rows over actuators' go with the square of the scale.
+// The ratio of sensor rows to actuator rows is proportional to the square of the scale.
 std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured) {
   constexpr double kLeast = 1e-3;
   if (!measured.identified) return std::nullopt;

@@ -1,4 +1,4 @@
-// What responses predicted from a field of shapes do not contain.
+// Limits of responses that are predicted from a field of shapes.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace chladni::app {
 
-/// The model that the shapes were identified with. @throws InvalidInput  there is none
+/// The model from which the shapes were identified. @throws InvalidInput  there is none
 [[nodiscard]] const IdentifiedModel& identified_of(const Interpolated& result);
 
-/// What the predicted responses and their band lack, a sentence each: modes without a scale, the
-/// term in 1/s² of modes at 0 Hz, the modes above the band.
+/// Missing parts of the predicted responses and their band, a sentence each: modes without a scale,
+/// the 1/s² term of modes at 0 Hz, the modes above the band.
 /// @throws InvalidInput  as identified_of
 [[nodiscard]] std::vector<std::string> left_out_of_predictions(const Interpolated& result);
 

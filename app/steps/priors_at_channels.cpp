@@ -1,4 +1,4 @@
-// What learned hyper-parameters are worth at the study's own channels: figure 5.12 of the thesis.
+// Value of learned hyper-parameters at the study's own channels: figure 5.12 of the thesis.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double kAlong = 0.999;   // cosine
 constexpr std::array kSplines{"thin_plate_spline", "thin_plate_spline_gcv",
                               "thin_plate_spline_leave_one_out"};
 
-// Σ w (φ̂ − φ)² / Σ w φ² of a mode interpolated from its values at the channels.
+// Error Σ w (φ̂ − φ)² / Σ w φ² of a mode interpolated from its values at the channels.
 double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
                       const priors::Places& places, const Eigen::VectorXd& values,
                       const Eigen::VectorXd& truth) {
@@ -29,7 +29,7 @@ double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
   return priors::squared_error(process.at(sites.position, values).mean, truth, sites.area)(0);
 }
 
-// Of a channel: cosine between its direction and that of the surface's nearest point.
+// Cosine between a channel's direction and that of the surface's nearest point.
 double cosine(const ChannelSite& channel, const placement::Sites& sites, const Points& directions) {
   Eigen::Index nearest = 0;
   (sites.position.rowwise() - channel.site.position.transpose())

@@ -43,7 +43,7 @@ std::vector<modal::MeasuredChannel> channels_of(const std::vector<Channel>& chan
   return result;
 }
 
-// The places of channels along the thesis' strip [m from its left end].
+// Positions of channels along the thesis' strip [m from its left end].
 Eigen::VectorXd along(const Study& study, const std::vector<Channel>& channels) {
   const auto* strip = std::get_if<mesh::Plate>(&study.geometry.body);
   const identification::RigidChain thesis;
@@ -78,7 +78,7 @@ Eigen::Index place_of(const std::vector<Channel>& channels, const std::string& n
   return std::find(names.begin(), names.end(), name) - names.begin();
 }
 
-// Around the rigid-body modes and what a suspension makes of them: all far below the bandwidth.
+// Sets the loop around the rigid-body modes, or the suspension modes: all far below the bandwidth.
 void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench) {
   const auto& plan = *study.experiment;
   auto& rig = bench.rig;
@@ -139,7 +139,7 @@ void set_excitation(const ExperimentPlan& plan, Bench& bench) {
   bench.plan.warm_up = plan.warm_up;
 }
 
-// Root mean square of each sensor in a realisation without noise, times the ratio.
+// Noise: the root mean square of each sensor in a noise-free realisation, times the ratio.
 void set_noise(const Study& study, unsigned seed, Bench& bench) {
   const auto& plan = *study.experiment;
   auto& rig = bench.rig;
@@ -164,7 +164,7 @@ void set_noise(const Study& study, unsigned seed, Bench& bench) {
   if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
 }
 
-// How long to warm up so that less than a tenth of a deviation is left.
+// Advises the warm-up that leaves less than a tenth of a deviation.
 void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
   const auto& seen = estimate.transient;
   if (seen.remaining <= 0.1) return;

@@ -1,4 +1,4 @@
-// The virtual laboratory of a study: what is on its bench, and what came of it.
+// The virtual laboratory of a study: its bench and its results.
 #pragma once
 
 #include "app/command.h"
@@ -10,19 +10,19 @@ namespace chladni::app {
 struct Bench {
   identification::VirtualRig rig;
   identification::VirtualExperimentPlan plan;
-  std::vector<std::string> notes;  ///< what was assumed
-  Eigen::Index modes = 0;          ///< in the structure; 0: the chain, which has all of its poles
+  std::vector<std::string> notes;  ///< assumptions that were made
+  Eigen::Index modes = 0;          ///< in the structure; 0: the chain, which has all its poles
 };
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
-///                       thesis' beam, a loop that cannot be
+///                       thesis' beam, an impossible loop
 [[nodiscard]] Bench bench_of(const Study& study, Run& run);
 
 struct Simulated {
   identification::FrfEstimate estimate;  ///< compensated as the study asks
-  identification::TimeData recordings;   ///< where the study wants them
+  identification::TimeData recordings;   ///< if the study asks for them
   double crest_factor = 0.0;
-  double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before
+  double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };
 
 [[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Run& run);

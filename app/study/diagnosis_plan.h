@@ -1,4 +1,4 @@
-// What a study asks of its diagnosis.
+// The diagnosis that a study asks for.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,23 @@
 
 namespace chladni::app {
 
-/// What `chladni diagnose` looks for, and what it takes for no effect.
+/// What `chladni diagnose` looks for, and its tolerances.
 struct DiagnosisPlan {
   double low_hz = 0.0, high_hz = 0.0;     ///< the band; high 0: all lines
   std::filesystem::path tolerances_file;  ///< or empty
-  diagnosis::Tolerances tolerances;       ///< of the file, of the study, or the usual ones
+  diagnosis::Tolerances tolerances;       ///< from the file, from the study, or the default ones
   std::vector<std::string> effects;       ///< names; empty: all
   FacePlan on;                            ///< faces on which causes are sought (app/stage/faces.h)
   int most_causes = 3;
   double least_evidence = 8.0, rival_within = 5.0;  ///< ln Z
   int lines = 320;                                  ///< of the search, at most
-  /// Lines that no fit may see: the gain is measured there; 0 and 0: none.
+  /// Lines that are held out of every fit, to measure the gain there; 0 and 0: none.
   double hold_out_low_hz = 0.0, hold_out_high_hz = 0.0;
 };
 
-/// Tolerances of a diagnosis from a file of their own (docs/reference/study.md#tolerances); what it
-/// does not say is as usual. @throws InvalidInput  all that is wrong with it, as read_study
+/// Tolerances of a diagnosis from a separate file (docs/reference/study.md#tolerances); missing
+/// ones have their default.
+/// @throws InvalidInput  all errors in it, as read_study
 [[nodiscard]] diagnosis::Tolerances read_tolerances(const std::filesystem::path& file);
 
 }  // namespace chladni::app

@@ -31,7 +31,7 @@ void add_truth(std::vector<NamedFile>& files, const Study& study, const fs::path
   try {
     for (const auto& one : named_files(read_study(truth), true)) add(files, study, one.file);
   } catch (const InvalidInput&) {
-    return;  // whoever needs the truth will say so
+    return;  // the step that needs the truth reports the error
   }
 }
 
@@ -41,14 +41,14 @@ Origin origin_in_json(const io::Json& json) {
   const auto& keys = std::get<io::JsonObject>(study.value());
   const bool has_inputs =
       std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.first == "inputs"; });
-  if (!has_inputs) return origin;  // of an earlier version
+  if (!has_inputs) return origin;  // result of an earlier version
   for (const auto& input : study.at("inputs").array()) {
     origin.inputs[input.at("file").string()] = input.at("sha256").string();
   }
   return origin;
 }
 
-// <dt>sha256 of NAME</dt><dd>64 digits</dd>, as io/report/report.cpp writes facts.
+// Finds <dt>sha256 of NAME</dt><dd>64 digits</dd>, the form of facts in io/report/report.cpp.
 std::optional<Origin> origin_in_page(std::string_view page) {
   constexpr std::string_view between = "</dt><dd>";
   Origin origin;
@@ -88,7 +88,7 @@ std::optional<Origin> origin_of(const fs::path& result) {
     if (result.extension() == ".html") return origin_in_page(text);
     return origin_in_json(io::parse_json(text));
   } catch (const InvalidInput&) {
-    return std::nullopt;  // not one of ours
+    return std::nullopt;  // not a result of Chladni
   }
 }
 

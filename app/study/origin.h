@@ -1,4 +1,4 @@
-// Which state of a study, and of the files that it names, a result comes from.
+// The version of a study, and of its files, from which a result comes.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,26 @@
 
 namespace chladni::app {
 
-/// A file that a study names: as the study says it, relative to its folder, and where it is.
+/// A file that a study names: its name in the study, relative to the study's folder, and its path.
 struct NamedFile {
   std::string name;
   std::filesystem::path file;
 };
 
-/// The file of the body; with `measured` those of what was measured as well: responses, recordings,
-/// shapes, tolerances, the truth and what that names. Only those that are there.
+/// The file of the body. With `measured` also the files of the measurement: responses, recordings,
+/// shapes, tolerances, the truth and its files. Only files that exist.
 [[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
 
-/// The fingerprints in a result: of the study, and of the files that it stands on.
+/// The fingerprints in a result: of the study, and of the files that it uses.
 struct Origin {
   std::string study;
   std::map<std::string, std::string> inputs;  ///< by name
 };
 
-/// Of a JSON file that `Run::leave` wrote or of a report; none of any other file.
+/// The origin of a JSON file that `Run::leave` wrote, or of a report; none for any other file.
 [[nodiscard]] std::optional<Origin> origin_of(const std::filesystem::path& result);
 
-/// Whether two results cannot be of one state: other studies, or a file in both that differs.
+/// True if two results cannot be of one state: the studies differ, or a common file differs.
 [[nodiscard]] bool differ(const Origin& one, const Origin& other);
 
 /// The results in `folder` whose origin is not `now`, by name, ascending.

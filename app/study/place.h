@@ -1,4 +1,4 @@
-// Places and faces as a study names them.
+// Places and faces in the form of a study.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,18 +8,18 @@
 
 namespace chladni::app {
 
-/// Where on the body it is, `places_of` finds out.
+/// A place in the study; `places_of` finds it on the body.
 struct Place {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m]
-  bool from_above = false;  ///< two coordinates: the highest point below (x, y); z is 0 then
+  bool from_above = false;  ///< two coordinates: the highest point at (x, y); z is 0 then
   int line = 0;             ///< of the study, for messages
 };
 
-/// On which faces of the body something is; which they are, `faces_of` finds out.
+/// Faces in the study; `faces_of` finds them on the body.
 struct FacePlan {
   std::vector<std::string> patches;       ///< names
-  std::optional<Eigen::Vector3d> facing;  ///< unit: the faces that look along it, instead
-  int line = 0, column = 0;               ///< of the study, for messages; 0: it says nothing
+  std::optional<Eigen::Vector3d> facing;  ///< unit: faces in this direction, instead of patches
+  int line = 0, column = 0;               ///< of the study, for messages; 0: not stated
 
   [[nodiscard]] bool empty() const { return patches.empty() && !facing; }
 };

@@ -29,7 +29,7 @@ constexpr std::array<std::uint32_t, 64> kRound = {
 
 constexpr std::size_t kBlock = 64;
 
-// The end of a message of `length` bytes: what is left over, a one, zeros, the length in bits.
+// Padding of a message of `length` bytes: its last bytes, a one, zeros, the length in bits.
 std::string padded(std::string_view left_over, std::uint64_t length) {
   std::string all(left_over);
   all.push_back('\x80');
@@ -69,7 +69,7 @@ void mix(State& state, std::string_view block) {
   for (std::size_t i = 0; i < 8; ++i) state[i] += mixed[i];
 }
 
-// Mixes whole blocks; the bytes after them.
+// Mixes whole blocks. Returns the remaining bytes.
 std::string_view mixed_blocks(State& state, std::string_view bytes) {
   for (; bytes.size() >= kBlock; bytes.remove_prefix(kBlock)) mix(state, bytes.substr(0, kBlock));
   return bytes;

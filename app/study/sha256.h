@@ -1,4 +1,4 @@
-// The fingerprint that results carry of the study they came from.
+// Fingerprint of the study in its results.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace chladni::app {
 /// 64 hexadecimal digits (FIPS 180-4).
 [[nodiscard]] std::string sha256(std::string_view bytes);
 
-/// The same of a file's bytes, which are read piece by piece.
+/// The same for the bytes of a file, read in pieces.
 /// @throws InvalidInput  it cannot be read
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& file);
 

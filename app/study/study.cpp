@@ -99,7 +99,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
 }
 
 Study read_study(const fs::path& file, const std::vector<fs::path>& allowed) {
-  std::error_code ignored;  // read_whole says what is wrong with it
+  std::error_code ignored;  // read_whole reports the error
   require(
       !fs::is_directory(file, ignored),
       file.string() + " is a folder; expected a study, such as " + (file / "study.toml").string());

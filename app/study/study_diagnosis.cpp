@@ -1,4 +1,4 @@
-// [diagnosis] of a study, and the tolerances it goes by.
+// [diagnosis] of a study, and its tolerances.
 #include "app/study/study_parts.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -49,7 +49,7 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
   return result;
 }
 
-// A file of their own, or a table in the study.
+// Reads the tolerances from a separate file, or from a table in the study.
 void read_tolerances_part(TableReader& table, const StudyFolder& folder, DiagnosisPlan& plan) {
   const TomlNode* node = table.find("tolerances");
   if (node == nullptr) return;

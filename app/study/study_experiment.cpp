@@ -1,4 +1,4 @@
-// [experiment] of a study: what a virtual laboratory does with it.
+// [experiment] of a study: the virtual experiment.
 #include <algorithm>
 
 #include "app/study/study_parts.h"

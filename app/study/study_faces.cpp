@@ -1,4 +1,4 @@
-// `on` and `direction` of a study: faces of the body, and along what something moves there.
+// `on` and `direction` of a study: faces of the body, and the direction of motion there.
 #include "app/study/study_parts.h"
 
 namespace chladni::app {

@@ -1,4 +1,4 @@
-// [identification] of a study: how a modal model is fitted to what was measured.
+// [identification] of a study: the fit of a modal model to the measurement.
 #include "app/study/study_parts.h"
 
 namespace chladni::app {
@@ -28,7 +28,7 @@ void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan
   plan.pairs_within = table.quantity("pairs_within", "m", Sign::positive).value_or(1e-3);
 }
 
-// What only one way of fitting has is refused of the others: it would change nothing there.
+// Refuses a key of one fitting method for the other methods, because it has no effect there.
 void refuse_unless(bool allowed, TableReader& table, const char* key, const char* expected) {
   if (allowed || !table.has(key)) return;
   table.wrong(*table.find(key),
@@ -36,7 +36,7 @@ void refuse_unless(bool allowed, TableReader& table, const char* key, const char
 }
 
 void read_weighting(TableReader& table, IdentificationPlan& plan) {
-  // The thesis weighs by magnitude; what is said here rules.
+  // By default the thesis' method weighs by magnitude; the study may state another weighting.
   plan.weighting = table.choice("weighting", {"variance", "inverse_magnitude"})
                        .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");
   plan.cut_off_db = table.quantity("cut_off_db", "1", Sign::positive).value_or(plan.cut_off_db);

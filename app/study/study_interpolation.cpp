@@ -1,4 +1,4 @@
-// [measurement] and [interpolation] of a study: what was measured, and what it is asked for.
+// [measurement] and [interpolation] of a study: the measured data and what is computed from them.
 #include <algorithm>
 
 #include "app/study/study_parts.h"

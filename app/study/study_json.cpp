@@ -1,4 +1,4 @@
-// A study in SI: what `chladni check` leaves.
+// A study in SI units: the output of `chladni check`.
 #include "app/stage/solution.h"
 #include "app/study/study_measured_json.h"
 #include "mesh/tetrahedralize.h"

@@ -67,7 +67,7 @@ void read_orthotropic(TableReader& table, double density, StudyMaterial& out) {
   if (all_known(out)) out.material = fem::orthotropic(constants, density);
 }
 
-/// axes = three rows, the material's axes in the body's frame; angle = turn about z.
+/// axes = three rows, the material's axes in the body's frame; angle = rotation about z.
 std::optional<Eigen::Matrix3d> axes_of(TableReader& table) {
   const auto angle = table.quantity("angle", "rad");
   const TomlNode* node = table.find("axes");
@@ -129,7 +129,7 @@ void warn(Study& study, const TomlNode& node, const std::string& message) {
                            std::to_string(node.column) + ": " + message);
 }
 
-/// A unit's prefix left out shows as a value that no solid has.
+/// Warns of a value that no solid has: usually the prefix of a unit is missing.
 void check_plausible(Study& study, const StudyMaterial& material, const TomlNode& node) {
   for (const auto& [name, value] : material.constants) {
     const bool modulus = name.starts_with("youngs_modulus") || name.starts_with("shear_modulus") ||

@@ -1,4 +1,4 @@
-// What of a study is measured, simulated and fitted, in SI.
+// Measurement, experiment and identification of a study, in SI units.
 #include "app/study/study_measured_json.h"
 
 namespace chladni::app {

@@ -1,4 +1,4 @@
-// Parts of study.json: what is measured, simulated and fitted.
+// Parts of study.json: measurement, experiment and identification.
 #pragma once
 
 #include "app/study/study.h"

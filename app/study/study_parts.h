@@ -1,4 +1,4 @@
-// The parts of a study, each read by a function of its own into `study`.
+// The parts of a study. One function reads each part into `study`.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace chladni::app {
 
-/// Where the study may look for files.
+/// Folders from which the study may read files.
 struct StudyFolder {
   std::filesystem::path folder;                ///< the study's own
-  std::vector<std::filesystem::path> allowed;  ///< by --allow-outside
+  std::vector<std::filesystem::path> allowed;  ///< from --allow-outside
 
-  /// `text` as a path below one of them, symbolic links followed.
-  /// @throws InvalidInput  it leads elsewhere
+  /// `text` as a path below one of them, with symbolic links resolved.
+  /// @throws InvalidInput  it lies elsewhere
   [[nodiscard]] std::filesystem::path resolved(const std::string& text) const;
 };
 
@@ -37,15 +37,15 @@ void read_priors(TableReader& root, Study& study);
 void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
 void read_expectations(TableReader& root, Study& study);
 
-/// The path of `key`; empty where it is not there. One that leads elsewhere is a problem, and
+/// The path of `key`; empty if the key is missing. A path outside the folders is a problem, and
 /// `hint` ends its message.
 [[nodiscard]] std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
                                               std::string_view key, const std::string& hint = {});
 
-/// "at" of a channel or attachment: two or three lengths. Missing or wrong is a problem.
+/// "at" of a channel or attachment: two or three lengths. A missing or wrong value is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);
 
-/// "on": names of patches or { facing = "z" }. Wrong is a problem.
+/// "on": names of patches or { facing = "z" }. A wrong value is a problem.
 [[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
 
 /// "direction": "z", ... or "normal".
@@ -54,15 +54,15 @@ void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, 
 inline constexpr int kMostModes = 5000;
 
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
-/// Of the sensors, then of the actuators.
+/// Names of the sensors, then of the actuators.
 [[nodiscard]] std::vector<std::string> channel_names(const Study& study);
 
-/// Each name of `key` that is not `known` is a problem, with the nearest that is.
+/// Reports each name of `key` that is not `known`, with the nearest known one.
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
                       const std::vector<std::string>& wanted,
                       const std::vector<std::string>& known);
 
-/// Names must not be empty and must differ; both lines are named where they do not.
+/// Checks that names are not empty and are different; a message gives both lines.
 class Names {
  public:
   explicit Names(std::string what) : what_(std::move(what)) {}

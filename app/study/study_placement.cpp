@@ -1,4 +1,4 @@
-// [placement] of a study: where devices may go and what is wanted of them.
+// [placement] of a study: allowed places of devices, and the aim.
 #include <algorithm>
 
 #include "app/study/study_parts.h"

@@ -1,4 +1,4 @@
-// What a study wants to know: modes, layouts, measurement and what it expects.
+// Modes, layouts, measurement and expectations of a study.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -131,7 +131,7 @@ void read_expectations(TableReader& root, Study& study) {
     if (auto one = table->table(member.key)) read_expectation(*one, member.key, *known, study);
   }
   for (const auto* name : {"frequency_1", "rigid_body_modes", "mass", "volume"}) {
-    table->find(name);  // known, so that a slip of the pen is told its nearest name
+    table->find(name);  // makes the key known, so that a misspelt key gets its nearest name
   }
   table->refuse_unknown();
 }

@@ -1,4 +1,4 @@
-// [priors] of a study: what is to be learned from its modes.
+// [priors] of a study: the hyper-parameters to learn from its modes.
 #include <algorithm>
 
 #include "app/study/study_parts.h"

@@ -1,4 +1,4 @@
-// [[variation]] of a study: where its body is not as its material and geometry say.
+// [[variation]] of a study: deviations of its body from the stated material and geometry.
 #include "app/study/study_parts.h"
 
 namespace chladni::app {

@@ -1,4 +1,4 @@
-// Where a body is not as its material and geometry say.
+// Deviations of a body from its stated material and geometry.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace chladni::app {
 
-/// Stiffness or thickness over the body, relative to what it would be: 1 + `relative` within a
-/// patch (falling smoothly: e^{−(π/4)(d/R)⁴} has the area of a disc of radius R), and 1 + Σ waves,
-/// Legendre's polynomials over the body's box seen from above.
+/// Stiffness or thickness over the body, relative to the nominal value. A patch has 1 + `relative`,
+/// with a smooth rim (e^{−(π/4)(d/R)⁴} has the area of a disc of radius R). Waves have 1 + Σ waves,
+/// Legendre polynomials over the body's box seen from above.
 struct VariationPlan {
-  std::string of;  ///< "stiffness", or "thickness": its cube in stiffness, itself in mass
+  std::string of;  ///< "stiffness", or "thickness": t³ in stiffness, t in mass
   std::optional<Place> at;
   double radius = 0.0;    ///< [m]
-  double relative = 0.0;  ///< in the middle of the patch
+  double relative = 0.0;  ///< at the centre of the patch
   std::array<double, 5> waves{};
 };
 

@@ -1,4 +1,4 @@
-// What hangs on the body, side by side, and what it takes from the responses.
+// Attachments to the body, side by side, and their effect on the responses.
 #pragma once
 
 #include <complex>
@@ -7,11 +7,11 @@
 
 namespace chladni::diagnosis {
 
-/// k + c s + m s², or of a carried mass.
+/// Returns k + c s + m s², or the dynamic stiffness of a carried mass.
 [[nodiscard]] std::complex<double> dynamic_stiffness(const Attached& attached,
                                                      std::complex<double> s);
 
-/// D displacements in all.
+/// All attachments of a state together: D displacements.
 struct Attachments {
   Eigen::MatrixXd shapes;                 ///< r×D
   Eigen::MatrixXd own;                    ///< D×D [m/N]: flexibility of the modes far above
@@ -22,14 +22,14 @@ struct Attachments {
   [[nodiscard]] Eigen::VectorXcd stiffness(const State& state, std::complex<double> s) const;
 };
 
-/// On one line: what Woodbury's identity makes of the body's own C Z⁻¹ and Z⁻¹ B.
+/// Coupling on one line: Woodbury's identity applied to the body's own C Z⁻¹ and Z⁻¹ B.
 struct Coupled {
-  Eigen::MatrixXcd to_outputs, to_inputs;  ///< p×D, q×D: responses between, attachments included
+  Eigen::MatrixXcd to_outputs, to_inputs;  ///< p×D, q×D: responses between them, with attachments
   Eigen::MatrixXcd direct;                 ///< p×q [m/N]: to be added to Cᵗ (Z⁻¹ B)
 };
 
 /// @param w  r×D: Z⁻¹ F of the body alone
-/// @param left, right  (C Z⁻¹)ᵀ r×p and Z⁻¹ B r×q of the body alone; with attachments afterwards
+/// @param left, right  (C Z⁻¹)ᵀ r×p and Z⁻¹ B r×q; of the body alone before, with attachments after
 [[nodiscard]] Coupled couple(const Attachments& attachments, const State& state,
                              std::complex<double> s, const Eigen::MatrixXcd& w,
                              Eigen::Ref<Eigen::MatrixXcd> left, Eigen::Ref<Eigen::MatrixXcd> right);

@@ -1,4 +1,4 @@
-// Probes of what only hangs on the body: to first order each changes −Δ(s) to fromᵀ.
+// Probes of effects that only attach something: to first order each changes −Δ(s) to fromᵀ.
 #include <algorithm>
 #include <complex>
 #include <span>
@@ -17,7 +17,8 @@ using Complex = std::complex<double>;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// One thing that hangs, a step of its size less and more; its displacements from column `first` on.
+// One attachment, with its size a step smaller and a step larger; its displacements start at column
+// `first`.
 struct Hanging {
   std::size_t probe = 0;
   Attached minus, plus;
@@ -31,7 +32,7 @@ bool same(const std::vector<Path>& a, const std::vector<Path>& b) {
   });
 }
 
-// What the probes hang on a state; something, each of them.
+// The attachments of the probes on a state. Each probe must attach at least one.
 std::vector<Hanging> hanging(const Structure& structure, const State& state, const Effect& effect,
                              std::span<const Probe> probes) {
   const auto parameters = effect.parameters(structure);
@@ -56,7 +57,7 @@ std::vector<Hanging> hanging(const Structure& structure, const State& state, con
   return all;
 }
 
-// Responses between channels and displacements, p×D and q×D on line k; modes far above included.
+// Responses between channels and displacements, p×D and q×D on line k, with the modes far above.
 struct Touching {
   MatrixXcd to, from;       // D×pK, D×qK
   MatrixXd to_up, from_up;  // p×D, q×D

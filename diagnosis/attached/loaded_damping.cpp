@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Springs and masses that hang on a state, in its matrices.
+// Adds the springs and masses attached to a state to its matrices.
 void take_in(const std::vector<Attached>& all, MatrixXd& stiffness, MatrixXd& mass) {
   for (const auto& one : all) {
     if (one.carried) continue;
@@ -22,7 +22,7 @@ void take_in(const std::vector<Attached>& all, MatrixXd& stiffness, MatrixXd& ma
   }
 }
 
-// Of the modes one by one, as a state damps those of the structure.
+// Losses of the single modes, as the state has them for the structure's modes.
 VectorXd losses_of(const State& state) {
   VectorXd own = state.damping.diagonal();
   if (state.dashpots.size() > 0) own -= state.dashpots.diagonal();

@@ -1,4 +1,4 @@
-// Damping ratios that are those of the modes as they are measured, with all that hangs on the body.
+// Damping for ratios that were measured with all causes attached to the body.
 #pragma once
 
 #include <vector>
@@ -7,24 +7,24 @@
 
 namespace chladni::diagnosis {
 
-/// D where the ratios that the structure states are those of the modes of the body as the causes
-/// leave it, and not of the body without them:
+/// The matrix D for the case that the stated damping ratios belong to the modes of the body with
+/// the causes, and not to the modes of the body without them:
 ///
 ///     F diag(1 + ρ_k) Fᵀ,  F = M₁ Φ₁ diag(2 ζ_k ω_k)^½,   K₁ Φ₁ = M₁ Φ₁ diag(ω_k²)
 ///
-/// with all springs and masses of the causes in K₁ and M₁, mode k of which has the ratio of the
-/// structure's k-th, a rigid-body mode that is one no longer the mean one. ρ is by how much,
-/// relative, the loss of each mode deviates: State::relative_damping. Carried masses have damping
-/// of their own and are left out; what near modes share of damping stays as it is.
+/// K₁ and M₁ contain all springs and masses of the causes. Loaded mode k has the damping ratio of
+/// the structure's mode k. A rigid-body mode that now has a frequency gets the mean ratio. ρ_k is
+/// the relative deviation of the loss of mode k: State::relative_damping. Carried masses have
+/// damping of their own and are left out. Damping that neighbouring modes share does not change.
 ///
-/// Source: a damping ratio is measured on the structure that is there; that one matrix D serves all
-/// hypotheses is the other reading of the same number.
+/// Source: a damping ratio is measured on the structure as it is. The other reading of the same
+/// number is that one matrix D serves all hypotheses.
 struct LoadedDamping {
-  Eigen::MatrixXd factor;  ///< F, r×r [s^-½]; 0×0 where the causes leave K and M as they are
-  Eigen::VectorXd bare;    ///< r [s^-½]: roots of the losses of the structure's own modes
+  Eigen::MatrixXd factor;  ///< F, r×r [s^-½]; 0×0 if the causes change neither K nor M
+  Eigen::VectorXd bare;    ///< r [s^-½]: square roots of the losses of the structure's own modes
 
-  /// What D gains [1/s], r×r, over that of the structure's own modes, which deviate by the same ρ;
-  /// 0×0 where nothing is another.
+  /// The increase of D [1/s], r×r, over the D of the structure's own modes with the same ρ; 0×0 if
+  /// nothing changes.
   /// @param relative  ρ, r, or empty for 0
   [[nodiscard]] Eigen::MatrixXd gained(const Eigen::VectorXd& relative) const;
 };

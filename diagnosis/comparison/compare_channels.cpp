@@ -1,4 +1,4 @@
-// What the channels do to measured responses: gains, signs, labels.
+// Effects of the channels on measured responses: gains, signs, labels.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,10 +10,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kAboveNoise = 3.0;   // deviations, of lines whose magnitudes are compared
-constexpr double kPhasesSay = 0.2;    // correlation from which a sign is one
-constexpr double kBetter = 0.05;      // how much more alike exchanged channels must be
-constexpr double kSameChannel = 0.5;  // and how alike at least
+constexpr double kAboveNoise = 3.0;   // deviations above zero, for a line in the comparison
+constexpr double kPhasesSay = 0.2;    // smallest correlation that decides a sign
+constexpr double kBetter = 0.05;      // smallest gain in likeness by an exchange
+constexpr double kSameChannel = 0.5;  // smallest likeness after the exchange
 
 double median(const Eigen::VectorXd& of) {
   std::vector<double> values;
@@ -36,7 +36,7 @@ double log_ratio(const ComparedResponse& one) {
   return median(ratios);
 }
 
-// Takes the median of each row away. @returns them; 0 of rows without any number
+// Subtracts the median of each row. @returns the medians; 0 for rows without any number
 Eigen::VectorXd without_medians(Eigen::MatrixXd& values) {
   Eigen::VectorXd taken(values.rows());
   for (Eigen::Index i = 0; i < values.rows(); ++i) {
@@ -52,13 +52,13 @@ Complex compressed(Complex value) {
   return size > 0.0 ? value / std::sqrt(size) : Complex(0.0);
 }
 
-// Σ over `others` and lines of measured(i, ·) against simulated(k, ·), compressed.
+// Correlation of measured(i, ·) with simulated(k, ·) over the others and lines, both compressed.
 struct Correlation {
   Complex between = 0.0;
   double measured = 0.0, simulated = 0.0;
 
   void add(const ComparedResponse& one, const ComparedResponse& other) {
-    // Of another response the simulation is known on its own lines only.
+    // The simulation of another response is known only on the lines of that response.
     if (one.count() != other.count()) return;
     for (Eigen::Index k = 0; k < one.count(); ++k) {
       const Complex g = compressed(one.measured(k));
@@ -78,7 +78,7 @@ struct Correlation {
   }
 };
 
-// The exchange that gains most, summed over the responses it takes part in.
+// The exchange with the largest gain, summed over the responses of the two channels.
 void consider_swaps(const Eigen::MatrixXd& alike, bool outputs, Eigen::Index responses,
                     double& most, Swap& best) {
   for (Eigen::Index i = 0; i < alike.rows(); ++i) {
@@ -115,7 +115,7 @@ void set_gains(const ComparedResponses& of, ResponseComparison& result) {
   result.input_gain = (columns.array() - column).exp();
 }
 
-// How alike measured channel i is to simulated channel k.
+// Likeness of measured channel i to simulated channel k.
 Eigen::MatrixXd channels_alike(const ComparedResponses& of, bool outputs) {
   const Eigen::Index n = outputs ? of.outputs : of.inputs;
   const Eigen::Index others = outputs ? of.inputs : of.outputs;
@@ -132,8 +132,8 @@ Eigen::MatrixXd channels_alike(const ComparedResponses& of, bool outputs) {
   return result;
 }
 
-// The signs of rows and columns whose product agrees best with those of the responses: the one
-// that disagrees most is turned, until none is better turned.
+// Signs of rows and columns whose products agree best with the signs of the responses. The row or
+// column that disagrees most is turned, until every one agrees.
 void set_signs(const ComparedResponses& of, ResponseComparison& result) {
   Eigen::MatrixXd cosine = per_response(of, [](const ComparedResponse& one) {
     Correlation sum;

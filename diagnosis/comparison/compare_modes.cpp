@@ -1,4 +1,4 @@
-// Simulated modes beside identified ones.
+// Comparison of simulated modes with identified modes.
 #include <fmt/format.h>
 
 #include <Eigen/QR>
@@ -18,12 +18,12 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 
 constexpr double kInView = 1e-4;      // of the largest shape at the channels of one side
-constexpr double kBeyondLast = 1.05;  // of the last measured mode, where no band is said
-constexpr double kReach = 1.3;        // of the band: simulated modes beyond it may be partners
-constexpr double kNoResonance = 0.5;  // damping ratio of a resonance as wide as its frequency
-constexpr double kUnsure = 0.01;      // of a frequency: deviation that a sharp resonance may have
-constexpr double kSupported = 3.0;    // deviations of a shape
-constexpr double kClear = 0.2;        // of MAC, by which a shape chooses its partner
+constexpr double kBeyondLast = 1.05;  // times the last measured mode, if no band is given
+constexpr double kReach = 1.3;        // times the band: simulated modes within it may be partners
+constexpr double kNoResonance = 0.5;  // damping ratio: the resonance is as wide as its frequency
+constexpr double kUnsure = 0.01;      // relative deviation that a frequency may always have
+constexpr double kSupported = 3.0;    // deviations by which a shape must differ from zero
+constexpr double kClear = 0.2;        // lead in MAC with which the shape alone chooses a partner
 constexpr double kConfused = 0.5;
 
 /// Flexible modes at the channels that were measured, ascending in frequency.
@@ -52,7 +52,7 @@ Indices flexible(const modal::ReducedModel& model) {
   return columns;
 }
 
-// Whether the channels of each side see a mode, beside the largest of all flexible ones.
+// True for each mode that both sides see, relative to the largest of all flexible modes.
 std::vector<bool> in_view(const modal::ReducedModel& model, const Channels& channels,
                           const Indices& columns) {
   const Eigen::VectorXd out = model.output_shapes(channels.outputs, columns).colwise().norm();
@@ -69,7 +69,7 @@ Seen seen(const modal::ReducedModel& model, const Channels& channels, const Indi
           model.input_shapes(columns, channels.inputs).transpose()};
 }
 
-// The largest of values over their deviations; NaN is none.
+// The largest ratio of a value to its deviation; NaN is skipped.
 double sureness(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) {
   double most = 0.0;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
@@ -79,7 +79,7 @@ double sureness(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations
   return most;
 }
 
-// Why a pole of the fit is no mode; empty: it is one.
+// The reason why a pole of the fit is not a mode; empty if it is a mode.
 std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
                         const Channels& channels, const ComparisonOptions& options) {
   const double f = fit.model.frequency_hz(m);
@@ -115,7 +115,7 @@ Seen measured_modes(const identification::ModalFit& fit, const Channels& channel
   return seen(fit.model, channels, kept);
 }
 
-// Those that may be partners of what was measured in the band.
+// Modes that may be partners of those measured in the band.
 Seen simulated_modes(const modal::ReducedModel& model, const Channels& channels,
                      ModeComparison& result) {
   const auto columns = flexible(model);
@@ -137,13 +137,13 @@ modal::Modes as_modes(const Seen& of, const Eigen::MatrixXd& shapes) {
   return {of.frequency_hz, Eigen::VectorXd::Zero(of.frequency_hz.size()), shapes, 0};
 }
 
-// MAC at the sensors times MAC at the actuators, of repeated modes with their subspace.
+// MAC at the sensors times MAC at the actuators; repeated modes use their subspace.
 Eigen::MatrixXd likeness(const Seen& a, const Seen& b, double gap) {
   return modal::alike(as_modes(a, a.outputs), as_modes(b, b.outputs), gap)
       .cwiseProduct(modal::alike(as_modes(a, a.inputs), as_modes(b, b.inputs), gap));
 }
 
-// Of each mode the number of its group of repeated ones.
+// The number of its group of repeated modes, for each mode.
 Indices group_of(const Eigen::VectorXd& frequency_hz, double gap) {
   Indices number;
   for (const auto& group : modal::groups(frequency_hz, gap)) {
@@ -164,12 +164,12 @@ double confusion(const Seen& a, double gap) {
       count += 1.0;
     }
   }
-  // Of one mode alone: what shapes that have nothing in common are alike by at so many channels.
+  // For a single mode: the expected MAC of unrelated shapes with this number of responses.
   const auto responses = static_cast<double>(a.outputs.rows() * a.inputs.rows());
   return count > 0.0 ? sum / count : 1.0 / responses;
 }
 
-/// What pairs modes of a and b, both ascending.
+/// Distances for the pairing of modes of a and b, both ascending.
 struct Likeness {
   Eigen::MatrixXd mac, apart;  // apart: |ln of the frequencies' ratio|
 };
@@ -199,7 +199,7 @@ modal::Pairing paired(const Likeness& like, bool shapes_tell, const ComparisonOp
   return pairing;
 }
 
-// Whether no other simulated mode that the frequency would allow is nearly as much alike.
+// True if no other simulated mode near enough in frequency has nearly the same MAC.
 bool by_shape(const Likeness& like, const Indices& group, const modal::ModePair& pair,
               double apart) {
   for (Eigen::Index i = 0; i < like.mac.rows(); ++i) {
@@ -228,7 +228,7 @@ ModeDifference difference(const modal::ReducedModel& simulated, const identifica
   return one;
 }
 
-// Of each measured shape and what of the simulated mode's group is nearest to it, with unit norm.
+// COMAC between each measured shape and its projection on the simulated mode's group, of unit norm.
 Eigen::VectorXd comac(const modal::Pairing& pairing, const Eigen::VectorXd& frequency_hz,
                       const Eigen::MatrixXd& simulated, const Eigen::MatrixXd& measured,
                       double gap) {
@@ -273,7 +273,7 @@ void set_pairs(const modal::Pairing& pairing, const Likeness& like, const Seen& 
   }
 }
 
-// `simulated_modes` come as rows of a and leave as columns of the model.
+// On entry `simulated_modes` are rows of a; on return they are columns of the model.
 void set_mac(const Seen& a, const Seen& b, ModeComparison& result) {
   const Indices rows = result.simulated_modes;
   result.simulated_hz.clear();

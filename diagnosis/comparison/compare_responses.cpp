@@ -1,4 +1,4 @@
-// Simulated responses beside measured ones.
+// Comparison of simulated responses with measured ones.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -16,7 +16,7 @@ double frac(const ComparedResponse& one) {
   return sizes > 0.0 ? std::norm(one.simulated.dot(one.measured)) / sizes : 0.0;
 }
 
-// Of all whose variance is positive; NaN without one.
+// Errors over their deviation, on all lines with positive variance; empty if there are none.
 Eigen::VectorXcd over_deviation(const ComparedResponse& one) {
   std::vector<Complex> values;
   for (Eigen::Index k = 0; k < one.variance.size(); ++k) {
@@ -63,7 +63,7 @@ void set_errors(const ComparedResponses& of, ResponseComparison& result) {
   result.lag_one = per_response(of, lag_one);
 }
 
-// Squares of what is wrong and of what was measured, responses × bands.
+// Squares of the errors and of the measured values, responses × bands.
 struct BandSums {
   Eigen::MatrixXd wrong, size;
 };
@@ -92,7 +92,7 @@ void set_bands(const ComparedResponses& of, int bands, ResponseComparison& resul
   for (int b = 0; b <= bands; ++b) result.band_edges_hz(b) = low * std::exp(b * ratio / bands);
   const auto sums = band_sums(of, result.band_edges_hz);
   const auto relative = [](const Eigen::ArrayXXd& wrong, const Eigen::ArrayXXd& size) {
-    return Eigen::MatrixXd((wrong / size).sqrt());  // 0/0: no line there
+    return Eigen::MatrixXd((wrong / size).sqrt());  // 0/0: no line in this band
   };
   result.band_error = relative(sums.wrong.colwise().sum().transpose().array(),
                                sums.size.colwise().sum().transpose().array());

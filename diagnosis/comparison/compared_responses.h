@@ -1,4 +1,4 @@
-// Responses that are compared: each on the lines where it was measured.
+// Responses for a comparison: each on the lines where it was measured.
 #pragma once
 
 #include <limits>
@@ -37,7 +37,7 @@ struct ComparedResponses {
   return frequency_hz >= options.low_hz && frequency_hz <= options.high_hz;
 }
 
-/// `value` of each response, p×q; not a number where nothing was measured.
+/// The `value` of each response, p×q; NaN where nothing was measured.
 template <typename Value>
 [[nodiscard]] Eigen::MatrixXd per_response(const ComparedResponses& of, const Value& value) {
   Eigen::MatrixXd result(of.outputs, of.inputs);
@@ -49,10 +49,10 @@ template <typename Value>
   return result;
 }
 
-/// What the channels do to the responses: gains, signs, how alike they are.
+/// Sets the effect of the channels on the responses: gains and signs.
 void set_gains(const ComparedResponses& of, ResponseComparison& result);
 void set_signs(const ComparedResponses& of, ResponseComparison& result);
-/// How alike measured channel i is to simulated channel k of a side.
+/// Likeness of measured channel i to simulated channel k of one side.
 [[nodiscard]] Eigen::MatrixXd channels_alike(const ComparedResponses& of, bool outputs);
 
 }  // namespace chladni::diagnosis

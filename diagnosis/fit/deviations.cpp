@@ -38,8 +38,8 @@ void add_gains(const Structure& structure, double tolerance, std::vector<Deviati
   }
 }
 
-// What a channel sees more where it is one step further along an axis: of the modes above from the
-// surface, on both sides.
+// Change of a channel's row for one step along an axis. The modes above come from the surface, as
+// the central difference of a step in both directions.
 ChannelChange place_slope(const Structure& structure, Side which, Index i, Index axis,
                           double step) {
   const auto& side = which == Side::sensors ? structure.outputs : structure.inputs;
@@ -71,7 +71,7 @@ void add_positions(const Structure& structure, Side which, double tolerance,
   }
 }
 
-// Flexible modes in runs that cannot be told apart.
+// Groups of neighbouring flexible modes that cannot be told apart.
 std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double high_hz) {
   std::vector<std::pair<Index, Index>> all;  // first, size
   for (Index k = structure.rigid_count; k < structure.mode_count(); ++k) {
@@ -88,15 +88,15 @@ std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double
   return all;
 }
 
-// What two modes of a cluster share: a part of the root of both's product.
+// Adds a shared part of two modes of a cluster: a fraction of the root of their product.
 void couple(Eigen::MatrixXd& entries, Index i, Index j, double part) {
   const double more = part * std::sqrt(entries(i, i) * entries(j, j));
   entries(i, j) += more;
   entries(j, i) += more;
 }
 
-// What the modes i and j of a cluster share of stiffness or damping; of repeated modes the whole
-// block is theirs, or a deviation would depend on how the solver turned them.
+// The deviation of stiffness or damping that the modes i and j of a cluster share. Repeated modes
+// need the whole block; otherwise a deviation would depend on how the solver rotated them.
 void add_frequency(Index i, Index j, double by, std::string name, std::vector<Deviation>& all) {
   if (by <= 0.0) return;
   put(all, std::move(name), [=](State& state, double eta) {
@@ -113,8 +113,8 @@ void add_damping(Index i, Index j, double by, std::string name, std::vector<Devi
   });
 }
 
-// Of the modes i and j together: what their own mesh leaves comes on top of what any may. Nothing
-// where frequencies are known exactly.
+// Frequency tolerance of the modes i and j together: the general tolerance and the error of their
+// own mesh. No mesh error if frequencies are known exactly.
 double frequency_tolerance(const Structure& structure, const Tolerances& tolerances, Index i,
                            Index j) {
   const auto& error = structure.frequency_error;
@@ -137,7 +137,7 @@ void add_modes(const Structure& structure, const Tolerances& tolerances, double 
   }
 }
 
-// The shorter waves of a line are lower: as one over their order less one.
+// The shorter waves of a line get smaller tolerances: divided by their order minus one.
 void add_thickness(const Structure& structure, double tolerance, std::vector<Deviation>& all) {
   put(all, "thickness",
       [by = thickness_slope(structure), t = tolerance, power = structure.bending_power](
@@ -200,14 +200,14 @@ void add_modes_above(const Structure& structure, double tolerance, std::vector<D
   if (tolerance <= 0.0 || structure.residual.isZero(0.0)) return;
   put(all, "modes above those in use",
       [t = tolerance](State& state, double eta) { scale_residual(state, std::exp(t * eta)); });
-  // A frame far above the band does the same.
+  // A frame far above the band has the same effect.
   put(all, "what all responses share of the modes above",
       [t = tolerance](State& state, double eta) {
         state.residual.array() += t * eta * state.residual.cwiseAbs().mean();
       });
 }
 
-// What is one for all channels.
+// Deviations common to all channels.
 void add_shared(const Tolerances& tolerances, std::vector<Deviation>& all) {
   if (tolerances.loaded_damping > 0.0) {
     put(all, "damping ratios of the modes with what hangs on them",

@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// Which cause and which of its coordinates a column is.
+// The cause and the coordinate of a column.
 struct Column {
   std::size_t cause = 0;
   Index coordinate = 0;
@@ -43,7 +43,8 @@ std::vector<Column> columns_of(const Structure& structure, const std::vector<Sup
   return all;
 }
 
-// Steps to both sides that stay on the surface: 1 and 1, or one of them 0 on its rim.
+// Factors of the steps to both sides that stay on the surface: 1 and 1, or one of them 0 at its
+// rim.
 std::pair<double, double> sides(const Structure& structure, const Supposed& cause,
                                 const Column& column) {
   if (!column.parameter.is_place()) return {1.0, 1.0};
@@ -65,7 +66,7 @@ double prior_of(const Structure& structure, const std::vector<Supposed>& causes)
   return sum;
 }
 
-// Minus the logarithm of the posterior density.
+// Negative ln of the posterior density.
 double objective(const Problem& problem, const Fit& fit) {
   return 0.5 * fit.chi_square + 0.5 * fit.eta.squaredNorm() -
          prior_of(problem.structure, fit.causes);
@@ -83,7 +84,7 @@ void step(const Structure& structure, Fit& fit, const std::vector<Column>& colum
   }
 }
 
-// A fit where it stands, with what it predicts and leaves.
+// A fit at its current point, with its prediction and its residual.
 struct Point {
   Fit fit;
   Solved now;
@@ -120,7 +121,7 @@ Quadratic quadratic_at(const Problem& problem, const Point& here,
   return result;
 }
 
-// Where a step leads; none: to what cannot be.
+// The point after a step; none if the step leads to an impossible state.
 std::optional<Point> reached(const Problem& problem, Fit fit) {
   if (!std::isfinite(prior_of(problem.structure, fit.causes))) return std::nullopt;
   try {
@@ -130,7 +131,7 @@ std::optional<Point> reached(const Problem& problem, Fit fit) {
   }
 }
 
-// Coordinates of places on the rim of the surface that the step would take off it.
+// Indices of place coordinates at the rim of the surface that the step would move off it.
 std::vector<Index> held_by_the_rim(const Structure& structure, const Fit& fit,
                                    const std::vector<Column>& columns, const VectorXd& by) {
   std::vector<Index> held;
@@ -143,7 +144,7 @@ std::vector<Index> held_by_the_rim(const Structure& structure, const Fit& fit,
   return held;
 }
 
-// A step down, as long as it may be; false: none was found.
+// Makes a step that lowers the objective, as long as possible; false: none was found.
 bool descended(const Problem& problem, const std::vector<Column>& columns, double tolerance,
                const Quadratic& quadratic, Point& here, double& lambda) {
   bool taken = false;
@@ -163,7 +164,7 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
   return taken;
 }
 
-// What Newton's own step would bring, on the surface.
+// Fall of the objective that a full Newton step promises, with places kept on the surface.
 double promised(const Problem& problem, const std::vector<Column>& columns,
                 const Quadratic& quadratic, const Fit& fit) {
   const VectorXd by = quadratic.step(0.0);
@@ -173,8 +174,9 @@ double promised(const Problem& problem, const std::vector<Column>& columns,
   return rest.promised(rest.step(0.0));
 }
 
-// Laplace's approximation at the mode. Two causes that do the same may leave less of the prior's
-// curvature than rounding of the data's: then it counts as what rounding is.
+// Laplace's approximation at the mode. If two causes have the same effect, rounding of the data's
+// curvature may be larger than the prior's curvature. The curvature then gets the size of the
+// rounding.
 void conclude(const MatrixXd& curvature, Fit& fit) {
   const VectorXd scale = curvature.diagonal().cwiseSqrt().cwiseInverse();
   MatrixXd scaled = scale.asDiagonal() * curvature * scale.asDiagonal();
@@ -203,7 +205,7 @@ State deviating(const Problem& problem, const VectorXd& eta) {
   return state;
 }
 
-// States about a fit: a coordinate of a cause, or a deviation, moved.
+// States about a fit, in which one coordinate of a cause or one deviation is moved.
 class About {
  public:
   About(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta)
@@ -250,7 +252,7 @@ class About {
   const VectorXd& eta_;
   std::vector<std::function<void(State&)>> changes_;
   mutable std::once_flag once_;
-  mutable LoadedDamping loaded_;  // of the causes, made on first use
+  mutable LoadedDamping loaded_;  // for the causes, made on first use
 };
 
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
@@ -336,7 +338,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   const auto columns = columns_of(problem.structure, start.causes);
   Point here = point_of(problem, start);
   here.fit.less.clear();
-  if (columns.empty() && here.fit.eta.size() == 0) {  // nothing to move
+  if (columns.empty() && here.fit.eta.size() == 0) {  // no coordinates
     here.fit.converged = true;
     here.fit.log_evidence = -here.fit.objective;
     return here.fit;
@@ -344,7 +346,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   here.fit.converged = false;
   double lambda = 1e-3;
   Quadratic quadratic;
-  bool is_here = false;  // the quadratic, or at most a small step away
+  bool is_here = false;  // the quadratic is that of the end point, or of a point close to it
   bool hopeless = false;
   int iteration = 0;
   for (; iteration < limits.iterations && !here.fit.converged && !hopeless; ++iteration) {

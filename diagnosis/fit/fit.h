@@ -1,5 +1,5 @@
-// The most probable sizes of supposed causes together with the tolerances, and how well that
-// explains the data.
+// Most probable sizes of supposed causes, together with the tolerances, and how well they explain
+// the data.
 #pragma once
 
 #include <cmath>
@@ -12,28 +12,28 @@
 
 namespace chladni::diagnosis {
 
-/// What every fit of a diagnosis shares.
+/// The part that all fits of a diagnosis share.
 struct Problem {
   const Structure& structure;
   const Observed& observed;
   const std::vector<Deviation>& deviations;
-  /// How far off, relative, another mesh or solver finds what a cause does by way of the body's
-  /// shapes; beside Effect::error, of causes that have one.
+  /// Relative model-form error of another mesh or solver, for effects that depend on the mode
+  /// shapes. It is added to Effect::error, for causes with such an error.
   double solver_error = 0.0;
 };
 
-/// Effect::error and the problem's solver_error of a cause together, squares added; 0 where it
-/// does what it does whatever the shapes are.
+/// Total error of a cause: Effect::error and the problem's solver_error, squares added. 0 if the
+/// effect of the cause does not depend on the mode shapes.
 [[nodiscard]] double error_of(const Problem& problem, const Supposed& cause);
 
-/// The structure with its deviations (each in units of its tolerance), then the causes in order.
+/// The structure with its deviations (in units of their tolerances), then the causes in order.
 [[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
                              const Eigen::VectorXd& eta);
 
-/// Where more than this part of the misfit is left, what was named does not explain much of it.
+/// The named causes explain little if more than this part of the misfit is left.
 inline constexpr double kLeftAtMost = 0.2;
 
-/// z that a loss of ln likelihood adds among so many numbers, and back.
+/// z that a loss of ln likelihood adds for this many numbers, and the inverse.
 [[nodiscard]] inline double excess_of(double lost, double numbers) {
   return 2.0 * lost / std::sqrt(2.0 * numbers);
 }
@@ -41,56 +41,58 @@ inline constexpr double kLeftAtMost = 0.2;
   return 0.5 * excess * std::sqrt(2.0 * numbers);
 }
 
-/// ln of a posterior density may be so much behind that of a fit, and its evidence before it.
+/// A fit may be this much lower in ln posterior density than another and still have more evidence.
 inline constexpr double kOccamMargin = 60.0;
 
-/// Causes at their most probable sizes.
+/// Causes at their most probable sizes (posterior mode).
 struct Fit {
   std::vector<Supposed> causes;
-  Eigen::VectorXd eta;  ///< of the deviations
+  Eigen::VectorXd eta;  ///< values of the deviations
   double chi_square = 0.0;
   double objective = 0.0;      ///< ½χ² + ½ηᵀη − ln π(x)
-  double log_evidence = 0.0;   ///< ln ∫ likelihood × prior, Laplace; less (2π)^(-N/2) Π w
+  double log_evidence = 0.0;   ///< ln ∫ likelihood × prior, Laplace; without (2π)^(-N/2) Π w
   Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of eta
   int iterations = 0;
-  /// By which one more step would lower the objective, were it quadratic; 0 where it was given up.
+  /// Fall of the objective by one more step, if it were quadratic; 0 if the fit was given up.
   double promise = 0.0;
-  bool converged = false;  ///< that is less than would matter
-  std::vector<Fit> less;   ///< without each cause in turn, fitted again; or none, not known
+  bool converged = false;  ///< `promise` is too small to matter
+  std::vector<Fit> less;   ///< fits without each cause in turn; empty: not known
 
-  [[nodiscard]] Eigen::Index coordinate_count() const;  ///< of all causes
-  /// The evidence that it may have where it has not converged: with its promise, up to 8, beyond
-  /// which a quadratic is no longer believed.
+  [[nodiscard]] Eigen::Index coordinate_count() const;  ///< over all causes
+  /// Upper estimate of the evidence of a fit that has not converged: evidence plus promise. The
+  /// promise counts up to 8, because beyond that the quadratic model is not reliable.
   [[nodiscard]] double evidence_at_best() const;
-  /// χ² + ηᵀη: stretched tolerances count as misfit.
+  /// Penalised misfit χ² + ηᵀη: stretched tolerances count as misfit.
   [[nodiscard]] double strained() const { return chi_square + eta.squaredNorm(); }
   /// z = (χ² − N + parameters) / sqrt(2N).
   [[nodiscard]] double excess(double numbers) const;
 };
 
-/// Same causes with the same choices, places within a twentieth of the surface's size.
+/// True if both have the same causes and choices, at places within 5 % of the surface's size.
 [[nodiscard]] bool alike(const Structure& structure, const Fit& a, const Fit& b);
 
-/// The fit with `count` deviations: those that it lacks at rest.
+/// The fit with `count` deviations; the added ones are 0.
 [[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);
 
 struct FitLimits {
   int iterations = 30;
-  double tolerance = 0.05;  ///< of the objective: it is a logarithm of a probability
-  /// Given up where the iterations left, each worth the last, would not bring the objective here.
+  double tolerance = 0.05;  ///< of the objective, which is the logarithm of a probability
+  /// The fit stops if the remaining iterations, each as good as the last, cannot reach this
+  /// objective.
   double bar = HUGE_VAL;
 };
 
-/// A fit that promises more than this, in ln of a probability, has not converged.
+/// A fit has converged if its promise, in ln of a probability, is below this.
 inline constexpr double kNothingMore = 0.5;
 
-/// The objective's minimum by Levenberg and Marquardt in all coordinates; slopes by
-/// diagnosis::slope. `start.causes` and `start.eta` are where it begins. Evidence, covariance and
-/// promise are those of the place where it ends, up to a step that promised a tenth or less.
-/// Cost: per iteration one solve of all lines, a slope per coordinate, N (coordinates)².
+/// Minimum of the objective by Levenberg and Marquardt in all coordinates, with slopes from
+/// diagnosis::slope. The fit starts at `start.causes` and `start.eta`. Evidence, covariance and
+/// promise belong to the end point. If the last step lowered the objective by less than 0.1, they
+/// are taken at the point before this step. Cost: per iteration one solve of all lines, a slope per
+/// coordinate, N (coordinates)².
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
 
-/// d value / d x of each coordinate in turn, weighted: N × coordinates; causes, then deviations.
+/// Weighted d value / d x of each coordinate: N × coordinates; causes first, then deviations.
 [[nodiscard]] Eigen::MatrixXd sensitivities(const Problem& problem,
                                             const std::vector<Supposed>& causes,
                                             const Eigen::VectorXd& eta, const Solved& now);

@@ -39,7 +39,7 @@ MatrixXd without_diagonal(MatrixXd matrix) {
 }  // namespace
 
 MatrixXcd product(const MatrixXd& a, const MatrixXcd& x) {
-  constexpr Index kBlock = 256;  // columns, so that the parts stay in the cache
+  constexpr Index kBlock = 256;  // columns per block, so that the parts stay in the cache
   MatrixXcd result(a.rows(), x.cols());
   MatrixXd parts, products;
   for (Index first = 0; first < x.cols(); first += kBlock) {
@@ -130,8 +130,9 @@ MatrixXcd Body::solve(const MatrixXd& v) const {
   return product(turn_, iterated(turn_.transpose() * v));
 }
 
-// X = d (V − j (ω D' + H') X), D' and H' without their diagonals: it contracts, since dissipation
-// has no negative eigenvalue, and fast where modes are further apart than they are wide.
+// X = d (V − j (ω D' + H') X), with D' and H' without their diagonals. The iteration contracts,
+// because dissipation has no negative eigenvalue. It is fast if modes are further apart than they
+// are wide.
 MatrixXcd Body::iterated(const MatrixXd& v) const {
   const Index c = v.cols();
   const Index lines = omega_.size();
@@ -174,7 +175,7 @@ void Body::finish(Index line, const MatrixXd& v, MatrixXcd& x) const {
   x.middleCols(v.cols() * line, v.cols()) = z.partialPivLu().solve(v.cast<Complex>());
 }
 
-// Columns of each line where `now` is `before`, the others solved for.
+// Columns of each line: kept where `now` equals `before`, otherwise solved for.
 MatrixXcd Body::channels(const MatrixXd& now, const MatrixXd& before, const MatrixXcd& kept) const {
   if (now.cols() == before.cols() && now == before) return kept;
   std::vector<Index> moved;
@@ -202,7 +203,7 @@ MatrixXcd Body::right(const State& state) const { return channels(state.inputs, 
 
 namespace {
 
-// Of a body that is the same all the time.
+// Responses of a body that is the same in all experiments.
 Solved steady(const State& state, const Body& body) {
   const Index lines = body.omega().size();
   const Index p = state.output_count();

@@ -15,8 +15,8 @@ using Complex = std::complex<double>;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// A symmetric difference of matrices as what of it is not zero: some entries of the diagonal, or
-// all of it times what it acts on, on all lines: the side of fewer channels.
+// Nonzero part of a symmetric difference of matrices. It is either some diagonal entries, or the
+// full matrix multiplied by the solution on all lines, on the side with fewer channels.
 struct Change {
   std::vector<std::pair<Index, double>> diagonal;
   MatrixXcd on_left;   // r×pK, or empty
@@ -36,7 +36,7 @@ struct Change {
   }
 };
 
-// Which rows (columns) of the channels move, and by how much.
+// Rows (columns) of the channels that move, and their change.
 struct MovedChannels {
   std::vector<Index> which;
   std::vector<Eigen::VectorXd> by;  // r each
@@ -126,7 +126,7 @@ class Slope {
       if (plus.shapes == minus.shapes) continue;
       const MatrixXcd moved = ((plus.shapes - minus.shapes) / step_).cast<Complex>();
       const Complex z = dynamic_stiffness(here, s);
-      // What the modes far above change by is left out: they are a correction.
+      // The change of the modes far above is left out: they are a correction.
       sum.noalias() -= z * ((solved_.left(k) * moved) * to_inputs.transpose());
       sum.noalias() -= z * (to_outputs * (moved.transpose() * solved_.right(k)));
     }

@@ -12,7 +12,7 @@ namespace chladni::diagnosis {
 
 namespace {
 
-// A matrix of which `apart` keeps its size.
+// Scales a matrix; its part `apart` keeps its size.
 void scale(Eigen::MatrixXd& matrix, const Eigen::MatrixXd& apart, double factor) {
   matrix *= factor;
   if (apart.size() > 0) matrix += (1.0 - factor) * apart;

@@ -14,16 +14,16 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector2d;
 
-constexpr double kAsMuch = 0.8;  // of what the place it has promises, to first order
+constexpr double kAsMuch = 0.8;  // part of what its own place promises, to first order
 
-// The cause in another place, and what that promises.
+// The cause in another place, and the evidence that it promises there.
 struct Promise {
   Supposed cause;
   Vector2d place;
   double evidence = 0.0;
 };
 
-// Probes of the cause's size at some places, the last at its own; its other numbers as they are.
+// Probes of the cause's size at some places, the last one at its own, with its other numbers kept.
 std::vector<Probe> probes_of(const Probing& probing, const Supposed& cause) {
   const auto parameters = cause.effect->parameters(probing.problem().structure);
   auto all = probing.probes(*cause.effect, kPlacesOfScore);
@@ -40,7 +40,7 @@ std::vector<Probe> probes_of(const Probing& probing, const Supposed& cause) {
   return all;
 }
 
-// Of a strength the slope is that of its logarithm: it has one sign.
+// A strength has one sign, because its slope is that of its logarithm.
 bool is_possible(const Probe& probe, double score) {
   return probe.nothing == Nothing::zero || probe.sign() * score > 0.0;
 }

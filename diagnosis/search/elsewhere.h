@@ -1,4 +1,4 @@
-// Other places where a cause may be.
+// Other possible places of a cause.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,13 @@
 
 namespace chladni::diagnosis {
 
-/// A fit that moves a place goes to the nearest of its minima, of which a cause that hangs on a
-/// body has about as many as the modes have fields. This takes the score test (hints.h) of its size
-/// all over the surface, with its other numbers as they are and with all tolerances free, and gives
-/// the cause where it promises about as much as where it is, most promising first, at most two.
-/// None for a cause without a place. Cost: a slope per deviation and a hundred and fifty more.
-/// @param without  what the cause was added to
+/// A fit that moves a place reaches only the nearest local minimum, and a cause attached to a body
+/// has about one minimum per antinode of the modes. This function makes the score test (hints.h) of
+/// the cause's size all over the surface, with its other numbers fixed and with all tolerances
+/// free. It returns the cause at places that promise about as much evidence as its own place, the
+/// most promising first, at most two. Empty for a cause without a place. Cost: a slope per
+/// deviation and a hundred and fifty more.
+/// @param without  the fit without the cause
 [[nodiscard]] std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without,
                                               const Supposed& cause);
 

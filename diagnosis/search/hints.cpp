@@ -19,7 +19,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// The probe's effect at the size that the score asks for; none where it asks for less than nothing.
+// The effect of the probe at the size that the score gives; none if this size is negative.
 std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double step) {
   Supposed cause{&effect, probe.option, probe.x};
   auto& x = cause.x(probe.size);
@@ -27,19 +27,20 @@ std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double s
     x = step;
     return cause;
   }
-  // Of a strength the slope is that of its logarithm: the step is the strength over the probe's.
+  // The slope of a strength is that of its logarithm. The step is the strength relative to the
+  // probe's.
   const double ratio = probe.sign() * step;
   if (!(ratio > 0.0)) return std::nullopt;
   x += probe.sign() * std::log(ratio);
   return cause;
 }
 
-// ln of Occam's factor of the size and of the choice; that of the place is left out.
+// ln of Occam's factor for the size and for the choice; the place is left out.
 double occam(const Structure& structure, const Effect& effect, const Probe& probe, double step,
              double known) {
   const auto parameters = effect.parameters(structure);
   const double width = parameters[static_cast<std::size_t>(probe.size)].width;
-  // Of a strength the slope of its logarithm grows with it.
+  // For a strength, the slope of its logarithm is proportional to it.
   const double per_width = width * (probe.nothing == Nothing::zero ? 1.0 : std::abs(step));
   return 0.5 * std::log1p(per_width * per_width * known) +
          std::log(static_cast<double>(effect.options(structure)));

@@ -1,16 +1,16 @@
-// Causes that would be one thing.
+// Causes that would be one and the same.
 #pragma once
 
 #include "diagnosis/fit/fit.h"
 
 namespace chladni::diagnosis {
 
-/// Whether two causes of a fit are in one place, of which one is a patch: together they are one
-/// thing of another shape.
+/// True if two causes of a fit lie in one place and one of them is a patch: together they are one
+/// patch of another shape.
 [[nodiscard]] bool overlaps_itself(const Structure& structure, const Fit& fit);
 
-/// Whether a fit has the cause already: a channel has one gain, the body one modulus; what hangs in
-/// a place may hang in several.
+/// True if a fit already has the cause: a channel has one gain, the body one modulus. Two
+/// attachments may hang in one place.
 [[nodiscard]] bool is_there_already(const Structure& structure, const Fit& fit,
                                     const Supposed& cause);
 

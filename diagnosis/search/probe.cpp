@@ -21,22 +21,22 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
-constexpr double kFaint = 1e-3;        // of a prior's width: next to zero
-constexpr double kLogarithms = 14.0;   // a millionth of what is usual
-constexpr std::size_t kTogether = 16;  // probes solved for at once
+constexpr double kFaint = 1e-3;        // part of a prior's width that is nearly zero
+constexpr double kLogarithms = 14.0;   // in ln: a millionth of the usual size
+constexpr std::size_t kTogether = 16;  // number of probes in one solve
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// What the coordinates of an effect are.
+// Meaning of the coordinates of an effect.
 struct Roles {
   bool about_zero = false;
   std::vector<Index> sizes, frequencies;
-  Index u = -1, v = -1;  // of the place
-  VectorXd at_rest;      // sizes at 0, the others at the centre of their prior
+  Index u = -1, v = -1;  // indices of the place
+  VectorXd at_rest;      // sizes at 0, the others at the centres of their priors
 };
 
-// The first is a size; where it is about zero the others like it are, too. A factor beside a
-// difference is another thing.
+// The first coordinate is a size. If it is about zero, others of the same kind are sizes too. A
+// factor beside a difference is not.
 Roles roles_of(const std::vector<Parameter>& parameters) {
   Roles roles;
   const auto& first = parameters.front();
@@ -55,7 +55,7 @@ Roles roles_of(const std::vector<Parameter>& parameters) {
   return roles;
 }
 
-// A size next to nothing; nothing itself where all coordinates are sizes.
+// A very small size; zero if all coordinates are sizes.
 double faint(const std::vector<Parameter>& parameters, Index size, Nothing nothing) {
   const auto& one = parameters[at(size)];
   if (nothing == Nothing::minus_infinity) return one.centre - kLogarithms;
@@ -64,7 +64,7 @@ double faint(const std::vector<Parameter>& parameters, Index size, Nothing nothi
   return others ? kFaint * one.width : 0.0;
 }
 
-// Bits of two numbers in [0, 1] in turn: near numbers are near places.
+// Interleaves the bits of two numbers in [0, 1]: near numbers are near places.
 std::uint64_t along_a_curve(double u, double v) {
   constexpr int kBits = 16;
   const auto a = static_cast<std::uint64_t>(u * ((1 << kBits) - 1));
@@ -77,7 +77,7 @@ std::uint64_t along_a_curve(double u, double v) {
   return sum;
 }
 
-// Off the rim: there is surface all around.
+// True if there is surface all around a place, so it is not on the rim.
 bool is_within(const Surface& surface, const Eigen::Vector2d& place) {
   constexpr double kAround = 1e-4;  // m, more than any step
   for (const double by : {-kAround, kAround}) {
@@ -88,7 +88,7 @@ bool is_within(const Surface& surface, const Eigen::Vector2d& place) {
   return true;
 }
 
-// Indices of the scan by a curve that passes near places one after the other.
+// Indices of the scan along a curve that passes near places one after the other.
 std::vector<Index> in_a_row(const Surface& surface) {
   const Eigen::RowVector2d low = surface.places.colwise().minCoeff();
   const Eigen::RowVector2d size =
@@ -104,7 +104,7 @@ std::vector<Index> in_a_row(const Surface& surface) {
   return order;
 }
 
-// Places of the scan, each for as much of the area as the others; off the rim where that can be.
+// Places of the scan, each for an equal part of the area; off the rim if possible.
 std::vector<Index> spread(const Surface& surface, Index count) {
   if (surface.count() == 0) return {};
   const auto order = in_a_row(surface);
@@ -123,7 +123,7 @@ std::vector<Index> spread(const Surface& surface, Index count) {
   return chosen;
 }
 
-// The n-th of frequencies that fill a band as a logarithm.
+// The n-th of a series of frequencies that fill a band evenly in ln.
 double frequency_in(const VectorXd& omega, std::size_t n) {
   const double part = std::fmod(0.5 + static_cast<double>(n) / std::numbers::phi, 1.0);
   const double low = std::log(omega(0) / (2.0 * std::numbers::pi));
@@ -131,12 +131,12 @@ double frequency_in(const VectorXd& omega, std::size_t n) {
   return low + part * (high - low);
 }
 
-// Attached and framed by a probe: where in a state that carries all probes.
+// Index of a probe's first attachment and frame in a state that has those of all probes.
 struct Hung {
   std::size_t attached = 0, frames = 0;
 };
 
-// What `alone` hangs on the body beyond `base`, hung on `all` too.
+// Adds to `all` what `alone` attaches beyond `base`.
 void hang(State& all, const State& alone, const State& base) {
   const auto past = [](const auto& these, const auto& known) {
     return std::span(these).subspan(known.size());
@@ -145,7 +145,7 @@ void hang(State& all, const State& alone, const State& base) {
   std::ranges::copy(past(alone.frames, base.frames), std::back_inserter(all.frames));
 }
 
-// The state of a probe alone, with what all hang on the body, its own as `alone` has it.
+// The state of one probe with the attachments of all probes; its own are those of `alone`.
 State among(const State& all, State alone, const Hung& own, const State& base) {
   const auto put = [](auto all_of, const auto& of, std::size_t known, std::size_t where) {
     std::copy(of.begin() + static_cast<std::ptrdiff_t>(known), of.end(),
@@ -209,7 +209,7 @@ std::vector<Probe> Probing::probes_of_choice(const Effect& effect, Index option,
   return all;
 }
 
-// Toward where it changes less.
+// The infinity toward which the response depends less on the coordinate.
 Nothing Probing::direction(const Effect& effect, Probe probe) const {
   const double centre = effect.parameters(problem_.structure).front().centre;
   std::vector<Probe> both(2, probe);

@@ -1,4 +1,4 @@
-// Effects that are next to nothing: where each is tried, and what the responses change by.
+// Effects at very small size: where each is tried, and the change of the responses.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,60 +9,61 @@
 
 namespace chladni::diagnosis {
 
-/// What makes a coordinate of an effect change nothing.
+/// The value of the size coordinate at which an effect vanishes.
 enum class Nothing {
   zero,            ///< a difference or a factor: x = 0, both ways from there
   minus_infinity,  ///< the logarithm of a strength: a mass, a stiffness
-  plus_infinity,  ///< of what is weak where it is large: the corner of a low-pass, a support's mass
+  plus_infinity,   ///< an effect that is weak if it is large: a low-pass corner, a support's mass
 };
 
-/// A difference, or a factor that is usually 1: it changes nothing at x = 0.
+/// True for a difference, or a factor that is usually 1: no change at x = 0.
 [[nodiscard]] bool is_about_zero(const Parameter& parameter);
 
-/// An effect in one place, of one channel, at one frequency, at a size that is next to nothing.
+/// An effect in one place, of one channel, at one frequency, at a very small size.
 struct Probe {
   Eigen::Index option = 0;
   Eigen::VectorXd x;      ///< coordinates of the parameters
-  Eigen::Index size = 0;  ///< which of them is its size
+  Eigen::Index size = 0;  ///< index of its size coordinate
   Nothing nothing = Nothing::zero;
 
-  /// Which way its coordinate goes from nothing: −1 where it is nothing at plus infinity.
+  /// Direction of its coordinate away from no effect: −1 if the effect vanishes at plus infinity.
   [[nodiscard]] double sign() const { return nothing == Nothing::plus_infinity ? -1.0 : 1.0; }
 };
 
-/// Places at which the score test tries a cause,
+/// Number of places at which the score test tries a cause.
 inline constexpr Eigen::Index kPlacesOfScore = 144;
-/// and what of ln evidence may be lost from one to the next.
+/// Largest loss of ln evidence between two neighbouring places.
 inline constexpr double kLostBetweenPlaces = 6.0;
 
-/// Where probes of one problem are taken: a state of its structure, solved once.
+/// Computes probes of one problem about one state of its structure, solved once.
 class Probing {
  public:
   /// The simulation as it is. Cost: one solve of all lines.
   explicit Probing(const Problem& problem);
-  /// @pre  a state of problem.structure
+  /// @pre  `state` is a state of problem.structure
   Probing(const Problem& problem, State state);
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] const Solved& now() const { return now_; }
 
-  /// Those of an effect: each choice; each coordinate that is a size by itself; at some `places`
-  /// spread evenly over the surface; of an effect with a frequency twice as many, each at another
-  /// frequency of the band. What else it has is at the centre of its prior. Empty for an effect
-  /// that cannot be here, or has no numbers.
+  /// The probes of an effect: for each choice and each size coordinate, at `places` places spread
+  /// evenly over the surface. An effect with a place and a frequency has twice as many, each at
+  /// another frequency of the band. An effect with a frequency but no place has 12. All other
+  /// coordinates are at the centres of their priors. Empty for an effect that is not possible here
+  /// or has no numbers.
   [[nodiscard]] std::vector<Probe> probes(const Effect& effect, Eigen::Index places) const;
 
-  /// d value / dx of every coordinate of every probe in turn, about the state, weighted: N ×
-  /// (probes × parameters). Of a probe's size, and of what the size multiplies, at the size that it
-  /// has. Cost: one solve with all that the probes attach, a slope per column.
+  /// Weighted d value / dx of every coordinate of every probe in turn, about the state: N × (probes
+  /// × parameters). The derivatives are taken at the size of the probe. Cost: one solve with all
+  /// attachments of the probes, a slope per column.
   [[nodiscard]] Eigen::MatrixXd columns(const Effect& effect, std::span<const Probe> probes) const;
 
-  /// The same of the probes' sizes alone: N × probes. What only hangs on the body is cheaper: K p q
-  /// per column.
+  /// The same for the size coordinates only: N × probes. Effects that only attach something cost
+  /// less: K p q per column.
   [[nodiscard]] Eigen::MatrixXd size_columns(const Effect& effect,
                                              std::span<const Probe> probes) const;
 
-  /// What each choice of an effect without numbers changes, weighted: N × options.
+  /// Weighted change of the responses by each choice of an effect without numbers: N × options.
   [[nodiscard]] Eigen::MatrixXd changes(const Effect& effect) const;
 
  private:

@@ -1,4 +1,4 @@
-// What a descent knows of an objective where it stands.
+// Local quadratic model of an objective for a descent.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -6,23 +6,23 @@
 
 namespace chladni::diagnosis {
 
-/// Its slope and its curvature, by Gauss and Newton.
+/// Gradient and curvature of the objective, by Gauss and Newton.
 struct Quadratic {
   Eigen::VectorXd gradient;
   Eigen::MatrixXd curvature;
 
-  /// Levenberg's and Marquardt's: toward the minimum, the shorter the larger lambda.
+  /// Step of Levenberg and Marquardt toward the minimum; shorter for larger lambda.
   [[nodiscard]] Eigen::VectorXd step(double lambda) const {
     Eigen::MatrixXd damped = curvature;
     damped.diagonal() *= 1.0 + lambda;
-    damped.diagonal().array() += 1e-300;  // of what changes nothing
+    damped.diagonal().array() += 1e-300;  // for coordinates that change nothing
     return -damped.llt().solve(gradient);
   }
-  /// By how much the step lowers the objective, were it quadratic.
+  /// Fall of the objective by the step, if it were quadratic.
   [[nodiscard]] double promised(const Eigen::VectorXd& by) const {
     return -gradient.dot(by) - 0.5 * by.dot(curvature * by);
   }
-  /// With the coordinates `fixed` where they are.
+  /// The same model with the coordinates `fixed` held.
   [[nodiscard]] Quadratic held(const std::vector<Eigen::Index>& fixed) const {
     Quadratic result = *this;
     for (const auto i : fixed) {
@@ -33,7 +33,7 @@ struct Quadratic {
     }
     return result;
   }
-  /// A normal prior of coordinate i, which stands at x.
+  /// Adds a normal prior of coordinate i, whose value is x.
   void add_prior(Eigen::Index i, double x, double centre, double width) {
     const double precision = 1.0 / (width * width);
     gradient(i) += precision * (x - centre);

@@ -19,7 +19,7 @@ double chi_square(const Observed& observed, const MatrixXcd& model) {
   return ((observed.value - model).cwiseAbs().array() * observed.weight.array()).square().sum();
 }
 
-// Local maxima among the nearest neighbours, the largest first.
+// Highest values that are not near a higher one, the largest first.
 std::vector<Index> peaks_of(const Surface& surface, const Eigen::VectorXd& explained) {
   std::vector<Index> order(static_cast<std::size_t>(explained.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
@@ -94,7 +94,7 @@ Solved Scene::solved_at(const State& state) const {
   return solved(state, Body(state, observed_.omega, false));
 }
 
-// By one more output and input at the place.
+// Adds one more output and input at the place.
 Scene::Touched Scene::touched(const Attached& attached) const {
   const Index p = state_.output_count();
   const Index q = state_.input_count();
@@ -133,7 +133,7 @@ Scene::Touched Scene::touched(const Attached& attached) const {
   return touch;
 }
 
-// Whether it differs by channels, paths, one more frame or one more single attachment only.
+// True if only channels, paths, one more frame or one more single attachment differ.
 bool Scene::near(const State& changed) const {
   const std::size_t more = changed.attached.size() - state_.attached.size();
   const bool drifts_alike = changed.stiffening.size() == state_.stiffening.size() &&
@@ -163,7 +163,7 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
     const Complex s(0.0, observed_.omega(k));
     MatrixXcd structure = now_.structure.row(k).reshaped(p, state_.input_count());
     if (channels_move) {
-      // To first order in both sides at once: no effect moves an output and an input.
+      // To first order in both sides: no effect on an unchanged body moves an output and an input.
       structure += outputs * now_.right(k);
       structure += now_.left(k) * inputs;
     }
@@ -194,7 +194,7 @@ Eigen::VectorXd Scene::misfits(const Effect& effect, const std::vector<EffectSta
       misfit = near(changed) ? quick_misfit(changed, touch)
                              : chi_square(observed_, responses(changed, observed_.omega, false));
     } catch (const NumericalFailure&) {
-      misfit = HUGE_VAL;  // no structure is like that
+      misfit = HUGE_VAL;  // such a structure is impossible
     }
   }
   return all;

@@ -1,5 +1,5 @@
-// What is seen when a further cause is looked for: the responses of the best explanation so far,
-// and what they leave.
+// The data for the search of a further cause: the responses of the best explanation so far, and
+// their residual.
 #pragma once
 
 #include <vector>
@@ -10,14 +10,14 @@
 
 namespace chladni::diagnosis {
 
-/// How much of the misfit an attachment at a place of the surface could take, and what it would be.
+/// The misfit that an attachment at each place of the surface could remove.
 struct PlaceScan {
-  Eigen::VectorXd explained;        ///< n: fall of χ² with a free complex number per line
+  Eigen::VectorXd explained;        ///< n: fall of χ² with one free complex number per line
   std::vector<Eigen::Index> peaks;  ///< largest local maxima, descending
 };
 
-/// Misfits are taken with variances that the tolerances widen, line by line: coarse, cheap and
-/// blind to what a tolerance may be.
+/// Responses with variances that the tolerances widen, line by line. It is coarse and cheap, and it
+/// cannot see an effect that a tolerance can explain.
 class Scene {
  public:
   /// @param widening  K×pq: Σ |d value / d eta|² over the deviations [m²/N²]
@@ -30,17 +30,17 @@ class Scene {
   [[nodiscard]] const Solved& now() const { return now_; }
   [[nodiscard]] double misfit() const { return misfit_; }  ///< χ², widened
 
-  /// χ² of the state with the effect on top, per start; infinite where that cannot be. Cheap where
-  /// only channels, paths or one more attachment or frame change; the same place in succession is
-  /// cheaper still.
+  /// χ² of the state with the effect added, for each start; infinite if that is impossible. It is
+  /// cheap if only channels, paths or one more attachment or frame change. It is cheaper still if
+  /// successive starts have the same place.
   [[nodiscard]] Eigen::VectorXd misfits(const Effect& effect,
                                         const std::vector<EffectStart>& starts) const;
-  /// Whether such a misfit is cheap.
+  /// True if the misfit of this cause is cheap.
   [[nodiscard]] bool is_cheap(const Supposed& cause) const;
-  /// The least-squares real factor by which recorded row (column) i differs from the model.
+  /// Least-squares real factor between the model and recorded row (column) i.
   [[nodiscard]] double row_factor(Eigen::Index output) const;
   [[nodiscard]] double column_factor(Eigen::Index input) const;
-  /// Of a state on the scene's lines; cheap where the body is the scene's own.
+  /// The solution of a state on the scene's lines; cheap if its body is that of the scene.
   [[nodiscard]] Solved solved_at(const State& state) const;
   /// First-order fall of χ² along d value / dx, and the step in x that brings it.
   struct Gain {
@@ -48,9 +48,9 @@ class Scene {
   };
   [[nodiscard]] Gain gain(const Eigen::MatrixXcd& change) const;
 
-  /// Any point attachment: a free complex number per line. Made on first use.
+  /// Scan of a point attachment with one free complex number per line. Made by the constructor.
   [[nodiscard]] const PlaceScan& places() const { return places_; }
-  /// Steps of a half-power bandwidth or so: how finely a frequency must be searched.
+  /// Relative step of a frequency search: the mean damping ratio (half of a half-power bandwidth).
   [[nodiscard]] double frequency_step() const { return frequency_step_; }
   [[nodiscard]] double low_hz() const;
   [[nodiscard]] double high_hz() const;
@@ -63,7 +63,7 @@ class Scene {
     Eigen::VectorXcd own;       ///< K
   };
   [[nodiscard]] Touched touched(const Attached& attached) const;
-  /// By which the observed columns first, first + stride, ... differ from the model's.
+  /// Factor between the model and the observed columns first, first + stride, ...
   [[nodiscard]] double factor(Eigen::Index first, Eigen::Index stride, Eigen::Index count) const;
   [[nodiscard]] bool near(const State& changed) const;
   [[nodiscard]] double quick_misfit(const State& changed, Touched& touch) const;
@@ -78,8 +78,9 @@ class Scene {
   PlaceScan places_;
 };
 
-/// The scan of Scene::places: at each place of the surface and each line the complex τ that fits
-/// G − τ g_s g_aᵀ best (methods of low-rank modification; Woodbury), its fall of χ² summed.
+/// The scan of Scene::places. At each place of the surface and each line it finds the complex τ
+/// that fits G − τ g_s g_aᵀ best (methods of low-rank modification; Woodbury), and sums the falls
+/// of χ².
 /// Cost: places × lines × (r (p + q) + p q).
 [[nodiscard]] PlaceScan place_scan(const Structure& structure, const Observed& observed,
                                    const Solved& now, const State& state);

@@ -29,15 +29,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNoise = 1.0;    // z: what is left is noise,
-constexpr double kMuch = 1000.0;  // or far from it
+constexpr double kNoise = 1.0;    // z below which a residual is noise
+constexpr double kMuch = 1000.0;  // z above which very much is left
 
-// A cause that might be added, with its misfit in a scene.
+// A possible further cause, with its misfit in a scene.
 struct Candidate {
   Supposed cause;
   double misfit = 0.0;
   const Fit* base = nullptr;
-  bool from_nominal = false;  ///< seen with the tolerances at 0
+  bool from_nominal = false;  ///< found with the tolerances at 0
 };
 
 double numbers(const Problem& problem) { return problem.observed.number_count(); }
@@ -46,7 +46,7 @@ double numbers(const Problem& problem) { return problem.observed.number_count();
 MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
   const MatrixXd jacobian = sensitivities(problem, {}, fit.eta, now);
   const Index n = problem.observed.value.size();
-  // The rows are weighted; a part of the response each.
+  // The rows are weighted; each is the real or the imaginary part of one response.
   const VectorXd power = jacobian.rowwise().squaredNorm();
   const Eigen::ArrayXXd weight2 = problem.observed.weight.array().square();
   const Eigen::ArrayXXd sum =
@@ -62,11 +62,10 @@ struct Level {
   const SearchLimits& limits;
   const Progress& progress;
   int number = 0;
-  bool down_to_noise = false;  ///< only what is too small to show in what is left
+  bool down_to_noise = false;  ///< only noise is left: try only effects that are too small to show
 };
 
-// All that might be added to `base`, the most promising first; one per effect and choice at most
-// two.
+// All causes that might be added to `base`, the most promising first; at most two per effect.
 std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nominal) {
   Fit seen = base;
   if (nominal) seen.eta.setZero();
@@ -79,7 +78,7 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   const auto caller = std::this_thread::get_id();
   parallel_tasks(each.size(), [&](std::size_t e) {
     throw_if_interrupted();
-    if (std::this_thread::get_id() == caller) {  // progress is told from the thread that called
+    if (std::this_thread::get_id() == caller) {  // only the calling thread may report progress
       tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
            static_cast<double>(e) / static_cast<double>(each.size()));
     }
@@ -91,7 +90,7 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   for (auto& of_effect : each) {
     for (auto& one : of_effect) {
       if (is_there_already(level.problem.structure, base, one.cause)) continue;
-      one.misfit -= scene.misfit();  // the fall, so that scenes compare
+      one.misfit -= scene.misfit();  // the fall of χ², which can be compared between scenes
       all.push_back(std::move(one));
     }
   }
@@ -115,7 +114,9 @@ std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidat
   }
 }
 
-// From where it was seen; where that comes to less than there was before, from the other side.
+// Fits first from the tolerances with which the candidate was found. If the evidence falls below
+// that of the base, it also fits from the other tolerances (0 or fitted), and the better fit is
+// returned.
 std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate, double bar) {
   auto fit = fitted_from(problem, candidate, candidate.from_nominal, bar);
   if (fit && fit->log_evidence >= candidate.base->log_evidence) return fit;
@@ -124,14 +125,14 @@ std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidat
   return fit;
 }
 
-// What is large stretches the tolerances out of shape.
+// True if the residual is so large that it stretches the tolerances far.
 bool is_large(const Level& level, const Fit& base) {
   const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
   return level.number == 1 && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
 }
 
-// What is large is looked for with the tolerances at rest; what is small hides in them: with them
-// as they were fitted; between the two both ways.
+// Looks for large causes with the tolerances at 0. Small causes hide in fitted tolerances, so it
+// looks for them with these. In between it does both.
 std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
   const bool large = is_large(level, base);
@@ -144,7 +145,7 @@ std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   return all;
 }
 
-// Beside them what the scene is blind to: to first order, so not where very much is left.
+// Adds causes that the scene cannot show. They are of first order, so not if very much is left.
 void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
   constexpr int kMost = 4;
   if (is_large(level, base) && base.excess(numbers(level.problem)) > kMuch) return;
@@ -166,7 +167,7 @@ void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chos
   }
 }
 
-// The most promising, each effect and choice once.
+// The most promising candidates, each effect and choice once, and the hints.
 std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
   std::vector<Candidate> chosen;
   auto seen = level.down_to_noise ? std::vector<Candidate>{} : candidates_of(level, base);
@@ -182,7 +183,7 @@ std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
   return chosen;
 }
 
-// The last cause of a fit in other places, fitted.
+// Fits with the last cause of `fit` at other places.
 std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& base,
                                                  const Fit& fit, double bar) {
   const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
@@ -195,8 +196,8 @@ std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& 
   return fits;
 }
 
-// One more cause on top of each of the beam; what came of it. Two at once whatever the number of
-// threads: what the next ones have to beat is then always the same.
+// Fits with one more cause for each explanation of the beam. Two are fitted at once for any number
+// of threads, so that later fits always meet the same limit.
 std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, double bar = HUGE_VAL) {
   constexpr std::size_t kAtOnce = 2;
   std::vector<Fit> grown;
@@ -225,10 +226,10 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, doub
   return grown;
 }
 
-// Each cause in turn exchanged for what fits best in its stead, until all have stood the test: the
-// first one taken was chosen before the others were known. What did nearly as well is a rival.
+// Exchanges each cause in turn for the one that fits best in its place, until all have been tested,
+// because the first cause was chosen before the others were known. Nearly equal fits become rivals.
 Fit exchanged(const Level& level, Fit best, Found& found) {
-  std::size_t untested = best.causes.size();  // the first ones; what came in last was the best
+  std::size_t untested = best.causes.size();  // a cause that came in last was the best
   for (std::size_t c = 0; c < untested;) {
     auto grown = level_up(level, {without(level.problem, best, c, found.nothing)},
                           best.objective + kOccamMargin);
@@ -239,7 +240,8 @@ Fit exchanged(const Level& level, Fit best, Found& found) {
       ++c;
       continue;
     }
-    // The same at a better size stands, and is now the last; beside another one all are tested.
+    // The same cause with a better size passes and is now the last. After another cause all are
+    // tested.
     const bool same = alike(level.problem.structure, best, grown.front());
     best = std::move(grown.front());
     untested = same ? untested - 1 : best.causes.size() - 1;
@@ -248,14 +250,14 @@ Fit exchanged(const Level& level, Fit best, Found& found) {
   return best;
 }
 
-// The causes that are worth their evidence, none of which another would better; no exchange where
-// they explain so little of so much that none is believed, or where all of them are small.
+// The causes that are worth their evidence, after exchanges. There is no exchange if the causes
+// explain so little that none is believed, or if all of them are small.
 Fit settled(const Level& level, Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
   if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
-  // What one alone might be exchanged for was tried with it.
+  // With a single cause, its alternatives were already tried.
   if (found.nothing.excess(n) < kNoise || simpler.causes.size() < 2) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
@@ -264,7 +266,7 @@ Fit settled(const Level& level, Found& found) {
   return pruned(level.problem, other, found.nothing, level.limits);
 }
 
-// The best of several causes as it stands when all are known.
+// Puts the best fit first, after all its causes were tested together.
 void put_settled_first(const Level& level, Found& found) {
   const auto count = found.fits.front().causes.size();
   Fit best = settled(level, found);
@@ -273,12 +275,12 @@ void put_settled_first(const Level& level, Found& found) {
     if (better) keep(found.fits, std::move(best));
     return;
   }
-  // What was more is not worth its evidence: it is no rival either.
+  // A fit with more causes is not worth its evidence, so it is not a rival either.
   std::erase_if(found.fits, [&](const Fit& fit) { return fit.causes.size() > best.causes.size(); });
   found.fits.insert(found.fits.begin(), std::move(best));
 }
 
-// One cause after the other on top of the beam, until one more brings too little.
+// Adds one cause after the other to the beam, until one more brings too little.
 void grow(Level level, std::vector<Fit> beam, Found& found) {
   const auto& limits = level.limits;
   for (; level.number <= limits.most_causes; ++level.number) {
@@ -298,10 +300,10 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
   }
 }
 
-// Resonances are so far off that no response at all were as good: then what makes the responses
-// smaller seems to explain, and what is the matter does not.
+// True if the resonances are so wrong that a zero response would be almost as good. Then a cause
+// that makes the responses smaller seems to explain the data, and the real cause does not.
 bool is_lost(const Problem& problem, const Fit& fit) {
-  constexpr double kCoherent = 0.3;  // of the data's power
+  constexpr double kCoherent = 0.3;  // part of the data's power
   return fit.chi_square > kCoherent * problem.observed.power();
 }
 
@@ -311,8 +313,8 @@ bool is_a_gain(const Effect* effect) {
   return std::ranges::find(kGains, effect->name) != kGains.end();
 }
 
-// What a search finds where each channel may have any gain, then fitted without: of each number of
-// causes the best.
+// Searches with any gain allowed in each channel, then fits without these gains. Returns the best
+// fit for each number of causes.
 std::vector<Fit> with_free_gains(const Level& level) {
   Tolerances any_gain = no_tolerances();
   any_gain.gain = 1.0;
@@ -339,7 +341,7 @@ std::vector<Fit> with_free_gains(const Level& level) {
   return best;
 }
 
-// As its rivals were: from where the best of them has the tolerances, too.
+// Fits the tolerances alone also from the tolerances of the best fit, as its rivals were.
 void fit_nothing_again(const Problem& problem, Found& found) {
   const Fit again = nothing_beside(problem, found.nothing, found.fits.front());
   if (again.objective >= found.nothing.objective) return;

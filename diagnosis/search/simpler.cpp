@@ -10,8 +10,8 @@
 namespace chladni::diagnosis {
 namespace {
 
-// Whether two things that hang in one place push alike on the lines that were measured: what is far
-// from that need not be fitted. True where either is more than one thing, or hangs nowhere.
+// True if two attachments in one place push alike on the measured lines; if not, no fit is needed.
+// Also true if one of them is not exactly one attachment.
 bool pushes_alike(const Problem& problem, const Supposed& a, const Supposed& b) {
   constexpr double kAlike = 0.5;
   const auto hung = [&](const Supposed& cause) {
@@ -33,7 +33,7 @@ bool pushes_alike(const Problem& problem, const Supposed& a, const Supposed& b) 
   return apart < kAlike * kAlike * size;
 }
 
-// What the simpler one in its place may leave of what a cause explains, in ln of evidence.
+// ln of evidence that the simpler effect may leave of the gain of a cause.
 double may_leave(const Problem& problem, const Found& found, const Fit& best, std::size_t cause,
                  const Effect& simpler) {
   double share = std::pow(error_of(problem, best.causes[cause]), 2);
@@ -87,8 +87,8 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
   std::vector<Fit> kept;
   for (std::size_t c = 0; c < best.causes.size();) {
     Fit less = without(problem, best, c, nothing);
-    // Stretched tolerances count as misfit. What is small beside a large cause still counts where
-    // the data want it, or where it is no matter of luck.
+    // Stretched tolerances count as misfit. A cause that is small beside a large one still counts
+    // if the data need it or if it is not by chance.
     const double gain = best.log_evidence - less.evidence_at_best();
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
@@ -112,7 +112,7 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
 Fit add_simpler(const Problem& problem, Found& found, double equal) {
   Fit best = found.fits.front();
   for (std::size_t c = 0; c < best.causes.size(); ++c) {
-    const Fit general = best;  // what came before may have been exchanged
+    const Fit general = best;  // an earlier cause may have been replaced
     for (auto& simpler : simplified(general.causes[c], problem.structure)) {
       if (!std::isfinite(log_prior(simpler, problem.structure))) continue;
       if (!pushes_alike(problem, general.causes[c], simpler)) continue;
@@ -130,7 +130,7 @@ Fit add_simpler(const Problem& problem, Found& found, double equal) {
 }
 
 void trim(const Problem& problem, Found& found, const SearchLimits& limits, double equal) {
-  // What was more is not worth its evidence: it is no rival either.
+  // Fits with as many or more causes are not worth their evidence, so they are not rivals either.
   const auto put_first = [&](Fit fit) {
     std::erase_if(found.fits,
                   [&](const Fit& other) { return other.causes.size() >= fit.causes.size(); });
@@ -142,7 +142,7 @@ void trim(const Problem& problem, Found& found, const SearchLimits& limits, doub
   if (lean.causes.size() < count) {
     put_first(std::move(lean));
   } else {
-    found.fits.front() = std::move(lean);  // the same, with what it is without each cause
+    found.fits.front() = std::move(lean);  // the same fit, now with its fits without each cause
   }
   const auto left = found.fits.front().causes.size();
   const Fit exchanged = add_simpler(problem, found, equal);

@@ -1,4 +1,4 @@
-// What of an explanation is worth its evidence.
+// Reduction of an explanation to the causes that are worth their evidence.
 #pragma once
 
 #include <cstddef>
@@ -8,39 +8,42 @@
 
 namespace chladni::diagnosis {
 
-/// Into fits of descending evidence, the first `fixed` apart.
+/// Inserts a fit into fits of descending evidence, after the first `fixed` ones.
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
-/// The tolerances alone, also fitted from where a fit with causes has them: the better of the two.
+/// The better of two fits of the tolerances alone: `nothing`, and one that starts from the
+/// tolerances of a fit with causes.
 [[nodiscard]] Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit);
 
-/// Without one of its causes, fitted again unless that is known; `nothing` where it was the last.
+/// The fit without one of its causes, fitted again unless that is known; `nothing` if no cause is
+/// left.
 [[nodiscard]] Fit without(const Problem& problem, const Fit& fit, std::size_t which,
                           const Fit& nothing);
 
-/// Whether one more cause is more than luck, and more than what mends errors of the others
+/// True if one more cause is more than luck, and more than a correction of errors of the others
 /// (Effect::error).
 [[nodiscard]] bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
                            const Fit& less, const Fit& more);
 
-/// What in ln of evidence another mesh or solver, and what each cause is only nearly
-/// (Effect::error), may have left of a fit: a further cause that brings less only mends that.
+/// ln of evidence that model-form errors may have left in a fit: those of mesh or solver, and those
+/// of each cause (Effect::error). A further cause that brings less only corrects these errors.
 [[nodiscard]] double cost_of_errors(const Problem& problem, const Fit& nothing, const Fit& fit);
 
-/// Without each cause in turn, on a problem of its own; the simpler stays where that costs less
-/// than `least_evidence`, or where neither its share nor what is left without it nor its own
-/// evidence matters. It may be `nothing` in the end. It knows Fit::less.
+/// Leaves out each cause in turn, in a new fit. The simpler fit stays if it costs less than
+/// `least_evidence`, or if neither the cause's share, nor the excess without it, nor its own
+/// evidence is large enough. The result may be `nothing`. Fit::less is set.
 [[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
                          const SearchLimits& limits);
 
-/// With simpler effects (simpler_of) in the place of each cause of the best fit that has some and
-/// pushes on the body about as they would: where both explain the data as well the simpler is
-/// meant, but it need not have been tried. After the best, and with two of them exchanged where one
-/// was within `equal` of evidence. Returns the best with all that was exchanged.
+/// Replaces each cause of the best fit by its simpler effects (simpler_of), if these push on the
+/// body about as the cause does. If both explain the data equally well, the simpler one is
+/// preferred, but the search need not have tried it. The new fits enter after the best. A
+/// replacement stays if it costs less than `equal` of evidence or than its share (Simpler). Returns
+/// the best fit with all replacements.
 Fit add_simpler(const Problem& problem, Found& found, double equal);
 
-/// The best fit pruned, with simpler ones beside it; first of all those with what was exchanged,
-/// where that leaves a cause too little evidence for itself.
+/// Prunes the best fit and adds simpler effects to the list. The fit with all replacements comes
+/// first if one of its causes then has too little evidence.
 void trim(const Problem& problem, Found& found, const SearchLimits& limits, double equal);
 
 }  // namespace chladni::diagnosis

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of ½ misfit − ln prior in the coordinates of one cause alone.
+// Quadratic model of ½ misfit − ln prior in the coordinates of one cause.
 Quadratic quadratic_at(const Scene& scene, const Supposed& cause,
                        const std::vector<Parameter>& parameters) {
   const auto moved = [&](const VectorXd& x) {
@@ -40,7 +40,7 @@ Quadratic quadratic_at(const Scene& scene, const Supposed& cause,
   return result;
 }
 
-// A step down; 0: none was found.
+// Makes a step that lowers the misfit. Returns the fall; 0: none was found.
 double improve_once(const Scene& scene, const Quadratic& quadratic, Start& candidate,
                     double& lambda) {
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -60,7 +60,7 @@ double improve_once(const Scene& scene, const Quadratic& quadratic, Start& candi
   return 0.0;
 }
 
-// Gauss-Newton in the scene.
+// Improves a start in the scene by Gauss-Newton steps.
 Start improved(const Scene& scene, Start candidate) {
   const auto parameters = candidate.cause.effect->parameters(scene.structure());
   if (parameters.empty()) return candidate;
@@ -73,7 +73,7 @@ Start improved(const Scene& scene, Start candidate) {
   return candidate;
 }
 
-// How far each coordinate is moved at first.
+// First step length of each coordinate.
 VectorXd strides(const Scene& scene, const Supposed& cause) {
   const auto& structure = scene.structure();
   const auto parameters = cause.effect->parameters(structure);
@@ -87,14 +87,14 @@ VectorXd strides(const Scene& scene, const Supposed& cause) {
   return by;
 }
 
-// Hooke's and Jeeves' direct search (J. ACM 8, 1961): each coordinate for itself, then on along
-// what that came to; by less where it no longer helps.
+// Direct search of Hooke and Jeeves (J. ACM 8, 1961): a step in each coordinate, then further along
+// the sum of these steps. The steps are halved when they no longer help.
 class DirectSearch {
  public:
   DirectSearch(const Scene& scene, const Start& start)
       : scene_(&scene), by_(strides(scene, start.cause)) {}
 
-  /// On from there, at the cost of so many misfits.
+  /// Continues from `best` with at most about this many misfits.
   [[nodiscard]] Start from(Start best, int misfits) {
     constexpr int kHalved = 6;
     left_ = misfits;
@@ -147,7 +147,7 @@ bool is_far(const Scene& scene, const Start& start) {
          scene.is_cheap(start.cause);
 }
 
-// Of the same choice and in the same place.
+// True for the same choice and the same place.
 bool alike(const std::vector<Parameter>& parameters, const Supposed& one,
            const EffectStart& other) {
   if (one.option != other.option) return false;
@@ -158,7 +158,7 @@ bool alike(const std::vector<Parameter>& parameters, const Supposed& one,
   return true;
 }
 
-// Of what the effect offers, of different choices or places.
+// The best starts that the effect offers, of different choices or places.
 std::vector<Start> likeliest(const Scene& scene, const Effect& effect, std::size_t most) {
   const auto offered = effect.starts(scene);
   if (offered.empty()) return {};
@@ -181,8 +181,8 @@ std::vector<Start> likeliest(const Scene& scene, const Effect& effect, std::size
   return best;
 }
 
-// The best `most` of them, after those that are far from anywhere were moved: all a little, then
-// the best further.
+// Keeps the best `most` starts. Those far from any fit are moved first: all a little, then the best
+// ones further.
 void move_far(const Scene& scene, std::vector<Start>& starts, std::size_t most) {
   constexpr int kLittle = 80;
   constexpr int kFurther = 170;

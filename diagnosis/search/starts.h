@@ -1,4 +1,4 @@
-// Where the fit of a cause begins: the best of what its effect offers, improved in a scene.
+// Starts of the fit of a cause: the best ones that its effect offers, improved in a scene.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,14 @@ namespace chladni::diagnosis {
 
 struct Start {
   Supposed cause;
-  double misfit = 0.0;  ///< χ², widened as the scene's
+  double misfit = 0.0;  ///< χ², with the variances of the scene
 };
 
-/// At most two, of different choices or places. Those of effects that hang somewhere are first
-/// moved along one coordinate at a time where much is unexplained: what is stiff or heavy has
-/// valleys narrower than the scan's places are apart. Then Gauss and Newton.
-/// Cost: a misfit per start the effect offers, a thousand cheap ones more where one hangs.
+/// At most two starts, of different choices or places. Starts of effects with a place are first
+/// moved along one coordinate at a time if much is unexplained, because stiff or heavy attachments
+/// have valleys narrower than the distance of the scan's places. Gauss-Newton steps follow. Cost: a
+/// misfit per start that the effect offers, and up to a thousand cheap ones for effects with a
+/// place.
 [[nodiscard]] std::vector<Start> best_starts(const Scene& scene, const Effect& effect);
 
 }  // namespace chladni::diagnosis

@@ -21,7 +21,7 @@ bool only_scales(const Fit& fit) {
   });
 }
 
-// Some of the scan's places, evenly.
+// Some places of the scan, evenly spread.
 std::vector<Index> some_places(const Surface& surface) {
   constexpr Index kMost = 100;
   const Index step = std::max<Index>(1, surface.count() / kMost);
@@ -30,7 +30,7 @@ std::vector<Index> some_places(const Surface& surface) {
   return places;
 }
 
-// Responses of the surface at some places to every actuator.
+// Responses at some places of the surface to every actuator.
 Eigen::MatrixXcd there(const Problem& problem, const Fit& fit, const std::vector<Index>& places,
                        const Eigen::VectorXd& omega) {
   State state = state_of(problem, fit.causes, fit.eta);

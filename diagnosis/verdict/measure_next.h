@@ -1,4 +1,4 @@
-// What to measure so that two explanations which are equally good no longer are.
+// A proposal for the next measurement, to separate two equally good explanations.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace chladni::diagnosis {
 
-/// The place of the surface where one more sensor would tell `a` from `b` best, and by how much: in
-/// the mean, ln of the Bayes factor is Σ |G_a − G_b|² / σ², σ being the median relative noise of
-/// what was measured. What both leave open (their sizes are taken as found) makes it an upper
-/// bound. Where both scale the body, weighing it is what decides.
-/// Cost: 60 lines of both with up to 100 places.
+/// The place of the surface where one more sensor separates `a` from `b` best, with the expected ln
+/// of the Bayes factor: Σ |G_a − G_b|² / σ², where σ is the median relative noise of the
+/// measurement. It is an upper bound, because the sizes are taken as known at their fitted values.
+/// If both explanations only scale the body, the proposal is to weigh it. Cost: 60 lines of both
+/// with fewer than 200 places.
 [[nodiscard]] std::string measure_next(const Problem& problem, const Fit& a, const Fit& b);
 
 }  // namespace chladni::diagnosis

@@ -1,4 +1,4 @@
-// What random multisines say of a structure that is not linear.
+// Evidence of nonlinearity in measurements with random multisines.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace chladni::diagnosis {
 
-/// What of the variance changes with the realisation of the excitation and not with the period: its
-/// deviation over the responses, root mean squares over the channels of lines.
+/// The part of the variance that changes with the realisation of the excitation and not with the
+/// period: its standard deviation over the responses, root mean squares over the channels of lines.
 struct Nonlinearity {
-  double share = 0.0;         ///< of the variance that noise does not explain, 0 to 1
+  double share = 0.0;         ///< part of the variance that is not noise, 0 to 1
   double level = 0.0;         ///< relative to the responses
-  double strongest_hz = 0.0;  ///< middle of the eighth of the lines where it is largest,
-  double strongest = 0.0;     ///< and its level there
+  double strongest_hz = 0.0;  ///< middle of the eighth of the lines with the highest level
+  double strongest = 0.0;     ///< the level there
 };
 
-/// Of responses that state both variances; all zero where they do not.
+/// Needs responses that state both variances; all zero otherwise.
 [[nodiscard]] Nonlinearity nonlinearity(const modal::FrfSet& measured);
 
-/// A sentence where most of the variance is stochastic nonlinearity; else nothing.
+/// A sentence if most of the variance is stochastic nonlinearity; else empty.
 [[nodiscard]] std::string nonlinearity_note(const modal::FrfSet& measured);
 
 }  // namespace chladni::diagnosis

@@ -6,14 +6,15 @@
 namespace chladni::diagnosis {
 namespace {
 
-// What a cause does goes with the square of the shapes where it is, on all modes at once. Where
-// channels saw shapes off by 0.1 %, masses, springs and tapers in models of other elements were
-// found off by 1 to 3 %.
+// The effect of a cause on all modes is proportional to the square of the shapes at its place. When
+// the shapes at the channels were wrong by 0.1 %, masses, springs and tapers in models of other
+// elements were found with errors of 1 to 3 %. So this is the ratio of the two errors.
 constexpr double kOfACause = 10.0;
 
-// Modes up to these parts of the band have frequencies and dampings of their own, and shapes. Some
-// hundredths of what modes above it add within it are loss, which a fifth of their damping makes
-// uncertain by more than the noise of thousands of lines: masses of -14 g were made of it.
+// Modes up to these multiples of the band have their own frequencies and dampings, and shapes. Some
+// hundredths of the contribution of modes above the band to it are loss. Their damping is known to
+// 20 % only, so this loss is more uncertain than the noise of thousands of lines. Without dampings
+// of their own the fit invented masses of -14 g.
 constexpr double kOwnFrequencies = 3.0;
 constexpr double kOwnShapes = 1.6;
 

@@ -1,4 +1,4 @@
-// What a diagnosis has before it looks for causes.
+// Data of a diagnosis before the search for causes.
 #pragma once
 
 #include <memory>
@@ -12,18 +12,18 @@
 namespace chladni::diagnosis {
 
 struct Prepared {
-  std::shared_ptr<const Structure> structure;  ///< its channels those that are measured
+  std::shared_ptr<const Structure> structure;  ///< with the measured channels only
   Observed observed;                           ///< on all lines
   std::vector<std::string> notes;
-  std::vector<Deviation> tolerable;  ///< of *structure
-  /// Errors of its mode shapes: noise to the search, parameters to its last word.
+  std::vector<Deviation> tolerable;  ///< deviations of *structure
+  /// Errors of its mode shapes: noise in the search, parameters in the final fit.
   std::vector<Deviation> shapes;
-  double response = 0.0;      ///< Tolerances::response, which they follow from
-  double solver_error = 0.0;  ///< Problem::solver_error, likewise
+  double response = 0.0;      ///< Tolerances::response, the size of `shapes`
+  double solver_error = 0.0;  ///< Problem::solver_error, from the same tolerance
 
-  /// At most `lines` lines as the search sees them.
+  /// At most `lines` lines for the search, with its widened noise.
   [[nodiscard]] Observed for_search(int lines) const;
-  /// As the last word does.
+  /// All deviations, for the final fit.
   [[nodiscard]] std::vector<Deviation> all_deviations() const;
 };
 

@@ -11,10 +11,10 @@ namespace {
 using Eigen::Index;
 
 constexpr double kLastBits = 1e-9;
-constexpr double kNotSure = 0.5;  // probability of what a second search does not name again
+constexpr double kNotSure = 0.5;     // largest probability of a cause that is not named again
 constexpr double kTooLittle = -4.0;  // z
 
-// Numbers that the deviations took from what is left: n − tr H⁻¹, their prior precision being 1.
+// Measured numbers that the deviations use up: n − tr H⁻¹, with their prior precision of 1.
 double taken_by_deviations(const Fit& fit) {
   const Index n = fit.eta.size();
   if (fit.covariance.rows() < n) return 0.0;

@@ -1,4 +1,4 @@
-// Whether what a search names rests on more than the last bits of its numbers.
+// Tests whether the causes that a search names depend on rounding errors.
 #pragma once
 
 #include <string>
@@ -9,31 +9,32 @@
 
 namespace chladni::diagnosis {
 
-/// The structure with frequencies and shapes at its channels off by 1e-9, as another number of
-/// threads or another processor may compute them.
+/// The structure with frequencies and channel shapes changed by 1e-9. Another number of threads or
+/// another processor may cause such a difference.
 [[nodiscard]] Structure nudged(Structure structure);
 
-/// Which causes of a fit another one does not have: of another effect or choice, or in another
-/// place.
+/// Indices of the causes of `told` that `again` lacks: it has no cause of the same effect and
+/// choice in the same place.
 [[nodiscard]] std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& told,
                                                     const Fit& again);
 
-/// Whether a second search may take something back: another path may end elsewhere where more than
-/// noise is left beside a cause that is more likely than not, or where a fit has not converged.
-/// @param best  the fit that `diagnosis.best` was made of
+/// True if a second search may remove a cause, because another path of the search may end at other
+/// causes: a cause is more likely than not but more than noise is left, or the fit has not
+/// converged.
+/// @param best  the fit of `diagnosis.best`
 [[nodiscard]] bool is_doubtful(const Diagnosis& diagnosis, const Fit& best);
 
-/// What a second search does not name again has a probability of 0.5 at most, and `named` becomes
-/// `partial`. Of its fits those count that a last word would take up.
-/// @param best  the fit that `diagnosis.best` was made of
-/// @return a note that says so, or empty: all is named again
+/// Limits the probability of a cause that a second search does not name again to 0.5, and changes
+/// `named` to `partial`. The fits of `second` count that a final fit would use.
+/// @param best  the fit of `diagnosis.best`
+/// @return a note that says so, or empty if all causes are named again
 [[nodiscard]] std::string doubt(const Structure& structure, const Fit& best, const Found& second,
                                 Diagnosis& diagnosis);
 
-/// What to doubt in fits that were told, or empty: the number of numbers is that of the problem.
+/// A note on fits that have not converged; or empty.
 [[nodiscard]] std::string note_on_convergence(const Fit& best, const Fit& nothing);
-/// Less is left than the stated noise: χ² and what the deviations took are four standard deviations
-/// below what independent noise leaves.
+/// A note if the residual is below the stated noise: χ² plus the part taken by the deviations is
+/// four standard deviations below its expectation for independent noise. Else empty.
 [[nodiscard]] std::string note_on_noise(const Fit& best, double numbers);
 
 }  // namespace chladni::diagnosis

@@ -26,8 +26,8 @@ struct View {
   [[nodiscard]] Index inputs() const { return problem.observed.inputs; }
 };
 
-// A free complex factor c per line on `direction` (K×pq): its curve, and the fall of χ² less the
-// two numbers that each line spends.
+// Fits a free complex factor per line on `direction` (K×pq). Returns its curve, and the fall of χ²
+// minus the two numbers that each line uses.
 Superclass free_function(const View& view, const MatrixXcd& direction, std::string name,
                          std::string channel) {
   const auto& observed = view.problem.observed;
@@ -63,7 +63,8 @@ void try_channels(const View& view, std::optional<Superclass>& best) {
     }
     return direction;
   };
-  // With one channel of a side the other side's only one is the same set.
+  // A single channel of a side has all responses, so it is the case "all channels". With a single
+  // channel on the other side, a row is one response, which a free function fits exactly.
   if (view.inputs() > 1) {
     for (Index i = 0; i < view.outputs() && view.outputs() > 1; ++i) {
       keep_better(best, free_function(view, only(i, view.outputs(), view.inputs()), "sensor",
@@ -100,7 +101,7 @@ void try_places(const View& view, std::optional<Superclass>& best) {
   keep_better(best, std::move(found));
 }
 
-// (I + Y) G or G (I + X) with a real matrix for all lines.
+// Fits (I + Y) G or G (I + X) with a real matrix that is the same on all lines.
 Superclass mixing(const View& view, bool sensors) {
   const auto& observed = view.problem.observed;
   const Index p = view.outputs();
@@ -133,7 +134,7 @@ Superclass mixing(const View& view, bool sensors) {
   return found;
 }
 
-// Frequencies and dampings that are free, with the causes as they are.
+// Free frequencies and dampings, with the causes included.
 Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
   Tolerances free = no_tolerances();
   free.frequency = 0.03;
@@ -170,7 +171,7 @@ std::optional<Superclass> superclass(const Problem& problem, const Fit& best) {
   try {
     keep_better(found, frequencies(problem, best, excess));
   } catch (const NumericalFailure&) {
-    // Then they are no better.
+    // Then they are not a better explanation.
   }
   if (!found || found->explained < 0.1) return std::nullopt;
   return found;

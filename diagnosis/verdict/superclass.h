@@ -1,4 +1,4 @@
-// What can be said of a cause that no effect of the catalogue is: where it acts.
+// The location of a cause that is not in the catalogue.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace chladni::diagnosis {
 
-/// Tries one free complex function of frequency after the other (a sensor, an actuator, all
-/// channels, a support that all see alike, a place of the surface), real mixing of the sensors or
-/// of the actuators, free modal frequencies and dampings. The one that takes most of the excess
-/// misfit, its own freedom discounted; none where it takes less than a tenth.
-/// Cost: that of a scan and of one fit.
+/// Tries one free complex function of frequency after the other (on a sensor, an actuator, all
+/// channels, a support that all see alike, a place of the surface), then real mixing of the sensors
+/// or of the actuators, then free modal frequencies and dampings. Returns the one that removes most
+/// of the excess misfit, after its own free numbers are subtracted; none if it removes less than a
+/// tenth. Cost: that of a scan and of one fit.
 [[nodiscard]] std::optional<Superclass> superclass(const Problem& problem, const Fit& best);
 
 }  // namespace chladni::diagnosis

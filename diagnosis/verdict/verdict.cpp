@@ -51,7 +51,8 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   return told;
 }
 
-// Neither a place nor a frequency, which a pole shows by itself.
+// True for a number that is neither a place nor a frequency, because a pole shows its frequency
+// directly.
 bool is_a_size(const CauseParameter& parameter) {
   return parameter.name != "u" && parameter.name != "v" && parameter.unit != "Hz";
 }
@@ -60,8 +61,8 @@ bool same_name(const Cause& a, const Cause& b) {
   return a.effect == b.effect && a.channels == b.channels && a.option == b.option;
 }
 
-// What stands in `other` for each cause of `simple`, which is it or what it is simpler than; none
-// where something has no counterpart.
+// The cause in `other` that corresponds to each cause of `simple`: the same cause, or one of which
+// it is a simpler case. None if a cause has no counterpart.
 std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
                                                       const Explanation& other) {
   const auto is_simpler = [](const Cause& cause, const Cause& more) {
@@ -84,7 +85,7 @@ std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
   return all;
 }
 
-// The same causes, or simpler ones in their stead; or all of the simple one and more.
+// True if `simple` has the same or simpler causes, or if `other` has all its causes and more.
 bool nested(const Explanation& simple, const Explanation& other) {
   if (simple.causes.size() > other.causes.size()) return false;
   const auto found = counterparts(simple, other);
@@ -93,9 +94,10 @@ bool nested(const Explanation& simple, const Explanation& other) {
                             [](const Cause& a, const Cause* b) { return same_name(a, *b); });
 }
 
-// Errors of the causes go in directions of their own, of which the data see some hundreds (modes
-// times channels): a twentieth of them goes along any one number, in units of its deviation. What
-// another mesh or solver makes of a cause goes along its sizes all together.
+// Widens the standard deviations by the errors of the causes. These errors cost `lost` in ln
+// likelihood, so their length in whitened data is sqrt(2 lost). The data have some 400 independent
+// directions (modes times channels), so any one number gets a twentieth of this length, in units of
+// its deviation. The error of mesh or solver acts on all sizes of a cause together.
 void widen_deviations(const Problem& problem, Explanation& told) {
   const double lost = lost_by(told.error_excess, problem.observed.number_count());
   const double wider = std::sqrt(1.0 + 0.005 * lost);
@@ -110,7 +112,7 @@ void widen_deviations(const Problem& problem, Explanation& told) {
   }
 }
 
-// Part of what the general effect explains that the simpler may leave.
+// Part of the general effect's gain that the simpler effect may leave.
 double share_left_to(const Effect& simpler, const Effect& general) {
   double share = std::pow(simpler.error, 2);
   for (const auto& pair : simpler_of(general)) {
@@ -119,8 +121,8 @@ double share_left_to(const Effect& simpler, const Effect& general) {
   return share;
 }
 
-// Simpler effects in the stead of some of as many causes: what they may leave, in ln of evidence;
-// none where nothing is simpler.
+// ln of evidence that simpler effects may leave, when they replace some of equally many causes;
+// none if no effect is simpler.
 std::optional<double> cost_of_simplicity(const Explanation& simple, const Explanation& other) {
   const auto found = counterparts(simple, other);
   if (!found || simple.causes.size() != other.causes.size()) return std::nullopt;
@@ -134,7 +136,7 @@ std::optional<double> cost_of_simplicity(const Explanation& simple, const Explan
   return cost;
 }
 
-// What each cause brings: the evidence lost without it, the share of the excess that left with it.
+// For each cause: the evidence lost without it, and the share of the excess that it removes.
 void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
   const double n = problem.observed.number_count();
   const double excess = std::max(found.nothing.strained() - n, 1e-9);
@@ -149,16 +151,17 @@ void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Ex
   }
 }
 
-// Of the misfit that there was, stretched tolerances too, but not of more than no response at all
-// would have: what is nearer to the data than a simulation of another structure explains little.
+// Share of the initial penalised misfit that is left. The initial misfit counts at most as that of
+// a zero response: an explanation that is only nearer to the data than a simulation of another
+// structure explains little.
 double share_left(const Problem& problem, const Found& found, const Explanation& told) {
   const double n = problem.observed.number_count();
   const double was = std::min(found.nothing.strained(), problem.observed.power());
   return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
 }
 
-// z that neither noise nor errors of the causes explain. What a stretched tolerance takes of the
-// misfit counts by its own square: the sum is χ² of N wherever the tolerances are right.
+// The excess z that neither noise nor errors of the causes explain. Penalised misfit is used,
+// because its sum is χ² with N degrees of freedom if the tolerances are right.
 double unexplained(const Problem& problem, const Explanation& told) {
   const double n = problem.observed.number_count();
   double sizes = 0.0;
@@ -167,10 +170,10 @@ double unexplained(const Problem& problem, const Explanation& told) {
   return std::max(left - told.error_excess, 0.0);
 }
 
-// That causes and noise are all there is: z is normal then. An effect that the catalogue lacks is
-// as likely as a tenth of all tables, and leaves any z up to 60; each further cause makes the story
-// four times less likely beside it, and as much less as it is by chance that it is near another of
-// its kind: together they may be one thing that is spread out.
+// Probability that causes and noise are all there is; then z is normal. An effect outside the
+// catalogue has a probability of one tenth and leaves any z up to 60. Each further cause makes the
+// explanation four times less likely. A cause near another one of its kind makes it less likely by
+// the probability of this nearness by chance, because both may be one extended cause.
 double all_there_is(const Problem& problem, const Explanation& told) {
   constexpr double kOther = 0.1 / 60.0;
   const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
@@ -181,7 +184,7 @@ double all_there_is(const Problem& problem, const Explanation& told) {
   return prior * noise / (prior * noise + kOther);
 }
 
-// That a cause is there though something unnamed is, too: what it brings against what is left.
+// Probability that a cause is present although an unnamed one is too: its gain against the rest.
 double beside_unnamed(const Cause& cause, double left_share, double left) {
   const double gain = cause.log_evidence_gain;
   const double outweighs = gain > 0.0 ? gain / (gain + 3.0 * left) : 1.0;  // 0: was not weighed
@@ -190,12 +193,12 @@ double beside_unnamed(const Cause& cause, double left_share, double left) {
 
 void share_probability(const Problem& problem, const Found& found, std::vector<Explanation>& all) {
   const double n = problem.observed.number_count();
-  // What is left beyond noise is a cause that nobody named: it might be behind the rest, too.
+  // A residual above noise is a cause that nobody named. It may also explain the other data.
   const double temper = std::max(1.0, found.fits.front().chi_square / n);
   const double best = all.front().log_evidence;
   double sum = 0.0;
   for (auto& one : all) {
-    // Another that has not converged may yet be better.
+    // A rival that has not converged may still become better.
     const double promise = &one == &all.front() ? 0.0 : one.promise;
     one.probability = std::exp(std::max(-700.0, (one.log_evidence + promise - best) / temper));
     sum += one.probability;
@@ -213,13 +216,14 @@ void share_probability(const Problem& problem, const Found& found, std::vector<E
   }
 }
 
-// By how much it explains less; of as many numbers the width of a prior is no reason to prefer one.
+// How much less `simple` explains, in ln: the smaller of the differences in evidence and in half
+// the penalised misfit. So the width of a prior alone is no reason to prefer one of equal size.
 double behind(const Explanation& simple, const Explanation& other) {
   return std::min(other.log_evidence - simple.log_evidence,
                   0.5 * (simple.strained - other.strained));
 }
 
-// The simpler of two that explain as well: with fewer causes, or with simpler ones.
+// True if `simple` explains as well as `other`: with fewer causes, or with simpler ones.
 bool stands_for(const Explanation& simple, const Explanation& other, double equal) {
   if (!nested(simple, other)) return false;
   if (simple.causes.size() < other.causes.size()) return behind(simple, other) <= equal;
@@ -227,8 +231,8 @@ bool stands_for(const Explanation& simple, const Explanation& other, double equa
   return cost && behind(simple, other) <= std::max(equal, *cost);
 }
 
-// What it leaves of the one that it stands for is an error of its own: neither evidence against it
-// nor a reason to look for more.
+// Puts a simpler explanation first. The misfit that it leaves is an error of its own: it is no
+// evidence against it, and no reason to look for more causes.
 void put_first(const Problem& problem, const Found& found, std::size_t which,
                std::vector<Explanation>& all) {
   const double evidence = all.front().log_evidence;
@@ -241,7 +245,7 @@ void put_first(const Problem& problem, const Found& found, std::size_t which,
   front.log_evidence = std::max(front.log_evidence, evidence);
 }
 
-// Of the surface as near to the one as the other is; 1 where they are not of one kind.
+// Share of the surface that is as near to one cause as the other; 1 if they are not of one kind.
 double share_as_near(const Structure& structure, const Cause& one, const Cause& other) {
   if (!one.place || !other.place || one.effect != other.effect) return 1.0;
   const double around = std::numbers::pi * (*one.place - *other.place).squaredNorm();
@@ -250,7 +254,7 @@ double share_as_near(const Structure& structure, const Cause& one, const Cause& 
 
 double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
 
-// Eighths of the lines.
+// Residual in eighths of the lines.
 void add_bands(const Observed& observed, const Eigen::ArrayXXd& power, const Eigen::ArrayXXd& there,
                Residue& left) {
   constexpr Index kBands = 8;
@@ -291,7 +295,7 @@ double by_chance_so_near(const Structure& structure, const std::vector<Cause>& c
 
 double of_its_own(const Structure& structure, const std::vector<Cause>& causes,
                   std::size_t which) {
-  constexpr double kPrior = 0.1;  // of what is spread out, beside one more of a kind
+  constexpr double kPrior = 0.1;  // prior of an extended cause, against one more of a kind
   double share = 1.0;
   for (std::size_t c = 0; c < causes.size(); ++c) {
     if (c != which) share = std::min(share, share_as_near(structure, causes[which], causes[c]));
@@ -344,7 +348,7 @@ Residue residue(const Problem& problem, const Fit& fit) {
                                         .cwiseProduct(observed.weight.cast<std::complex<double>>());
   const Eigen::ArrayXXd power = whitened.cwiseAbs2();
   const Eigen::ArrayXXd there = (observed.weight.array() > 0.0).cast<double>();
-  // Over every `stride`-th response from the first on.
+  // Mean over every `stride`-th response, from `first` on.
   const auto over = [&](Index first, Index stride, Index count) {
     const auto columns = Eigen::seqN(first, count, stride);
     return half_mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());

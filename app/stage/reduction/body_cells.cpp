@@ -19,7 +19,7 @@ namespace {
 constexpr int kCells = 100;      // of a face
 constexpr int kCellsAlong = 24;  // of a line
 
-// Points spread over a tetrahedron, 20×4 barycentric, of equal weight.
+// Points spread over a tetrahedron, 20×4 barycentric coordinates, of equal weight.
 Eigen::Matrix<double, 20, 4> samples_of_tet() {
   Eigen::Matrix<double, 20, 4> points;
   Eigen::Index n = 0;
@@ -34,7 +34,7 @@ Eigen::Matrix<double, 20, 4> samples_of_tet() {
   return points;
 }
 
-// Where they are in a tetrahedron, on the chart: a row each.
+// Places of the samples of a tetrahedron on the chart, one per row.
 Eigen::MatrixX2d sampled_places(const mesh::TetMesh& body, const Chart& chart,
                                 const Eigen::Matrix<double, 20, 4>& samples, Eigen::Index tet) {
   Eigen::Matrix<double, 4, 3> corners;
@@ -46,7 +46,7 @@ Eigen::MatrixX2d sampled_places(const mesh::TetMesh& body, const Chart& chart,
   return places;
 }
 
-// The tetrahedra of a cell and how much of each is in it.
+// The tetrahedra of a cell, and the part of each that lies in it.
 struct CellPart {
   Eigen::Index number = 0;  // of the cell
   std::vector<Eigen::Index> tets;
@@ -80,7 +80,7 @@ void add_sample(CellPart& cell, Eigen::Index tet, double weight, const Eigen::Ve
   cell.samples += weight;
 }
 
-// Of the cells that hold any of the body.
+// The parts of all cells that contain some of the body.
 std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
                                const Eigen::Array2i& counts) {
   std::vector<CellPart> cells(static_cast<std::size_t>(counts.prod()));
@@ -103,7 +103,7 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
   return cells;
 }
 
-// Materials that resist transverse shear only: that with the chart's normal in it.
+// Materials with only the stiffness against transverse shear: the shear with the chart's normal.
 std::vector<fem::Material> shear_only(std::vector<fem::Material> materials, const Chart& chart) {
   for (auto& material : materials) {
     fem::Material own = fem::turned(material, chart.axes.transpose());  // in the chart's frame
@@ -119,10 +119,10 @@ Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
 
-// Of a body that bends, what goes otherwise with its thickness than the rest.
+// Parts of a bending body that go with another power of its thickness.
 struct BendingParts {
   std::vector<fem::Material> shearing;
-  Eigen::MatrixXd turning;  // the shapes, in the plane only
+  Eigen::MatrixXd turning;  // the shapes, in-plane components only
   BendingParts(const Model& model, const modal::Modes& modes, const Chart& chart) {
     shearing = shear_only(model.materials, chart);
     turning = modes.shapes;
@@ -134,7 +134,7 @@ struct BendingParts {
   }
 };
 
-// What the cells are made of.
+// Computes the matrices of the cells.
 class CellMatrices {
  public:
   CellMatrices(const Model& model, const modal::Modes& modes,
@@ -161,7 +161,7 @@ class CellMatrices {
   const std::optional<BendingParts>& bending_;
 };
 
-// Of each tetrahedron, the mean of the fields over its samples.
+// Mean of the fields over the samples of each tetrahedron.
 Eigen::MatrixXd fields_of(const mesh::TetMesh& body, const Chart& chart,
                           const diagnosis::BodyCells& cells) {
   const auto samples = samples_of_tet();
@@ -178,7 +178,7 @@ Eigen::MatrixXd fields_of(const mesh::TetMesh& body, const Chart& chart,
   return means;
 }
 
-// t³ but for what resists transverse shear, t but for what resists turning.
+// Thickness waves: t³ except for transverse shear, t except for rotary inertia.
 diagnosis::BodyCells::Waves waves_of(const Model& model, const modal::Modes& modes,
                                      const Chart& chart, const diagnosis::BodyCells& cells,
                                      const BendingParts& parts) {

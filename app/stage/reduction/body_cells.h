@@ -1,5 +1,4 @@
-// The body of a study in parts, as a diagnosis sees them: columns through it along the chart's
-// normal.
+// The body of a study in parts for a diagnosis: columns through it along the chart's normal.
 #pragma once
 
 #include "app/stage/reduction/upper_face.h"
@@ -8,15 +7,15 @@
 
 namespace chladni::app {
 
-/// About 100 cells of a face, 24 of a line. Tetrahedra that lie across a border count to both sides
-/// by their volume there.
-/// @param bends  also what goes otherwise with the thickness
+/// About 100 cells for a face, 24 for a line. A tetrahedron across a border counts on both sides,
+/// by its volume there.
+/// @param bends  also compute the parts that go with another power of the thickness
 /// Cost: per element some r² times its nodes. On all cores.
 [[nodiscard]] diagnosis::BodyCells cells_of(const Model& model, const modal::Modes& modes,
                                             const Chart& chart, const UpperFace& face, bool bends);
 
-/// Twice as many along each side, for what is soft or stiff in one place.
-/// @param modes  those in use first, `used` of them, then the modes above
+/// Twice as many along each side, for a local change of stiffness.
+/// @param modes  the `used` modes in use first, then the modes above
 [[nodiscard]] diagnosis::FineCells fine_cells_of(const Model& model, const modal::Modes& modes,
                                                  Eigen::Index used, const Chart& chart);
 

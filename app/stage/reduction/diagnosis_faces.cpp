@@ -12,9 +12,9 @@ namespace chladni::app {
 namespace {
 
 constexpr double kAlongAxis = 5.0;  // degrees
-constexpr double kOneWay = 0.5;     // of the areas' sum: less, and they look all ways
+constexpr double kOneWay = 0.5;     // of the areas' sum; with less, they look in all directions
 
-// Per boundary face 1 where its patch is one of them.
+// Per boundary face 1 if its patch is in `patches`.
 std::vector<char> faces_in(const mesh::TetMesh& body, const std::vector<std::string>& patches) {
   std::vector<char> chosen(static_cast<std::size_t>(body.faces.rows()), 0);
   for (std::size_t f = 0; f < chosen.size(); ++f) {
@@ -24,7 +24,7 @@ std::vector<char> faces_in(const mesh::TetMesh& body, const std::vector<std::str
   return chosen;
 }
 
-// Their mean outward normal; none where they look all ways.
+// The mean outward normal; none if the faces look in all directions.
 std::optional<Eigen::Vector3d> mean_normal(const mesh::TetMesh& body,
                                            const std::vector<char>& chosen) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -56,7 +56,7 @@ DiagnosedFaces diagnosed_faces(const Study& study, const mesh::TetMesh& body) {
   Faces faces = faces_of(study, body, on, "diagnosis.on");
   DiagnosedFaces result;
   result.notes = std::move(faces.notes);
-  // What hangs on a wafer or below it is seen there; a table without one has no such patch.
+  // Attachments on or below a wafer are seen on its top. A table without a wafer has no such patch.
   if (on.empty() && !faces.patches.empty()) faces.patches.emplace_back("wafer_top");
   result.chosen = faces.patches.empty() ? std::move(faces.looking) : faces_in(body, faces.patches);
   const auto normal = faces.direction ? faces.direction : mean_normal(body, result.chosen);

@@ -9,21 +9,21 @@
 
 namespace chladni::app {
 
-/// What the study's `[diagnosis] on` comes to.
+/// The faces that the study's `[diagnosis] on` selects.
 struct DiagnosedFaces {
-  Chart chart;               ///< seen along the way they look
-  std::vector<char> chosen;  ///< per boundary face 1 where it is one of them; empty: all
+  Chart chart;               ///< seen in the direction of the faces
+  std::vector<char> chosen;  ///< per boundary face 1 if it is selected; empty: all
   std::vector<std::string> notes;
 };
 
-/// By the rule of all that is about a face (app/stage/faces.h); where nothing is said the top of a wafer
-/// counts as well. The chart lies across the way that was
-/// asked for, across the mean normal of patches (an axis of the body within 5 degrees of it), and
-/// where all faces are meant across the body's shortest side.
+/// The common rule for faces (app/stage/faces.h); by default the top of a wafer is added. The chart
+/// is perpendicular to the stated direction, or to the mean normal of the patches (an axis of the
+/// body, if that is within 5 degrees). If all faces are meant, it is perpendicular to the body's
+/// shortest side.
 /// @throws InvalidInput  as faces_of
 [[nodiscard]] DiagnosedFaces diagnosed_faces(const Study& study, const mesh::TetMesh& body);
 
-/// Whether u and v of the chart are those of a study's [[variation]].
+/// True if u and v of the chart are those of a study's [[variation]].
 [[nodiscard]] bool has_the_axes_of_variations(const Chart& chart, const mesh::TetMesh& body);
 
 }  // namespace chladni::app

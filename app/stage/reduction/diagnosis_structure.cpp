@@ -20,7 +20,7 @@ namespace {
 constexpr int kFlexibleModes = 64;
 constexpr Eigen::Index kLeastFlexibleModes = 12;
 constexpr double kBeyondBand = 3.0;
-constexpr double kStep = 1e-4;   // of a channel's slope, over the body's shorter side
+constexpr double kStep = 1e-4;   // step for a channel's slope, over the body's shorter side
 constexpr double kThin = 0.125;  // thickness over the shorter side
 
 Eigen::Index modes_in_use(const Solution& solution, double high_hz) {
@@ -38,8 +38,8 @@ modal::Modes first(const modal::Modes& modes, Eigen::Index count) {
           modes.shapes.leftCols(count), modes.rigid_count};
 }
 
-// The modes that were solved for but are not in use. Beyond them a plate has as many modes per Hz
-// as below, a beam fewer and fewer: Σ 1/ω² is K/ω_K² and a third of it.
+// The modes that were solved for but are not in use. Beyond them a plate has a constant number of
+// modes per Hz, and a beam fewer and fewer: Σ 1/ω² is K/ω_K², or a third of it for a beam.
 ModesAbove above(const modal::Modes& modes, Eigen::Index used, bool slender) {
   const Eigen::Index count = modes.mode_count() - used;
   if (count <= 0) return {};
@@ -50,14 +50,14 @@ ModesAbove above(const modal::Modes& modes, Eigen::Index used, bool slender) {
           rest / static_cast<double>(count) * omega.cwiseAbs2()};
 }
 
-// Rows of the shapes at sites along one direction.
+// Rows of the shapes at sites in one direction.
 Eigen::MatrixXd along(const std::vector<mesh::Site>& sites, const Eigen::Vector3d& direction,
                       const modal::Modes& modes) {
   const auto n = static_cast<Eigen::Index>(sites.size());
   return shapes_at(sites, Points(direction.transpose().replicate(n, 1)), modes);
 }
 
-// How a channel's row changes as it moves along `axis` on the body.
+// Change of a channel's row as it moves along `axis` on the body.
 Eigen::VectorXd slope_at(const mesh::SiteFinder& finder, const mesh::Site& site,
                          const Eigen::Vector3d& direction, const Eigen::Vector3d& axis, double step,
                          const modal::Modes& modes) {
@@ -93,7 +93,8 @@ diagnosis::ChannelSide side_of(const std::vector<Channel>& channels,
   return side;
 }
 
-// Of the channels, c×(u + 1): what is beyond the modes above yields only where it is pushed.
+// Rows of the channels, c×(u + 1). The last column is 0: the part beyond the modes above yields
+// only at the place of a force.
 Eigen::MatrixXd upper_rows(const std::vector<Channel>& channels,
                            const std::vector<mesh::Site>& sites, const ModesAbove& beyond) {
   const auto c = static_cast<Eigen::Index>(channels.size());
@@ -121,7 +122,7 @@ diagnosis::Directional directional_of(const Model& model, const modal::Modes& mo
   return {doubled(0, 0, 0, 0), doubled(1, 1, 1, 1), doubled(0, 1, 0, 1), doubled(s, s, 2, 2)};
 }
 
-// What the modes hold beside the body: their own stiffness and mass less the body's.
+// Adds the attachments: stiffness and mass of the modes minus those of the body.
 void add_attached(const Model& model, const modal::Modes& modes, diagnosis::Structure& structure) {
   if (model.attachments.empty()) return;
   const Eigen::MatrixXd everywhere = Eigen::MatrixXd::Ones(model.body.tet_count(), 1);

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kScan = 350;       // places on a face
 constexpr int kScanAlong = 100;  // along a line
-constexpr int kSamples = 4;      // per side of a rectangle, for what of it is covered
-constexpr double kStep = 1e-3;   // of a slope, over the mean size of the mesh's faces
-constexpr double kLeastPart = 0.5 / (kSamples * kSamples);  // of a rectangle that none of them hits
+constexpr int kSamples = 4;      // per side of a rectangle, to measure its covered part
+constexpr double kStep = 1e-3;   // step for a slope, over the mean size of the mesh's faces
+constexpr double kLeastPart = 0.5 / (kSamples * kSamples);  // covered, if no sample hits the body
 
-// The boundary alone, its nodes in the chart's coordinates and numbered anew; `kept` are theirs.
+// The boundary alone, in the chart's coordinates, with new node numbers; `kept` has the old ones.
 mesh::TetMesh shell_of(const Chart& chart, const mesh::TetMesh& body,
                        std::vector<Eigen::Index>& kept) {
   mesh::TetMesh shell;
@@ -55,7 +55,8 @@ Eigen::VectorXd value_at(const mesh::Site& site, const Eigen::MatrixXd& motion) 
   return value;
 }
 
-// Of the rectangle's samples on the body the one nearest to the centre of them all.
+// The rectangle's centre if it is on the body. Else, of its samples on the body, the one nearest to
+// their mean.
 std::optional<Eigen::Vector2d> middle(const Chart& chart, const UpperFace& face,
                                       const Eigen::Vector2i& counts, int i, int j) {
   const Eigen::Vector2d centre = grid_place(chart, counts, i, j);
@@ -164,7 +165,7 @@ std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place
           if (offset == 0.0) return value;
           const Eigen::Vector2d there = place + offset * axis;
           const auto site = finder_.from_above(there(0), there(1));
-          // A step of the body's own is another place.
+          // Beyond a step in the body's height is another place.
           const bool near = site && std::abs(site->position(2) - here->position(2)) < 2.0 * step_;
           if (!near) return {};
           return value_at(*site, motion_);
@@ -204,7 +205,7 @@ Eigen::MatrixXd coverage(const Chart& chart, const UpperFace& face, const Eigen:
 }
 
 diagnosis::Surface surface_of(const Chart& chart, std::shared_ptr<const UpperFace> face) {
-  // Bodies with large openings are scanned as densely as others.
+  // A body with large openings is scanned as densely as others.
   const double covered = coverage(chart, *face, grid_counts(chart, kScan, kScanAlong)).mean();
   require(covered > 0.0,
           "diagnosis: none of the faces that it looks at is uppermost; "

@@ -1,4 +1,4 @@
-// A body seen from above: a map of two coordinates, and how its modes move there.
+// A body seen from above: a map of two coordinates, with the motion of its modes.
 #pragma once
 
 #include <functional>
@@ -11,9 +11,9 @@
 
 namespace chladni::app {
 
-/// A plane that a body is seen on.
+/// A plane on which a body is seen.
 struct Chart {
-  Eigen::Vector3d origin;      ///< [m]: that of the body's frame, raised to the height of its top
+  Eigen::Vector3d origin;      ///< [m]: origin of the body's frame, raised to the body's top
   Eigen::Matrix3d axes;        ///< columns u, v and the normal, right-handed
   Eigen::Vector2d from, size;  ///< [m]: the body's box on it
   double height = 0.0;         ///< [m]: extent of the body along the normal
@@ -21,50 +21,49 @@ struct Chart {
   [[nodiscard]] Eigen::Vector2d place(const Eigen::Vector3d& point) const {
     return axes.leftCols<2>().transpose() * (point - origin);
   }
-  /// Eight times as long as wide, or more: a line rather than a face.
+  /// True if it is at least eight times as long as wide: a line rather than a face.
   [[nodiscard]] bool is_slender() const { return size.maxCoeff() > 8.0 * size.minCoeff(); }
 };
 
-/// Of the body's two longest sides, seen from where the third axis points to.
+/// The chart of the body's two longest sides, seen from the positive side of the third axis.
 [[nodiscard]] Chart chart_of(const mesh::TetMesh& body);
-/// Seen against `normal` (unit). Along an axis of the body u and v are axes too: for z they are x
-/// and y, and so on in turn; from behind v is turned.
+/// The chart seen against `normal` (unit). If the normal is an axis of the body, u and v are axes
+/// too: x and y for z, and cyclically. For a negative axis v is turned.
 [[nodiscard]] Chart chart_along(const mesh::TetMesh& body, const Eigen::Vector3d& normal);
 
-/// Places in the plane, `counts` along u and v, evenly over the box: (i + 1/2) / count.
+/// Places of a regular grid in the box, `counts` along u and v: (i + 1/2) / count.
 [[nodiscard]] Eigen::Vector2d grid_place(const Chart& chart, const Eigen::Vector2i& counts, int i,
                                          int j);
-/// How many along u and v for about `total` of them in squares; one row of `along` where the body
-/// is slender.
+/// Numbers along u and v for about `total` squares; one row of `along` if the body is slender.
 [[nodiscard]] Eigen::Vector2i grid_counts(const Chart& chart, double total, int along);
 
-/// d(value)/d(offset) at 0 over neighbours `step` away on both sides, or on one where the other is
-/// missing; zero where both are.
+/// d(value)/d(offset) at 0 from neighbours `step` away on both sides, or on one side if the other
+/// is missing; zero if both are missing.
 [[nodiscard]] Eigen::VectorXd slope(
     const std::function<std::optional<Eigen::VectorXd>(double offset)>& value, double step);
 
-/// Modes above those that a diagnosis moves: their flexibility, and that of all beyond.
+/// Modes above those in use: their flexibility, and that of all modes beyond them.
 struct ModesAbove {
-  Eigen::MatrixXd shapes;  ///< 3·nodes×u, each over its angular frequency [kg^-1/2 s]
-  /// u: the flexibility of a place on itself beyond these modes is Σ beyond_k (its shape_k)².
+  Eigen::MatrixXd shapes;  ///< 3·nodes×u, each divided by its angular frequency [kg^-1/2 s]
+  /// u: the own flexibility of a place beyond these modes is Σ beyond_k (its shape_k)².
   Eigen::VectorXd beyond;
 };
 
-/// The uppermost faces of a body. Owns what it needs; its functions may run on several threads.
+/// The uppermost faces of a body. It owns its data; its functions may run on several threads.
 class UpperFace {
  public:
   /// @param shapes  3·nodes×r
-  /// @param above   modes that yield at once where something hangs
-  /// @param chosen  per boundary face 1 where it counts; empty: all do
+  /// @param above   modes that yield statically under an attachment
+  /// @param chosen  per boundary face 1 if it counts; empty: all count
   UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
             const ModesAbove& above = {}, std::vector<char> chosen = {});
   UpperFace(const UpperFace&) = delete;
   UpperFace& operator=(const UpperFace&) = delete;
 
-  /// Whether what is uppermost there counts.
+  /// True if the uppermost face at this place counts.
   [[nodiscard]] bool holds(const Eigen::Vector2d& place) const;
-  /// Along the chart's normal; none beside the body. What yields at once: u modes and one for all
-  /// beyond, or none. Cost: five searches, logarithmic in the faces.
+  /// Motion along the chart's normal; none outside the body. The static part has u modes and one
+  /// entry for all beyond, or is empty. Cost: five searches, logarithmic in the faces.
   [[nodiscard]] std::optional<diagnosis::PointMotion> at(const Eigen::Vector2d& place) const;
 
  private:
@@ -83,7 +82,7 @@ class UpperFace {
 [[nodiscard]] Eigen::MatrixXd coverage(const Chart& chart, const UpperFace& face,
                                        const Eigen::Vector2i& counts);
 
-/// A scan of about 350 places (100 along a slender body), evenly spread; `face` is kept by the map.
+/// A scan of about 350 places (100 along a slender body), evenly spread; the map owns `face`.
 [[nodiscard]] diagnosis::Surface surface_of(const Chart& chart,
                                             std::shared_ptr<const UpperFace> face);
 

@@ -25,7 +25,7 @@ double diagonal(const Points& points) {
   return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
 }
 
-// How good sites are, where a rule allows them.
+// Scores of sites; −∞ where a rule forbids a site.
 placement::Worth worth_of(const Views& views, const Placed& placed) {
   return [&](const placement::Sites& sites) {
     Eigen::VectorXd score =
@@ -53,7 +53,7 @@ std::vector<Eigen::Index> all_rows(Eigen::Index count) {
   return rows;
 }
 
-// Single pairs on hills of their own: no nearer to each other than a twentieth of the body.
+// Single pairs on separate hills of the map: at least a twentieth of the body apart.
 void add_best(const placement::Sampler& sampler, const Views& views, const PlacementPlan& plan,
               const Candidates& candidates, Placed& placed) {
   const auto& sites = candidates.sites;

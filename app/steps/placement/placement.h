@@ -1,4 +1,4 @@
-// Where the study's devices belong, and how good its layouts are.
+// Best places for the study's devices, and the quality of its layouts.
 #pragma once
 
 #include <optional>
@@ -16,29 +16,29 @@
 
 namespace chladni::app {
 
-/// The modes that placement is about.
+/// The modes for which devices are placed.
 struct WantedModes {
   std::vector<Eigen::Index> columns;             ///< of the study's modes, ascending
   std::vector<modal::ModeGroup> groups;          ///< of those columns
-  Eigen::VectorXd rms;                           ///< per wanted mode, of its group [kg^-1/2]
+  Eigen::VectorXd rms;                           ///< for each wanted mode, of its group [kg^-1/2]
   Eigen::VectorXd sensor_noise, actuator_noise;  ///< per wanted mode [kg^-1/2]
 };
 
 struct BestPair {
   Eigen::Vector3d position;
   double score = 0.0;
-  int limiting = -1;  ///< group
+  int limiting = -1;  ///< index of the group that limits the score
 };
 
 struct ScoredLayout {
   std::string name;
   std::vector<std::string> sensors, actuators;
-  Eigen::VectorXd scores;  ///< as placement::layout_criteria(); not a number: does not apply
-  std::vector<int> blind;  ///< modes, counted from 1 with the rigid ones, that it cannot see
+  Eigen::VectorXd scores;  ///< as placement::layout_criteria(); NaN: does not apply
+  std::vector<int> blind;  ///< modes that it cannot see, counted from 1 with the rigid ones
   int pairs = 0;           ///< collocated
   std::vector<io::Marker> markers;  ///< sensors and actuators
-  /// Per point of the surface: expected error of an interpolated shape there, root mean square over
-  /// the wanted modes, over that of the shape; empty without channels.
+  /// For each point of the surface: expected error of an interpolated shape, root mean square over
+  /// the wanted modes, relative to that of the shape; empty without channels.
   Eigen::VectorXd deviation;
 };
 
@@ -47,36 +47,36 @@ struct Optimum {
   placement::Choice choice;
   Points sites;                    ///< count×3 [m]
   Eigen::MatrixXd shapes;          ///< count×all modes [kg^-1/2], at the sites
-  std::vector<Points> equivalent;  ///< the same by the body's symmetry, as good
-  double certificate = 0.0;        ///< D-efficiency that is certain; 0: none
-  std::string remark;              ///< why there is no certificate
+  std::vector<Points> equivalent;  ///< equally good, by the symmetry of the body
+  double certificate = 0.0;        ///< proven D-efficiency; 0: none
+  std::string remark;              ///< reason for a missing certificate
 };
 
 struct Placed {
-  Faces faces;  ///< that devices may be on
+  Faces faces;  ///< where devices may be
   placement::Surface surface;
   WantedModes wanted;
   const placement::Criterion* criterion = nullptr;
   std::vector<placement::HeatMap> maps;  ///< one per criterion of placement::criteria()
-  std::size_t chosen = 0;                ///< that map is `criterion`'s
+  std::size_t chosen = 0;                ///< index of the map of `criterion`
   std::vector<placement::Rule> rules;
-  Eigen::VectorXi forbidden;    ///< per point of the surface: the rule, or −1
+  Eigen::VectorXi forbidden;    ///< per point of the surface: index of the rule, or −1
   std::vector<BestPair> best;   ///< single pairs, best first
-  std::vector<BestPair> pairs;  ///< several together, where asked for
+  std::vector<BestPair> pairs;  ///< several together, if asked for
   std::vector<ScoredLayout> layouts;
-  std::vector<Optimum> optima;  ///< the asked one first
+  std::vector<Optimum> optima;  ///< the wanted one first
   std::vector<std::string> notes;
 };
 
-/// @throws InvalidInput  modes that are not there, no admissible site, more devices than sites, a
-///                       patch or channel that does not exist
+/// @throws InvalidInput  missing modes, no admissible site, more devices than sites, a patch or
+///                       channel that does not exist
 [[nodiscard]] Placed placed(const Study& study, const Solution& solution, Run& run);
 
 [[nodiscard]] io::JsonObject placement_json(const Study& study, const Solution& solution,
                                             const Placed& placed);
 [[nodiscard]] std::string placement_table(const Solution& solution, const Placed& placed);
 
-/// One line each, for people.
+/// One line each, for the terminal.
 [[nodiscard]] std::string optimum_text(const Optimum& optimum);
 [[nodiscard]] std::string blind_text(const Solution& solution, const ScoredLayout& layout);
 

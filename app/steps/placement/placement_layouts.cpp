@@ -1,4 +1,4 @@
-// The study's layouts scored, and the best there can be.
+// Scores of the study's layouts, and the best possible layouts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,13 +12,13 @@
 namespace chladni::app {
 namespace {
 
-constexpr double kCollocated = 1e-3;  // [m] apart at most
+constexpr double kCollocated = 1e-3;  // [m], largest distance
 
 Eigen::MatrixXd wanted_part(const Eigen::MatrixXd& shapes, const WantedModes& wanted) {
   return shapes(Eigen::all, wanted.columns);
 }
 
-// What all layouts of a study share; the channels are still to come.
+// The data that all layouts of a study share; the channels are added later.
 placement::LayoutView bare_view(const Study& study, const Solution& solution,
                                 const PlacementPlan& plan, const Placed& placed) {
   const auto& modes = solution.modes;
@@ -94,7 +94,7 @@ std::vector<int> blind_modes(const Solution& solution, const PlacementPlan& plan
   const double still = 1e-3 / std::sqrt(solution.model.mass.mass_kg);
   for (std::size_t g = 0; g < view.groups.size(); ++g) {
     const auto [first, size] = view.groups[g];
-    // A mode that hardly moves the surface this way is nobody's to see.
+    // A mode that hardly moves the surface in this direction is not counted.
     if (sight(static_cast<Eigen::Index>(g)) >= placement::kBlind || view.rms(first) < still) {
       continue;
     }
@@ -156,7 +156,7 @@ LayoutPlan all_channels(const Study& study) {
   return layout;
 }
 
-// An optimum as sensors, to stand beside the others.
+// An optimum as sensors, scored like the other layouts.
 ScoredLayout scored_optimum(const Optimum& optimum, placement::LayoutView view,
                             const Solution& solution, const PlacementPlan& plan,
                             const Placed& placed) {
@@ -171,7 +171,7 @@ ScoredLayout scored_optimum(const Optimum& optimum, placement::LayoutView view,
   return layout;
 }
 
-// Two of one kind in one place are one point with less noise.
+// Two of one kind in one place are only one point with less noise.
 void note_coincident(const ScoredLayout& layout, std::vector<std::string>& notes) {
   for (std::size_t i = 0; i < layout.markers.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

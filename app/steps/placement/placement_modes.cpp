@@ -1,4 +1,4 @@
-// Which modes placement is about, how they are seen, and by what noise.
+// The modes for a placement, how the channels see them, and the noise.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ std::set<Eigen::Index> columns_asked_for(const Study& study, const Solution& sol
   return columns;
 }
 
-// A group is wanted whole: half of a pair means nothing.
+// Adds all modes of a group: a part of a repeated mode has no meaning.
 void complete_groups(const modal::Modes& modes, double tolerance, std::set<Eigen::Index>& columns,
                      std::vector<std::string>& notes) {
   const Eigen::Index rigid = modes.rigid_count;
@@ -64,8 +64,8 @@ Eigen::VectorXd picked(const Eigen::VectorXd& values, const std::vector<Eigen::I
   return values(columns);
 }
 
-// Root of the sum of squares at some channels, per wanted mode; the surface's mean where there are
-// none.
+// Root of the sum of squares at some channels, for each wanted mode; the surface's mean if there
+// are none.
 Eigen::VectorXd drive(const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites,
                       const Solution& solution, const WantedModes& wanted) {
   if (channels.empty()) return wanted.rms;
@@ -73,8 +73,8 @@ Eigen::VectorXd drive(const std::vector<Channel>& channels, const std::vector<me
   return shapes(Eigen::all, wanted.columns).colwise().norm().transpose();
 }
 
-// Standard deviations of the entries of L and R that a fit finds from FRFs with noise s on every
-// line: at a resonance the peak is φ_s φ_a / (2 ζ ω²), and π ζ f / Δf lines carry it.
+// Standard deviations of the entries of L and R from a fit to FRFs with noise s on every line. At a
+// resonance the peak is φ_s φ_a / (2 ζ ω²), and π ζ f / Δf lines contribute to it.
 void set_noise_of_frf(const Study& study, const Solution& solution, const PlacementPlan& plan,
                       WantedModes& wanted) {
   const Eigen::VectorXd frequency = picked(solution.modes.frequency_hz, wanted.columns);

@@ -1,4 +1,4 @@
-// The best layouts there can be, with how far from the best they may be.
+// The best possible layouts, with a bound on their distance from the optimum.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace chladni::app {
 namespace {
 
-constexpr Eigen::Index kProvable = 400;  // candidates up to which the optimum is searched for
-constexpr int kNodes = 20000;            // of that search
+constexpr Eigen::Index kProvable = 400;  // most candidates for which the optimum is proven
+constexpr int kNodes = 20000;            // of this search
 
-// Rows of the channels that stay, all modes.
+// Rows of the channels that stay, for all modes.
 Eigen::MatrixXd rows_there(const Study& study, const Solution& solution,
                            const PlacementPlan& plan) {
   const auto& model = solution.model;
@@ -32,7 +32,7 @@ Eigen::MatrixXd rows_there(const Study& study, const Solution& solution,
   return rows;
 }
 
-// As many sites as the study's channels are points, less those that stay.
+// Number of sites: one per point of the study's channels, minus those that stay.
 Eigen::Index sites_wanted(const Study& study, const Solution& solution, const PlacementPlan& plan,
                           const WantedModes& wanted) {
   if (plan.sites > 0) return plan.sites;
@@ -60,7 +60,7 @@ placement::DeterminantProblem determinant_problem(const Candidates& candidates,
   return problem;
 }
 
-// The seven motions of a square other than rest, about the middle of the candidates, seen from
+// The seven symmetries of a square except identity, about the middle of the candidates, seen from
 // above.
 std::vector<Eigen::Matrix2d> square_symmetries() {
   std::vector<Eigen::Matrix2d> motions;
@@ -75,7 +75,7 @@ std::vector<Eigen::Matrix2d> square_symmetries() {
   return motions;
 }
 
-// The candidates that the motion moves the chosen ones to; empty where one has no place to go.
+// The candidates to which the motion moves the chosen ones; empty if one has no candidate there.
 std::vector<Eigen::Index> moved(const Points& position, const std::vector<Eigen::Index>& sites,
                                 const Eigen::Matrix2d& motion) {
   const Eigen::RowVector3d low = position.colwise().minCoeff();

@@ -1,4 +1,4 @@
-// Where the study lets devices be.
+// Places where the study allows devices.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ placement::Rule rule_of(const KeepOut& zone, const mesh::TetMesh& body) {
           placement::KeepOutPatch{mesh::patch_number(body, zone.patch, "placement.keep_out")}};
 }
 
-// Channels that stay.
+// Places of the channels that stay.
 Points places_there(const Study& study, const Solution& solution, const PlacementPlan& plan) {
   std::vector<Eigen::Vector3d> places;
   const auto add = [&](const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites) {

@@ -8,28 +8,28 @@ namespace chladni::app {
 /// The study's plan, or a default one.
 [[nodiscard]] PlacementPlan placement_plan(const Study& study);
 
-/// Whether the plan says that the channel stays where it is.
+/// True if the plan says that the channel stays in its place.
 [[nodiscard]] bool stays(const PlacementPlan& plan, const Channel& channel);
 
-/// @throws InvalidInput  a mode that is not there; says how many there are
+/// @throws InvalidInput  a mode that does not exist; the message says how many there are
 [[nodiscard]] WantedModes wanted_modes(const Study& study, const Solution& solution,
                                        const PlacementPlan& plan, const placement::Surface& surface,
                                        std::vector<std::string>& notes);
 
-/// @throws InvalidInput  a rule names a patch that is not there
+/// @throws InvalidInput  a rule names a patch that does not exist
 [[nodiscard]] std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
                                                     const PlacementPlan& plan,
                                                     const Faces& faces);
 
-/// The study's collocated sensors and actuators, by their numbers: on one line, at most 1 mm beside
-/// it and a twentieth of the body's diagonal apart along it.
+/// The study's collocated sensors and actuators, by index: on one line, at most 1 mm beside it, and
+/// at most a twentieth of the body's diagonal apart along it.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(
     const Study& study, const Solution& solution, const std::vector<std::size_t>& sensors,
     const std::vector<std::size_t>& actuators);
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(const Study& study,
                                                                           const Solution& solution);
 
-/// Where devices may be: points of the surface, or of the mounting grid, that no rule forbids.
+/// Allowed places of devices: points of the surface, or of the mounting grid, that no rule forbids.
 struct Candidates {
   placement::Sites sites;
   bool from_grid = false;
@@ -37,7 +37,7 @@ struct Candidates {
 [[nodiscard]] Candidates candidates_of(const PlacementPlan& plan, const placement::Sampler& sampler,
                                        const Placed& placed);
 
-/// What criteria see of some sites: the study's model, then the members of the ensemble.
+/// The shapes at sites for the criteria: of the study's model, then of the members of the ensemble.
 class Views {
  public:
   Views(const Study& study, const Solution& solution, const PlacementPlan& plan,
@@ -57,7 +57,7 @@ class Views {
   placement::Over over_;
 };
 
-/// Scores of the study's layouts, and the best layouts there can be.
+/// Adds scores of the study's layouts, and the best possible layouts.
 void add_layouts(const Study& study, const Solution& solution, const PlacementPlan& plan,
                  Placed& placed);
 void add_optima(const Study& study, const Solution& solution, const PlacementPlan& plan,

@@ -10,7 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "../../models/beam/measured.csv" from where the extended study lies.
+// Changes relative paths so that they are right in the extended study's folder:
+// "../../models/beam/measured.csv".
 void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
   const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
   const fs::path to = fs::weakly_canonical(fs::absolute(folder));
@@ -41,7 +42,7 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
                              const std::vector<fs::path>& allowed, bool fits_variations) {
   ExtendedStudy result{std::string(bytes), {}};
   for (const auto& cause : causes) {
-    // One after the other: each finds what those before it left.
+    // One cause after the other: each starts from the text that the one before left.
     const Study study = parse_study(result.text, file, allowed);
     TomlEdit edit(result.text, file.string());
     const Extension by{edit, study, chart, cause, fits_variations};

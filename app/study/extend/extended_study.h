@@ -1,4 +1,4 @@
-// A study with the causes of what was wrong with it: a study like any other.
+// A study extended by the causes that were found; it can be used like any other study.
 #pragma once
 
 #include <filesystem>
@@ -16,18 +16,18 @@ struct ExtendedStudy {
   std::vector<std::string> unexpressed;  ///< "frame: no key of a study says that ..."
 };
 
-/// The study in `bytes`, its comments kept, with the causes as entries: attachments appended,
-/// values of materials, geometry and channels changed in place, each below a comment that names the
-/// cause with its numbers and deviations and what stood there before. Causes that no key can
-/// express are said in a comment at the end and in `unexpressed`.
+/// The study in `bytes`, with its comments and with the causes as entries. Attachments are
+/// appended. Values of materials, geometry and channels are changed in place. A comment above each
+/// change names the cause, its numbers and deviations, and the old value. Causes without a key are
+/// named in a comment at the end and in `unexpressed`.
 ///
-/// @param file     of `bytes`: its folder is where paths in it are looked up
-/// @param chart    where u and v of the causes are
-/// @param fits_variations  whether the chart's axes are those of [[variation]]
-/// @param folder   where the study will be written: paths are made to lead there and back
+/// @param file     of `bytes`: its folder is the base of relative paths in it
+/// @param chart    gives the meaning of u and v of the causes
+/// @param fits_variations  true if the chart's axes are those of [[variation]]
+/// @param folder   where the study will be written: its paths are changed to start there
 /// @param allowed  as read_study
-/// @throws InvalidInput  `bytes` is no study, a cause names a channel that it lacks, a number that
-///                       the effect needs is missing, or a changed value cannot be (a negative
+/// @throws InvalidInput  `bytes` is not a study, a cause names a missing channel, a number that the
+///                       effect needs is missing, or a changed value is impossible (a negative
 ///                       modulus)
 [[nodiscard]] ExtendedStudy extended_study(
     std::string_view bytes, const std::filesystem::path& file, const diagnosis::Surface& chart,

@@ -12,7 +12,7 @@
 namespace chladni::app {
 namespace {
 
-// What the text of a quantity begins with, and the rest: " mm".
+// The number at the start of a quantity's text, and the rest: " mm".
 struct Written {
   double number = 0.0;
   std::string unit;

@@ -1,4 +1,4 @@
-// Causes that hang on the body or hold it.
+// Causes that attach something to the body or hold it.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -95,7 +95,8 @@ std::string ground_damper(const Extension& by) {
   return {};
 }
 
-// Its mode is damped by the study's ratio as all modes are: the dashpot gives what that leaves.
+// The study's damping ratio applies to all modes, so it already damps the resonator. Its dashpot
+// gets the difference.
 std::string resonator(const Extension& by) {
   const double ratio = by.number("damping_ratio") - by.study.modes.damping_ratio;
   append(by, "resonator",

@@ -13,7 +13,7 @@
 namespace chladni::app {
 namespace {
 
-// Every value of these keys in every material.
+// Scales every value of these keys in every material.
 std::string scale_materials(const Extension& by, std::initializer_list<const char*> keys,
                             double factor) {
   for (const auto* table : tables_of(by.edit.tree(), "material")) {
@@ -33,12 +33,12 @@ std::string density(const Extension& by) {
   return scale_materials(by, {"density"}, 1.0 + by.number("relative"));
 }
 
-// From above or from below.
+// True if the chart is seen from above or from below.
 bool looks_along_z(const Extension& by) {
   return by.chart.axis_u.cross(by.chart.axis_v).cwiseAbs().z() > 1.0 - 1e-9;
 }
 
-// All that lies along z.
+// Scales all dimensions along z.
 void scale_heights(const Extension& by, const TomlNode& body, double factor) {
   for (const auto* key : {"thickness", "height", "face_sheet"}) {
     if (const auto* value = member(body, key)) scale(by, *value, factor);
@@ -62,7 +62,7 @@ std::string thickness(const Extension& by) {
   return {};
 }
 
-// Seen along z; what is cut out of the body keeps its size.
+// Scales the size seen along z. Holes in the body keep their size.
 std::string size_error(const Extension& by) {
   const auto& kind = by.study.geometry.kind;
   if (kind == "file") return "the body's size is in a file of geometry";
@@ -97,7 +97,7 @@ std::string modal_damping(const Extension& by) {
 
 std::string gigapascals(double value) { return toml_text(digits(1e-9 * value) + " GPa"); }
 
-// Nothing couples strains along axes with shears, or one shear with another.
+// True if strains along the axes and shears are not coupled with each other, nor two shears.
 bool is_orthotropic(const Eigen::Matrix<double, 6, 6>& stiffness) {
   Eigen::Matrix<double, 6, 6> rest = stiffness;
   rest.topLeftCorner<3, 3>().setZero();
@@ -125,7 +125,7 @@ void write_orthotropic(const Extension& by, const TomlNode& table,
                                    gigapascals(modulus(5))));
 }
 
-// Plane-stress constants: what the stiffness gains along u and in shear
+// Changes orthotropy by plane-stress constants: the increase of stiffness along u and in shear
 // (app/stage/reduction/diagnosis_structure.h).
 std::string orthotropy(const Extension& by) {
   Eigen::Index u = 0;

@@ -1,4 +1,4 @@
-// Causes between the channels and their records.
+// Causes on the path between a channel and its record.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 enum class Side { sensors, actuators };
 
-/// A channel as the study has it and as its document writes it.
+/// A channel of the study and its table in the document.
 struct Found {
   const Channel& channel;
   const TomlNode& table;
@@ -57,7 +57,7 @@ void multiply_gain(const Extension& by, const Found& of, double factor) {
 void delay_by(const Extension& by, const Found& of) {
   set(by, of, "delay", toml_text(digits(1e6 * (of.channel.delay + by.number("delay"))) + " us"));
 }
-// Two lags are one of their sum, to first order.
+// Two lags in series are one with their sum, to first order.
 void filter_by(const Extension& by, const Found& of) {
   const double before = of.channel.low_pass_hz > 0.0 ? 1.0 / of.channel.low_pass_hz : 0.0;
   set(by, of, "low_pass", toml_text(digits(1.0 / (before + 1.0 / by.number("frequency"))) + " Hz"));
@@ -135,7 +135,8 @@ std::string position(const Extension& by) {
   return {};
 }
 
-// Labels go with the records: the one at the first place is called by the other's name.
+// Exchanges labels: a label belongs to the record, so the channel at the first place gets the other
+// name.
 template <Side side>
 std::string swap(const Extension& by) {
   require(by.cause.channels.size() == 2, fmt::format("the cause {} names {} channels, expected two",
@@ -158,7 +159,7 @@ bool names(const diagnosis::Cause& cause, const std::string& channel) {
   return std::ranges::find(cause.channels, channel) != cause.channels.end();
 }
 
-// Whether the cause is of all sensors that a fit saw.
+// True if the cause is on all sensors of the fit.
 bool of_all(const Extension& by) {
   return std::ranges::all_of(by.study.sensors, [&](const Channel& sensor) {
     const auto held_out = by.study.measurement.value_or(MeasurementPlan{}).hold_out;
@@ -167,7 +168,7 @@ bool of_all(const Extension& by) {
   });
 }
 
-// What all sensors share those that were held out share, too.
+// Sensors of the cause. A cause on all sensors of the fit also applies to those held out.
 std::vector<Found> sensors_of(const Extension& by) {
   if (of_all(by)) return all_sensors(by);
   std::vector<Found> some;
@@ -175,8 +176,8 @@ std::vector<Found> sensors_of(const Extension& by) {
   return some;
 }
 
-// "mm" differentiated twice is "mm/s^2", "mm/N" is "mm/s^2/N"; empty where that has no name: "g"
-// once less.
+// The unit of a derivative: "mm" differentiated twice is "mm/s^2", "mm/N" is "mm/s^2/N". Empty if
+// it has no name, as for "g" integrated once.
 std::string differentiated(std::string unit, long times) {
   constexpr std::array<std::string_view, 3> kPer{"", "/s", "/s^2"};
   const auto is_of_time = [](const std::string& part) { return part == "/s" || part == "/s^2"; };
@@ -197,7 +198,7 @@ std::string differentiated(std::string unit, long times) {
   return unit + std::string(kPer[static_cast<std::size_t>(wanted)]) + per_force;
 }
 
-// `[identification] unit` is of all sensors and of one quantity.
+// `[identification] unit` applies to all sensors and to one quantity.
 std::string differentiate_unit(const Extension& by, long times) {
   const auto* table = member(by.edit.tree(), "identification");
   const auto* unit = table == nullptr ? nullptr : member(*table, "unit");

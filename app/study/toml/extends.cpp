@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBases = 8;
 
-// The keys of a study whose texts are names of files.
+// Keys of a study whose texts are file names.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kFileKeys{
     {{"geometry", "file"},
      {"measurement", "frf"},
@@ -53,7 +53,7 @@ void put_at(TomlNode& node, const TomlNode& place) {
   for (auto& element : node.elements) put_at(element, place);
 }
 
-// From the folder of the study that extends this one.
+// Changes the base's file names so that they start at the folder of the study that extends it.
 void lead_files(TomlNode& base, const fs::path& folder) {
   if (folder.empty() || folder == ".") return;
   for (const auto& [table, key] : kFileKeys) {
@@ -99,7 +99,7 @@ class Merge {
     base = own;
   }
 
-  // geometry = { plate = ... } in the stead of { file = ... }.
+  // True for geometry = { plate = ... } instead of { file = ... }.
   static bool is_another_kind(std::string_view key, const TomlNode& base, const TomlNode& own) {
     return key == "geometry" && std::ranges::none_of(own.members, [&](const auto& member) {
       return member_of(base, member.key) != nullptr;
@@ -127,7 +127,7 @@ class Merge {
   std::string file_;
 };
 
-// The value of `extends`, which leaves the document; none where it has none.
+// Removes `extends` from the document and returns its value; none if there is none.
 std::optional<TomlNode> taken_out(TomlNode& document, const fs::path& file) {
   const auto at = std::ranges::find(document.members, "extends", &TomlMember::key);
   if (at == document.members.end()) return {};
@@ -140,7 +140,8 @@ std::optional<TomlNode> taken_out(TomlNode& document, const fs::path& file) {
 }
 
 std::string place_of(const fs::path& file, const TomlNode& node) {
-  return fmt::format("{}:{}:{}: extends \"{}\": ", file.string(), node.line, node.column, node.text);
+  return fmt::format("{}:{}:{}: extends \"{}\": ", file.string(), node.line, node.column,
+                     node.text);
 }
 
 }  // namespace

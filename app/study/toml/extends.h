@@ -1,4 +1,4 @@
-// A study that extends another: one document of both.
+// A study that extends another one, merged into one document.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace chladni::app {
 
-/// Reads the text of the study `extends` names and says where it lies.
-/// @throws InvalidInput  it may not be read
+/// Reads the text of the study that `extends` names, and returns its place.
+/// @throws InvalidInput  reading it is not allowed
 using BaseReader = std::function<std::string(const std::string& text, std::filesystem::path& file)>;
 
 struct WholeDocument {
@@ -19,21 +19,22 @@ struct WholeDocument {
   std::vector<std::filesystem::path> bases;  ///< the files that were read, the nearest first
 };
 
-/// The document with the study that its key `extends` names below it, and so on.
+/// Merges a document with the study that its key `extends` names, and so on.
 ///
-/// Tables are merged key by key, and what stands in `own` counts. Elements of an array of tables
-/// that have a `name` are merged by their names; a new name is appended, and `removed = true`
-/// takes an element away. All else is replaced. A `geometry` of another kind is replaced, too, and
-/// what a base expects is not expected of the whole.
-/// Values of the base get the place of `extends`, and its files are named from the folder of `own`.
+/// Tables are merged key by key, and the values in `own` win. Elements of an array of tables that
+/// have a `name` are merged by name; a new name is appended, and `removed = true` removes an
+/// element. All other values are replaced, and so is a `geometry` of another kind. Expectations of
+/// a base are not expectations of the merged study.
+/// Values of the base get the position of `extends`, and its file names start at the folder of
+/// `own`.
 /// @param file  the file of `own`
-/// @throws InvalidInput  a base that cannot be read, that extends itself, that is more than eight
-///                       studies away; a name that is removed but not there
+/// @throws InvalidInput  a base that cannot be read, that extends itself, or that is more than
+///                       eight studies away; a name that is removed but does not exist
 [[nodiscard]] WholeDocument with_bases(TomlNode own, const std::filesystem::path& file,
                                        const BaseReader& read);
 
-/// The tree as a TOML text that parse_toml reads back as the same tree, places apart. Comments are
-/// not part of a tree. Tables of the document stand under their headers, deeper ones in braces.
+/// The tree as a TOML text. parse_toml reads it back as the same tree, except for positions.
+/// Comments are not part of a tree. Tables of the document have headers; deeper ones are in braces.
 [[nodiscard]] std::string toml_text(const TomlNode& document);
 
 }  // namespace chladni::app

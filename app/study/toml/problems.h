@@ -1,4 +1,4 @@
-// What is wrong with a file, all of it at once, each with its place.
+// All errors of a file, each with its place.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace chladni::app {
 
-/// Faults of one file. They are collected while it is read and thrown together.
+/// Errors of one file. They are collected while the file is read, and thrown together.
 class Problems {
  public:
   explicit Problems(std::string file) : file_(std::move(file)) {}
@@ -31,7 +31,7 @@ class Problems {
 };
 
 /// The name of `known` nearest to `word` (Damerau-Levenshtein, at most a third of its letters
-/// wrong); empty when none is near.
+/// wrong); empty if none is near.
 [[nodiscard]] std::string nearest_name(std::string_view word,
                                        const std::vector<std::string>& known);
 

@@ -1,4 +1,4 @@
-// The door to toml++.
+// The only file that uses toml++.
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace chladni::app {
 namespace {
 
-constexpr int kDeepest = 16;  // nesting; a study needs five
+constexpr int kDeepest = 16;  // levels of nesting; a study needs five
 
 TomlNode tree_of(const toml::node& node, const std::string& file, int depth);
 
@@ -59,7 +59,7 @@ void take_members(const toml::table& table, const std::string& file, int depth, 
     out.members.push_back({std::string(key.str()), static_cast<int>(place.line),
                            static_cast<int>(place.column), tree_of(value, file, depth + 1)});
   }
-  // toml++ sorts by name; the file's order reads better in messages and in study.json.
+  // toml++ sorts by name, but the order of the file is better for messages and study.json.
   std::stable_sort(out.members.begin(), out.members.end(), [](const auto& a, const auto& b) {
     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
   });

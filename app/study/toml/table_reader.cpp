@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What a unit is for and how it is written.
+/// Meaning of a unit, with an example.
 std::string example_of(std::string_view si_unit) {
   constexpr std::pair<std::string_view, std::string_view> kExamples[] = {
       {"m", "a length such as \"20 mm\""},

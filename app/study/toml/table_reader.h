@@ -1,4 +1,4 @@
-// Reads one table of a study: what it asks for is known, what else stands there is a fault.
+// Reads one table of a study. Every key that it does not ask for is an error.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,11 +12,11 @@
 
 namespace chladni::app {
 
-/// Which values a number may have.
+/// Allowed values of a number.
 enum class Sign { any, positive, not_negative };
 
-/// Faults go to `problems` and the value comes back as none (NaN where a number was required), so
-/// that reading goes on and finds the next one. Both arguments must outlive it.
+/// Errors go to `problems`, and the value is then none (NaN if a number was required), so that
+/// reading continues to the next error. Both arguments must outlive it.
 class TableReader {
  public:
   /// `path` names the table in messages: "geometry.plate"; empty for the whole file.
@@ -25,14 +25,14 @@ class TableReader {
   [[nodiscard]] int line() const { return table_.line; }
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] bool has(std::string_view key) const;
-  /// The value of `key`, which is known from now on; null where it is not there.
+  /// The value of `key`, which is known from now on; null if it is missing.
   const TomlNode* find(std::string_view key);
 
   /// A text with a unit, in SI. A dimensionless one ("1") may be a bare number.
   std::optional<double> quantity(std::string_view key, std::string_view si_unit,
                                  Sign sign = Sign::any);
   double required_quantity(std::string_view key, std::string_view si_unit, Sign sign = Sign::any);
-  /// `count` of them.
+  /// `count` quantities.
   std::optional<Eigen::VectorXd> quantities(std::string_view key, std::string_view si_unit,
                                             Eigen::Index count, Sign sign = Sign::any);
   std::optional<long long> integer(std::string_view key, long long least, long long most);
@@ -42,7 +42,7 @@ class TableReader {
   std::optional<bool> truth(std::string_view key);
   std::vector<std::string> texts(std::string_view key);
   std::optional<TableReader> table(std::string_view key);
-  /// The tables of [[key]]; none where it is not there.
+  /// The tables of [[key]]; none if the key is missing.
   std::vector<TableReader> tables(std::string_view key);
   /// "x", "-z", or three numbers (any length but 0): a unit vector.
   std::optional<Eigen::Vector3d> direction(std::string_view key);
@@ -54,7 +54,7 @@ class TableReader {
   /// One number in SI, or NaN and a problem.
   double value_of(const TomlNode& node, const std::string& what, std::string_view si_unit,
                   Sign sign);
-  /// Every key that nobody asked for is a problem, with the nearest known one.
+  /// Reports every key that nobody asked for, with the nearest known one.
   void refuse_unknown();
 
  private:

@@ -1,4 +1,4 @@
-// Changes of a TOML document's text that leave all the rest as it is, comments too.
+// Changes to the text of a TOML document that keep everything else, also comments.
 #pragma once
 
 #include <string>
@@ -9,35 +9,35 @@
 
 namespace chladni::app {
 
-/// The member of a table; null where it has none of that name, or is no table.
+/// The member of a table; null if it has none of that name, or is not a table.
 [[nodiscard]] const TomlNode* member(const TomlNode& table, std::string_view key);
-/// The tables of [[key]], or the one of [key]; empty where there is none.
+/// The tables of [[key]], or the one of [key]; empty if there is none.
 [[nodiscard]] std::vector<const TomlNode*> tables_of(const TomlNode& root, std::string_view key);
 
-/// Text in quotes, with what TOML wants escaped.
+/// Text in quotes, with the escapes of TOML.
 [[nodiscard]] std::string toml_text(std::string_view text);
 
-/// Collects changes; the places are those of the document it was made of. Each change may have a
-/// comment, which goes onto a line of its own above.
+/// Collects changes. Positions are those of the original document. A change may have a comment,
+/// which gets a line of its own above it.
 class TomlEdit {
  public:
   /// @throws as parse_toml
   TomlEdit(std::string text, const std::string& file);
 
   [[nodiscard]] const TomlNode& tree() const { return tree_; }
-  /// A value as it is written, quotes and all.
+  /// The text of a value in the document, with its quotes.
   [[nodiscard]] std::string_view written(const TomlNode& value) const;
 
   void replace(const TomlNode& value, const std::string& by, const std::string& comment = {});
-  /// key = value in a table, behind a value that it has: on a line of its own, or, in braces,
-  /// behind a comma.
+  /// Adds key = value to a table, behind an existing value: on a line of its own or, in braces,
+  /// after a comma.
   void add_behind(const TomlNode& value, const std::string& key, const std::string& written,
                   const std::string& comment = {});
-  /// Replaces `key` of a table or adds it behind `anchor`, a key it has.
+  /// Replaces `key` of a table, or adds it behind the existing key `anchor`.
   void set(const TomlNode& table, std::string_view anchor, const std::string& key,
            const std::string& written, const std::string& comment = {});
-  /// One more table of [[name]], its members as they are to be written. At the end of the document,
-  /// or of the array where that is written in brackets.
+  /// Adds one more table of [[name]], its members with their final text. It goes to the end of the
+  /// document, or of the array if that is written in brackets.
   void append(const std::string& name,
               const std::vector<std::pair<std::string, std::string>>& members,
               const std::string& comment);
@@ -56,7 +56,7 @@ class TomlEdit {
   void comment_above(std::size_t at, const std::string& comment);
 
   std::string text_, file_;
-  std::vector<std::size_t> lines_;  // where each begins
+  std::vector<std::size_t> lines_;  // start of each line
   TomlNode tree_;
   std::vector<Change> changes_;
   std::string tail_;

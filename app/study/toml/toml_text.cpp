@@ -1,4 +1,4 @@
-// A tree as TOML. Reals have as few digits as bring them back.
+// A tree as TOML. Reals have the fewest digits that give the same number again.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,7 +52,9 @@ std::string inline_text(const TomlNode& node) {
     case TomlNode::Kind::truth:
       return node.truth ? "true" : "false";
     case TomlNode::Kind::array:
-      for (const auto& element : node.elements) out += (out.empty() ? "" : ", ") + inline_text(element);
+      for (const auto& element : node.elements) {
+        out += (out.empty() ? "" : ", ") + inline_text(element);
+      }
       return "[" + out + "]";
     case TomlNode::Kind::table:
       for (const auto& [key, line, column, value] : node.members) {

@@ -1,5 +1,4 @@
-// A TOML document as a tree with the place of everything in it; the parser itself stays behind its
-// door (study_source.cpp).
+// A TOML document as a tree, with the position of each part. Only study_source.cpp uses the parser.
 #pragma once
 
 #include <string>
@@ -10,17 +9,17 @@ namespace chladni::app {
 
 struct TomlMember;
 
-/// One value and where it stands, lines and columns counted from 1.
+/// One value and its position; lines and columns are counted from 1.
 struct TomlNode {
   enum class Kind { table, array, text, integer, real, truth, date };
   Kind kind = Kind::table;
   int line = 0, column = 0;
-  int end_line = 0, end_column = 0;  ///< just behind it
-  std::string text;     ///< of a text, as it stands between the quotes; of a number, its digits
-  double number = 0.0;  ///< of an integer or a real
-  bool truth = false;   ///< of a truth
-  std::vector<TomlMember> members;  ///< of a table, in the order of the file
-  std::vector<TomlNode> elements;   ///< of an array
+  int end_line = 0, end_column = 0;  ///< just after its end
+  std::string text;     ///< for a text, the text between the quotes; for a number, its digits
+  double number = 0.0;  ///< for an integer or a real
+  bool truth = false;   ///< for a truth
+  std::vector<TomlMember> members;  ///< for a table, in the order of the file
+  std::vector<TomlNode> elements;   ///< for an array
   [[nodiscard]] bool is_number() const { return kind == Kind::integer || kind == Kind::real; }
 };
 
