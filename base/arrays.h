@@ -1,4 +1,4 @@
-// The arrays that flow between the rooms. All lengths in m, all values in SI.
+// The arrays that the rooms exchange. All lengths are in m, all values in SI units.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,12 @@
 
 namespace chladni {
 
-/// One row per point, columns x y z [m]; row-major, so NumPy and VTK view it without a copy.
+/// One row per point, columns x y z [m]. The array is row-major, so NumPy and VTK view it without a
+/// copy.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// One row per cell, entries are rows of a Points array; 3, 6, 10 (faces) or 4, 10, 20 (tetrahedra)
-/// columns in VTK's node order.
+/// One row per cell. Entries are row numbers of a Points array. There are 3, 6, 10 (faces) or 4,
+/// 10, 20 (tetrahedra) columns in VTK's node order.
 using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Column-compressed. A symmetric matrix stores its lower triangle only, rows ascending in each

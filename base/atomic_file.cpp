@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-// A file descriptor that is closed with its scope.
+// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -42,7 +42,7 @@ class Descriptor {
   int number_;
 };
 
-// Writes through to a descriptor and keeps the first error, which a std::ofstream would lose.
+// Writes to a descriptor and keeps the first error, which a std::ofstream would lose.
 class DescriptorBuffer : public std::streambuf {
  public:
   explicit DescriptorBuffer(int descriptor) : descriptor_(descriptor) {
@@ -83,7 +83,7 @@ class DescriptorBuffer : public std::streambuf {
   std::array<char, 65536> block_;
 };
 
-// Whether the machine ran out of something, rather than the caller naming a bad place.
+// Whether the machine ran out of a resource. Otherwise the caller named a bad place.
 bool is_shortage(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO || error == EMFILE ||
          error == ENFILE || error == ENOMEM;
@@ -104,7 +104,7 @@ fs::path folder_of(const fs::path& file) {
   throw InvalidInput(text + "; expected a name in a folder that exists and can be written");
 }
 
-// The new file under its temporary name; gone with its scope unless it was moved into place.
+// The new file under its temporary name. The destructor removes it unless it was moved into place.
 class NewFile {
  public:
   explicit NewFile(const fs::path& file) : file_(file) {
@@ -135,7 +135,7 @@ class NewFile {
 
   [[nodiscard]] const fs::path& temporary() const { return temporary_; }
 
-  // The bytes are on the disk before the name is, and the name before this returns.
+  // The bytes reach the disk before the name does, and the name before this function returns.
   void move_into_place() {
     Descriptor content(open(temporary_.c_str(), O_RDONLY | O_CLOEXEC));
     if (content.number() < 0 || fsync(content.number()) != 0 || content.close() != 0) {
@@ -185,7 +185,7 @@ std::string read_whole(const fs::path& file, std::size_t limit) {
   const auto refused = [&file](const std::string& why) {
     return InvalidInput(file.string() + ": " + why + "; expected a file that can be read");
   };
-  // O_NONBLOCK: opening a pipe nobody writes to must not wait.
+  // O_NONBLOCK: opening a pipe without a writer must not wait.
   const Descriptor source(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
   if (source.number() < 0 || fstat(source.number(), &status) != 0) throw refused(reason(errno));
@@ -196,7 +196,7 @@ std::string read_whole(const fs::path& file, std::size_t limit) {
   if (size > limit) throw too_long();
   std::string content;
   try {
-    content.resize(size + 1);  // one more: a read of nothing is how the end shows
+    content.resize(size + 1);  // one more byte: a read of 0 bytes shows the end
     std::size_t used = 0;
     for (;;) {
       const auto count = ::read(source.number(), content.data() + used, content.size() - used);

@@ -1,4 +1,4 @@
-// Files that appear whole or not at all.
+// Writes files so that they appear whole or not at all.
 #pragma once
 
 #include <filesystem>
@@ -9,23 +9,23 @@
 
 namespace chladni {
 
-/// Writes through `fill` to a temporary name in the same folder, syncs, and renames onto `file`.
-/// Until the rename the old file stands; after any failure no temporary file is left.
+/// `fill` writes to a temporary file in the same folder. This file is synced and renamed to `file`.
+/// Until the rename the old file stays; after a failure no temporary file is left.
 /// @throws InvalidInput    the folder does not exist or cannot be written (names it)
 /// @throws OutOfResources  the disk is full or the write failed (names file and reason)
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(std::ostream&)>& fill);
 void write_atomically(const std::filesystem::path& file, std::string_view content);
 
-/// The same for a library that insists on a path of its own: `fill` gets the temporary path (same
-/// extension as `file`).
+/// Like write_atomically, for a library that needs a path: `fill` gets the temporary path, which
+/// has the same extension as `file`.
 void write_atomically_at(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& fill);
 
-/// The whole of a regular file, as bytes.
-/// @throws InvalidInput    it does not exist, is not a regular file, cannot be read or exceeds
-///                         `limit`
-/// @throws OutOfResources  no memory for it
+/// All bytes of a regular file.
+/// @throws InvalidInput    the file does not exist, is not a regular file, cannot be read or
+///                         exceeds `limit`
+/// @throws OutOfResources  there is no memory for the bytes
 [[nodiscard]] std::string read_whole(const std::filesystem::path& file,
                                      std::size_t limit = std::size_t{4} << 30U);
 

@@ -27,7 +27,7 @@ std::size_t number_of(const std::string& key, const path& file) {
   return 0;
 }
 
-// The folders of the process's group and of all above it, up to the root.
+// The folders of the process's group and of all groups above it, up to the root.
 std::vector<path> folders(const ControlGroupFiles& files) {
   std::ifstream in(files.membership);
   path group;
@@ -37,7 +37,7 @@ std::vector<path> folders(const ControlGroupFiles& files) {
   std::vector<path> all{files.root};
   path folder = files.root;
   for (const auto& name : group) {
-    if (name == "..") return {files.root};  // a group outside of what this process can see
+    if (name == "..") return {files.root};  // the process cannot see this group
     if (name.empty() || name == ".") continue;
     folder /= name;
     all.push_back(folder);
@@ -53,7 +53,7 @@ std::size_t memory_left_in(const path& folder) {
   return limit > held ? limit - held : 0;
 }
 
-// cpu.max: "200000 100000", microseconds of work per microseconds of time, or "max 100000".
+// cpu.max contains "200000 100000" (microseconds of work per microseconds of time) or "max 100000".
 std::size_t processors_in(const path& folder) {
   std::ifstream in(folder / "cpu.max");
   std::size_t quota = 0;

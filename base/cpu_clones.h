@@ -1,4 +1,5 @@
-// One program for all processors: the loader takes the widest vectors that this one has.
+// Makes one program fit all processors: the loader picks the clone with the widest vector
+// instructions of the processor.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \

@@ -1,4 +1,4 @@
-// Everything the library throws. Nothing else crosses a public boundary.
+// All exceptions of the library. No other exception crosses a public boundary.
 #pragma once
 
 #include <stdexcept>
@@ -6,35 +6,35 @@
 
 namespace chladni {
 
-/// What the caller passed cannot be meant: wrong shape, wrong unit, a file that is not what it
-/// says. The message names the thing, the value found and the value expected.
+/// The caller's input is wrong: a wrong shape, a wrong unit, a file with other content than it
+/// claims. The message names the input, the value found and the value expected.
 class InvalidInput : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// The input was sound and the computation still has no usable answer: a matrix that is not
-/// positive definite, an iteration that did not converge.
+/// The input was sound, but the computation has no usable result: a matrix is not positive
+/// definite, or an iteration did not converge.
 class NumericalFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The machine does not have what the computation needs: memory (forecast before it starts), disk.
+/// The machine has too little memory (forecast before the computation starts) or disk space.
 class OutOfResources : public NumericalFailure {
  public:
   using NumericalFailure::NumericalFailure;
 };
 
-/// A program of ours that works behind a pipe (the mesher, the painter) aborted, crashed or ran out
-/// of its limits. The message says which, how it ended and what to do.
+/// A worker program behind a pipe (the mesher, the painter) aborted, crashed or exceeded its
+/// limits. The message says which program, how it ended and what to do.
 class WorkerDied : public NumericalFailure {
  public:
   using NumericalFailure::NumericalFailure;
 };
 
-/// The user pressed Ctrl-C. Thrown by `throw_if_interrupted()`, never by a signal handler. It is no
-/// failure: what tries another way after a NumericalFailure lets it pass.
+/// The user pressed Ctrl-C. `throw_if_interrupted()` throws it, never a signal handler. It is not a
+/// failure: code that tries another way after a NumericalFailure does not catch it.
 class Interrupted : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,18 +1,18 @@
-// Matrices that come from data, looked at before an iteration works on them.
+// Checks matrices from data before an iteration works on them.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace chladni {
 
-/// What `finite` says of a matrix with entries that are not.
+/// Throws the exception of `finite` for a matrix with entries that are not finite.
 /// @throws NumericalFailure  always
 [[noreturn]] void refuse_infinite(const char* name, Eigen::Index bad, Eigen::Index size);
 
-/// The matrix itself where every entry is a finite number. Eigen's iterations on anything else may
-/// never end, or read outside of their arrays.
-/// @param name  what the matrix is, as the message names it
-/// @throws NumericalFailure  an entry is infinite or not a number; tells how many
+/// Returns the matrix itself if every entry is a finite number. With other entries Eigen's
+/// iterations may never end or may read outside their arrays.
+/// @param name  the name of the matrix in the message
+/// @throws NumericalFailure  an entry is infinite or not a number; says how many
 template <typename Matrix>
 const Matrix& finite(const Matrix& matrix, const char* name) {
   if (matrix.allFinite()) return matrix;

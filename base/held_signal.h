@@ -1,4 +1,4 @@
-// A signal that a write may raise in its own thread, taken as an error number instead.
+// Turns a signal that a write raises in its own thread into an error number.
 #pragma once
 
 #include <csignal>
@@ -8,8 +8,9 @@
 
 namespace chladni {
 
-/// While it lives, `signal` (SIGPIPE, SIGXFSZ) raised by this thread's writes does not end the
-/// process: the write fails with EPIPE or EFBIG. One that was raised meanwhile is discarded.
+/// While an object of this class lives, a `signal` (SIGPIPE, SIGXFSZ) from this thread's writes
+/// does not end the process; the write fails with EPIPE or EFBIG. A signal raised meanwhile is
+/// discarded.
 class HeldSignal {
  public:
   explicit HeldSignal(int signal) {

@@ -14,7 +14,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 void note(int signal) {
   if (noted_signal.exchange(signal) == 0) return;
-  std::signal(signal, SIG_DFL);  // the second one: delivered again, and final, on return
+  std::signal(signal, SIG_DFL);  // the second signal: raised again, it ends the process
   std::raise(signal);
 }
 

@@ -1,17 +1,17 @@
-// Ctrl-C, answered between two steps of work and never inside one.
+// Handles Ctrl-C between two steps of work, never inside a step.
 #pragma once
 
 #include <csignal>
 
 namespace chladni {
 
-/// Catches SIGINT, SIGTERM, SIGQUIT and SIGHUP (unless it is ignored, as under nohup) from now on;
-/// the first one is noted, a second one ends the process.
+/// Catches SIGINT, SIGTERM, SIGQUIT and SIGHUP from now on. A SIGHUP that is ignored, as under
+/// nohup, stays ignored. The first signal is noted; a second one ends the process.
 void catch_interrupts();
 
-/// For a host, such as Python, that has a handler of its own and lives on: SIGINT is noted while
-/// this lives, however often it comes, and the host's handler is back afterwards. It gets a signal
-/// that nothing was thrown for.
+/// For a host such as Python that has its own handler and lives on. While an object of this class
+/// lives, SIGINT is only noted, also when it comes several times. Afterwards the host's handler is
+/// back. If no exception was thrown for a noted signal, the host's handler gets the signal.
 class NotedInterrupts {
  public:
   NotedInterrupts();
@@ -25,12 +25,12 @@ class NotedInterrupts {
   struct sigaction before_ = {};
 };
 
-/// @throws Interrupted  one of these signals has arrived since
+/// @throws Interrupted  one of these signals has arrived
 void throw_if_interrupted();
 
-/// Whether one has arrived, for a step that can stop with what it has.
+/// Whether a signal has arrived, for a step that can stop early with a partial result.
 [[nodiscard]] bool interrupted();
-/// It was answered: work goes on. The next one ends the process as a first one would.
+/// Forgets a signal that was answered, so that work goes on. The next signal counts as a first one.
 void forget_interrupt();
 
 }  // namespace chladni

@@ -33,7 +33,7 @@ std::size_t kernel_available() {
   return kUnknown;
 }
 
-// Of the limit that `ulimit -v` sets on addresses.
+// The rest of the address space under the limit of `ulimit -v`.
 std::size_t left_in_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnknown;

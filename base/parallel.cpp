@@ -29,12 +29,13 @@ int number_in(const std::string& file) {
   return number;
 }
 
-// What the control group grants, where that is less than there is.
+// The number of processors that the control group grants, but at most `processors`.
 int granted(int processors) {
   return static_cast<int>(std::min(static_cast<std::size_t>(processors), processors_of_group()));
 }
 
-// Two hardware threads of one core share its arithmetic units: the second adds nothing here.
+// Counts cores, not hardware threads. Two hardware threads of one core share its arithmetic units,
+// so the second one adds nothing here.
 int physical_cores() {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
@@ -71,8 +72,9 @@ void rethrow_first(const std::vector<std::exception_ptr>& thrown) {
   }
 }
 
-// Runs every call, the first here and the others in threads of their own (here as well where the
-// system grants no thread), then rethrows the exception of the lowest one that threw.
+// Runs every call: the first one in this thread, each other one in a new thread. Where the system
+// grants no thread, the call runs in this thread. Then the exception of the lowest call that threw
+// is rethrown.
 void run_all(const std::vector<std::function<void()>>& calls) {
   std::vector<std::exception_ptr> thrown(calls.size());
   const auto run = [&](std::size_t i) { thrown[i] = thrown_by(calls[i]); };
@@ -89,13 +91,13 @@ void run_all(const std::vector<std::function<void()>>& calls) {
   rethrow_first(thrown);
 }
 
-// Of a thread that runs one of several tasks: the other threads have tasks of their own.
+// True in a thread that runs one of several tasks. The other threads then have tasks of their own.
 thread_local bool in_task = false;
 
-// Threads that wait for others to end their tasks.
+// Number of threads that wait until other threads end their tasks.
 std::atomic<int> waiting{0};
 
-// Those among them that a loop within a task takes over, as long as it runs.
+// The waiting threads that a loop within a task takes over for its duration.
 class Borrowed {
  public:
   explicit Borrowed(std::size_t most) {
@@ -113,7 +115,7 @@ class Borrowed {
   int count_ = 0;
 };
 
-// Threads for a loop of that size, the caller's included.
+// The threads for a loop of size `size`, including the caller's thread.
 class Threads {
  public:
   explicit Threads(std::size_t size)
@@ -127,7 +129,7 @@ class Threads {
   std::size_t count_;
 };
 
-// While it lives this thread is, or is not, in a task.
+// Marks this thread as in a task, or not in a task, for the object's lifetime.
 class InTask {
  public:
   explicit InTask(bool task) : before_(std::exchange(in_task, task)) {}

@@ -1,4 +1,4 @@
-// How a long step tells a person that it is alive.
+// Progress reports of long steps.
 #pragma once
 
 #include <functional>
@@ -6,8 +6,8 @@
 
 namespace chladni {
 
-/// Called with what is being done and the fraction done in [0, 1], or −1 where it is not known.
-/// May be empty: then nothing is told. Called from the thread that called the function.
+/// Gets the current step and the fraction done in [0, 1], or −1 where the fraction is not known. It
+/// may be empty; then nothing is reported. It runs in the thread that called the long function.
 using Progress = std::function<void(std::string_view step, double fraction)>;
 
 inline void tell(const Progress& progress, std::string_view step, double fraction = -1.0) {

@@ -24,7 +24,7 @@ using Converter = std::unique_ptr<cv_converter, FreeConverter>;
 
 constexpr std::size_t kLongestUnit = 64;
 
-// What people call a dimension, and how they would write one.
+// The usual name of a dimension, and an example.
 struct Kind {
   const char* si_unit;
   const char* noun;
@@ -55,13 +55,13 @@ constexpr std::array kKinds = {
     Kind{"A", "a current", "2 A"},
 };
 
-// UDUNITS-2's database. The library keeps state, so every use holds the lock.
+// The database of UDUNITS-2. The library keeps state, so every use holds the lock.
 struct Database {
   std::mutex lock;
   ut_system* system = nullptr;
 
   Database() {
-    ut_set_error_message_handler(ut_ignore);  // it would talk on stderr
+    ut_set_error_message_handler(ut_ignore);  // else the library writes to stderr
     system = ut_read_xml(nullptr);
     if (system == nullptr) {
       throw OutOfResources(
@@ -82,11 +82,11 @@ Unit parsed(std::string_view text) {
   return Unit(ut_parse(database().system, std::string(text).c_str(), UT_UTF8));
 }
 
-// What a unit is made of, as UDUNITS-2 shows it to a visitor.
+// The components of a unit, as UDUNITS-2 shows them to a visitor.
 struct Anatomy {
   int angle = 0;       // the power of the radian
-  bool other = false;  // whether anything but radians and seconds is in it
-  bool plain = true;   // a factor times basic units: no zero of its own, no logarithm, no date
+  bool other = false;  // whether it contains anything but radians and seconds
+  bool plain = true;   // a factor times basic units: no offset, no logarithm, no date
 };
 
 ut_status visit_basic(const ut_unit* unit, void* data) {
@@ -140,16 +140,17 @@ Anatomy anatomy_of(const ut_unit* unit) {
   return anatomy;
 }
 
-// UDUNITS-2 converts reciprocals as well (2 ms into 500 Hz, a compliance into a stiffness): twice
-// as much has to stay twice as much.
+// Whether the conversion is a factor. UDUNITS-2 also converts reciprocals (2 ms to 500 Hz, a
+// compliance to a stiffness), so the test is that twice the value converts to twice the result.
 bool is_factor(ut_unit* from, ut_unit* into) {
   const Converter converter(ut_get_converter(from, into));
   const double one = cv_convert_double(converter.get(), 1.0);
   return std::abs(cv_convert_double(converter.get(), 2.0) - 2.0 * one) <= 1e-9 * std::abs(one);
 }
 
-// For UDUNITS-2 a radian is 1, so 10 rad/s would pass for 10 Hz. Where a unit is nothing but
-// angle and time, its angle has to agree; elsewhere (N m/rad for N m) no factor is at stake.
+// For UDUNITS-2 a radian is 1, so 10 rad/s would count as 10 Hz. Where a unit contains only angle
+// and time, the powers of the radian must agree. In other units (N m/rad for N m) the radian does
+// not change the factor.
 bool converts(ut_unit* from, ut_unit* into) {
   if (ut_are_convertible(from, into) == 0 || !is_factor(from, into)) return false;
   const Anatomy a = anatomy_of(from);
@@ -173,8 +174,8 @@ std::string expected(std::string_view si_unit, ut_unit* into) {
   return "expected a number and a unit that converts to " + std::string(si_unit);
 }
 
-// UDUNITS-2 reads "3 mm" and "mm 5" as units as well: a second number is a slip of the pen here,
-// so a digit may only be an exponent or the 1 of "1/s".
+// UDUNITS-2 also reads "3 mm" and "mm 5" as units. Here a second number is a mistake, so a digit
+// may only be an exponent or the 1 of "1/s".
 bool has_stray_number(std::string_view unit) {
   if (unit.starts_with("1/") || unit == "1") unit.remove_prefix(1);
   for (std::size_t i = 0; i < unit.size(); ++i) {
@@ -193,7 +194,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }
 
-// The unit that `text` ends in, checked against what was due.
+// The factor from `unit` (the end of `text`) to `si_unit`, after all checks.
 double factor(std::string_view text, std::string_view unit, std::string_view si_unit) {
   const std::scoped_lock guard(database().lock);
   const Unit into = parsed(si_unit);

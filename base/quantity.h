@@ -6,10 +6,11 @@
 
 namespace chladni {
 
-/// `text` is a number and a unit; the value in the SI unit `si_unit` ("m", "Pa", "kg/m^3", "N/m",
-/// "rad", "1"). A unit that is no factor (degC, a reciprocal, rad/s for Hz) is refused.
-/// @throws InvalidInput  no number, no unit, an unknown unit, or one of another dimension; the
-///                       message has the text, what it was taken for and an example ("expected a
+/// The value of `text`, a number and a unit, in the SI unit `si_unit` ("m", "Pa", "kg/m^3", "N/m",
+/// "rad", "1"). A unit that does not convert by a factor (degC, a reciprocal, rad/s for Hz) is
+/// refused.
+/// @throws InvalidInput  no number, no unit, an unknown unit, or a unit of another dimension; the
+///                       message has the text, its interpretation and an example ("expected a
 ///                       length such as \"20 mm\"")
 [[nodiscard]] double quantity(std::string_view text, std::string_view si_unit);
 

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kErrorsKept = std::size_t{64} << 10U;
-// Is kept however little memory is left.
+// The output limit is at least this size, even where little memory is left.
 constexpr std::size_t kLeastOutput = std::size_t{1} << 20U;
 constexpr int kLibrariesMissing = 127;  // exit status of the dynamic linker
 
@@ -61,10 +61,10 @@ struct Pipe {
 
 struct Pipes {
   Pipe input, output, errors;
-  Pipe start;  // carries the error number of an exec that failed; closed by one that did not
+  Pipe start;  // carries the error number of a failed exec; a successful exec closes it
 };
 
-// Sanitizers reserve terabytes of addresses: under a limit the worker could not start.
+// Sanitizers reserve terabytes of addresses, so a worker with a limit could not start.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;
 #else
@@ -74,7 +74,7 @@ constexpr bool kSanitized = false;
 // Between fork and exec only calls that are safe in a signal handler are allowed.
 [[noreturn]] void become(char* const* arguments, const Pipes& pipes, const WorkerLimits& limits,
                          pid_t parent) {
-  setpgid(0, 0);  // so that what it starts itself can be ended with it
+  setpgid(0, 0);  // so that the processes which the worker starts can be ended with it
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
@@ -94,7 +94,8 @@ constexpr bool kSanitized = false;
   _exit(127);
 }
 
-// The process; killed with all it started, and waited for, when its scope ends.
+// The worker process. At the end of the scope it is killed with all processes that it started, and
+// waited for.
 class Worker {
  public:
   Worker(const fs::path& program, const std::vector<std::string>& arguments, Pipes& pipes,
@@ -115,7 +116,7 @@ class Worker {
     Pipe::close_end(pipes.output.write_end);
     Pipe::close_end(pipes.errors.write_end);
     Pipe::close_end(pipes.start.write_end);
-    setpgid(process_, process_);  // here as well: whoever comes first
+    setpgid(process_, process_);  // both processes call this; either may be first
   }
   ~Worker() {
     if (status_) return;
@@ -127,7 +128,7 @@ class Worker {
   Worker(Worker&&) = delete;
   Worker& operator=(Worker&&) = delete;
 
-  // Its wait status once it has ended; what it left behind is killed then.
+  // The wait status once the process has ended. Its remaining child processes are killed then.
   std::optional<int> status() {
     int status = 0;
     if (!status_ && waitpid(process_, &status, WNOHANG) == process_) {
@@ -152,7 +153,7 @@ void refuse_failed_start(const fs::path& program, int start) {
                    "): " + std::generic_category().message(error));
 }
 
-// Without the sequences that colour a terminal: ESC [ ... letter.
+// The text without the colour sequences of a terminal (ESC [ ... letter).
 std::string uncoloured(std::string_view text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -176,7 +177,7 @@ std::string last_line(std::string_view errors) {
   return ": " + text.substr(begin, end + 1 - begin);
 }
 
-// Moves what the pipes take and give without waiting.
+// Moves bytes through the pipes without waiting.
 class Talk {
  public:
   Talk(const std::string& worker, Pipes& pipes, std::string_view input, std::size_t output_bytes)
@@ -194,7 +195,7 @@ class Talk {
     poll(ends.data(), ends.size(), milliseconds);
   }
 
-  // Whether anything moved.
+  // Returns whether any bytes moved.
   bool exchange() {
     const bool wrote = give();
     const bool read_output = take(pipes_.output.read_end, result_.output);
@@ -227,7 +228,7 @@ class Talk {
     if (pipes_.input.write_end < 0) return false;
     const auto count = ::write(pipes_.input.write_end, left_.data(), left_.size());
     if (count > 0) left_.remove_prefix(static_cast<std::size_t>(count));
-    // EPIPE: it does not want the rest; how it ends will say whether that is a fault.
+    // EPIPE: the worker does not read the rest. Its exit status shows whether that is an error.
     if (left_.empty() || (count < 0 && errno != EAGAIN && errno != EINTR)) {
       Pipe::close_end(pipes_.input.write_end);
     }
@@ -270,7 +271,7 @@ std::vector<fs::path>& added_folders() {
   return folders;
 }
 
-// The folders a worker may live in, in the order they are tried.
+// The folders that may hold a worker, in the order in which they are tried.
 std::vector<fs::path> worker_folders() {
   std::vector<fs::path> folders;
   if (const char* chosen = std::getenv("CHLADNI_LIBEXEC"); chosen != nullptr && *chosen != '\0') {
@@ -289,7 +290,7 @@ std::vector<fs::path> worker_folders() {
 
 struct Ended {
   WorkerResult result;
-  int status = 0;  // as of waitpid
+  int status = 0;  // from waitpid
 };
 
 Ended ended_worker(const fs::path& program, const std::vector<std::string>& arguments,
@@ -311,12 +312,12 @@ Ended ended_worker(const fs::path& program, const std::vector<std::string>& argu
   while (!status) {
     throw_if_interrupted();
     refuse_late();
-    // Closed pipes cannot wake us: then it is about to end, so look often.
+    // Closed pipes cannot wake this thread. The worker is then about to end, so check often.
     talk.wait(talk.over() ? 1 : 50);
     talk.exchange();
     status = worker.status();
   }
-  while (talk.exchange()) refuse_late();  // what it wrote just before its end
+  while (talk.exchange()) refuse_late();  // the bytes that it wrote just before its end
   return {talk.result(), *status};
 }
 

@@ -1,5 +1,5 @@
-// The worker's end of run_worker: one request on stdin, one reply on stdout. Needs nothing but the
-// standard library, so that a worker links nothing else.
+// The worker's side of run_worker: one request on stdin, one reply on stdout. This file needs only
+// the standard library, so that a worker links nothing else.
 #pragma once
 
 #include <cstdio>
@@ -18,7 +18,7 @@ namespace chladni {
   return bytes;
 }
 
-/// @throws std::runtime_error  stdout took less than all
+/// @throws std::runtime_error  not all bytes could be written
 inline void write_to_stdout(const std::string& bytes) {
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size() &&
                        std::fflush(stdout) == 0;

@@ -12,7 +12,7 @@ namespace chladni::dense {
 void solve(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
 void solve_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
 
-/// Lower triangle of A⁻¹ from that of L, in place.
+/// Lower triangle of A⁻¹ from the lower triangle of L, in place.
 void invert(Eigen::MatrixXd& factor);
 
 /// C := C + s A Aᵀ, lower triangle only.

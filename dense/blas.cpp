@@ -1,4 +1,4 @@
-// The only file that knows OpenBLAS.
+// The only file that calls functions of OpenBLAS itself.
 #include "dense/blas.h"
 
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string_view>
 
-// Declared here and weak, so that another BLAS still links.
+// These declarations are weak, so that the program also links with another BLAS.
 extern "C" {
 char* openblas_get_corename() __attribute__((weak));
 void openblas_set_num_threads(int) __attribute__((weak));
@@ -21,7 +21,7 @@ namespace {
 
 constexpr auto kVariable = "OPENBLAS_CORETYPE";
 
-// Whether kernel `now` is as fast as any that this processor can run.
+// Whether kernel `now` is as fast as the kernel `best` of this processor.
 bool is_as_good(const std::string& now, const std::string& best) {
   // For a processor with AVX2 but no AVX-512.
   constexpr std::array<std::string_view, 4> with_avx2{"Haswell", "Zen", "Excavator", "SkylakeX"};
@@ -32,7 +32,7 @@ bool is_as_good(const std::string& now, const std::string& best) {
   return best == "Haswell" && std::find(with_avx2.begin(), with_avx2.end(), now) != with_avx2.end();
 }
 
-// How many OneBlasThreads live, and what there was before the first.
+// The number of living OneBlasThread objects, and the number of threads before the first one.
 struct Holders {
   std::mutex mutex;
   int count = 0;
@@ -63,7 +63,7 @@ void use_best_blas_kernel(char** argv) {
   const std::string best = best_blas_kernel();
   if (is_as_good(blas_kernel(), best) || std::getenv(kVariable) != nullptr) return;
   setenv(kVariable, best.c_str(), 1);
-  execv("/proc/self/exe", argv);  // returns only where that failed: then the slow kernel must do
+  execv("/proc/self/exe", argv);  // returns only on failure; the slow kernel is used then
 }
 
 std::string slow_blas_kernel() {

@@ -1,33 +1,35 @@
-// Which kernel of OpenBLAS runs, and making it the right one.
+// Selects the fastest kernel of OpenBLAS, and the number of BLAS threads.
 #pragma once
 
 #include <string>
 
 namespace chladni::dense {
 
-/// The kernel in use, as OpenBLAS names it ("SkylakeX", "Haswell", "Prescott", ...), or "unknown"
-/// with another BLAS.
+/// OpenBLAS's name of the kernel in use ("SkylakeX", "Haswell", "Prescott", ...), or "unknown" with
+/// another BLAS.
 [[nodiscard]] std::string blas_kernel();
 
-/// The fastest kernel of OpenBLAS that this processor can run, from CPUID; empty where the
+/// The fastest kernel of OpenBLAS that this processor can run, from CPUID. Empty where the
 /// processor has no AVX2.
 [[nodiscard]] std::string best_blas_kernel();
 
-/// Call first in main(). OpenBLAS 0.3.21 takes recent processors for a Pentium 4 and is then 4.8
-/// times slower; the kernel is chosen while the library loads, so this sets OPENBLAS_CORETYPE and
-/// starts the program again, once. Returns when the kernel is right or was chosen by the user.
+/// Call this first in main(). OpenBLAS 0.3.21 treats recent processors as a Pentium 4 and is then
+/// 4.8 times slower. The library chooses the kernel while it loads, so this function sets
+/// OPENBLAS_CORETYPE and starts the program again, once. It returns when the kernel is right or the
+/// user has chosen one.
 void use_best_blas_kernel(char** argv);
 
-/// Empty where the kernel is as fast as this processor allows or cannot be known; else a sentence
-/// that says which one runs and how to choose the better one. For programs that are not ours.
+/// A sentence that says which slow kernel runs and how to choose the faster one. Empty where the
+/// kernel is as fast as possible on this processor or is not known. For programs that are not ours.
 [[nodiscard]] std::string slow_blas_kernel();
 
-/// Threads inside BLAS calls of this process; 0 where it cannot be known.
+/// Number of threads inside BLAS calls of this process; 0 where it is not known.
 [[nodiscard]] int blas_threads();
 void set_blas_threads(int count);
 
-/// While one of these lives, in whatever thread, BLAS works on one thread: our own loops are
-/// parallel, and their bits depend on it. The last one that goes puts back what there was.
+/// While an object of this class lives in any thread, BLAS works on one thread. The reason is that
+/// our own loops are parallel, and their bits depend on it. The destructor of the last object
+/// restores the old number of threads.
 class OneBlasThread {
  public:
   OneBlasThread();

@@ -12,7 +12,7 @@ namespace {
 constexpr double kOne = 1.0;
 constexpr double kMinusOne = -1.0;
 constexpr long kPanel = 64;         // columns eliminated before the rest is updated
-constexpr long kColumnBlock = 192;  // of the update of a lower triangle
+constexpr long kColumnBlock = 192;  // columns per block in the update of a lower triangle
 
 int narrow(long n) { return static_cast<int>(n); }
 

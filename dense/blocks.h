@@ -15,7 +15,7 @@ struct Block {
   double& operator()(long i, long j) const { return data[i + j * stride]; }
 };
 
-/// A matrix as a block; one that is const is only read.
+/// A matrix as a block. The block of a const matrix must only be read.
 [[nodiscard]] inline Block block(const Eigen::Ref<const Eigen::MatrixXd>& m) {
   return {const_cast<double*>(m.data()), m.rows(), m.cols(), m.outerStride()};
 }
@@ -25,10 +25,11 @@ struct Block {
 
 /// A = LDLᵀ in place without exchanges: unit L below the diagonal, D on it.
 /// @param largest  per column: the largest entry on and below its pivot when it is eliminated
-/// @return  false where a pivot is 0 or not finite; what is left then means nothing
+/// @return  false where a pivot is 0 or not finite; the content of `a` is then undefined
 [[nodiscard]] bool ldlt(Block a, double* largest);
 
-/// Rows below a block that `ldlt` eliminated: B becomes those of L, `with_d` those of L D.
+/// Eliminates the rows B below a block that `ldlt` has eliminated. B becomes the rows of L,
+/// `with_d` the rows of L D.
 /// @param largest  per column, raised to the largest entry of L D here
 void eliminate_below(Block diagonal, Block b, Block with_d, double* largest);
 

@@ -1,10 +1,10 @@
-// Numbers too small for full precision, taken for zero.
+// Treats subnormal numbers (too small for full precision) as zero.
 #pragma once
 
 namespace chladni::dense {
 
-/// Covariances of far points underflow, and a processor takes a hundred times as long for such
-/// numbers; they are zeros while one of these lives.
+/// While an object of this class lives, subnormal numbers are zeros. The covariances of far points
+/// are such numbers, and a processor takes a hundred times as long for them.
 class FlushToZero {
  public:
   FlushToZero();

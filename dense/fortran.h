@@ -1,5 +1,5 @@
-// BLAS and LAPACK as Fortran has them, declared here: no header of a BLAS is needed. Only for the
-// files of this room.
+// Declares the Fortran functions of BLAS and LAPACK, so that no BLAS header is needed. Only the
+// files of this room include it.
 #pragma once
 
 extern "C" {

@@ -10,8 +10,8 @@ namespace {
 // Four doubles at any address.
 using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
 
-// Columns that come next are asked for while these are worked on: they are too short for the
-// processor to guess.
+// Prefetches the next columns during the work on the present ones. The columns are too short for
+// the processor's own prefetching.
 template <int K>
 [[gnu::always_inline]] inline void fetch(const double* next, long lda) {
   for (int k = 0; k < K; ++k) __builtin_prefetch(next + k * lda);
@@ -100,7 +100,7 @@ CHLADNI_WIDE void dots_1_1(const double* a, long lda, long rows, const double* y
   add_dots<1, 1>(a, lda, rows, y, ldy, f, x, ldx);
 }
 
-// The same for one or four columns of A and any number of Y's.
+// Y := Y − A X for one or four columns of A and any number of columns of Y.
 void subtract_columns(Block a, const double* x, long ldx, Block y) {
   long c = 0;
   for (; c + 4 <= y.columns; c += 4) {
@@ -125,7 +125,7 @@ void dot_columns(Block a, Block y, double f, double* x, long ldx) {
   }
 }
 
-// Columns that are worked on together from column k on.
+// Number of columns, from column k on, that are processed together.
 long together(long k, long columns) { return k + 4 <= columns ? 4 : 1; }
 
 }  // namespace
@@ -146,7 +146,7 @@ void sweep_up(Block strip, Block front) {
 }
 
 void sweep_down(Block strip, Block front) {
-  // Single columns stand at the end: the groups of the way up, backwards.
+  // Takes the column groups of sweep_up in reverse order. Single columns are at the end.
   for (long k = strip.columns, step = 0; k > 0;) {
     step = k % 4 == 0 ? 4 : 1;
     k -= step;

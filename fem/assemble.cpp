@@ -16,14 +16,14 @@
 namespace chladni::fem {
 namespace {
 
-// For each node the nodes above it in number that share a cell with it, ascending: the lower
-// triangle of the node graph, by columns.
+// For each node, the nodes with a higher number that share a cell with it, ascending. This is the
+// lower triangle of the node graph, by columns.
 struct NodeGraph {
   std::vector<std::int64_t> start;  // node_count + 1
   std::vector<std::int32_t> below;  // row indices
 };
 
-// For each node the cells it belongs to, ascending.
+// For each node, the cells that it belongs to, ascending.
 struct CellsOfNode {
   std::vector<std::int64_t> start;
   std::vector<std::int32_t> cell;
@@ -47,7 +47,8 @@ CellsOfNode cells_of_nodes(const mesh::TetMesh& body) {
   return result;
 }
 
-// The nodes above `node` among those of its cells; `seen` marks them with `node`.
+// The nodes of `node`'s cells whose number is above `node`. Each of them is marked with `node` in
+// `seen`.
 void neighbours_below(const mesh::TetMesh& body, const CellsOfNode& cells, std::size_t node,
                       std::vector<std::int32_t>& seen, std::vector<std::int32_t>& found) {
   found.clear();
@@ -68,7 +69,7 @@ NodeGraph node_graph(const mesh::TetMesh& body, const CellsOfNode& cells) {
   const auto n = static_cast<std::size_t>(body.node_count());
   NodeGraph graph{std::vector<std::int64_t>(n + 1, 0), {}};
   std::vector<std::vector<std::int32_t>> part(n == 0 ? 0 : 64);
-  // 64 fixed parts, whatever the number of threads; each lists its nodes one after the other.
+  // There are 64 fixed parts for any number of threads. Each part lists its nodes in order.
   const auto first = [&](std::size_t p) { return p * n / part.size(); };
   parallel_ranges(part.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<std::int32_t> seen(n, -1);
@@ -129,7 +130,7 @@ Pattern pattern(const NodeGraph& graph) {
   return p;
 }
 
-// Adds one cell's blocks to the columns of the nodes that `mine` says.
+// Adds one cell's blocks to the columns of those nodes for which `mine` is true.
 class Scatter {
  public:
   Scatter(const NodeGraph& graph, Pattern& into) : graph_(graph), into_(into) {}
@@ -160,7 +161,8 @@ class Scatter {
     }
   }
 
-  // The block (row node, column node) is the pair's, or its transpose where the pair is (b, a).
+  // Adds the pair's block at (row node, column node), transposed where the pair is stored the other
+  // way round.
   void add_block(std::int32_t row_node, std::int32_t column_node, const ElementMatrices& cell,
                  Eigen::Index pair, bool transposed) {
     const auto* begin = graph_.below.data() + graph_.start[static_cast<std::size_t>(column_node)];
@@ -181,8 +183,9 @@ class Scatter {
   Pattern& into_;
 };
 
-// A node belongs to its first cell's part: cells are sorted in space, so few cells see two parts.
-// Every column is summed by one thread in the order of the cells: the same bits for any threads.
+// A node belongs to the part of its first cell. Cells are sorted in space, so few cells have nodes
+// of two parts. One thread sums each column in the order of the cells, so the bits are the same for
+// any number of threads.
 void sum_cells(const mesh::TetMesh& body, const std::vector<Material>& materials,
                const CellsOfNode& cells, const NodeGraph& graph, Pattern& into) {
   const int count = static_cast<int>(body.tets.cols());
@@ -247,7 +250,8 @@ Points positions(const mesh::TetMesh& body, const DofMap& map, const AttachmentT
   return result;
 }
 
-// The rows and columns that are free, of a lower triangle; the extra ones come from `terms`.
+// The free rows and columns of the lower triangle `all`, plus the entries of `terms`. The extra
+// degrees of freedom have entries from `terms` only.
 SparseMatrix free_part(const SparseMatrix& all, const DofMap& map,
                        const std::vector<Eigen::Triplet<double>>& terms) {
   std::vector<Eigen::Triplet<double>> kept;

@@ -14,7 +14,7 @@ namespace {
 // A linear form on the degrees of freedom.
 using Row = std::map<Eigen::Index, double>;
 
-// Which quantities of an attachment are looked at.
+// Checks the quantities of one attachment; the messages name the attachment.
 class Checks {
  public:
   explicit Checks(const Attachment& attachment) : of_("attachment \"" + attachment.name + "\": ") {}
@@ -45,7 +45,7 @@ class Checks {
   std::string of_;
 };
 
-// `part` · (displacement or rotation of the site), added to a form.
+// Adds `part` · (displacement or rotation of the site) to the form `row`.
 void add(Row& row, const SiteMotion& motion, const Eigen::Matrix3Xd& rows,
          const Eigen::Vector3d& part) {
   const Eigen::RowVectorXd form = part.transpose() * rows;
@@ -54,7 +54,7 @@ void add(Row& row, const SiteMotion& motion, const Eigen::Matrix3Xd& rows,
   }
 }
 
-// value · row rowᵀ, lower triangle: a spring, mass or dashpot on one linear form.
+// Adds value · row rowᵀ, lower triangle: a spring, mass or dashpot on one linear form.
 void add_square(std::vector<Eigen::Triplet<double>>& to, double value, const Row& row) {
   if (value == 0.0) return;
   for (auto i = row.begin(); i != row.end(); ++i) {
@@ -65,7 +65,7 @@ void add_square(std::vector<Eigen::Triplet<double>>& to, double value, const Row
   }
 }
 
-// The tetrahedra at the places of an attachment: its own, and the other end of a link.
+// The tetrahedra below an attachment: at its own site and at the other end of a link.
 struct Below {
   Eigen::Index here = -1, there = -1;
 };
@@ -83,7 +83,7 @@ std::vector<Below> below_all(const mesh::TetMesh& body, const std::vector<Attach
   return below;
 }
 
-// Adds one attachment of each kind.
+// Adds the terms of one attachment, of any kind.
 class Adder {
  public:
   Adder(const mesh::TetMesh& body, const Attachment& attachment, const Below& below,
@@ -131,8 +131,9 @@ class Adder {
     add_spring(row, spring.stiffness, spring.damping);
   }
 
-  // The stretch is d · (u2 − u1 − θ × (x2 − x1)), θ the mean rotation of the two ends: nothing for
-  // a rigid motion, whatever the direction. Along the line between the ends the last term is zero.
+  // The stretch is d · (u2 − u1 − θ × (x2 − x1)), where θ is the mean rotation of the two ends. A
+  // rigid motion gives no stretch in any direction d. Where d is along the line between the ends,
+  // the last term is zero.
   void operator()(const LinkSpring& link) const {
     checks_.not_negative(link.stiffness, "stiffness", "N/m");
     checks_.not_negative(link.damping, "damping", "N s/m");
@@ -157,7 +158,7 @@ class Adder {
     add_spring(row, link.stiffness, link.damping);
   }
 
-  // Along its direction the mass moves on the spring; across it the body carries it along.
+  // Along `direction` the mass moves on the spring. Across `direction` the mass follows the body.
   void operator()(const Resonator& resonator) const {
     checks_.unit_vector(resonator.direction, "direction");
     checks_.positive(resonator.mass, "mass", "kg");

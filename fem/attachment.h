@@ -1,4 +1,4 @@
-// What hangs on the body or holds it.
+// Attachments: masses, springs, dashpots, resonators and supports of a body.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -11,7 +11,7 @@
 
 namespace chladni::fem {
 
-/// A mass at a site; with rotary inertia it follows the rotation of the material there.
+/// A mass at a site. Its rotary inertia follows the rotation of the material at the site.
 struct PointMass {
   double mass = 0.0;                                          ///< [kg]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();          ///< about its centre [kg m^2]
@@ -22,19 +22,20 @@ struct GroundSpring {
   double stiffness = 0.0;        ///< [N/m]
   double damping = 0.0;          ///< [N s/m]
 };
-/// The same against rotation of the material at the site about an axis.
+/// Torsion spring and dashpot from a site to the ground, against rotation of the material at the
+/// site about an axis.
 struct GroundTorsionSpring {
   Eigen::Vector3d axis;          ///< unit
   double stiffness = 0.0;        ///< [N m/rad]
   double damping = 0.0;          ///< [N m s/rad]
 };
-/// Spring between two sites along a direction (the line between them where it is zero).
+/// Spring between two sites along a direction. A zero direction means the line between the sites.
 struct LinkSpring {
   mesh::Site other;
   Eigen::Vector3d direction;
   double stiffness = 0.0, damping = 0.0;
 };
-/// A mass on a spring: brings one degree of freedom and one mode of its own.
+/// A mass on a spring. It adds one degree of freedom and one mode.
 struct Resonator {
   Eigen::Vector3d direction;     ///< unit
   double mass = 0.0;             ///< [kg]
@@ -45,7 +46,7 @@ struct Resonator {
 struct Attachment {
   std::string name;
   mesh::Site site;
-  double footprint = 0.0;        ///< diameter over which it is spread evenly [m]; 0: a point
+  double footprint = 0.0;        ///< diameter of the disc over which it is spread [m]; 0: a point
   std::variant<PointMass, GroundSpring, GroundTorsionSpring, LinkSpring, Resonator> what;
 };
 
@@ -55,20 +56,21 @@ struct Support {
   bool x = false, y = false, z = false;
 };
 
-/// What attachments add to the system, on all degrees of freedom: 3·node + axis of the body's nodes,
-/// then the extra ones. Lower triangles (row >= column); entries of one place add up.
+/// The terms that attachments add to the system, on all degrees of freedom: 3·node + axis for the
+/// body's nodes, then the extra ones. Matrices are lower triangles (row >= column); entries with
+/// the same row and column add up.
 struct AttachmentTerms {
   /// A degree of freedom that an attachment brings: its displacement along `direction`.
   struct Extra {
     Eigen::Vector3d position;   ///< [m], for the rigid-body motions
     Eigen::Vector3d direction;  ///< unit
   };
-  /// What one spring stretches by: a linear form on the displacements.
+  /// The stretch of one spring as a linear form on the displacements.
   struct Spring {
     std::vector<std::pair<Eigen::Index, double>> stretch;  ///< degree of freedom, factor
     double stiffness = 0.0;                                ///< [N/m] or [N m/rad], more than 0
   };
-  std::vector<Spring> springs;                    ///< whose sum `stiffness` is
+  std::vector<Spring> springs;                    ///< their sum is `stiffness`
   std::vector<Eigen::Triplet<double>> stiffness;  ///< [N/m]
   std::vector<Eigen::Triplet<double>> mass;       ///< [kg]
   std::vector<Eigen::Triplet<double>> damping;    ///< [N s/m]

@@ -65,7 +65,8 @@ Polynomial lagrange(const Exponents& node, int order) {
   return result;
 }
 
-// The lattice of order 4 has no cell type of its own here: corners, then the rest as it comes.
+// Barycentric coordinates of the nodes. The mesh has no cell type of order 4, so order 4 lists the
+// corners first and then the other nodes in loop order.
 Eigen::MatrixXd lattice(int order) {
   if (order <= 3) return mesh::tet_node_barycentric(order);
   Eigen::MatrixXd nodes((order + 1) * (order + 2) * (order + 3) / 6, 4);
@@ -95,7 +96,7 @@ std::vector<Polynomial> basis(const Eigen::MatrixXd& barycentric, int order) {
   return functions;
 }
 
-// ∂/∂ξ_i at fixed ξ_j: λ_0 = 1 − ξ_1 − ξ_2 − ξ_3 goes down as λ_i goes up.
+// ∂/∂ξ_i at fixed ξ_j = ∂/∂λ_i − ∂/∂λ_0, because λ_0 = 1 − ξ_1 − ξ_2 − ξ_3.
 std::array<Polynomial, 3> gradient(const Polynomial& p) {
   std::array<Polynomial, 3> result;
   const Polynomial by_first = derivative(p, 0);
@@ -138,7 +139,8 @@ Element build(std::string_view name, std::string_view summary, std::string_view 
 constexpr std::string_view kSource =
     "Zienkiewicz, Taylor and Zhu (2013), The Finite Element Method";
 
-// To add one: a line here; the property suite in tests/fem/element_test.cpp tests it unasked.
+// To add an element, add a function here and list it in `element` and `elements`. The property
+// suite in tests/fem/element_test.cpp then tests it automatically.
 const Element& tet4() {
   static const Element e =
       build("tet4", "linear tetrahedron, far too stiff: for comparison", kSource, 1);

@@ -1,5 +1,4 @@
-// Tetrahedral Lagrange elements: their shape functions and, for straight sides, their matrices in
-// closed form.
+// Tetrahedral Lagrange elements: shape functions and, for straight sides, matrices in closed form.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +7,8 @@
 
 namespace chladni::fem {
 
-/// One kind of element. All integrals over a straight-sided tetrahedron are those of the reference
-/// one, times its volume and with its constant gradients put in: no quadrature.
+/// One kind of element. An integral over a straight-sided tetrahedron follows from the integral
+/// over the reference tetrahedron, the volume and the constant gradients. No quadrature is needed.
 struct Element {
   std::string_view name;     ///< as `chladni list elements` and a study show it: "tet10"
   std::string_view summary;  ///< one line
@@ -27,7 +26,7 @@ struct Element {
 /// @throws InvalidInput  another order
 [[nodiscard]] const Element& element(int order);
 
-/// Those a study may ask for, by order.
+/// The elements that a study may ask for, by order.
 [[nodiscard]] std::span<const Element* const> elements();
 
 /// Shape functions and their derivatives by ξ = (λ1, λ2, λ3) at a point with barycentric
@@ -38,15 +37,16 @@ struct ShapeValues {
 };
 [[nodiscard]] ShapeValues shape(const Element& element, const Eigen::Vector4d& barycentric);
 
-/// Points (barycentric, q×4) and weights (q, sum 1) exact for polynomials of `degree` on a
-/// tetrahedron: Gauss-Jacobi in each direction of the collapsed cube (Stroud 1971), all positive.
+/// Points (barycentric, q×4) and weights (q, sum 1), exact for polynomials of `degree` on a
+/// tetrahedron: Gauss-Jacobi in each direction of the collapsed cube (Stroud 1971). All weights are
+/// positive.
 struct TetRule {
   Eigen::Matrix<double, Eigen::Dynamic, 4> points;
   Eigen::VectorXd weights;
 };
 [[nodiscard]] TetRule tet_rule(int degree);
 
-/// The same on a triangle: points (barycentric, q×3) and weights (q, sum 1).
+/// The rule on a triangle: points (barycentric, q×3) and weights (q, sum 1).
 struct TriangleRule {
   Eigen::Matrix<double, Eigen::Dynamic, 3> points;
   Eigen::VectorXd weights;

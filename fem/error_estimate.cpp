@@ -17,7 +17,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using ShapeColumns = Eigen::Ref<const Matrix>;
 
-// For each cell's face (4·cell + face) the same face of the cell behind it, −1 on the boundary.
+// For each face of a cell (4·cell + face), the same face in the neighbouring cell; −1 on the
+// boundary.
 std::vector<std::int64_t> twins(const mesh::TetMesh& body) {
   struct Face {
     std::array<std::int32_t, 3> corner;
@@ -60,8 +61,8 @@ class Estimate {
     }
   }
 
-  // Energy of the error of each mode; shapes on the free degrees of freedom, n×modes. Summed in
-  // parts that do not depend on the number of threads.
+  // Energy of the error of each mode. The shapes are on the free degrees of freedom, n×modes. The
+  // parts of the sum do not depend on the number of threads.
   Eigen::VectorXd energy(const ShapeColumns& shapes, const Eigen::VectorXd& lambda) const {
     constexpr Eigen::Index kParts = 256;
     Matrix sums = Matrix::Zero(shapes.cols(), kParts);
@@ -79,7 +80,7 @@ class Estimate {
   }
 
  private:
-  // n×3·modes: column 3·mode + axis; 0 where the body is held.
+  // Displacements of the cell's n nodes, n×3·modes: column 3·mode + axis; 0 where the body is held.
   [[nodiscard]] Matrix displacements(Eigen::Index tet, const ShapeColumns& shapes) const {
     Matrix u(bubbles_.own().nodes, 3 * shapes.cols());
     for (Eigen::Index a = 0; a < u.rows(); ++a) {
@@ -93,7 +94,8 @@ class Estimate {
     return u;
   }
 
-  // Force per point, axis and mode on face f of a cell that moves as `u`, outward.
+  // Outward traction times area, per point, mode and axis, on face f of a cell with displacements
+  // `u`.
   [[nodiscard]] Eigen::VectorXd tractions(Eigen::Index tet, std::size_t f, const Matrix& u) const {
     const auto& c = materials_[static_cast<std::size_t>(body_.region(tet))].stiffness;
     const auto modes = u.cols() / 3;
@@ -129,8 +131,8 @@ class Estimate {
     });
   }
 
-  // The mean of both sides' tractions on face f (the outward normals are opposite): none on a free
-  // surface, the cell's own where a support pushes back.
+  // The mean of the tractions of both sides of face f (the outward normals are opposite). The force
+  // is zero on a free surface. It is the cell's own traction along axes that a support holds.
   [[nodiscard]] Eigen::VectorXd force_on(Eigen::Index tet, std::size_t f, const Matrix& u,
                                          const ShapeColumns& shapes) const {
     const auto twin = twin_[static_cast<std::size_t>(4 * tet) + f];
@@ -191,7 +193,7 @@ class Estimate {
     return solved(cell.stiffness, residual, modes);
   }
 
-  // r·K⁻¹r of the bubbles, per mode.
+  // The energy r·K⁻¹r of each mode, with K the stiffness of the bubbles and r the residual.
   [[nodiscard]] Eigen::VectorXd solved(const BubbleIntegrals::Products& local,
                                        const Matrix& residual, Eigen::Index modes) const {
     const auto b = bubbles_.count();

@@ -1,4 +1,4 @@
-// How far the mesh leaves a frequency above the converged one.
+// Estimates how far a frequency on this mesh lies above the converged frequency.
 #pragma once
 
 #include <vector>
@@ -12,15 +12,15 @@ namespace chladni::fem {
 
 /// Relative error (f − f_exact) / f of each flexible frequency, 0 for the rigid-body modes.
 ///
-/// On every tetrahedron the residual of the mode, with the tractions of both sides of a face
-/// averaged, is tested with the polynomials one order higher that vanish at the element's nodes;
-/// the energy of the local solutions estimates that of the error, which is the error of ω². A mode
-/// of its own needs no second mesh and is told where the others are not. Curved cells are
-/// integrated as they are; how far they lie from the true surface is not seen.
+/// On every tetrahedron the residual of the mode is tested with the polynomials of one order higher
+/// that vanish at the element's nodes. The tractions of both sides of a face are averaged. The
+/// energy of the local solutions estimates the energy of the error, which is the error of ω². Each
+/// mode is estimated by itself, without a second mesh. Curved cells are integrated as they are; the
+/// estimate does not include their distance from the true surface.
 ///
 /// @param modes  shapes on the free degrees of freedom of `system`
 /// Cost: linear in the cells; a few seconds per 10^5 cells and 20 modes. Memory: 130 bytes per
-/// cell, whatever the number of modes.
+/// cell, for any number of modes.
 /// @throws Interrupted
 /// Source: Bank and Weiser (1985), Math. Comp. 44, 283-301; for eigenvalues Larson (2000), SIAM J.
 /// Numer. Anal. 38, 608-625.
@@ -28,7 +28,7 @@ namespace chladni::fem {
                                               const std::vector<Material>& materials,
                                               const System& system, const modal::Modes& modes);
 
-/// What it takes of memory beside the system and the shapes, of so many tetrahedra [bytes].
+/// Memory that frequency_error needs beside the system and the shapes, for `tets` cells [bytes].
 [[nodiscard]] constexpr double frequency_error_bytes(double tets) { return 130.0 * tets; }
 
 }  // namespace chladni::fem

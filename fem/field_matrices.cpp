@@ -10,7 +10,7 @@
 namespace chladni::fem {
 namespace {
 
-// Sums that are kept, of cells one after the other: as many whatever the number of threads.
+// Number of partial sums, each over consecutive cells. It does not depend on the number of threads.
 constexpr Eigen::Index kParts = 32;
 
 Eigen::MatrixXd on_cell(const mesh::TetMesh& body, const Eigen::MatrixXd& shapes,
@@ -46,10 +46,10 @@ void unpack(const ElementMatrices& packed, Eigen::Index nodes, Full& full) {
   }
 }
 
-// Lᵀ A L of one cell after another, without asking for memory again.
+// Computes Lᵀ A L for one cell after another and keeps the work space.
 class Reduced {
  public:
-  // To each of the sums its weight times that.
+  // Adds Lᵀ A L, times the sum's weight, to each of the sums.
   void add(const Eigen::RowVectorXd& weights, const Eigen::MatrixXd& a,
            const Eigen::MatrixXd& local, std::vector<Eigen::MatrixXd>& sums) {
     if (weights.size() == 0) return;

@@ -1,4 +1,4 @@
-// What fields over the body add to its stiffness and mass, seen by its modes.
+// Modal stiffness and mass of a body whose moduli and densities are multiplied by fields.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace chladni::fem {
 
-/// Per field f: Φᵀ K_f Φ and Φᵀ M_f Φ, K_f and M_f being the stiffness and mass of a body whose
-/// moduli and densities are multiplied by the field. A field of ones gives diag λ and 1.
+/// Φᵀ K_f Φ and Φᵀ M_f Φ for each field f. K_f and M_f are the stiffness and mass of a body whose
+/// moduli and densities are multiplied by the field. A field of ones gives diag λ and the identity.
 struct FieldMatrices {
   std::vector<Eigen::MatrixXd> stiffness;  ///< one m×m per column of the first fields [s^-2]
   std::vector<Eigen::MatrixXd> mass;       ///< one m×m per column of the second
@@ -17,8 +17,8 @@ struct FieldMatrices {
 
 /// @param shapes            3·nodes×m [kg^-1/2]
 /// @param stiffness_fields  cells×F; @param mass_fields  cells×G
-/// Cost: per cell m times its stiffness matrix, and m² per field; 33 (F + G) m² doubles. On all
-/// cores; the same bits for any number of threads.
+/// Cost: per cell, m products with its stiffness matrix, and m² per field; 34 (F + G) m² doubles.
+/// Runs on all cores, with the same bits for any number of threads.
 /// @throws InvalidInput  an array does not fit the mesh
 [[nodiscard]] FieldMatrices field_matrices(const mesh::TetMesh& body,
                                            const std::vector<Material>& materials,

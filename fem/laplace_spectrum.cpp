@@ -12,7 +12,7 @@
 namespace chladni::fem {
 namespace {
 
-// The functions that are constant on one piece and 0 on the others; mass-orthonormal.
+// The functions that are constant on one piece and 0 on the other pieces, mass-orthonormal.
 Eigen::MatrixXd constants(const mesh::Laplacian& laplacian) {
   const auto k = laplacian.piece.size();
   Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(k, laplacian.piece.maxCoeff() + 1);
@@ -38,7 +38,7 @@ LaplaceSpectrum laplace_spectrum(const mesh::Laplacian& laplacian, int count) {
               fmt::to_string(laplacian.mass.rows()) + " points; expected 1 to as many");
   const double across =
       (laplacian.positions.colwise().maxCoeff() - laplacian.positions.colwise().minCoeff()).norm();
-  system.frequency_scale_hz = 0.5 / across;  // μ = (π / across)² as the square of 2π times this
+  system.frequency_scale_hz = 0.5 / across;  // (2π · this)² = μ = (π / across)²
   LaplaceSpectrum spectrum;
   Eigen::MatrixXd functions = system.rigid;
   spectrum.eigenvalue = Eigen::VectorXd::Zero(pieces);

@@ -57,7 +57,7 @@ Eigen::Matrix3d inertia_of(const Eigen::Matrix3d& second) {
 MassProperties mass_properties(const mesh::TetMesh& body, const std::vector<Material>& materials,
                                const std::vector<Attachment>& attachments) {
   const auto& own = element(body.order());
-  // Degree of x² times the Jacobian's determinant on a curved cell.
+  // The rule is exact for x² times the Jacobian's determinant on a curved cell.
   const auto rule = tet_rule(2 * own.order + 3 * (own.order - 1));
   std::vector<ShapeValues> at_points;
   for (const auto point : rule.points.rowwise()) {

@@ -31,8 +31,8 @@ void require_positive(double value, const std::string& name, const char* unit) {
 
 void require_density(double density) { require_positive(density, "density", "kg/m^3"); }
 
-// σ in the body's axes = M σ in the material's, both in Voigt's order (Bond 1943; Auld 1973,
-// section 3.D): M holds R σ Rᵀ for each unit stress.
+// The matrix M with (σ in the body's axes) = M (σ in the material's axes), both in Voigt's order
+// (Bond 1943; Auld 1973, section 3.D). Column j of M is R σ Rᵀ for unit stress j.
 Matrix6 bond(const Eigen::Matrix3d& axes) {
   Matrix6 result;
   for (std::size_t j = 0; j < 6; ++j) {
@@ -92,8 +92,8 @@ Material orthotropic(const Orthotropic& constants, double density) {
   }
   require(nu.allFinite(), "material: a Poisson's ratio is not finite");
   require_density(density);
-  // Compliance of the normal stresses, made dimensionless with √(Ei Ej): ν_ij is −ε_j / ε_i under a
-  // stress along i, so that S_ij = −ν_ij / E_i = −ν_ji / E_j (Jones 1999, section 2.3).
+  // Compliance of the normal stresses, made dimensionless with √(Ei Ej). Under a stress along i,
+  // ν_ij = −ε_j / ε_i, so S_ij = −ν_ij / E_i = −ν_ji / E_j (Jones 1999, section 2.3).
   Eigen::Matrix3d compliance = Eigen::Matrix3d::Identity();
   compliance(0, 1) = compliance(1, 0) = -nu(2) * std::sqrt(e(1) / e(0));
   compliance(0, 2) = compliance(2, 0) = -nu(1) * std::sqrt(e(2) / e(0));

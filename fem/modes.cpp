@@ -24,10 +24,11 @@ namespace chladni::fem {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-// A residual above which a step of iterative refinement is taken: rounding in a slender body.
+// A residual above this value leads to a step of iterative refinement. The cause is rounding in a
+// slender body.
 constexpr double kWorthPolishing = 1e-9;
 constexpr int kPolishingSteps = 3;
-constexpr int kRestarts = 4;  // with new start blocks, where the count says that some are missing
+constexpr int kRestarts = 4;  // new start blocks at most, where the count says modes are missing
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
@@ -57,16 +58,17 @@ void check_input(const System& system, const ModesOptions& options) {
   }
 }
 
-// s of K + s M: (2π shift)², or a square of about twice the first flexible frequency, which
-// conditions the factor well; any value from a tenth to a hundred times that does.
+// The shift s of K + s M: (2π shift_hz)², or the square of about twice the first flexible
+// frequency, which conditions the factor well. Any value from a tenth to a hundred times that
+// serves.
 double shift(const System& system, const ModesOptions& options) {
   double hz = options.shift_hz > 0.0 ? options.shift_hz : 2.0 * system.frequency_scale_hz;
   if (hz > 0.0) return std::pow(kTwoPi * hz, 2);
   return 1e-5 * system.stiffness.diagonal().sum() / system.mass.diagonal().sum();
 }
 
-// Bytes beside K and M: the factor with the fronts or, later, with the vectors of the iteration,
-// whichever is more.
+// Bytes beside K and M: the factor plus the larger of the fronts (first) and the vectors of the
+// iteration (later).
 struct Need {
   double factor = 0.0, fronts = 0.0, vectors = 0.0;
   [[nodiscard]] double total() const { return factor + std::max(fronts, vectors); }
@@ -75,8 +77,8 @@ struct Need {
 Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOptions& options) {
   const auto forecast = symbolic.forecast();
   const auto n = static_cast<double>(system.mass.rows());
-  // The basis, the block in work and its images, and what a solve keeps; then the shapes three
-  // times.
+  // The basis, the current block with its images, the work space of a solve, and three copies of
+  // the shapes.
   const double columns = lanczos_basis_size(options.count, options.block) + 8.0 * options.block +
                          3.0 * (options.count + static_cast<double>(system.rigid.cols()));
   return {forecast.factor_bytes, forecast.work_bytes, 8.0 * n * columns};
@@ -97,7 +99,7 @@ void refuse_what_does_not_fit(const Need& needed, const System& system,
                   gib(needed.vectors), gib(have), std::sqrt(need / have)));
 }
 
-// The first `count` and all that belong to the cluster of the last of them.
+// `count`, raised so that the cluster of the last mode is not cut.
 Eigen::Index uncut(const Eigen::VectorXd& lambda, Eigen::Index count) {
   while (count < lambda.size() &&
          lambda(count) - lambda(count - 1) < 2.0 * modal::kSplitByMesh * lambda(count)) {
@@ -112,7 +114,7 @@ struct Found {
   Eigen::MatrixXd shapes;
 };
 
-// Orients what is repeated; each of its members then carries the residuals of all.
+// Orients repeated modes. Each mode of a cluster then gets the combined residual of the cluster.
 void settle(const System& system, Found& found) {
   const Eigen::VectorXd before = found.lambda;
   for (const auto& cluster : orient(system, found.lambda, found.shapes, 0)) {
@@ -124,7 +126,7 @@ void settle(const System& system, Found& found) {
   }
 }
 
-// n×r; a system without rigid-body motions may leave them 0×0.
+// The rigid-body motions, n×r. In a system without any, system.rigid may be 0×0.
 Eigen::MatrixXd rigid_motions(const System& system) {
   return system.rigid.cols() > 0 ? system.rigid : Eigen::MatrixXd(system.mass.rows(), 0);
 }
@@ -161,7 +163,8 @@ struct Search {
     return result;
   }
 
-  // Counts in the gap above the first `kept` modes. True where as many were found.
+  // Counts the eigenvalues below a shift in the gap above the first `kept` modes. True where the
+  // count equals the number of modes found.
   bool is_complete(const Symbolic& symbolic, const Found& found, Eigen::Index kept) {
     const auto start = Clock::now();
     tell(progress, "certify");
@@ -202,7 +205,7 @@ struct Search {
   }
 };
 
-// Both lists in one, ascending in λ.
+// Merges both lists into one, ascending in λ.
 void merge(const System& system, Found& into, const Found& more) {
   const auto size = into.lambda.size() + more.lambda.size();
   Eigen::VectorXd lambda(size), residual(size);

@@ -1,4 +1,4 @@
-// Natural modes of an undamped structure, none missing.
+// Natural modes of an undamped structure, with a proof that none is missing.
 #pragma once
 
 #include <string>
@@ -11,33 +11,33 @@
 namespace chladni::fem {
 
 struct ModesOptions {
-  int count = 20;           ///< flexible modes; a repeated one is never cut, so there may be more
+  int count = 20;           ///< flexible modes; a cluster is never cut, so there may be more
   double shift_hz = 0.0;    ///< K + (2π shift)² M is factorised; 0: chosen from the system
   double tolerance = 1e-9;  ///< relative residual (fem/eigen/residual.h) asked of the iteration
   int block = 4;            ///< vectors per Lanczos step
   bool certificate = true;  ///< count the eigenvalues by inertia
   std::size_t memory_limit_bytes = 0;  ///< 0: what the machine has free
-  unsigned seed = 1;                   ///< of the start block
+  unsigned seed = 1;                   ///< for the random start block
 };
 
-/// Modes found in one cluster: repeated to within the solver's or the mesh's error.
+/// Neighbouring modes that are equal to within the solver's or the mesh's error.
 struct Cluster {
   Eigen::Index first = 0, size = 1;  ///< columns of the modes
 };
 
-/// How well it went.
+/// Accuracy, completeness and cost of a computation of modes.
 struct ModesSummary {
   Eigen::VectorXd residual;    ///< per mode, relative (fem/eigen/residual.h)
   double orthogonality = 0.0;  ///< max |ΦᵀMΦ − I|
-  bool complete = false;  ///< an inertia count proves that none below counted_below_hz is missed
+  bool complete = false;  ///< an inertia count proves that none below counted_below_hz is missing
   double counted_below_hz = 0.0;
-  int counted = 0, found = 0;         ///< eigenvalues below it, rigid ones included
+  int counted = 0, found = 0;         ///< eigenvalues below counted_below_hz, with the rigid ones
   std::vector<Cluster> clusters;      ///< of two and more
   std::vector<std::string> warnings;  ///< residuals that are above 1e-9 and not refused
   int block_steps = 0, solves = 0;
-  int restarts = 0;        ///< with new start blocks, where the count said that modes were missing
-  int count_attempts = 0;  ///< places of the shift, all counts together
-  double forecast_bytes = 0.0;  ///< of memory beside K and M, from the pattern alone
+  int restarts = 0;        ///< new start blocks after a count said that modes were missing
+  int count_attempts = 0;  ///< shifts that were tried, in all counts together
+  double forecast_bytes = 0.0;  ///< memory beside K and M, from the pattern alone
   double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
   std::string text;  ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
 };
@@ -49,18 +49,21 @@ struct ModesResult {
 
 /// The rigid-body modes and the `count` lowest flexible ones of K φ = ω² M φ.
 ///
-/// Block shift-invert Lanczos with full reorthogonalisation (Grimes, Lewis and Simon 1994) on a
-/// sparse factorisation of K + s M; the rigid-body modes are deflated exactly and returned as they
-/// are known from geometry. An inertia count of K − σM proves that none is missing; where it finds
-/// one, the iteration goes on with a new start block. Repeated modes come in a canonical
-/// orientation (docs/reference/modes.md), every shape with its largest entry positive.
+/// The method is block shift-invert Lanczos with full reorthogonalisation (Grimes, Lewis and Simon
+/// 1994) on a sparse factorisation of K + s M. The rigid-body modes are known from the geometry:
+/// they are deflated and returned as they are. An inertia count of K − σM proves that no mode is
+/// missing. Where a mode is missing, the iteration goes on with a new start block. Repeated modes
+/// have a canonical orientation (docs/reference/modes.md); each flexible shape has its largest
+/// entry positive.
 ///
 /// @throws InvalidInput      K and M differ in shape, or there are fewer than `count` modes
 /// @throws OutOfResources    the factor does not fit (forecast from the symbolic analysis)
 /// @throws NumericalFailure  M is not positive definite, K not semidefinite; a motion costs no
 ///                           energy and is not among system.rigid (a mechanism); a residual is 1e-4
-///                           or more; the eigenvalues cannot be counted, or the count not be met
-/// @throws Interrupted       within about a second, except while METIS finds the order
+///                           or more; the eigenvalues cannot be counted; modes are still missing
+///                           after the restarts
+/// @throws Interrupted       within about a second (later where METIS finds the order of a large
+///                           system and the program chladni-order is not installed)
 [[nodiscard]] ModesResult modes(const System& system, const ModesOptions& options = {},
                                 const Progress& progress = {});
 

@@ -27,7 +27,7 @@ void require_fit(const System& system, const modal::Modes& modes, const SparseMa
               fmt::to_string(forces.rows()) + "; expected one number");
 }
 
-// M Φ; all that is needed to take a field's part in the modes away.
+// M Φ, with which a field's part in the modes can be removed.
 Eigen::MatrixXd weighted(const System& system, const modal::Modes& modes) {
   Eigen::MatrixXd result = product(system.mass, modes.shapes);
   const Eigen::MatrixXd gram = modes.shapes.transpose() * result;
@@ -35,12 +35,12 @@ Eigen::MatrixXd weighted(const System& system, const modal::Modes& modes) {
   return result;
 }
 
-// A shift well below the modes that are left out, well above the rounding of K.
+// A shift that is not above the omitted modes and well above the rounding of K.
 double shift(const System& system, const modal::Modes& modes) {
   double hz = system.frequency_scale_hz;
   if (modes.mode_count() > modes.rigid_count) hz = modes.frequency_hz(modes.rigid_count);
   if (hz > 0.0) return std::pow(2.0 * std::numbers::pi * hz, 2);
-  // Rayleigh's quotient of one degree of freedom is above the lowest eigenvalue.
+  // The Rayleigh quotient of one degree of freedom is above the lowest eigenvalue.
   double least = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < system.stiffness.rows(); ++i) {
     const double k = system.stiffness.coeff(i, i);
@@ -104,7 +104,7 @@ SparseMatrix dashpots(const SparseMatrix& damping) {
   Eigen::VectorXd left = diagonal;
   std::vector<Eigen::VectorXd> columns;
   Eigen::Index pivot = 0;
-  // A degree of freedom is done when what is left of it is rounding.
+  // A degree of freedom is done when its remaining diagonal entry is only rounding.
   const auto next = [&] {
     const Eigen::VectorXd open =
         (left.array() > 1e-13 * diagonal.array()).select(left, Eigen::VectorXd::Zero(left.size()));
@@ -142,7 +142,7 @@ Eigen::MatrixXd residual_flexibility(const System& system, const modal::Modes& m
     x += correction;
     const double before = change;
     change = correction.norm();
-    // The norm of what is added falls by s / (s + λ) each time, until it is rounding.
+    // The norm of the correction falls by s / (s + λ) each time, until the correction is rounding.
     if (change <= 1e-13 * x.norm()) return x;
     if (change <= 1e-9 * x.norm() && change >= 0.5 * before) return x;
   }

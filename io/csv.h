@@ -16,12 +16,12 @@ struct CsvColumn {
   std::variant<std::vector<std::string>, Eigen::VectorXd, Eigen::VectorXi> entries;
 };
 
-/// RFC 4180 with line feeds, a first line of names, numbers with a decimal point and all digits
-/// that matter whatever the locale; NaN and infinity are empty.
+/// CSV after RFC 4180 with line feeds and a first line of names. Numbers have a decimal point in
+/// any locale and all significant digits; NaN and infinity are empty.
 /// @throws InvalidInput  two columns have a different number of rows or the same name
 [[nodiscard]] std::string csv(const std::vector<CsvColumn>& columns);
 
-/// Whole or not at all. @throws as csv and write_atomically
+/// Writes the file whole or not at all. @throws as csv and write_atomically
 void write_csv(const std::filesystem::path& file, const std::vector<CsvColumn>& columns);
 
 }  // namespace chladni::io

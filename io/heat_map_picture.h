@@ -1,4 +1,4 @@
-// Pictures of a surface that is coloured by how good its places are.
+// Pictures of a surface coloured by the quality of its places.
 #pragma once
 
 #include <filesystem>
@@ -13,23 +13,24 @@ namespace chladni::io {
 /// n points of a surface with the triangles between them.
 struct HeatMapPicture {
   std::string title;
-  std::string scale;            ///< what the colours mean
+  std::string scale;            ///< meaning of the colours
   std::string lowest, highest;  ///< values at the ends of the colour bar
   Points points;                ///< n×3 [m]
   Cells triangles;              ///< t×3
   Eigen::VectorXd value;        ///< n, in [0, 1]
-  std::vector<char> forbidden;  ///< n: 1 where nothing may be placed, drawn grey
+  std::vector<char> forbidden;  ///< n: 1 where nothing may be placed (drawn grey)
   std::vector<std::pair<std::string, Eigen::VectorXd>> nodal_lines;  ///< name, n values
   struct Best {
     Eigen::Vector3d position;
     std::string label;
   };
   std::vector<Best> best;       ///< the best first
-  std::string star = "best places of a pair, limiting mode";  ///< what a star of `best` means
+  std::string star = "best places of a pair, limiting mode";  ///< meaning of a star of `best`
   std::vector<Marker> markers;  ///< channels
 };
 
-/// Seen along the surface's mean normal. PNG, 1000 px wide; the same input gives the same bytes.
+/// Draws the surface seen along its mean normal. PNG, 1000 px wide; the same input gives the same
+/// bytes.
 /// @throws WorkerDied  as draw_modes
 void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& picture);
 
@@ -46,7 +47,7 @@ struct LayoutsPicture {
   std::vector<Panel> panels;
 };
 
-/// Panels beside each other, each with its channels. PNG, 1000 px wide.
+/// Draws panels beside each other, each with its channels. PNG, 1000 px wide.
 /// @throws WorkerDied  as draw_modes
 void draw_layouts(const std::filesystem::path& png, const LayoutsPicture& picture);
 

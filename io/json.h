@@ -1,4 +1,4 @@
-// JSON values: written with all digits that matter, keys in the order given.
+// JSON values, written with all significant digits and with keys in the given order.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ class Json {
   using Value =
       std::variant<std::monostate, bool, long long, double, std::string, JsonArray, JsonObject>;
   [[nodiscard]] const Value& value() const { return value_; }
-  /// The member of an object. @throws InvalidInput  not an object, or no such key (lists them)
+  /// The member of an object. @throws InvalidInput  not an object, or no such key (lists the keys)
   [[nodiscard]] const Json& at(const std::string& key) const;
   [[nodiscard]] double number() const;              ///< @throws InvalidInput  not a number
   [[nodiscard]] const std::string& string() const;  ///< @throws InvalidInput  not a string
@@ -46,11 +46,12 @@ class Json {
   Value value_;
 };
 
-/// The text, two spaces per level, arrays of numbers on one line; ends with a newline.
+/// The JSON text with two spaces per level and arrays of numbers on one line. It ends with a
+/// newline.
 [[nodiscard]] std::string text(const Json& json);
-/// @throws InvalidInput  not JSON (names the place)
+/// Reads a JSON text. @throws InvalidInput  not JSON (names the place)
 [[nodiscard]] Json parse_json(const std::string& text);
-/// Whole or not at all. @throws as write_atomically
+/// Writes the file whole or not at all. @throws as write_atomically
 void write_json(const std::filesystem::path& file, const Json& json);
 
 }  // namespace chladni::io

@@ -1,4 +1,4 @@
-// MATLAB's .mat files: read in a worker, written as version 5.
+// MATLAB's .mat files. A worker reads them; they are written as version 5.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,16 +24,16 @@ class MatValue {
   MatValue(std::string text);
   /// A cell column of texts.
   MatValue(const std::vector<std::string>& texts);
-  /// Numbers of more than two dimensions, the first running fastest.
+  /// Numbers of more than two dimensions, with the first dimension fastest.
   MatValue(std::vector<Eigen::Index> dims, Eigen::VectorXd real, Eigen::VectorXd imag = {});
 
   Kind kind = Kind::other;
   std::vector<Eigen::Index> dims;     ///< two or more
-  Eigen::VectorXd real, imag;         ///< of numbers: all of them; imag empty where they are real
-  std::vector<std::string> text;      ///< of a text: its rows
-  std::vector<MatValue> cells;        ///< of a cell array, the first dimension running fastest
-  MatFields fields;                   ///< of one structure; arrays of them are `other`
-  std::string class_name = "double";  ///< MATLAB's name of it, for messages
+  Eigen::VectorXd real, imag;         ///< all numbers; imag is empty where they are real
+  std::vector<std::string> text;      ///< rows of a text
+  std::vector<MatValue> cells;        ///< of a cell array, with the first dimension fastest
+  MatFields fields;                   ///< of one structure; arrays of structures are `other`
+  std::string class_name = "double";  ///< MATLAB's name of the class, for messages
 
   [[nodiscard]] Eigen::Index size() const;  ///< product of the dims
 };
@@ -41,17 +41,17 @@ class MatValue {
 struct MatFile {
   std::string format;  ///< "MAT 4", "MAT 5", "MAT 7.3"
   MatFields variables;
-  std::vector<std::string> notes;  ///< what was not read
+  std::vector<std::string> notes;  ///< parts that were not read
 };
 
-/// All variables of a file of version 4 to 7.3, read by the program chladni-mat with limits:
-/// libmatio expands small files without bound. Sizes are looked at before data is read.
+/// All variables of a file of version 4 to 7.3. The program chladni-mat reads the file with limits,
+/// because libmatio expands small files without bound. It checks sizes before it reads data.
 /// @param limit_bytes  of all numbers together
-/// @throws InvalidInput  no such file, damaged, or larger than the limit
+/// @throws InvalidInput  the file does not exist, is damaged, or is larger than the limit
 /// @throws WorkerDied    the program chladni-mat is missing
 [[nodiscard]] MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes);
 
-/// Version 5, uncompressed; the same variables give the same bytes. Whole or not at all.
+/// Writes version 5, uncompressed, whole or not at all. The same variables give the same bytes.
 /// @throws InvalidInput    a name that MATLAB does not take (a letter, then letters, digits and _,
 ///                         at most 63), a value that is `other`
 /// @throws OutOfResources  the file cannot be written

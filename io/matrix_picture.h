@@ -1,4 +1,4 @@
-// A matrix as coloured squares with its numbers: MAC, errors over channels.
+// Pictures of a matrix as coloured squares with its numbers, for a MAC or errors over channels.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +10,11 @@ namespace chladni::io {
 
 struct MatrixPicture {
   std::string title;
-  std::string row_label, column_label;     ///< what rows and columns are
+  std::string row_label, column_label;     ///< meaning of rows and columns
   std::vector<std::string> rows, columns;  ///< names, one each
-  Eigen::MatrixXd value;                   ///< not a number: an empty square
+  Eigen::MatrixXd value;                   ///< NaN gives an empty square
   double light = 0.0, dark = 1.0;          ///< values of the lightest and the darkest colour
-  int decimals = 2;                        ///< of the numbers in the squares, where there is room
+  int decimals = 2;                        ///< of the numbers in the squares (where they fit)
 };
 
 /// PNG, 1000 px wide or 1400 for more than 24 columns; the same input gives the same bytes.

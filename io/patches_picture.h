@@ -1,4 +1,4 @@
-// A picture of the patches of a body: what a study may name in `on`, `keep_out` and supports.
+// A picture of the patches of a body. A study names them in `on`, `keep_out` and supports.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace chladni::io {
 
-/// The body from two opposite sides, its patches in colours that differ from those of their
-/// neighbours. On each stands its name, or where that has no room its number, counted from 1 in the
-/// order of the mesh's patch_names; numbers, names and areas below, of the 120 largest at most.
-/// PNG, 1400 px wide; the same input gives the same bytes. About 1 s.
+/// Draws the body from two opposite sides. Neighbouring patches have different colours where
+/// possible. Each patch carries its name, or its number where the name does not fit. Numbers count
+/// from 1 in the order of the mesh's patch_names. A table below has numbers, names and areas of the
+/// 120 largest patches at most. PNG, 1400 px wide; the same input gives the same bytes. About 1 s.
 /// @throws InvalidInput  the mesh has no boundary, or it has no patches
 /// @throws WorkerDied    as draw_modes
 void draw_patches(const std::filesystem::path& png, const mesh::TetMesh& mesh,

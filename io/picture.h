@@ -1,4 +1,4 @@
-// Pictures, painted by VTK in a program of its own (on an Xvfb of its own).
+// Pictures of mode shapes, painted by VTK in a separate program (on its own Xvfb).
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,10 @@
 
 namespace chladni::io {
 
-/// A contact sheet of the first `count` flexible modes: the deformed body coloured by the
-/// displacement along its largest direction (zero white, nodal lines black), each with its number
-/// and frequency; markers on it. PNG, 1400 px wide; the same input gives the same bytes. About 1 s.
+/// Draws a contact sheet of the first `count` flexible modes. Each panel shows the deformed body
+/// with number and frequency of the mode and with the markers. The colour is the displacement along
+/// the mode's main axis (zero white, nodal lines black). PNG, 1400 px wide; the same input gives
+/// the same bytes. About 1 s.
 /// @param modes     shapes on all nodes: 3·nodes rows
 /// @param clusters  repeated modes, marked "pair"
 /// @throws InvalidInput  there is no flexible mode, or the shapes do not fit the mesh

@@ -62,7 +62,7 @@ Geometry read_with(const Reader& reader, const std::filesystem::path& file,
   }
 }
 
-// A file of ours is in metres; one of another program may be in anything.
+// Reads a .vtu file. Our own files are in metres; files of other programs may have any unit.
 Geometry read_grid(const std::filesystem::path& file, const std::string& unit) {
   Geometry geometry;
   geometry.body = read_vtu(file);

@@ -1,7 +1,7 @@
 // The report: one HTML file that needs no other file, no network and no permission.
 //
-// A report is data: sections made of blocks. A verb adds a section by one function that returns a
-// Section (report_sections.h has those of the modes); it writes no HTML.
+// A report is data: sections made of blocks. Each verb adds a section with one function that
+// returns a Section (report_sections.h has the functions for modes). The verb writes no HTML.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@
 
 namespace chladni::io {
 
-/// A line of plain text. A good one is green with a tick, a warning amber, a quiet one grey.
+/// A line of plain text. A good note is green with a tick, a warning is amber, a quiet note grey.
 struct Note {
   enum class Tone { plain, quiet, good, warning } tone = Tone::plain;
   std::string text;
 };
 
-/// Names and values, one under the other.
+/// Names and values, one line each.
 struct Facts {
   std::string title;
   std::vector<std::pair<std::string, std::string>> lines;
@@ -30,7 +30,7 @@ struct Facts {
 struct Table {
   struct Column {
     std::string heading;
-    bool is_number = true;  ///< flush right, digits of one width
+    bool is_number = true;  ///< right-aligned, digits of equal width
   };
   struct Row {
     std::vector<std::string> cells;  ///< one per column
@@ -47,23 +47,23 @@ struct Image {
   std::string caption;
 };
 
-/// A body that turns under the mouse and swings in the shape chosen. One per report.
+/// A body that the mouse rotates and that moves in the chosen shape. One per report.
 struct Viewer {
   struct Shape {
     std::string label;                   ///< "7   178.92 Hz"
     std::vector<std::int16_t> movement;  ///< V×3, the largest length is 32767
     int axis = 2;                        ///< the component that gives the colour
   };
-  std::vector<std::int16_t> points;  ///< V×3, from the body's centre, half its diagonal is 32767
+  std::vector<std::int16_t> points;  ///< V×3, from the body's centre; half its diagonal is 32767
   std::vector<std::uint16_t> triangles;  ///< T×3
   std::vector<std::uint16_t> outline;    ///< E×2
   std::vector<Shape> shapes;
   std::vector<Marker> markers;
   std::vector<std::uint16_t> marker_vertex;  ///< one per marker
-  std::string note;                          ///< what was left out, if anything
+  std::string note;                          ///< omitted parts, if any
 };
 
-/// Blocks that stand beside each other where there is room.
+/// Blocks beside each other, where there is room.
 struct Beside;
 using Block = std::variant<Note, Facts, Table, Image, Viewer, Beside>;
 struct Beside {
@@ -82,13 +82,14 @@ struct Report {
   std::vector<Section> sections;
 };
 
-/// The page. All text is escaped; a content security policy allows nothing but what is in the file.
-/// The same report gives the same bytes. Readable without scripts and without WebGL, and on paper.
+/// The HTML page. All text is escaped. A content security policy allows only the content of the
+/// file. The same report gives the same bytes. The page is readable without scripts, without WebGL
+/// and on paper.
 /// @throws InvalidInput  a row of a table has another number of cells than there are columns, an
 ///                       image is no PNG, there is more than one viewer
 [[nodiscard]] std::string html(const Report& report);
 
-/// Whole or not at all. @throws as html and write_atomically
+/// Writes the file whole or not at all. @throws as html and write_atomically
 void write_report(const std::filesystem::path& file, const Report& report);
 
 }  // namespace chladni::io

@@ -1,4 +1,4 @@
-// Words and numbers of a file that nobody vouches for, each with the place it stands at.
+// Reads words and numbers of a file that may be wrong, and knows the place of each.
 #pragma once
 
 #include <array>
@@ -15,58 +15,60 @@
 
 namespace chladni::io {
 
-/// `word` as a message may show it: in quotes, at most 40 characters, unprintable ones as '?'.
+/// `word` for a message: in quotes, at most 40 characters, unprintable characters as '?'.
 [[nodiscard]] std::string shown(std::string_view word);
 
-/// The first six names with commas, and how many more there are.
+/// The first six names, separated by commas, and the number of further names.
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
-/// @throws InvalidInput  the bytes are text in UTF-16, by their mark or by each second one being 0
+/// @throws InvalidInput  the bytes are UTF-16 text (by the byte order mark, or every second byte is
+///                       0)
 void refuse_utf16(std::string_view bytes, const std::string& name);
 
-/// Upper case, ASCII letters only: keywords are compared so.
+/// `word` in upper case (ASCII letters only), for the comparison of keywords.
 [[nodiscard]] std::string upper(std::string_view word);
 
-/// `text` without blanks, tabs and line ends at both its ends.
+/// `text` without blanks, tabs and line ends at its start and end.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
-/// The finite number that all of `word` is, whatever the locale: a leading '+' and Fortran's D
-/// exponent are read, what is too small for a double is 0. None: not such a number.
+/// The finite number that the whole `word` represents, in any locale. A leading '+' and Fortran's D
+/// exponent are accepted; a number too small for a double is 0. None: not such a number.
 [[nodiscard]] std::optional<double> number_in(std::string_view word);
 
-/// The same for whole numbers. None: not one, or beyond 64 bits.
+/// The whole number that `word` represents. None: not a whole number, or beyond 64 bits.
 [[nodiscard]] std::optional<std::int64_t> integer_in(std::string_view word);
 
-/// Why `word` is no number, for a message: "found '1,5', expected a number with a decimal point".
+/// A message that `word` is no number: "found '1,5', expected a number with a decimal point".
 [[nodiscard]] std::string not_a_number(std::string_view word);
 
-/// Goes through a file once. Lines end with LF, CRLF or CR; `comment` starts one that lasts to the
-/// end of its line. The bytes must outlive it. Every failure is InvalidInput, its message starts
-/// with the place ("line 12: " or "byte 1200: ").
+/// Reads a file once from start to end. Lines end with LF, CRLF or CR. `comment` starts a comment
+/// up to the end of the line. The bytes must outlive the scanner. Every failure is InvalidInput
+/// with a message that starts with the place ("line 12: " or "byte 1200: ").
 class Scanner {
  public:
   explicit Scanner(std::string_view bytes, char comment = '\0');
 
-  /// The next word on whatever line; empty at the end of the file.
+  /// The next word on this or a later line; empty at the end of the file.
   [[nodiscard]] std::string_view word();
-  /// The next word on this line; empty at its end.
+  /// The next word on this line; empty at the end of the line.
   [[nodiscard]] std::string_view word_on_line();
-  /// What is left of this line, trimmed, without its comment.
+  /// The rest of this line, trimmed, without its comment.
   [[nodiscard]] std::string_view rest_of_line();
-  /// Steps over the end of this line; false where there is no further one.
+  /// Steps over the end of this line; false where there is no further line.
   bool next_line();
 
-  /// The next word as a number. @param what  is named where it is not ("x of vertex 3")
+  /// The next word as a number. @param what  its name in messages ("x of vertex 3")
   [[nodiscard]] double number(std::string_view what);
   [[nodiscard]] std::int64_t integer(std::string_view what);
-  /// A whole number that counts things of at least `bytes_each` bytes, which must be there.
+  /// A whole number that counts items of at least `bytes_each` bytes. The rest of the file must
+  /// have room for so many items.
   [[nodiscard]] std::int64_t count(std::string_view what, std::size_t bytes_each);
-  /// The same check for a count that was read otherwise.
+  /// The same check for a count from elsewhere.
   void require_room(std::int64_t count, std::string_view what, std::size_t bytes_each) const;
-  /// The next word must be `expected`, whatever its case.
+  /// The next word must be `expected`, in upper or lower case.
   void expect(std::string_view expected);
 
-  /// The next `size` bytes. @param what  is named where they are missing
+  /// The next `size` bytes. @param what  their name in a message where they are missing
   [[nodiscard]] std::string_view raw(std::size_t size, std::string_view what) {
     if (size > left()) fail_truncated(what);
     const std::string_view bytes = bytes_.substr(at_, size);
@@ -75,10 +77,10 @@ class Scanner {
   }
   [[nodiscard]] std::string_view remaining() const { return bytes_.substr(at_); }
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
-  /// Places are told as bytes, not lines, from now on.
+  /// From now on messages give places as bytes, not lines.
   void tell_bytes() { tells_bytes_ = true; }
   [[nodiscard]] std::size_t line() const { return line_; }
-  /// For failures only: this scanner as it stood at that line.
+  /// A scanner at that line, for failures only.
   [[nodiscard]] Scanner at_line(std::size_t line) const {
     Scanner there = *this;
     there.line_ = line;
@@ -99,7 +101,7 @@ class Scanner {
 
 enum class Encoding { text, little_endian, big_endian };
 
-/// Numbers of a file that is either text or binary, one after the other.
+/// Reads numbers of a text or binary file, one after the other.
 class Values {
  public:
   Values(Scanner& scanner, Encoding encoding) : scanner_(&scanner), encoding_(encoding) {

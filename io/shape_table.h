@@ -18,18 +18,18 @@ struct ShapeTable {
   Eigen::MatrixXd deviation;          ///< s×m: standard deviations; 0 where the table has none
 };
 
-/// CSV with a first line of names: `frequency_hz`, optionally `damping_ratio` and `mode` (not
-/// read), then for each channel its name and optionally `std_` and its name. Numbers with a decimal
-/// point, fields in quotes or not, lines ended by LF or CR LF; empty lines and lines that begin
-/// with # are passed over. At most 100 000 modes and 10 000 columns.
+/// Reads CSV with a first line of names: `frequency_hz`, optionally `damping_ratio` and `mode` (not
+/// read), then for each channel its name and optionally `std_` and its name. Numbers have a decimal
+/// point; fields may be in quotes; lines end with LF or CR LF. Empty lines and lines that begin
+/// with # are skipped. At most 100 000 modes and 10 000 columns.
 /// @param name  of the file, for messages
 /// @throws InvalidInput  names the line, what was found and what was expected
 [[nodiscard]] ShapeTable parse_shapes(std::string_view bytes, const std::string& name);
 
-/// @throws InvalidInput  as parse_shapes, or the file cannot be read
+/// Reads a file. @throws InvalidInput  as parse_shapes, or the file cannot be read
 [[nodiscard]] ShapeTable read_shapes(const std::filesystem::path& file);
 
-/// What read_shapes reads back to the last bit. @throws as write_atomically
+/// Writes a file that read_shapes reads back to the last bit. @throws as write_atomically
 void write_shapes(const std::filesystem::path& file, const ShapeTable& table);
 
 }  // namespace chladni::io

@@ -1,4 +1,4 @@
-// Recordings, sample by sample, in files: CSV, universal files (UFF), MAT.
+// Recordings (samples over time) in files: CSV, universal files (UFF), MAT.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace chladni::io {
 
-/// What a file of recordings does not say itself.
+/// Information that a file of recordings does not contain.
 struct TimeOptions {
   std::vector<std::string> sensor_names, actuator_names, reference_names;
-  double sample_time_s = 0.0;  ///< where the file has no time; 0: not known
-  Eigen::Index period = 0;     ///< [samples] of a periodic excitation; 0: as the file says
-  std::string unit;            ///< of the outputs where the file has none: "mm", "g"
+  double sample_time_s = 0.0;  ///< used where the file has no time; 0: not known
+  Eigen::Index period = 0;     ///< [samples] of a periodic excitation; 0: as in the file
+  std::string unit;            ///< of the outputs where the file states none: "mm", "g"
   std::size_t limit_bytes = reading_limit();  ///< of memory for what the file holds
 };
 
@@ -26,30 +26,30 @@ struct TimeFile {
   std::vector<std::string> notes;
 };
 
-/// By its ending, as read_frf. @throws as read_frf
+/// Reads a file by its ending, as read_frf. @throws as read_frf
 [[nodiscard]] TimeFile read_time(const std::filesystem::path& file,
                                  const TimeOptions& options = {});
 
-/// By its ending: .csv, .uff .unv, .mat (v5). @return what the format cannot hold
+/// Writes a file by its ending: .csv, .uff .unv, .mat (v5). @return what the format cannot hold
 /// @throws InvalidInput  another ending, or a name that the format cannot hold
 [[nodiscard]] std::vector<std::string> write_time(const std::filesystem::path& file,
                                                   const identification::TimeData& data);
 
-/// The bytes of a CSV file: columns named after channels, and of `time_s`, `experiment`,
-/// `realisation` and `period` (counted from 0) those there are. A name that no option knows is of
-/// an input where it is u, f, a, force, input or hammer with or without digits, of a reference
-/// where it is r, w or reference, else of an output; "in_", "out_" and "ref_" before it decide and
-/// are left out.
+/// Reads the bytes of a CSV file. Its columns are named after channels; columns `time_s`,
+/// `experiment`, `realisation` and `period` (counted from 0) are optional. A name in a list of the
+/// options has the side of this list. Else the prefix "in_", "out_" or "ref_" states the side and
+/// is removed. Else the name is an input if it is u, f, a, force, input or hammer, a reference if
+/// it is r, w or reference (each with or without digits), and otherwise an output.
 [[nodiscard]] TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
 
-/// What parse_time_csv reads back to the last bit, units aside.
+/// A CSV text that parse_time_csv reads back to the last bit, except for units.
 [[nodiscard]] std::string time_csv(const identification::TimeData& data);
 
 enum class Side { output, input, reference };
 
-/// On which side a channel of that name is, by the lists of `options`, else by the rule above.
-/// The second entry is the name without what decides.
+/// The side of a channel with that name, by the lists of `options`, else by the rule above. The
+/// second entry is the name without a prefix.
 [[nodiscard]] std::pair<Side, std::string> side_of(std::string_view name,
                                                    const TimeOptions& options);
 

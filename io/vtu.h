@@ -1,4 +1,4 @@
-// VTK unstructured grids: meshes and modes for ParaView, compressed, appended binary.
+// VTK unstructured grids: meshes and modes for ParaView, as compressed appended binary data.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct NodeField {
   Eigen::VectorXd values;
 };
 
-/// A point with a name and a direction, to be drawn as a glyph.
+/// A point with a name and a direction, drawn as a glyph.
 struct Marker {
   std::string name;
   std::string kind;  ///< "sensor", "actuator", "mass", "spring", ...
@@ -24,7 +24,7 @@ struct Marker {
   Eigen::Vector3d direction;
 };
 
-/// What a file says of itself, as the string arrays "title" and "units" of its field data.
+/// Title and units of a file, written as the string arrays "title" and "units" of its field data.
 struct Units {
   std::string title;
   std::vector<std::string> lines{"length: m"};  ///< "displacement: m"
@@ -33,39 +33,41 @@ struct Units {
 /// The name of a mode's array: mode_007_178.92Hz, counted from 1 with the rigid-body modes.
 [[nodiscard]] std::string mode_name(Eigen::Index index, double frequency_hz);
 
-/// The mesh with quadratic cells (linear where the mesh is). Cell array "region", named by the
-/// field data "region_names"; where the boundary has patches the point array "patch" counts the
-/// names of the field data "patch_names" from 0 (-1 inside the body, the smaller patch on a
-/// border); a point array per field; field data "units" and, where there is one, "title". A cubic
-/// mesh is written as quadratic cells with the cubic fields evaluated at the mid-edge nodes. 64-bit
-/// floats: a shape read back gives the same MAC and mass. The same input gives the same bytes.
+/// Writes the mesh with quadratic cells (linear where the mesh is linear). The cell array "region"
+/// is the index into the field data "region_names". Where the boundary has patches, the point array
+/// "patch" is the index into the field data "patch_names", from 0 (-1 inside the body, the smaller
+/// patch on a border). Each field has a point array. There is field data "units" and, if given,
+/// "title". A cubic mesh is written as quadratic cells with the cubic fields evaluated at the
+/// mid-edge nodes. Floats have 64 bits, so a shape read back gives the same MAC and mass. The same
+/// input gives the same bytes.
 /// @throws as write_atomically
 /// @throws InvalidInput  a field has neither nodes nor 3·nodes rows (names it)
 void write_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                const std::vector<NodeField>& fields, const Units& units = {});
 
-/// write_vtu with one vector array per mode; shapes are on all nodes (3·nodes rows). Field data:
-/// "title" where there is one, "units", "frequency_hz" (one value per mode), "region_names".
+/// Like write_vtu, with one vector array per mode; shapes are on all nodes (3·nodes rows). Field
+/// data: "title" if given, "units", "frequency_hz" (one value per mode), "region_names".
 void write_modes_vtu(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                      const modal::Modes& modes, const std::string& title = {});
 
-/// One `frames`-step phase animation of mode `index` as `<stem>_NN.vtu` beside `file` (.pvd): the
-/// nodes themselves move, by 6 % of the body's diagonal where the shape is largest.
+/// Writes a phase animation of mode `index` in `frames` steps, as `<stem>_NN.vtu` beside `file`
+/// (.pvd). The nodes themselves move; the largest motion is 6 % of the body's diagonal.
 void write_animation(const std::filesystem::path& file, const mesh::TetMesh& mesh,
                      const modal::Modes& modes, Eigen::Index index, int frames = 24);
 
-/// Triangles with one value per point and field. @throws as write_vtu
+/// Writes triangles with one value per point and field. @throws as write_vtu
 void write_surface_vtu(const std::filesystem::path& file, const Points& points,
                        const Cells& triangles, const std::vector<NodeField>& fields,
                        const Units& units = {});
 
-/// Vertices with the names as string array "name", "kind", and the vectors "direction".
+/// Writes vertices with the string arrays "name" and "kind" and the vectors "direction".
 void write_markers_vtu(const std::filesystem::path& file, const std::vector<Marker>& markers);
 
-/// Tetrahedra (4, 10 or 20 nodes; other cells are refused) of an .vtu, read by VTK in a worker:
-/// its reader returns an empty grid without an error, or crashes, on broken files. Regions follow
-/// the cell array "region" where there is one; the boundary is found and its patches named.
-/// @throws InvalidInput  not such a file, or one that is damaged; names what was found
+/// Reads the tetrahedra (4, 10 or 20 nodes) of a .vtu; other solid cells are refused. VTK reads the
+/// file in a worker, because on broken files its reader crashes or returns an empty grid without an
+/// error. Regions follow the cell array "region" where there is one. The boundary is found and its
+/// patches are named.
+/// @throws InvalidInput  not such a file, or a damaged one; names what was found
 /// @throws WorkerDied    the program chladni-vtu is missing
 [[nodiscard]] mesh::TetMesh read_vtu(const std::filesystem::path& file);
 

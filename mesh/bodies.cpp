@@ -14,8 +14,8 @@
 namespace chladni::mesh {
 namespace {
 
-// −half … half in cells of at most `edge_length`, with a row of `strip` at both ends where that is
-// less than what the cells would be.
+// Lines from −half to half with cells of at most `edge_length`. Both ends get a cell of width
+// `strip` where a strip is wanted and is narrower than the other cells.
 std::vector<double> spread(double length, const Layering& layering) {
   const double half = length / 2.0;
   const double strip = layering.edge_strip;
@@ -46,8 +46,8 @@ void require_convex(const Quadrilateral& plate) {
   }
 }
 
-// A point of the cube |x|, |y|, |z| <= 1 on the ball: its shell max(|x|, |y|, |z|) becomes a sphere
-// of that radius, cut by planes at equal angles.
+// Maps a point of the cube |x|, |y|, |z| <= 1 to the ball. The shell max(|x|, |y|, |z|) = r becomes
+// the sphere of radius r, divided by planes at equal angles.
 Eigen::RowVector3d on_ball(const Eigen::RowVector3d& cube) {
   const double shell = cube.cwiseAbs().maxCoeff();
   if (shell == 0.0) return cube;

@@ -259,7 +259,8 @@ class Checker {
     return 0.5 * (b - a).cross(c - a).norm();
   }
 
-  // Material behind every outer triangle; those between two regions all the same way.
+  // Turns triangles so that the material is behind every outer triangle. Triangles between two
+  // regions are all turned the same way.
   void turn(const Shells& found, const Material& filled) {
     std::size_t turned = 0;
     std::size_t outer = 0;

@@ -1,4 +1,4 @@
-// Is a surface fit to be meshed, and what can safely be mended?
+// Checks whether a surface can be meshed, and repairs what is safe to repair.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace chladni::mesh {
 
-/// One thing found, in words and in place.
+/// One finding, with its place in words.
 struct Finding {
   enum class Severity { note, repaired, refused };
   Severity severity = Severity::note;
-  std::string what;    ///< "surface is open: 3 holes, the largest near (12.0, 40.5, 0.0) mm, 14 edges"
+  std::string what;    ///< "the surface is open: 3 holes, the largest near (12, 40.5, 0) mm, ..."
   std::string remedy;  ///< "close it in CAD, or set repair = \"fill\""; empty for notes
 };
 
@@ -31,11 +31,12 @@ struct RepairOptions {
   int largest_hole_edges = 200;
 };
 
-/// Repairs in place what is safe (merges duplicate vertices, removes duplicate and degenerate
-/// triangles and unused points, orients a closed surface outward, fills small holes only on
-/// request), says each of it, and finds what is not: open, non-manifold, self-intersecting (the
-/// first ten pairs with their places), zero volume, points that are not finite, several bodies that
-/// do not touch. Patches follow their triangles. Cost: n log n.
+/// Makes the safe repairs in place and reports each one: merges duplicate vertices, removes
+/// duplicate and degenerate triangles and unused points, orients a closed surface outward, and
+/// fills small holes on request only. Refuses what cannot be repaired: an open, non-manifold or
+/// self-intersecting surface (names the first ten pairs with their places), zero volume, points
+/// that are not finite, several bodies that do not touch. Patches follow their triangles. Cost:
+/// n log n.
 [[nodiscard]] SurfaceReport check_and_repair(Surface& surface, const RepairOptions& options = {});
 
 /// Isotropic triangles of `edge_length` [m] that keep edges sharper than `sharp_degrees` and the
@@ -44,12 +45,12 @@ struct RepairOptions {
 [[nodiscard]] Surface remesh(const Surface& surface, double edge_length,
                              double sharp_degrees = 30.0);
 
-/// Booleans of closed bodies by corefinement; each triangle keeps the patch of the body it came
-/// from. @throws InvalidInput  a body is not closed or intersects itself
+/// Booleans of closed bodies by corefinement. Each triangle keeps the patch of its original body.
+/// @throws InvalidInput  a body is not closed or intersects itself
 [[nodiscard]] Surface united(const Surface& a, const Surface& b);
 [[nodiscard]] Surface difference(const Surface& a, const Surface& b);
-/// a and b touching along faces, as two regions: the common faces are there once and belong to the
-/// patch "interface_<region of b>"; the regions are named `name_a`, `name_b`.
+/// Joins a and b, which touch along faces, as two regions. The common faces occur once and belong
+/// to the patch "interface_<region of b>". The regions are named `name_a`, `name_b`.
 [[nodiscard]] Surface bonded(const Surface& a, const Surface& b, const std::string& name_a,
                              const std::string& name_b);
 

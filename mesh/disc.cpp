@@ -1,4 +1,4 @@
-// Rings of triangles, drawn up to layers of prisms.
+// Discs: rings of triangles, extruded to layers of prisms.
 #include "mesh/disc.h"
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The pattern is that of a 12-sided polygon: its mirror lines stand 15 degrees apart, so that modes
-// of n nodal diameters stay in pairs unless n is a multiple of 6.
+// The pattern is that of a 12-sided polygon with mirror lines every 15 degrees. So modes of n nodal
+// diameters stay in pairs unless n is a multiple of 6.
 constexpr int kSectors = 12;
 constexpr int kFewest = 2 * kSectors;  // nodes of the smallest ring
 
-// A flat triangulation that is mirrored into itself by its group of symmetries, as is `rank`;
-// the two ends of every edge differ in rank.
+// A flat triangulation. Its symmetries map the triangles and `rank` onto themselves. The two ends
+// of every edge differ in rank.
 struct Rings {
   std::vector<Eigen::Vector2d> points;
   std::vector<int> rank;
@@ -32,20 +32,21 @@ struct Rings {
   std::vector<int> hole, rim;                 // nodes, counter-clockwise; no hole: empty
 };
 
-// A regular polygon of n corners with the area of the circle.
+// Corner radius of a regular polygon of n corners with the area of the circle.
 double corner_radius(double radius, int n) {
   const double angle = 2.0 * kPi / n;
   return radius * std::sqrt(angle / std::sin(angle));
 }
 
-// Steps from node j of n to the nearest mirror line that goes through nodes of all rings.
+// Number of steps from node j of n to the nearest mirror line through nodes of all rings.
 int folded(int j, int n) {
   const int period = n / kSectors;
   const int k = ((j % period) + period) % period;
   return std::min(k, period - k);
 }
 
-// Coordinates computed for one eighth and mirrored are the same to the last bit.
+// The point at angle 2π j / n. It is computed in one eighth of the circle and mirrored, so mirrored
+// points agree to the last bit.
 Eigen::Vector2d on_circle(int j, int n) {
   const int eighth = n / 8;
   const int octant = j / eighth;
@@ -82,7 +83,8 @@ std::vector<int> add_ring(Rings& rings, double radius, int n, int ring) {
   return nodes;
 }
 
-// As many outside as inside: quadrilaterals, cut so that mirrored ones are cut mirrored.
+// Joins two rings with equal numbers of nodes by quadrilaterals. Each is cut in two triangles, and
+// mirrored quadrilaterals get mirrored cuts.
 void join_equal(Rings& rings, const std::vector<int>& in, const std::vector<int>& out, int ring) {
   const int n = static_cast<int>(in.size());
   for (int j = 0; j < n; ++j) {
@@ -100,7 +102,7 @@ void join_equal(Rings& rings, const std::vector<int>& in, const std::vector<int>
   }
 }
 
-// Twice as many outside: three triangles per inner edge.
+// Joins a ring to an outer ring with twice as many nodes: three triangles per inner edge.
 void join_doubled(Rings& rings, const std::vector<int>& in, const std::vector<int>& out) {
   for (std::size_t j = 0; j < in.size(); ++j) {
     const std::size_t next = (j + 1) % in.size();
@@ -110,7 +112,7 @@ void join_doubled(Rings& rings, const std::vector<int>& in, const std::vector<in
   }
 }
 
-// Nodes on a ring of `radius` that follows one of `before` nodes.
+// Number of nodes on a ring of `radius`, where the ring inside it has `before` nodes.
 int nodes_on(double radius, int before, double edge_length) {
   const double arc = 2.0 * kPi * radius / before;
   return arc > 1.4 * edge_length ? 2 * before : before;
@@ -150,8 +152,8 @@ Rings rings_of(const Disc& disc, double edge_length) {
   return rings;
 }
 
-// Three tetrahedra per prism, by rising rank from the bottom to the top; every second layer is
-// turned over, so that the layers are mirrored in the planes between them.
+// Cuts a prism into three tetrahedra, by rising rank from the bottom to the top. Every second layer
+// is turned over, so that neighbouring layers are mirror images.
 void add_prism(std::vector<std::array<int, 4>>& tets, std::array<int, 3> triangle,
                const std::vector<int>& rank, int lower, int upper) {
   const std::array<int, 3> given = triangle;
@@ -175,7 +177,7 @@ struct Face {
   int patch;
 };
 
-// The sides over a closed line of nodes: two triangles per edge and layer, cut as the prisms are.
+// Adds the wall over a closed line of nodes: two triangles per edge and layer, cut as the prisms.
 void add_wall(std::vector<Face>& faces, const std::vector<int>& line, const std::vector<int>& rank,
               int lower, int upper, int patch, bool inward) {
   for (std::size_t j = 0; j < line.size(); ++j) {
@@ -206,7 +208,7 @@ Cells cells_of(const std::vector<std::array<int, columns>>& rows) {
   return cells;
 }
 
-// The points of a plan, repeated from −thickness up to 0.
+// The points of a flat plan, repeated at each layer from −thickness up to 0.
 Points stacked(const std::vector<Eigen::Vector2d>& plan, double thickness, int layers) {
   const auto n = static_cast<Eigen::Index>(plan.size());
   Points points(n * (layers + 1), 3);
@@ -220,7 +222,7 @@ Points stacked(const std::vector<Eigen::Vector2d>& plan, double thickness, int l
   return points;
 }
 
-// Lagrange's polynomial k on evenly spread nodes of [−1, 1], and its derivative.
+// Value and derivative of Lagrange polynomial k on equidistant nodes of [−1, 1].
 std::pair<double, double> lagrange(int order, int k, double at) {
   double value = 1.0;
   double derivative = 0.0;
@@ -234,7 +236,7 @@ std::pair<double, double> lagrange(int order, int k, double at) {
   return {value, derivative};
 }
 
-// Corners of a patch in the plane z = 0: as many as edges around it.
+// Number of edges around a patch: the number of its corners in the plane z = 0.
 int edges_around(const TetMesh& mesh, int patch) {
   std::set<std::int32_t> corners;
   const double level = 1e-6 * mesh.points.col(2).cwiseAbs().maxCoeff();
@@ -247,8 +249,9 @@ int edges_around(const TetMesh& mesh, int patch) {
   return static_cast<int>(corners.size());
 }
 
-// Of a ring of n polynomials of `order` whose nodes are evenly spread chords' points moved onto it:
-// its radius over that of the circle of the same area, ½ ∮ x dy − y dx (three points of Gauss).
+// A closed ring of n curved edges of `order`, whose nodes are equidistant on the chords and then
+// moved radially onto the ring. Returns the ring's radius over the radius of a circle of the same
+// area. The area is ½ ∮ x dy − y dx (three Gauss points per edge).
 double radius_of_equal_area(int n, int order) {
   const double half = kPi / n;
   std::vector<Eigen::Vector2d> nodes;

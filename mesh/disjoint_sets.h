@@ -1,4 +1,4 @@
-// Which of many things belong together, told pair by pair.
+// Groups items that belong together; the input is one pair after another.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace chladni::mesh {
 
-/// Union-find with path halving (Tarjan 1975); each join or look-up costs nearly nothing.
+/// Union-find with path halving (Tarjan 1975). Each join or look-up takes nearly constant time.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t size) : parent_(size) {
@@ -19,7 +19,7 @@ class DisjointSets {
     return i;
   }
 
-  /// The lower root stays, so a set's root is its smallest member.
+  /// Joins two sets. The lower root stays, so a set's root is its smallest member.
   void join(std::size_t a, std::size_t b) {
     a = root(a);
     b = root(b);
@@ -27,7 +27,7 @@ class DisjointSets {
     if (b < a) parent_[a] = b;
   }
 
-  /// Per thing the number of its set, 0, 1, ... in the order of the smallest members.
+  /// For each item the number of its set. Sets are numbered 0, 1, ... by their smallest members.
   [[nodiscard]] std::vector<std::int32_t> numbers() {
     std::vector<std::int32_t> number(parent_.size());
     std::int32_t count = 0;

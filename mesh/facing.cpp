@@ -15,9 +15,9 @@ namespace chladni::mesh {
 namespace {
 
 constexpr double kSmallPart = 0.01;  // of the largest part's area
-constexpr double kLevel = 1e-6;      // of the body's diagonal: no lower than what is seen
+constexpr double kLevel = 1e-6;      // of the body's diagonal: tolerance on equal heights
 
-// The boundary alone with `direction` as its z axis.
+// The boundary alone, turned so that `direction` is the z axis.
 TetMesh turned(const TetMesh& body, const Eigen::Vector3d& direction) {
   TetMesh shell;
   shell.tets.resize(0, body.tets.cols());
@@ -30,8 +30,8 @@ TetMesh turned(const TetMesh& body, const Eigen::Vector3d& direction) {
   return shell;
 }
 
-// Per face: its area seen along z [m²], negative where it is seen from behind; and whether it looks
-// along z.
+// For each face: its area projected along z [m²], negative where it is seen from behind, and
+// whether it faces z.
 struct Look {
   std::vector<double> area;
   std::vector<char> along;
@@ -59,7 +59,7 @@ bool is_seen(const SiteFinder& finder, const TetMesh& shell, Eigen::Index face, 
   return highest && (highest->face == face || highest->position.z() <= middle.z() + slack);
 }
 
-// Per face the first one of its part; parts are joined across the edges of two chosen faces.
+// For each face, the first face of its part. Parts are joined across edges of two chosen faces.
 std::vector<std::size_t> parts_of(const TetMesh& shell, const std::vector<char>& chosen) {
   std::vector<Key> keys;
   std::vector<std::size_t> owner;
@@ -82,7 +82,7 @@ std::vector<std::size_t> parts_of(const TetMesh& shell, const std::vector<char>&
   return part;
 }
 
-// Leaves out what is small and counts the rest.
+// Leaves out small parts and counts the others.
 void keep_large_parts(const TetMesh& shell, const Look& look, Facing& found) {
   const auto part = parts_of(shell, found.face);
   std::vector<double> area(part.size(), 0.0);

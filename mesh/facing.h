@@ -1,4 +1,4 @@
-// The part of a boundary that looks one way.
+// The part of a boundary that faces a direction.
 #pragma once
 
 #include <vector>
@@ -7,24 +7,25 @@
 
 namespace chladni::mesh {
 
-/// A face looks along a direction where its outward normal is at most so far away from it.
+/// A face faces a direction where its outward normal deviates from it by at most this angle.
 inline constexpr double kFacingDegrees = 30.0;
 
-/// What `facing` found.
+/// The result of `facing`.
 struct Facing {
-  std::vector<char> face;   ///< per boundary face: 1 where it is one of them
-  double area = 0.0;        ///< [m²]: theirs, seen along the direction
-  double silhouette = 0.0;  ///< [m²]: all that is seen of the body from there
-  int parts = 0;            ///< connected ones that were taken
-  int small_parts = 0;      ///< left out: less than a hundredth of the largest one's area each
+  std::vector<char> face;   ///< per boundary face: 1 where it is chosen
+  double area = 0.0;        ///< [m²]: of the chosen faces, projected along the direction
+  double silhouette = 0.0;  ///< [m²]: projected area of all visible faces of the body
+  int parts = 0;            ///< connected parts that are chosen
+  int small_parts = 0;      ///< parts left out: each less than 1 % of the largest part's area
 
   [[nodiscard]] bool empty() const { return parts == 0; }
 };
 
-/// The faces that look along `direction` within kFacingDegrees and that a far observer sees who
-/// looks against it: what lies under something else is not of them (the floor of a box). Small
-/// parts, such as the floors of screw holes, are left out. The corners of curved faces count.
-/// @param body  its tetrahedra are not looked at: a shell will do
+/// Chooses the faces whose normals lie within kFacingDegrees of `direction` and that an observer
+/// far away in this direction sees. Faces below other parts of the body (the floor of a closed box)
+/// are not chosen. Small parts, such as the floors of screw holes, are left out. Curved faces are
+/// judged by their corners.
+/// @param body  only the boundary is used, so a mesh without tetrahedra is enough
 /// @param direction  unit
 /// @throws InvalidInput  the direction is no unit vector, or the body has no boundary faces
 /// Cost: n log n in the faces.

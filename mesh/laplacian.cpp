@@ -16,7 +16,7 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-// Points that some cell has, numbered in the order of the mesh's nodes.
+// The points that the cells use, numbered in the order of the mesh's nodes.
 struct Numbering {
   std::vector<int> row;            // per node; −1: none
   std::vector<Eigen::Index> node;  // per row
@@ -33,7 +33,7 @@ Numbering numbering(Eigen::Index node_count, const std::vector<int>& used) {
   return numbers;
 }
 
-// Sums up cells of d + 1 corners: gradients constant on each.
+// Sums over cells of d + 1 corners. The gradients are constant on each cell.
 class Assembly {
  public:
   Assembly(const Points& points, const std::vector<int>& cells, Eigen::Index corners)
@@ -41,7 +41,7 @@ class Assembly {
     operators_.positions = points(numbers_.node, Eigen::all);
   }
 
-  // @param gradients  (d+1)×3, of the corners' functions; @param measure  area or volume
+  // @param gradients  (d+1)×3, of the corner functions; @param measure  area or volume
   void add(const int* cell, const Eigen::MatrixX3d& gradients, double measure) {
     const Eigen::MatrixXd stiffness = measure * gradients * gradients.transpose();
     const auto d = static_cast<double>(corners_ - 1);
@@ -100,8 +100,9 @@ std::string place(const Eigen::RowVector3d& at) {
          ") m";
 }
 
-// The edge across from each corner. Turned by a right angle and over twice the area it is the
-// gradient of the corner's function; the operator needs only products, which no turn changes.
+// The edge opposite each corner. This edge, turned by 90 degrees and divided by twice the area, is
+// the gradient of the corner's function. The operator needs only products of gradients, and these
+// do not change when all edges are turned.
 Eigen::MatrixX3d edges_of_triangle(const Eigen::Matrix3d& corners) {
   Eigen::MatrixX3d edges(3, 3);
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -110,7 +111,7 @@ Eigen::MatrixX3d edges_of_triangle(const Eigen::Matrix3d& corners) {
   return edges;
 }
 
-// Values at all nodes, each between its tetrahedron's corners.
+// The matrix that interpolates corner values to all nodes of the tetrahedra.
 SparseMatrix onto_nodes(const TetMesh& mesh, const Numbering& numbers) {
   const Eigen::MatrixXd weights = tet_node_barycentric(mesh.order());
   std::vector<char> done(static_cast<std::size_t>(mesh.node_count()), 0);

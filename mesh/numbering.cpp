@@ -5,7 +5,7 @@
 namespace chladni::mesh {
 
 Numbering shared_numbers(const std::vector<Key>& keys, std::int32_t corner_count) {
-  // Sort by the lowest corner by counting, then each corner's few keys among themselves.
+  // A counting sort by the lowest corner comes first. Then the few keys of each corner are sorted.
   std::vector<std::size_t> begin(static_cast<std::size_t>(corner_count) + 1, 0);
   for (const Key& key : keys) ++begin[static_cast<std::size_t>(key[0]) + 1];
   for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];

@@ -1,4 +1,4 @@
-// One number for each edge or face, however many cells share it.
+// One number for each edge or face, for any number of cells that share it.
 #pragma once
 
 #include <algorithm>
@@ -21,14 +21,14 @@ using Key = std::array<std::int32_t, 3>;
   return key;
 }
 
-/// What `shared_numbers` found.
+/// The result of `shared_numbers`.
 struct Numbering {
   std::vector<std::int32_t> number;  ///< per key: equal keys have one number
   std::vector<std::int32_t> first;   ///< per number: the first key that has it
   std::vector<std::int32_t> uses;    ///< per number: how many keys have it
 };
 
-/// Numbers `keys` from 0 upwards in the order of their corners, all of which are in
+/// Numbers `keys` from 0 upwards in the order of their corners. All corners are in
 /// [0, corner_count). Cost: linear where each corner has few keys.
 [[nodiscard]] Numbering shared_numbers(const std::vector<Key>& keys, std::int32_t corner_count);
 

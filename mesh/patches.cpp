@@ -33,7 +33,7 @@ Points area_vectors(const Boundary& mesh) {
   return vectors;
 }
 
-// Faces joined across edges less sharp than `angle_degrees`; one smooth piece each.
+// Joins faces across edges less sharp than `angle_degrees`. Each set is one smooth piece.
 DisjointSets smooth_pieces(const Boundary& mesh, const Points& vectors, double angle_degrees) {
   std::vector<Key> keys;
   for (const auto face : mesh.faces.rowwise()) {
@@ -44,7 +44,7 @@ DisjointSets smooth_pieces(const Boundary& mesh, const Points& vectors, double a
   DisjointSets pieces(static_cast<std::size_t>(mesh.faces.rows()));
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const auto edge = static_cast<std::size_t>(edges.number[i]);
-    if (edges.uses[edge] != 2) continue;  // where more than two meet no two belong together
+    if (edges.uses[edge] != 2) continue;  // faces are not joined where more than two meet
     const auto f = static_cast<Eigen::Index>(i / 3);
     const auto g = static_cast<Eigen::Index>(edges.first[edge] / 3);
     const double cosine =
@@ -62,7 +62,7 @@ struct Piece {
 // The names, in the order of the patches.
 constexpr std::array<const char*, 6> kExtremes{"top", "bottom", "x_min", "x_max", "y_min", "y_max"};
 
-// Which of them a flat piece at the highest z and so on is; -1 for one that is none.
+// The index in kExtremes of a flat piece at the highest or lowest z, x or y; -1 for other pieces.
 int extreme_of(const Eigen::AlignedBox3d& piece, const Eigen::AlignedBox3d& body) {
   constexpr std::array<int, 6> kLowAndHigh{2, 3, 4, 5, 1, 0};  // x, y, z
   const double tolerance = 1e-6 * body.diagonal().norm();
@@ -128,7 +128,7 @@ Patches named(const std::vector<Piece>& pieces) {
   return patches;
 }
 
-// Per face its patch.
+// Sets the patch of each face; returns the patch names.
 std::vector<std::string> split(const Boundary& mesh, double angle_degrees,
                                Eigen::VectorXi& face_patch) {
   require(angle_degrees > 0.0 && angle_degrees < 180.0, "name_patches: angle is " +

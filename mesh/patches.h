@@ -1,4 +1,4 @@
-// Names for the parts of a boundary that came without any.
+// Finds and names the patches of a boundary that has no names.
 #pragma once
 
 #include "mesh/surface.h"
@@ -6,7 +6,7 @@
 
 namespace chladni::mesh {
 
-/// The patches of a surface without names, as `name_patches` of a TetMesh finds them
+/// Finds and names the patches of a surface without names, as `name_patches` of a TetMesh does
 /// (mesh/tet_mesh.h). Cost: n log n. @throws InvalidInput  the angle is not between 0 and 180
 void name_patches(Surface& surface, double angle_degrees = 40.0);
 

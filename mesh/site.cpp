@@ -44,8 +44,8 @@ Site site_at(const TetMesh& mesh, Eigen::Index face, const Eigen::Vector3d& bary
 
 }  // namespace
 
-// Boxes around faces, halved at the median of the longest side; the children of node n stand at
-// `left` and left + 1.
+// A tree of boxes around faces. Each box is halved at the median along its longest side. The
+// children of a node are `left` and left + 1.
 struct SiteFinder::Tree {
   struct Node {
     Box box{};
@@ -60,7 +60,7 @@ struct SiteFinder::Tree {
 
   explicit Tree(const TetMesh& of);
   void split(std::size_t node);
-  /// Where the vertical line meets a face that looks up.
+  /// The point where the vertical line meets a face that faces up.
   [[nodiscard]] std::optional<Site> crossing(std::int32_t face, double x, double y) const;
   template <typename Visit>
   void descend(const Eigen::Vector3d& point, const Visit& visit) const;
@@ -80,7 +80,7 @@ SiteFinder::Tree::Tree(const TetMesh& of) : mesh(&of) {
     for (const auto p : at.rowwise()) box.extend(p.transpose());
     const double off = sag(at, of.order());
     curved.push_back(off > 1e-9 * box.diagonal().norm());
-    // A cubic bulges beyond its nodes by less than they themselves do.
+    // A cubic face bulges beyond its nodes by less than the nodes' distance from the plane.
     if (curved.back()) {
       box.min().array() -= off;
       box.max().array() += off;
@@ -115,8 +115,8 @@ void SiteFinder::Tree::split(std::size_t node) {
   nodes.push_back({.begin = middle, .end = end});
 }
 
-// Visits the faces of leaves in boxes nearer than what `visit` returned last: the squared distance
-// that still matters. The nearer half goes first.
+// Visits the faces of all leaves whose boxes may matter. `visit` returns the largest squared
+// distance that still matters; boxes beyond this distance are skipped. The nearer half comes first.
 template <typename Visit>
 void SiteFinder::Tree::descend(const Eigen::Vector3d& point, const Visit& visit) const {
   double reach = HUGE_VAL;

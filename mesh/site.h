@@ -1,4 +1,4 @@
-// Places on the surface of a body where something is measured, pushed or attached.
+// Sites: places on the surface of a body for sensors, actuators or attachments.
 #pragma once
 
 #include <memory>
@@ -8,19 +8,19 @@
 
 namespace chladni::mesh {
 
-/// A point of the boundary: what is known at the face's nodes is known there by interpolation.
+/// A point of the boundary. Values at this point are interpolated from the face's nodes.
 struct Site {
-  Eigen::VectorXi nodes;     ///< those of the face: 3, 6 or 10
-  Eigen::VectorXd weights;   ///< the face's shape functions there; they sum to 1
+  Eigen::VectorXi nodes;     ///< nodes of the face: 3, 6 or 10
+  Eigen::VectorXd weights;   ///< the face's shape functions at the point; they sum to 1
   Eigen::Vector3d position;  ///< [m]
   Eigen::Vector3d normal;    ///< outward, unit
   Eigen::Index face = -1;    ///< row of TetMesh::faces
-  double distance = 0.0;     ///< from the point, or the vertical line, asked for [m]
+  double distance = 0.0;     ///< from the given point or the given vertical line [m]
 };
 
-/// Finds sites; keeps a search tree of the faces. The mesh must outlive it. Curved faces (nodes off
-/// the flat of their corners) are met where they are, not on the flat.
-/// @throws InvalidInput  the mesh has no boundary faces; a point asked for is not finite
+/// Finds sites with a search tree of the faces. The mesh must outlive the finder. On curved faces
+/// (nodes off the plane of the corners) sites lie on the curved face, not on the plane.
+/// @throws InvalidInput  the mesh has no boundary faces; a given point is not finite
 class SiteFinder {
  public:
   explicit SiteFinder(const TetMesh& mesh);
@@ -33,8 +33,9 @@ class SiteFinder {
   /// The nearest point of the boundary. Cost: logarithmic in the faces.
   [[nodiscard]] Site nearest(const Eigen::Vector3d& point) const;
 
-  /// The highest point of the boundary on the vertical line through (x, y); none when the line
-  /// misses the body. Lines along edges and through corners hit. Cost: logarithmic in the faces.
+  /// The highest point of the boundary on the vertical line through (x, y); none where the line
+  /// misses the body. Lines through edges and corners count as hits. Cost: logarithmic in the
+  /// faces.
   [[nodiscard]] std::optional<Site> from_above(double x, double y) const;
 
  private:
@@ -42,10 +43,10 @@ class SiteFinder {
   std::unique_ptr<Tree> tree_;
 };
 
-/// The row of a displacement field along `direction` (unit) at `site`: for shapes of 3·nodes rows,
-/// x0 y0 z0 x1 ..., the value is row · shapes.
+/// The row that gives the displacement along `direction` (unit) at `site`. For shapes of 3·nodes
+/// rows, x0 y0 z0 x1 ..., the displacement is row · shapes.
 /// @throws InvalidInput  direction is not a unit vector, or a node of the site is not below
-/// node_count
+///                       node_count
 [[nodiscard]] Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& direction,
                                                  Eigen::Index node_count);
 

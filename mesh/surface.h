@@ -1,4 +1,4 @@
-// Closed triangle surfaces: what a body looks like before it is cut into tetrahedra.
+// Closed triangle surfaces: the form of a body before tetrahedralisation.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace chladni::mesh {
 
-/// A part of the inside: the mesher floods it from `inside` up to the triangles around it.
+/// A part of the body's inside. The mesher fills it from `inside` up to the triangles around it.
 struct Region {
   std::string name;
-  Eigen::Vector3d inside;  ///< any point of it, not on its surface [m]
+  Eigen::Vector3d inside;  ///< any point of the region, not on its surface [m]
 };
 
-/// Triangles that bound a body, seen from outside counter-clockwise. With several regions the
-/// triangles between two of them are there once, in either orientation.
+/// Triangles that bound a body, counter-clockwise seen from outside. With several regions, the
+/// triangles between two regions occur once, in either orientation.
 struct Surface {
   Points points;                         ///< N×3 [m]
   Cells triangles;                       ///< T×3
@@ -24,11 +24,12 @@ struct Surface {
   std::vector<Region> regions;           ///< empty: one region, all the inside
 };
 
-/// Volume enclosed [m^3] by the divergence theorem, the outer boundary taken as oriented; negative
-/// when inside out.
+/// The enclosed volume [m^3] by the divergence theorem. The orientation of the triangles is used as
+/// it is; the volume is negative when the surface is inside out.
 [[nodiscard]] double enclosed_volume(const Surface& surface);
 
-/// Of all triangles together [m^2]; of a face of order 2 or 3 the flat of its corners counts.
+/// The area of all triangles together [m^2]. A face of order 2 or 3 counts as the flat triangle of
+/// its corners.
 [[nodiscard]] double area(const Points& points, const Cells& triangles);
 
 /// Smallest and largest coordinates, two rows [m].

@@ -12,7 +12,7 @@ namespace chladni::mesh {
 /// Nodes of a tetrahedron and of a triangle per polynomial order, in VTK's order (VTK_TETRA,
 /// VTK_QUADRATIC_TETRA, VTK_LAGRANGE_TETRAHEDRON and their triangles): the corners, then the inner
 /// nodes of each edge in the order of `kTetEdges`, from its first to its second corner, then (order
-/// 3) the centre of each face in the order of `kTetFaces`. Asked of VTK 9.1 itself.
+/// 3) the centre of each face in the order of `kTetFaces`. This order was read from VTK 9.1 itself.
 [[nodiscard]] constexpr int tet_nodes(int order) { return order == 1 ? 4 : order == 2 ? 10 : 20; }
 [[nodiscard]] constexpr int face_nodes(int order) { return order == 1 ? 3 : order == 2 ? 6 : 10; }
 
@@ -23,12 +23,12 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces{
 inline constexpr std::array<std::array<int, 2>, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
 
 /// Barycentric coordinates of the nodes of a tetrahedron (tet_nodes x 4) and of a triangle
-/// (face_nodes x 3) of `order`: the one table that all shape functions read.
+/// (face_nodes x 3) of `order`. All shape functions read this one table.
 /// @throws InvalidInput  order is not 1, 2 or 3
 [[nodiscard]] Eigen::MatrixXd tet_node_barycentric(int order);
 [[nodiscard]] Eigen::MatrixXd triangle_node_barycentric(int order);
 
-/// Row f: the nodes of a tetrahedron that make its face kTetFaces[f], as a triangle of `order`
+/// Row f lists the nodes of a tetrahedron on its face kTetFaces[f], as a triangle of `order`
 /// (4 x face_nodes). @throws InvalidInput  as above
 [[nodiscard]] Eigen::MatrixXi tet_face_nodes(int order);
 
@@ -47,35 +47,36 @@ struct TetMesh {
 };
 
 /// The same tetrahedra (their four corners) with nodes of `order` 1, 2 or 3 on straight edges and
-/// flat faces; mid-edge nodes are ours, shared by all cells of the edge. Corners keep their order
-/// and come first. Regions and patches are kept. Cost: linear.
+/// flat faces. Nodes on edges and faces are new; all cells of an edge or face share them. Corners
+/// keep their order and come first. Regions and patches are kept. Cost: linear.
 /// @throws InvalidInput  order is not 1, 2 or 3, a tetrahedron names a point that is not there, or
 ///                       a boundary face belongs to no tetrahedron
 [[nodiscard]] TetMesh with_order(const TetMesh& mesh, int order);
 
-/// Boundary faces of `mesh.tets` (faces that only one tetrahedron has), outward, patch 0
+/// Finds the boundary faces of `mesh.tets` (faces of only one tetrahedron), outward, all in patch 0
 /// "boundary". For meshes from files. Cost: linear.
 /// @throws InvalidInput  a tetrahedron names a point that is not there, or a face belongs to more
 ///                       than two tetrahedra
 void find_boundary(TetMesh& mesh);
 
-/// The patches of a boundary without names: faces joined while the angle between neighbours stays
-/// below `angle_degrees`; named "top" and "bottom" for flat ones at the highest and lowest z,
-/// "x_min", "x_max", "y_min", "y_max" likewise, else "side_1", "side_2", ... by falling area.
-/// Flat patches of one extreme plane share its name. Cost: n log n.
+/// Finds and names the patches of a boundary without names. Faces are joined while the angle
+/// between neighbours stays below `angle_degrees`. Flat patches at the highest and lowest z are
+/// named "top" and "bottom"; "x_min", "x_max", "y_min", "y_max" are found in the same way. Other
+/// patches are named "side_1", "side_2", ... by falling area. Flat patches of one extreme plane
+/// share its name. Cost: n log n.
 void name_patches(TetMesh& mesh, double angle_degrees = 40.0);
 
-/// Renumbers nodes and cells along the body's longest direction (of its bounding box): neighbours
-/// in space become neighbours in memory, which assembly and matrix products want. Shapes and
-/// patches unchanged; corners no longer come first. Cost: n log n.
+/// Renumbers nodes and cells along the longest direction of the bounding box. Neighbours in space
+/// become neighbours in memory, which makes assembly and matrix products fast. Shapes and patches
+/// do not change; corners no longer come first. Cost: n log n.
 void sort_in_space(TetMesh& mesh);
 
-/// What the boundary encloses [m^3]: the tetrahedra between their corners, and of curved cells what
-/// their outer faces bulge beyond the flat ones. Cells that curve inside the body only shift it.
-/// Cost: linear. Needs the boundary (`find_boundary`) where cells are curved.
+/// The volume that the boundary encloses [m^3]: the flat tetrahedra plus the bulges of curved outer
+/// faces. Curved faces inside the body do not change the sum. Cost: linear. Needs the boundary
+/// (`find_boundary`) where cells are curved.
 [[nodiscard]] double volume(const TetMesh& mesh);
 
-/// How well the tetrahedra are shaped (corners only).
+/// The shape quality of the tetrahedra (corners only).
 struct Quality {
   double smallest_dihedral_degrees = 0.0;
   double largest_dihedral_degrees = 0.0;
@@ -84,17 +85,17 @@ struct Quality {
   double smallest_volume = 0.0;  ///< [m^3]
   double shortest_edge = 0.0;    ///< [m]
   double longest_edge = 0.0;     ///< [m]
-  Eigen::Index worst_tet = -1;   ///< of the smallest radius ratio
+  Eigen::Index worst_tet = -1;   ///< the tetrahedron with the smallest radius ratio
 };
 [[nodiscard]] Quality quality(const TetMesh& mesh);
 
-/// Is it fit for elements?
+/// Checks whether the mesh can be used for elements.
 ///
-/// @throws InvalidInput  for the first ten offenders, each by its place: a tetrahedron is inverted
+/// @throws InvalidInput  names the first ten offenders with their places: a tetrahedron is inverted
 ///     or flat (a curved one: at any of its nodes), an index is out of range, a coordinate is not
-///     finite, a point is used by no tetrahedron, the arrays do not fit together, the cells fall
-///     into several bodies that share no node, or into parts that meet in edges and nodes only and
-///     so can move against each other at no cost
+///     finite, a point is used by no tetrahedron, the arrays do not fit together, the cells form
+///     several bodies that share no node, or the cells form parts that meet in edges and nodes only
+///     and so can move against each other at no cost
 /// Cost: linear.
 void check(const TetMesh& mesh);
 

@@ -22,12 +22,12 @@
 namespace chladni::mesh {
 namespace {
 
-// What the mesher makes of the surface it is given.
+// Whether the mesher may refine the surface.
 enum class OfSurface { refined, stays };
 
 constexpr double largest_cell_count = 1e6;
-// TetGen's cells come out between a third and all of the largest volume; with this factor their
-// mean edge is the one asked for.
+// TetGen's cells have between a third of and the whole largest volume. With this factor their mean
+// edge is the wanted one.
 constexpr double largest_over_regular_volume = 1.6;
 
 double regular_tet_volume(double edge) { return edge * edge * edge / (6.0 * std::sqrt(2.0)); }
@@ -49,7 +49,8 @@ void check_options(const MesherOptions& options) {
               fmt::to_string(options.smallest_dihedral_degrees) + " degrees, expected 0 to 25");
 }
 
-// Far from the origin TetGen's sums lose the digits that its tests need.
+// The shift towards the origin. Far from the origin TetGen's sums lose the digits that its tests
+// need.
 Eigen::RowVector3d shift_of(const Points& points) {
   const auto box = bounding_box(points);
   const double extent = (box.row(1) - box.row(0)).maxCoeff();
@@ -98,7 +99,8 @@ wire::Reply reply_to(const wire::Request& request, const MesherOptions& options,
   }
 }
 
-// Part numbers are TetGen's: seed i has i + 1. Regions are ours; −1 is a void.
+// Maps TetGen's part numbers to the surface's regions. The part of seed i has the number i + 1.
+// Region −1 is a void.
 class PartRegions {
  public:
   explicit PartRegions(const Surface& surface)
@@ -146,7 +148,7 @@ Corners sorted(Corners corners) {
   return corners;
 }
 
-// The cells that are material, turned where TetGen has them left-handed.
+// Adds the cells that are material. Left-handed cells of TetGen are turned.
 void add_cells(TetMesh& mesh, const wire::Reply& reply, PartRegions& regions) {
   std::vector<std::int32_t> kept;
   std::vector<int> region;
@@ -168,7 +170,7 @@ void add_cells(TetMesh& mesh, const wire::Reply& reply, PartRegions& regions) {
   mesh.region = Eigen::Map<const Eigen::VectorXi>(region.data(), count);
 }
 
-// The faces that one cell has to itself, outward, with the patch of the facet they lie in.
+// Adds the faces that belong to one cell only, outward, with the patch of their facet.
 void add_faces(TetMesh& mesh, const wire::Reply& reply) {
   constexpr int outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   struct Face {
@@ -258,8 +260,9 @@ TetMesh meshed(const Surface& body, const MesherOptions& options, double edge_le
   return mesh;
 }
 
-// Every edge of a curved surface is one that TetGen may not cross but does cut: twice the cells and
-// worse ones than on an isotropic surface that stays as it is. On thin plates it is the other way.
+// Meshes the body on the better of two surfaces. TetGen must keep every edge of a refined curved
+// surface and splits these edges, which gives twice as many and worse cells than an isotropic
+// surface that stays as it is. On thin plates the refined surface is the better one.
 TetMesh on_best_surface(const Surface& body, const MesherOptions& options, double edge_length) {
   constexpr double nearly = 2.0;  // degrees
   const auto isotropic_surface = [&] {

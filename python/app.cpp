@@ -22,7 +22,7 @@ namespace py = pybind11;
 
 constexpr double kOnTheBody = 1e-3;  // [m]
 
-// A study's shapes, with all that they stand on.
+// The interpolated shapes of a study, with the solution that they are based on.
 class StudyField {
  public:
   StudyField(app::Solution solution, app::Interpolated result)
@@ -65,7 +65,8 @@ class StudyField {
     return {std::move(mean), std::move(deviation)};
   }
 
-  // Off the body there is no shape: the same millimetre as for the places of a study.
+  // The site nearest to a point. A point more than 1 mm off the body is refused, as for the places
+  // of a study.
   [[nodiscard]] mesh::Site site_near(const Eigen::Vector3d& point, Eigen::Index row) const {
     const auto site = finder_.nearest(point);
     const double off = (site.position - point).norm();

@@ -9,9 +9,10 @@
 
 namespace chladni::python {
 
-/// While it lives, other threads of Python run, and Ctrl-C stops the work as it does on the command
-/// line; the call then raises KeyboardInterrupt. Python hears signals in its main thread alone, so
-/// a call from another one cannot be stopped. Nothing of Python may be touched meanwhile.
+/// While an object of this class lives, other Python threads run, and Ctrl-C stops the work as on
+/// the command line; the call then raises KeyboardInterrupt. Python handles signals only in its
+/// main thread, so a call from another thread cannot be stopped. Code must not use Python objects
+/// meanwhile.
 class LongCall {
  public:
   LongCall() {
@@ -22,7 +23,7 @@ class LongCall {
 
  private:
   std::optional<NotedInterrupts> noted_;
-  std::optional<pybind11::gil_scoped_release> released_;  // taken back before the handler
+  std::optional<pybind11::gil_scoped_release> released_;  // ends before noted_ does
 };
 
 }  // namespace chladni::python

@@ -1,4 +1,4 @@
-// import chladni
+// The Python module `chladni`.
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
 
@@ -12,8 +12,9 @@
 
 namespace {
 
-// Beside Python there is none of our workers: they are in the prefix that this module was installed
-// to, two folders up from lib/python3.11/dist-packages, or in its build tree, one up from python/.
+// Adds the folders of our workers, which are not beside the Python program. The workers are in the
+// prefix of this module, three folders up from lib/python3.11/dist-packages, or in the module's
+// build tree, one folder up from python/.
 void find_workers() {
   Dl_info module{};
   if (dladdr(reinterpret_cast<const void*>(&find_workers), &module) == 0) return;
@@ -25,7 +26,7 @@ void find_workers() {
   }
 }
 
-// Arrays are NumPy's; a Python that is not Debian's own may lack it.
+// The arrays are NumPy's. A Python that is not from Debian may lack NumPy.
 void need_numpy() {
   try {
     pybind11::module_::import("numpy");
@@ -36,7 +37,7 @@ void need_numpy() {
   }
 }
 
-// Ctrl-C in a long call is Python's own exception.
+// Turns Ctrl-C in a long call into Python's KeyboardInterrupt.
 void translate_interrupts(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -53,7 +54,7 @@ PYBIND11_MODULE(chladni, module) {
       "Modes of flexible stages, and their shapes between the sensors. All values in SI.";
   module.attr("__version__") = chladni::app::version();
   find_workers();
-  // The last one registered is asked first: what is more special comes later.
+  // pybind11 tries the last registered exception first, so more special exceptions come later.
   pybind11::register_exception<chladni::InvalidInput>(module, "InvalidInput", PyExc_ValueError);
   const auto& failure = pybind11::register_exception<chladni::NumericalFailure>(
       module, "NumericalFailure", PyExc_RuntimeError);

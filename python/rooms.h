@@ -1,4 +1,4 @@
-// What each room adds to the module.
+// The functions that add each room to the module.
 #pragma once
 
 #include <pybind11/pybind11.h>

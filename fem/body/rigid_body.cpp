@@ -43,8 +43,8 @@ Eigen::MatrixXd free_rows(const Eigen::MatrixXd& all, const DofMap& dofs) {
   return free;
 }
 
-// Axes of a symmetric matrix, each matched to the coordinate axis it is nearest to; where two or
-// three moments are equal the axes within their plane are those nearest to x, y, z.
+// Principal axes of a symmetric matrix. Each axis is matched to the nearest coordinate axis. Where
+// two or three moments are equal, the axes in their plane are chosen nearest to x, y, z.
 Eigen::Matrix3d principal_axes(const Eigen::Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
   const double tolerance = 1e-6 * solver.eigenvalues().cwiseAbs().maxCoeff();
@@ -84,7 +84,7 @@ Eigen::MatrixXd gram(const SparseMatrix& mass, const Eigen::MatrixXd& motions) {
   return motions.transpose() * (mass.selfadjointView<Eigen::Lower>() * motions);
 }
 
-// The six motions combined so that M is the identity on them: translations first, then rotations
+// Combines the six motions so that M is the identity on them: translations first, then rotations
 // about the principal axes through the centre of mass. Returns the 6×6 combination.
 Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   Eigen::MatrixXd c = Eigen::MatrixXd::Identity(6, 6);
@@ -102,9 +102,10 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   return c;
 }
 
-// How far the six motions stretch each spring and move each held degree of freedom, relative to
-// what they could: a row per spring or support, whatever its stiffness. How stiff a spring is says
-// nothing about what it resists.
+// The stretch of each spring and the motion of each held degree of freedom under the six motions,
+// relative to its largest possible value. There is one row per spring or held degree of freedom.
+// The stiffness of a spring is left out, because it does not decide which motions the spring
+// resists.
 Eigen::MatrixXd stretches(const Motions& motions, const DofMap& dofs,
                           const AttachmentTerms& attachments) {
   std::vector<Eigen::Matrix<double, 1, 6>> rows;
@@ -126,10 +127,10 @@ Eigen::MatrixXd stretches(const Motions& motions, const DofMap& dofs,
   return all;
 }
 
-// What of the six orthonormal motions springs and supports let pass: the null space of what they
-// stretch, spanned by projections of the motions in their order.
+// The part of the six orthonormal motions that springs and supports do not resist: the null space
+// of `stretches`. Its basis is made of projections of the motions, in their order.
 Eigen::MatrixXd costless(const Eigen::MatrixXd& stretches) {
-  // A link that does not stretch does so to the rounding of its lever (fem/attachment.cpp).
+  // A link that does not stretch shows a rounding error of its lever (fem/attachment.cpp).
   constexpr double kRounding = 1e-8;
   if (stretches.rows() == 0) return Eigen::MatrixXd::Identity(6, 6);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(stretches, Eigen::ComputeFullV);
@@ -154,7 +155,7 @@ Motions six(const mesh::TetMesh& body, const System& system, const AttachmentTer
   return all;
 }
 
-// Forces of the springs on all degrees of freedom that move.
+// Forces of the springs under `motions`, on all degrees of freedom.
 Eigen::MatrixXd spring_forces(const Eigen::MatrixXd& motions, const AttachmentTerms& attachments) {
   Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(motions.rows(), motions.cols());
   for (const auto& term : attachments.stiffness) {

@@ -44,8 +44,8 @@ bool has_face(const mesh::TetMesh& body, Eigen::Index tet, const mesh::Site& sit
   return has(site.nodes(0)) && has(site.nodes(1)) && has(site.nodes(2));
 }
 
-// Barycentric coordinates of the site in tetrahedron `tet`: shape functions reproduce those of the
-// face, which are linear.
+// Barycentric coordinates of the site in tetrahedron `tet`. The face's barycentric coordinates are
+// linear, so the site's weights (shape functions) reproduce them.
 Eigen::Vector4d barycentric_in(const mesh::TetMesh& body, const mesh::Site& site,
                                Eigen::Index tet) {
   const Eigen::Vector3d in_face =
@@ -59,7 +59,7 @@ Eigen::Vector4d barycentric_in(const mesh::TetMesh& body, const mesh::Site& site
   return in_tet;
 }
 
-// The disc in its own plane: lengths in radii, the site at the origin.
+// The disc in its own plane. Lengths are in radii; the site is the origin.
 struct Disc {
   Eigen::Vector3d centre;
   Eigen::Matrix<double, 2, 3> axes;
@@ -92,7 +92,7 @@ Disc disc_at(const mesh::TetMesh& body, const mesh::Site& site, double diameter)
   return disc;
 }
 
-// What of `polygon` lies within the convex `window` (Sutherland and Hodgman 1974).
+// The part of `polygon` within the convex `window` (Sutherland and Hodgman 1974).
 Polygon clipped(Polygon polygon, const Polygon& window) {
   for (std::size_t k = 0; k < window.size() && !polygon.empty(); ++k) {
     const Eigen::Vector2d from = window[k];
@@ -135,7 +135,7 @@ std::array<RulePoint, 6> triangle_rule() {
   return rule;
 }
 
-// A point of the surface within the disc with its share of the area.
+// A point of the surface within the disc, with its share of the area.
 struct Sample {
   Eigen::Index face = 0;
   Eigen::VectorXd shape;
@@ -143,11 +143,11 @@ struct Sample {
   double area = 0.0;
 };
 
-// The face's corners as the disc sees them, and the way back to its barycentric coordinates.
+// A face's corners projected on the disc, and the map back to the face's barycentric coordinates.
 struct SeenFace {
   Polygon corners;
   Eigen::Matrix2d to_barycentric;
-  double stretch = 0.0;  // true area per area seen
+  double stretch = 0.0;  // true area per projected area
 
   [[nodiscard]] Eigen::Vector3d barycentric(const Eigen::Vector2d& p) const {
     const Eigen::Vector2d l = to_barycentric * (p - corners[0]);
@@ -155,7 +155,8 @@ struct SeenFace {
   }
 };
 
-// None where the face looks another way or cannot reach the disc.
+// Projects the face on the disc. False where the face has another orientation or cannot reach the
+// disc.
 bool sees(const Disc& disc, const mesh::TetMesh& body, Eigen::Index face, SeenFace& seen) {
   seen.corners.clear();
   std::array<Eigen::Vector3d, 3> at;
@@ -259,7 +260,8 @@ SiteMotion nearest_rigid_motion(const mesh::TetMesh& body, const std::vector<Sam
 std::vector<Eigen::Index> tets_below(const mesh::TetMesh& body,
                                      const std::vector<mesh::Site>& sites) {
   std::vector<Eigen::Index> below(sites.size(), -1);
-  // By the first corner of its face: which sites may be on a tetrahedron that has it.
+  // Sites are listed under the first corner of their face. A tetrahedron with this corner may hold
+  // the site.
   std::vector<char> is_first(static_cast<std::size_t>(body.node_count()), 0);
   std::unordered_multimap<int, std::size_t> site_of;
   for (std::size_t i = 0; i < sites.size(); ++i) {

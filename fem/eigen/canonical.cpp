@@ -10,8 +10,8 @@
 namespace chladni::fem {
 namespace {
 
-// Powers of x, y, z and the axis of motion that is looked at (3: all): the functionals that choose
-// a basis, in the order they are tried.
+// The functionals that choose a basis, in the order in which they are tried: powers of x, y, z and
+// the axis of motion that counts (3: all axes).
 struct Functional {
   int x, y, z, axis;
 };
@@ -30,11 +30,12 @@ constexpr std::array<Functional, 14> kFunctionals{{{2, 0, 0, 3},
                                                    {0, 2, 0, 1},
                                                    {1, 0, 0, 3}}};
 
-// Per degree of freedom the functional's weight times its lumped mass; the body scaled to size 1.
+// Per degree of freedom, the functional's weight times the diagonal entry of M. The body is scaled
+// to size 1.
 Eigen::VectorXd weights(const System& system, const Functional& f) {
   const auto n = system.mass.rows();
   Eigen::VectorXd w = system.mass.diagonal();
-  if (system.positions.rows() != n) {  // a system without a body: its numbering must do
+  if (system.positions.rows() != n) {  // a system without positions: use the numbering instead
     const auto power = 1 + f.x + 2 * f.y + 3 * f.z + f.axis;
     for (Eigen::Index i = 0; i < n; ++i) w(i) *= std::pow(double(i + 1) / double(n), power);
     return w;
@@ -60,14 +61,14 @@ Eigen::VectorXd weights(const System& system, const Functional& f) {
   return w;
 }
 
-// Diagonalises the functional from `next` on; what stays repeated goes to the one after it.
+// Diagonalises functional `next`. Shapes that stay equal go on to the functional after it.
 void refine(const System& system, Eigen::Ref<Eigen::MatrixXd> shapes, std::size_t next) {
   if (shapes.cols() < 2 || next == kFunctionals.size()) return;
   const Eigen::VectorXd w = weights(system, kFunctionals[next]);
   const Eigen::MatrixXd a = shapes.transpose() * w.asDiagonal() * shapes;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (a + a.transpose()));
   const Eigen::VectorXd d = solver.eigenvalues().reverse();
-  constexpr double tolerance = 1e-5;  // the values lie within ±1/4; far above what rounding does
+  constexpr double tolerance = 1e-5;  // the values lie within ±1/4; far above rounding
   if (d(0) - d(d.size() - 1) < tolerance) return refine(system, shapes, next + 1);
   shapes = (shapes * solver.eigenvectors().rowwise().reverse()).eval();
   for (Eigen::Index first = 0; first < d.size();) {

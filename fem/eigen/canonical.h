@@ -1,5 +1,5 @@
-// One orientation for shapes that mathematics leaves free: the sign of a mode, the basis of a
-// repeated one.
+// One fixed choice where mathematics leaves the shapes free: the sign of a mode and the basis of a
+// repeated mode.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,17 @@
 
 namespace chladni::fem {
 
-/// Turns the basis of each repeated eigenvalue (modal::kEqualToTheSolver) so that the second
-/// moments of the mass that moves, Φᵀ(M x²)Φ, then with y², xy, xz, yz, z³, x³ ... for what is
-/// left, are diagonal, the largest first; then gives every flexible shape its sign: the first of
-/// its largest entries (to 1e-6) is positive. Columns before `rigid` stay. Returns the turned ones,
-/// of two and more.
-/// @param lambda  ascending; the values of a turned cluster are replaced by their Rayleigh
-/// quotients
+/// Rotates the basis of each repeated eigenvalue (modal::kEqualToTheSolver) so that the second
+/// moments of the moving mass, Φᵀ(M x²)Φ, are diagonal, the largest first. Shapes that remain equal
+/// are separated by y², xy, xz, yz, then by further moments up to degree 4. Then every flexible
+/// shape gets its sign: the first of its largest entries (to 1e-6) is positive. Columns before
+/// `rigid` stay as they are. Returns the rotated clusters, each of two or more modes.
+/// @param lambda  ascending; the values of a rotated cluster are replaced by their mean
 std::vector<Cluster> orient(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
                             Eigen::Index rigid);
 
-/// Modes from `rigid` on whose neighbours lie within modal::kSplitByMesh, two and more.
+/// Clusters of two or more modes, from column `rigid` on, whose neighbouring frequencies differ by
+/// less than modal::kSplitByMesh.
 std::vector<Cluster> clusters(const Eigen::VectorXd& lambda, Eigen::Index rigid);
 
 }  // namespace chladni::fem

@@ -11,7 +11,7 @@
 namespace chladni::fem {
 
 Count counted_in_gap(const Symbolic& symbolic, const System& system, double low, double high) {
-  // Fractions of the gap: the middle first, as far from both ends as can be.
+  // Fractions of the gap. The middle comes first because it is farthest from both ends.
   constexpr std::array places{0.5, 0.38, 0.62, 0.27, 0.73};
   Count count;
   Inertia found;

@@ -21,7 +21,7 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-// Vectors and what M makes of them.
+// Vectors v and their products M v.
 struct Block {
   Matrix v, mv;
 };
@@ -38,8 +38,8 @@ void multiply_right(Matrix& x, const Matrix& t) {
   if (t.cols() < x.cols()) x.conservativeResize(Eigen::NoChange, t.cols());
 }
 
-// The Krylov basis V, M-orthonormal, and T = VᵀM (K + sM)⁻¹M V. It grows by further matrices, so
-// that none is ever there twice.
+// The Krylov basis V, M-orthonormal. The basis grows by further matrices, so that no vector is ever
+// copied.
 class Basis {
   struct Part {
     Matrix vectors;
@@ -56,7 +56,7 @@ class Basis {
   [[nodiscard]] SymmetricProduct& mass() { return mass_; }
   [[nodiscard]] Eigen::Index size() const { return size_; }
 
-  // V X.
+  // The product V X.
   [[nodiscard]] Matrix times(const Matrix& x) const {
     Matrix product = Matrix::Zero(rows_, x.cols());
     Eigen::Index row = 0;
@@ -67,7 +67,7 @@ class Basis {
     return product;
   }
 
-  // Takes out of w what lies in the span of known and basis; returns the part along the basis.
+  // Removes from w its part in the span of `known` and the basis; returns the part along the basis.
   Matrix orthogonalise(Block& w) {
     Matrix along = Matrix::Zero(size_, w.v.cols());
     for (int pass = 0; pass < 2; ++pass) {
@@ -84,8 +84,9 @@ class Basis {
     return along;
   }
 
-  // W = Q R with QᵀMQ = I; directions that have died out (relative to `scale`) are left out of Q.
-  // Once leaves a loss of the condition of WᵀMW, so it is done twice where that is large.
+  // W = Q R with QᵀMQ = I. Directions that have vanished (relative to `scale`) are left out of Q.
+  // One pass loses accuracy by the condition number of WᵀMW, so a second pass follows where this
+  // number is large.
   Matrix normalise(Block& w, double scale) {
     Matrix r = Matrix::Identity(w.v.cols(), w.v.cols());
     for (int pass = 0; pass < 2; ++pass) {
@@ -125,7 +126,7 @@ class Basis {
     mass_.apply(w.v, w.mv);
   }
 
-  // More than the forecast knew of (lanczos_basis_size): asked for before it is taken.
+  // Adds room beyond the forecast (lanczos_basis_size). The memory is checked first.
   void grow(Eigen::Index least) {
     const Eigen::Index columns = std::max<Eigen::Index>(least, size_ / 4);
     const auto bytes = 8.0 * static_cast<double>(rows_) * static_cast<double>(columns);
@@ -159,10 +160,10 @@ Matrix random_block(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
 struct Ritz {
   Eigen::VectorXd theta;
   Matrix vectors;
-  Eigen::VectorXd error;  // ‖remainder of the last block‖ per pair
+  Eigen::VectorXd error;  // per pair: norm of the remainder from the last block
 
-  // Of λ = 1/θ − s after purification, relative to λ. On springs so soft that λ drowns in the
-  // rounding of θ, relative to what is left of s: `polished` finds their λ.
+  // Error of λ = 1/θ − s after purification, relative to λ, or to 1e-6 s where λ is smaller. On
+  // very soft springs λ is lost in the rounding of θ; `polished` finds this λ later.
   [[nodiscard]] double relative(Eigen::Index i, double s) const {
     const double lambda = std::max(1.0 / theta(i) - s, 1e-6 * s);
     return error(i) / (theta(i) * theta(i) * lambda);
@@ -176,8 +177,9 @@ Ritz ritz(const Matrix& t, const Matrix& last) {
   return r;
 }
 
-// How many of the largest θ are done: `wanted`, and beyond them the next one that is no repetition,
-// known well enough to place a count in the gap below it.
+// Whether the iteration is done. The `wanted` largest θ must have converged. The next θ outside
+// their cluster must be accurate enough to place a count in the gap below it. `converged` becomes
+// the number of converged θ.
 bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Index& converged) {
   converged = 0;
   while (converged < r.theta.size() && r.theta(converged) > 0.0 &&
@@ -195,6 +197,7 @@ bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Inde
 }
 
 // φ + r/θ: the Ritz vectors after one more application of the operator, mass-normalised.
+// r is the remainder from the last block.
 Matrix purified(Basis& basis, const Ritz& r, const Matrix& next, const Matrix& last,
                 Eigen::Index count) {
   Matrix shapes = basis.times(r.vectors.leftCols(count));
@@ -213,7 +216,8 @@ Block start_block(Basis& basis, const Factorization& factor, Eigen::Index rows,
                   Eigen::Index columns, unsigned seed) {
   Block q{random_block(rows, columns, seed), {}};
   q.mv = basis.mass() * q.v;
-  // One application first: what the start block has of the highest modes only costs accuracy.
+  // The operator is applied once first: the start block's part in the highest modes only costs
+  // accuracy.
   q.v = factor.solve(q.mv);
   basis.orthogonalise(q);
   basis.normalise(q, 0.0);
@@ -255,7 +259,7 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
     const Ritz r = ritz(t, last);
     const bool done = is_done(r, s, options, converged);
     tell(progress, "iterate", std::min(1.0, double(converged) / options.wanted));
-    if (!done && (next.v.cols() == 0 || basis.size() >= n - known.cols())) {  // all there are
+    if (!done && (next.v.cols() == 0 || basis.size() >= n - known.cols())) {  // the space is full
       converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
     } else if (!done && basis.size() < limit) {
       std::swap(q, next);

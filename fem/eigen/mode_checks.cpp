@@ -33,7 +33,7 @@ Matrix without(const System& system, const Matrix& known, const Matrix& shapes) 
   return shapes - known * (inertia.transpose() * shapes);
 }
 
-// |x|ᵀ|A||x| of up to eight x, a row of `rows` each degree of freedom; A by its lower triangle.
+// |x|ᵀ|A||x| of up to eight x. Row i of `rows` holds |x_i| of all eight; A is a lower triangle.
 constexpr Eigen::Index kAtOnce = 8;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kAtOnce, Eigen::RowMajor>;
 using Eight = Eigen::Array<double, 1, kAtOnce>;
@@ -51,8 +51,8 @@ Eight absolute_energy(const SparseMatrix& a, const Rows& rows) {
   return total;
 }
 
-// What the rigid-body motions strain, as fractions of the first flexible mode's energy; 0 where
-// that is rounding.
+// The energy of the rigid-body motions as a fraction of the first flexible mode's energy; 0 where
+// this energy is only rounding.
 Eigen::VectorXd strains(const System& system, double first) {
   constexpr double kSafe = 100.0;
   const Matrix forces = system.stiffness.selfadjointView<Eigen::Lower>() * system.rigid;
@@ -98,7 +98,7 @@ std::string precision_advice(const System& system, double lambda) {
   for (Eigen::Index i = 0; i < system.mass.rows(); ++i) {
     stiffest = std::max(stiffest, system.stiffness.coeff(i, i) / system.mass.coeff(i, i));
   }
-  constexpr double kDigits = 1e12;  // with what is left a count or a solve can be trusted
+  constexpr double kDigits = 1e12;  // up to this ratio a count or a solve can be trusted
   if (!(stiffest > kDigits * lambda)) return "";
   return fmt::format(
       "the mesh's stiffest motion has {:.0e} times this eigenvalue, and of that double precision "

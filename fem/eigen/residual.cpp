@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-// A x, A stored by its lower triangle, summed with 64 bits of mantissa.
+// The product A x, summed with 64 bits of mantissa. A is stored as its lower triangle.
 Eigen::VectorXd long_product(const SparseMatrix& a, const Eigen::Ref<const Eigen::VectorXd>& x) {
   Eigen::Matrix<long double, Eigen::Dynamic, 1> y =
       Eigen::Matrix<long double, Eigen::Dynamic, 1>::Zero(a.rows());
@@ -46,8 +46,8 @@ Matrix long_products(const SparseMatrix& a, const Matrix& x) {
   return product;
 }
 
-// K Φ. With Φ = R A + Ψ, R the suspended motions and F the force of their springs, it is F A + K Ψ,
-// of which the part along R is FᵀΨ.
+// K Φ. Write Φ = R A + Ψ, where R are the suspended motions and F the forces of their springs. Then
+// K Φ = F A + K Ψ, and the part of K Ψ along R is FᵀΨ.
 Matrix stiffness_times(const System& system, const Matrix& shapes) {
   if (system.suspended.cols() == 0) return long_products(system.stiffness, shapes);
   const auto& r = system.suspended;
@@ -64,8 +64,8 @@ Matrix stiffness_times(const System& system, const Matrix& shapes) {
   return product;
 }
 
-// (K + sM)⁻¹(KΦ − MΦΛ) less its part along the known modes, which rounding alone brings, a few
-// columns at a time, and its norms relative to λ.
+// (K + sM)⁻¹(KΦ − MΦΛ) and its norms relative to λ. Its part along the known modes is only rounding
+// and is removed. The columns are computed a few at a time.
 struct Correction {
   Matrix shapes;
   Eigen::VectorXd residual;
@@ -102,9 +102,10 @@ struct Eigenpairs {
   Matrix vectors;
 };
 
-// Of a positive definite matrix, each value to its own last digits: Jacobi's rotations (Demmel and
-// Veselić 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245). Reduction to a tridiagonal matrix leaves
-// 10⁻¹⁶ of the largest, which here is 10¹⁰ times the smallest.
+// Eigenpairs of a positive definite matrix, each value accurate to its own last digits, by Jacobi
+// rotations (Demmel and Veselić 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245). Reduction to a
+// tridiagonal matrix has an error of 10⁻¹⁶ of the largest eigenvalue, which here is 10¹⁰ times the
+// smallest.
 Eigenpairs graded_eigenpairs(const Matrix& matrix) {
   constexpr double kDone = 1e-15;
   constexpr int kSweeps = 30;
@@ -162,7 +163,7 @@ Eigen::VectorXd polished(const System& system, const Factorization& factor, doub
 }
 
 Eigen::VectorXd rigid_residuals(const System& system, const Matrix& shapes) {
-  double norm = 0.0;  // of K: largest diagonal entry, a lower bound of ‖K‖₁
+  double norm = 0.0;  // the largest diagonal entry of K, a lower bound of ‖K‖₁
   for (Eigen::Index i = 0; i < system.stiffness.cols(); ++i) {
     norm = std::max(norm, system.stiffness.coeff(i, i));
   }

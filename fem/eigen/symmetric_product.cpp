@@ -14,7 +14,7 @@ struct Lower {
   long n;
 };
 
-// y := A x for `Columns` vectors side by side.
+// y := A x for `Columns` vectors; the values of one row lie together.
 template <int Columns>
 [[gnu::always_inline]] inline void multiply(Lower a, const double* __restrict x,
                                             double* __restrict y) {
@@ -44,7 +44,7 @@ template <int Columns>
 CHLADNI_WIDE void multiply_four(Lower a, const double* x, double* y) { multiply<4>(a, x, y); }
 CHLADNI_WIDE void multiply_eight(Lower a, const double* x, double* y) { multiply<8>(a, x, y); }
 
-// Column-major to rows of `width`, and back.
+// Copies column-major data to rows of `width`; `scatter` copies back.
 void gather(const Eigen::Ref<const Eigen::MatrixXd>& x, Eigen::Index width, double* rows) {
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     for (Eigen::Index j = 0; j < x.cols(); ++j) rows[i * width + j] = x(i, j);

@@ -7,9 +7,9 @@
 
 namespace chladni::fem {
 
-/// Y := A X for a matrix that stores its lower triangle. Keeps room for eight columns of X and Y,
-/// so that repeated products allocate nothing. The same bits on every run. Cost: eight columns
-/// take hardly longer than one, since the matrix is read once for them.
+/// Y := A X for a matrix A that stores its lower triangle. The object keeps room for eight columns
+/// of X and Y, so that repeated products allocate nothing. The bits are the same on every run.
+/// Cost: eight columns take hardly longer than one, since the matrix is read once for all of them.
 class SymmetricProduct {
  public:
   /// @param lower  n×n; kept by reference

@@ -15,7 +15,7 @@ std::size_t place_of(const std::array<int, 3>& corner) {
   return static_cast<std::size_t>(16 * corner[0] + 4 * corner[1] + corner[2]);
 }
 
-// Both triangles of an array over pairs a >= b; `mirrored` holds the values for b > a.
+// The full matrix from an array over pairs a >= b. `mirrored` holds the values for b > a.
 Matrix square(Eigen::Index size, const Eigen::VectorXd& pairs, const Eigen::VectorXd& mirrored) {
   Matrix full(size, size);
   for (Eigen::Index a = 0, pair = 0; a < size; ++a) {
@@ -27,7 +27,7 @@ Matrix square(Eigen::Index size, const Eigen::VectorXd& pairs, const Eigen::Vect
   return full;
 }
 
-// Products of derivatives, bubble by bubble (a >= b) and bubble by node, into column `k`.
+// Stores products of derivatives in column `k`: bubble by bubble (a >= b) and bubble by node.
 void keep(const Matrix& among, const Matrix& mixed, Eigen::Index k, BubbleIntegrals& to) {
   for (Eigen::Index a = 0, pair = 0; a < among.rows(); ++a) {
     for (Eigen::Index b = 0; b <= a; ++b, ++pair) to.stiffness(pair, k) = among(a, b);
@@ -75,7 +75,7 @@ ShapeValues Bubbles::bubble_shape(const Eigen::Vector4d& barycentric) const {
 }
 
 void Bubbles::integrate_reference() {
-  Matrix lifted(higher_.nodes, own_.nodes);  // the element's functions among the higher ones
+  Matrix lifted(higher_.nodes, own_.nodes);  // the element's functions in terms of the higher ones
   for (Eigen::Index a = 0; a < higher_.nodes; ++a) {
     lifted.row(a) = shape(own_, higher_.barycentric.row(a).transpose()).value.transpose();
   }
@@ -171,7 +171,7 @@ BubbleIntegrals Bubbles::curved_integrals(const mesh::TetMesh& body, Eigen::Inde
                                           const Eigen::Matrix<double, 9, 9>& elasticity) const {
   const Matrix nodes = nodes_of(body, tet, own_.nodes);
   const auto points = weights_.size();
-  std::array<Matrix, 3> own_slope, bubble_slope;  // a column per point; bubbles times the weight
+  std::array<Matrix, 3> own_slope, bubble_slope;  // per axis; a column per point
   own_slope.fill(Matrix(own_.nodes, points));
   bubble_slope.fill(Matrix(count(), points));
   std::array<Matrix, 3> weighted = bubble_slope;

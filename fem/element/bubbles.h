@@ -1,5 +1,5 @@
-// The space in which the error of an element is sought: polynomials one order above its own that
-// vanish at its nodes ("bubbles").
+// The space in which the error of an element is computed: polynomials of one order higher that
+// vanish at the element's nodes ("bubbles").
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace chladni::fem {
 
-/// Corners of each face of a tetrahedron, by the corner opposite.
+/// Corners of each face of a tetrahedron. Face f is opposite corner f.
 inline constexpr std::array<std::array<int, 3>, 4> kFaceCorners{
     {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
@@ -19,25 +19,25 @@ inline constexpr std::array<std::array<int, 3>, 4> kFaceCorners{
 struct BubbleIntegrals {
   using Products = Eigen::Matrix<double, Eigen::Dynamic, 9>;
   Products stiffness;    ///< b(b+1)/2×9, as ElementMatrices: energy among bubbles [N/m]
-  Products mixed;        ///< b·n×9, row a·n + c, column 3i + j: of bubble a and node c [N/m]
+  Products mixed;        ///< b·n×9, row a·n + c, column 3i + j: bubble a with node c [N/m]
   Eigen::MatrixXd mass;  ///< b×n [kg]
 };
 
-/// One side of a face, at the points of the rule.
+/// Geometry of one side of a face, at the points of the rule.
 struct FaceGeometry {
   std::vector<Eigen::Matrix3d> gradient;  ///< row m: ∇ξ_m [1/m]
-  std::vector<Eigen::Vector3d> area;      ///< outward normal times the area the point stands for
-                                          ///< where its weight is 1 [m^2]
+  std::vector<Eigen::Vector3d> area;      ///< outward normal times the area that belongs to the
+                                          ///< point for a weight of 1 [m^2]
 };
 
-/// The bubbles of one element, with what is needed of them on the reference tetrahedron.
+/// The bubbles of one element, with their integrals and values on the reference tetrahedron.
 class Bubbles {
  public:
   /// @param order  of the element, 1 to 3
   explicit Bubbles(int order);
 
-  /// Shape functions on a face, whose corners come in ascending order of their nodes so that both
-  /// cells put the points at the same places.
+  /// Shape functions on a face. The face's corners are in ascending order of their nodes, so that
+  /// both cells of the face have the points at the same places.
   struct OnFace {
     std::array<int, 3> corner{};
     Eigen::MatrixXd gradients;  ///< 3q×n: derivatives of the element's functions by ξ
@@ -48,7 +48,8 @@ class Bubbles {
   [[nodiscard]] FaceGeometry geometry(const mesh::TetMesh& body, Eigen::Index tet, std::size_t face,
                                       bool straight) const;
 
-  /// In closed form on straight cells, by quadrature on curved ones.
+  /// The integrals over one cell, in closed form on straight cells and by quadrature on curved
+  /// ones.
   /// Cost: about 10^5 operations on a straight tet10, 10^6 on a curved one.
   [[nodiscard]] BubbleIntegrals integrals(const mesh::TetMesh& body, Eigen::Index tet,
                                           bool straight, const Material& material,
@@ -76,7 +77,7 @@ class Bubbles {
   const Element& own_;
   const Element& higher_;
   TriangleRule face_rule_;
-  Eigen::MatrixXd bubbles_;    // higher.nodes×b: their coefficients among the higher functions
+  Eigen::MatrixXd bubbles_;    // higher.nodes×b: coefficients of the higher functions
   BubbleIntegrals reference_;  // means over the reference element, derivatives by ξ
   std::vector<AtPoint> at_points_;
   Eigen::VectorXd weights_;

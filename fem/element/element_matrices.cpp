@@ -11,7 +11,7 @@
 namespace chladni::fem {
 namespace {
 
-// A cell that the mapping turns inside out would take stiffness and mass away.
+// Refuses an inverted cell: its stiffness and mass would be negative.
 void require_positive(double determinant, const mesh::TetMesh& body, Eigen::Index tet) {
   if (determinant > 0.0) return;
   Eigen::RowVector3d at = Eigen::RowVector3d::Zero();
@@ -25,7 +25,7 @@ void require_positive(double determinant, const mesh::TetMesh& body, Eigen::Inde
 
 }  // namespace
 
-// From Voigt's xx yy zz yz xz xy.
+// The tensor from Voigt's order xx yy zz yz xz xy.
 Eigen::Matrix<double, 9, 9> elasticity(const Material& material) {
   constexpr int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
   Eigen::Matrix<double, 9, 9> tensor;

@@ -10,7 +10,7 @@
 
 namespace chladni::fem {
 
-/// Per pair of nodes (a, b), a >= b, at row a(a+1)/2 + b.
+/// Stiffness and mass of one cell. The pair of nodes (a, b), a >= b, is at row a(a+1)/2 + b.
 struct ElementMatrices {
   Eigen::Matrix<double, Eigen::Dynamic, 9> stiffness;  ///< column 3i + j: K_(a,i)(b,j) [N/m]
   Eigen::VectorXd mass;                                ///< M_ab, equal for the three axes [kg]
@@ -26,25 +26,27 @@ struct StraightCell {
 };
 [[nodiscard]] StraightCell straight_cell(const mesh::TetMesh& body, Eigen::Index tet);
 
-/// C_ikjl at row 3i + j, column 3k + l, as K_(a,i)(b,j) = ∫ ∂_k N_a C_ikjl ∂_l N_b asks for [Pa].
+/// C_ikjl at row 3i + j, column 3k + l, as needed in K_(a,i)(b,j) = ∫ ∂_k N_a C_ikjl ∂_l N_b [Pa].
 [[nodiscard]] Eigen::Matrix<double, 9, 9> elasticity(const Material& material);
 
-/// F with which reference products G (pairs×9, as Element::gradient_products) become stiffness:
-/// G Fᵀ, column 3i + j.
+/// The factors F that turn reference products G (pairs×9, as Element::gradient_products) into the
+/// stiffness G Fᵀ, column 3i + j.
 [[nodiscard]] Eigen::Matrix<double, 9, 9> stiffness_factors(
     const StraightCell& cell, const Eigen::Matrix<double, 9, 9>& elasticity);
 
 /// out = in Fᵀ for pairs×9 arrays, column-major.
 void combine(const double* in, const double* factors, double* out, Eigen::Index pairs);
 
-/// Cells of one mesh, one after the other, with the work space kept. Straight-sided cells in closed
-/// form, curved ones (a node off the place that its corners give it) by quadrature.
+/// Integrates the cells of one mesh, one after the other, and keeps the work space. Straight-sided
+/// cells are integrated in closed form. Curved cells (is_straight is false) are integrated by
+/// quadrature.
 class ElementIntegrator {
  public:
   ElementIntegrator(const mesh::TetMesh& body, const std::vector<Material>& materials);
 
-  /// Valid until the next call. Cost: 81 multiplications per pair of nodes.
-  /// @throws InvalidInput  the cell is inverted or flat where it is integrated
+  /// The matrices of cell `tet`, valid until the next call. Cost: 81 multiplications per pair of
+  /// nodes on a straight-sided cell.
+  /// @throws InvalidInput  the cell is inverted or flat at an integration point
   [[nodiscard]] const ElementMatrices& matrices(Eigen::Index tet);
 
  private:

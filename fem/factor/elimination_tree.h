@@ -1,4 +1,5 @@
-// The order of elimination of a sparse symmetric matrix and the dense blocks that follow from it.
+// The order of elimination of a sparse symmetric matrix, and the dense fronts that follow from this
+// order.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +13,24 @@ namespace chladni::fem {
 /// Columns of a front that are eliminated together and stored together.
 inline constexpr long kStripWidth = 128;
 
-/// Consecutive columns with one row structure: a dense front of width + rows.size() rows.
+/// A supernode: consecutive columns with one row structure. Its dense front has
+/// width + rows.size() rows.
 struct Supernode {
   std::int32_t first = 0;  ///< column, in the order of elimination
   std::int32_t width = 0;
   std::int32_t parent = -1;        ///< −1: a root
   std::vector<std::int32_t> rows;  ///< below the columns, ascending, in the order of elimination
   std::vector<std::int32_t> children;
-  std::int64_t place = 0;  ///< of its panel in the factor's storage
-  std::int8_t parity = 0;  ///< of its depth below its root
+  std::int64_t place = 0;  ///< where its panel starts in the factor's storage
+  std::int8_t parity = 0;  ///< its depth below its root, modulo 2
   bool detached = false;   ///< root of a subtree that has a parent: its update block waits
                            ///< outside the stacks
-  double flops = 0.0;      ///< of its own front
+  double flops = 0.0;      ///< for its own front
   double subtree_flops = 0.0;
 };
 
-/// Doubles of a node's panel: strips of its columns, each from its own diagonal down.
+/// Size of a node's panel in doubles. The panel holds strips of the node's columns; each strip
+/// starts at its own diagonal.
 [[nodiscard]] std::int64_t panel_size(const Supernode& node);
 
 struct Symbolic::Tree {
@@ -39,19 +42,20 @@ struct Symbolic::Tree {
   std::int64_t tallest_front = 0;       ///< rows
   std::int64_t stack_size[2] = {0, 0};  ///< doubles of waiting update blocks per thread, at most,
                                         ///< by the parity of their depth
-  std::int64_t detached_size = 0;       ///< doubles of those outside the stacks
+  std::int64_t detached_size = 0;       ///< doubles of the update blocks outside the stacks
   double flops = 0.0;
   double entries = 0.0;  ///< of the pattern
-  int threads = 1;       ///< it was cut up for
+  int threads = 1;       ///< number of threads that the subtrees were chosen for
   std::vector<std::int32_t>
-      subtrees;  ///< roots of subtrees that can be worked on at once, heaviest first
+      subtrees;  ///< roots of subtrees that threads can work on at once, heaviest first
   std::vector<std::int32_t> top;  ///< the nodes above them, children before parents
 };
 
-/// The first of the nodes from which those up to `root` are its subtree.
+/// The first node of the subtree of `root`. The nodes from this one to `root` are the subtree.
 [[nodiscard]] std::int32_t first_descendant(const Symbolic::Tree& tree, std::int32_t root);
 
-/// Degrees of freedom with one structure taken together, for a graph a third as long.
+/// A graph of groups: degrees of freedom with one structure form one group. The graph is a third as
+/// long.
 struct QuotientGraph {
   std::vector<std::int32_t> first;  ///< group -> its first degree of freedom; groups + 1 entries
   std::vector<std::int32_t> start;  ///< adjacency without loops, both directions
@@ -59,11 +63,11 @@ struct QuotientGraph {
 };
 [[nodiscard]] QuotientGraph quotient_graph(const SparseMatrix& pattern);
 
-/// Groups from which on METIS takes longer than Ctrl-C should wait: about a second.
+/// Number of groups above which METIS takes about a second or more, too long for Ctrl-C to wait.
 inline constexpr std::size_t kLargeGraph = 50'000;
 
-/// new -> old group, by nested dissection. Of `large` groups and more in a worker, which Ctrl-C
-/// ends within 0.2 s.
+/// The order of the groups (new -> old) by nested dissection. A graph of `large` groups or more
+/// goes to a worker, which Ctrl-C ends within 0.2 s.
 /// @throws Interrupted, WorkerDied, OutOfResources
 [[nodiscard]] std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph,
                                                           std::size_t large = kLargeGraph);

@@ -35,7 +35,8 @@ void each_entry(const Tree& tree, const SparseMatrix& a, double s, const SparseM
   }
 }
 
-// Where the rows of a child's update block go: runs of neighbours are added as vectors.
+// The rows of the front to which a child's update block is added. Runs of consecutive rows are
+// added as vectors.
 struct Destination {
   struct Run {
     std::int32_t first, last, to;  // rows [first, last) of the child, row of the front
@@ -96,7 +97,8 @@ std::int64_t update_size(const Supernode& node) {
   return r * r;
 }
 
-// Calls work(i) for all i < count, each answering Ctrl-C first; `flops` is what they cost together.
+// Calls work(i) for all i < count and answers Ctrl-C before each call. `flops` is the cost of all
+// calls together.
 template <typename Work>
 void each_block(Team team, long count, double flops, const Work& work) {
   constexpr double kWorthThreads = 2e7;  // a thread costs about 30 µs to start
@@ -110,7 +112,7 @@ void each_block(Team team, long count, double flops, const Work& work) {
 
 long blocks_in(long size, long block) { return (size + block - 1) / block; }
 
-// Calls work(block of rows, its number) for the rows of `below`.
+// Calls work(block of rows, number of the block) for the rows of `below`.
 constexpr long kRows = 512;
 template <typename Work>
 void each_row_block(Team team, Block below, const Work& work) {
@@ -121,8 +123,8 @@ void each_row_block(Team team, Block below, const Work& work) {
   });
 }
 
-// Takes what strip p eliminated out of the strips after it and out of the update block: `left` is
-// below itself or below times D.
+// Subtracts the contribution of strip p from the later strips and from the update block. `left` is
+// `below` itself (Cholesky) or `below` times D (LDLᵀ).
 void spread_strip(const Supernode& node, double* panel, long p, Block left, Block below,
                   Block update, Team team) {
   constexpr long kColumns = 192;
@@ -146,12 +148,13 @@ void spread_strip(const Supernode& node, double* panel, long p, Block left, Bloc
   });
 }
 
-// The row, in the order of elimination, of row i of a front.
+// The row in the order of elimination that row i of a front stands for.
 std::size_t row_of(const Supernode& node, long i) {
   return at(i < node.width ? node.first + i : node.rows[at(i - node.width)]);
 }
 
-// l²|d| of the negative pivots of strip p, on the rows of its front from `row` on.
+// Raises `spread` to l²|d| of the negative pivots in one strip. The strip starts at row `row` of
+// the front.
 void note_spread(const Supernode& node, Block own, long row, std::vector<double>& spread) {
   for (long k = 0; k < own.columns; ++k) {
     const double d = own(k, k);

@@ -1,4 +1,4 @@
-// The dense fronts of the multifrontal method: how they are laid out, assembled and eliminated.
+// The dense fronts of the multifrontal method: storage, assembly and elimination.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace chladni::fem {
 
-/// A + s B in the order of elimination: each column's entries on and below the diagonal, unsorted.
+/// A + s B in the order of elimination. Each column holds its entries on and below the diagonal,
+/// unsorted.
 struct Permuted {
   std::vector<std::int64_t> start;
   std::vector<std::int32_t> row;
@@ -19,29 +20,30 @@ struct Permuted {
 [[nodiscard]] Permuted permuted(const Symbolic::Tree& tree, const SparseMatrix& a, double s,
                                 const SparseMatrix* b);
 
-/// Strip `p` of the columns that a node eliminates: rows from its own diagonal down. Strips follow
-/// each other in storage, so that little of the upper triangle is stored.
+/// Strip `p` of the columns that a node eliminates, with the rows from the strip's diagonal down.
+/// Strips follow each other in storage, so that little of the upper triangle is stored.
 [[nodiscard]] dense::Block strip(const Supernode& node, double* panel, long p);
 [[nodiscard]] inline long strip_count(const Supernode& node) {
   return (node.width + kStripWidth - 1) / kStripWidth;
 }
 
-/// What one thread needs besides the tree.
+/// The data that one thread needs besides the tree.
 struct Worker {
   explicit Worker(const Symbolic::Tree& tree);
   std::vector<std::int32_t> local;  ///< row in the order of elimination -> row of the front
   Stack stacks[2];                  ///< of update blocks, by the parity of the node's depth
-  Storage panel, scaled;            ///< of one front, where no factor is kept
+  Storage panel, scaled;            ///< for one front, where no factor is kept
 };
 
-/// Fronts from the matrix and the children's update blocks, which wait on the stacks until their
-/// parent takes them; those of the roots of subtrees wait in storage of their own.
+/// Assembles fronts from the matrix and the children's update blocks. An update block waits on a
+/// stack until the parent takes it. The update blocks of the roots of subtrees wait in separate
+/// storage.
 class Fronts {
  public:
   Fronts(const Symbolic::Tree& tree, const Permuted& matrix);
 
-  /// Assembles the front of node s into `panel` (zero, of panel_size) and its update block, of
-  /// which only the lower triangle is meant.
+  /// Assembles the front of node s into `panel` (panel_size zeros) and into the returned update
+  /// block. Only the lower triangle of the update block has meaning.
   dense::Block assemble(std::int32_t s, double* panel, Worker& worker);
 
  private:
@@ -54,28 +56,29 @@ class Fronts {
   std::vector<Storage> detached_;
 };
 
-/// Who works on one front.
+/// The threads that work on one front.
 enum class Team {
   one,  ///< this thread
-  all   ///< all threads, on blocks that do not depend on how many there are
+  all   ///< all threads; the blocks do not depend on the number of threads
 };
 
-/// Eliminates the node's columns by Cholesky: `panel` becomes those of L, `update` what is left for
-/// the parent. False where a pivot is not positive. Ctrl-C is answered between blocks.
+/// Eliminates the node's columns by Cholesky. `panel` becomes the columns of L. `update` becomes
+/// the update block for the parent. False where a pivot is not positive. Ctrl-C is answered between
+/// blocks.
 /// @throws Interrupted
 [[nodiscard]] bool eliminate(const Supernode& node, double* panel, dense::Block update, Team team);
 
-/// What LDLᵀ met, by rows in the order of elimination.
+/// The pivots of LDLᵀ, by rows in the order of elimination.
 struct Pivots {
   explicit Pivots(std::size_t rows) : value(rows), largest(rows) {}
   std::vector<double> value;    ///< D; 0 where the elimination stopped
-  std::vector<double> largest;  ///< entry of the column on and below the pivot
+  std::vector<double> largest;  ///< the largest entry of the column on and below the pivot
 };
-/// The same by LDLᵀ without exchanges, for the signs of the pivots.
+/// Eliminates the node's columns by LDLᵀ without exchanges of rows, for the signs of the pivots.
 /// @param scaled  room for (width + rows)·kStripWidth doubles
-/// @param pivots  the node's own are filled in
-/// @param spread  rows; raised to the largest l²|d| that a negative pivot d adds to its diagonal
-/// @return  false where it met a pivot of 0 or one that is not finite
+/// @param pivots  the entries of the node's rows are filled in
+/// @param spread  per row; raised to the largest l²|d| that a negative pivot d adds to the diagonal
+/// @return  false where a pivot is 0 or not finite
 [[nodiscard]] bool eliminate_indefinite(const Supernode& node, double* panel, dense::Block update,
                                         double* scaled, Team team, Pivots& pivots,
                                         std::vector<double>& spread);

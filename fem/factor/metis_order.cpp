@@ -1,4 +1,4 @@
-// The only file that knows METIS.
+// The only file that includes METIS.
 #include "fem/factor/metis_order.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ void append(std::string& bytes, const Numbers& numbers) {
   bytes.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(numbers[0]));
 }
 
-// The next array; `bytes` goes on behind it.
+// Takes the next array from the front of `bytes`.
 Numbers taken(std::string_view& bytes) {
   std::uint64_t count = 0;
   require(bytes.size() >= sizeof count, "ended before the count of an array");
@@ -68,8 +68,9 @@ Numbers metis_order(const QuotientGraph& graph) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
-  // Halves may differ by 3 to 1 for a smaller separator: a tenth less fill, a seventh of the work
-  // on plates. (At 1000 a half may be empty, and METIS does not end.)
+  // The two halves may differ by 3 to 1, which allows a smaller separator. On plates this saves a
+  // tenth of the fill and a seventh of the work. (At 1000 one half may be empty, and METIS does not
+  // end.)
   options[METIS_OPTION_UFACTOR] = 500;
   const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
                                   order.data(), position.data());

@@ -1,8 +1,8 @@
-// Multifrontal factorisation (Duff and Reid 1983) on the elimination tree: each node assembles a
-// dense front from the matrix and its children's update blocks, eliminates its columns with BLAS,
-// and hands its own update block up. Subtrees run on all cores, then all cores on the blocks of one
-// front at a time; BLAS itself stays on one thread. Sums are in a fixed order, so the bits do not
-// depend on which core does what.
+// Multifrontal factorisation (Duff and Reid 1983) on the elimination tree. Each supernode assembles
+// a dense front from the matrix and its children's update blocks, eliminates its columns with BLAS,
+// and passes its own update block to its parent. First the cores work on different subtrees; then
+// all cores work on the blocks of one front at a time. BLAS itself stays on one thread. Sums are in
+// a fixed order, so the bits do not depend on which core does what.
 #include "fem/factor/multifrontal.h"
 
 #include <algorithm>
@@ -20,8 +20,8 @@ namespace {
 using Tree = Symbolic::Tree;
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-// Calls work(node, thread, team) for every node after its children: the subtrees on all threads,
-// then the nodes above them, all threads on one node.
+// Calls work(node, thread, team) for every node, after its children. The subtrees come first, one
+// thread per subtree. The nodes above the subtrees follow, all threads on one node.
 template <typename NodeWork>
 void walk_up(const Tree& tree, const NodeWork& work) {
   const dense::OneBlasThread one_thread;
@@ -44,7 +44,7 @@ std::vector<Worker> workers_for(const Tree& tree) {
   return workers;
 }
 
-// Per row in the order of elimination the largest entry that A or s B have in it.
+// The largest entry of A or s B in each row, in the order of elimination.
 std::vector<double> largest_entries(const Tree& tree, const SparseMatrix& a, double s,
                                     const SparseMatrix& b) {
   std::vector<double> largest(tree.order.size(), 0.0);
@@ -64,7 +64,7 @@ std::vector<double> largest_entries(const Tree& tree, const SparseMatrix& a, dou
   return largest;
 }
 
-// The counts, and how far the elimination can be trusted.
+// The counts of pivot signs, and the figures that say whether the elimination can be trusted.
 Inertia told_by(const Pivots& pivots, const std::vector<std::vector<double>>& spread,
                 const std::vector<double>& entries) {
   Inertia result{.smallest_pivot = 1.0, .growth = 1.0};

@@ -1,4 +1,4 @@
-// The factor's storage and the order in which its nodes are visited.
+// The factor's storage, and the loop over the subtrees.
 #pragma once
 
 #include <atomic>
@@ -25,8 +25,8 @@ struct Factorization::Numeric {
   Storage storage;
 };
 
-/// Calls work(k, thread) for every subtree k, on as many threads as the tree was cut up for; which
-/// thread works on which is left to chance, so the sums must not depend on it.
+/// Calls work(k, thread) for every subtree k, on tree.threads threads. The thread that works on a
+/// subtree is not fixed, so the sums must not depend on the thread.
 template <typename Work>
 void each_subtree(const Symbolic::Tree& tree, const Work& work) {
   std::atomic<std::size_t> next{0};

@@ -1,6 +1,6 @@
-// chladni-order: reads a graph from stdin and writes the order of its elimination to stdout
-// (fem/factor/metis_order.h). A program of its own, because METIS cannot be stopped and takes SIGTERM for
-// itself. Ends with status 0, or 1 and a line that says why.
+// The program chladni-order reads a graph from stdin and writes the order of its elimination to
+// stdout (fem/factor/metis_order.h). It is a separate program because METIS cannot be stopped and
+// catches SIGTERM. The exit status is 0, or 1 with a line that gives the reason.
 #include <cstdio>
 #include <exception>
 

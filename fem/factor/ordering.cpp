@@ -1,4 +1,4 @@
-// Degrees of freedom taken together, and the order in which the groups are eliminated.
+// Groups of degrees of freedom, and the order in which the groups are eliminated.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -10,7 +10,8 @@
 namespace chladni::fem {
 namespace {
 
-// Column c + 1 has the rows of column c without itself: eliminated together at no loss.
+// Whether column c + 1 has the rows of column c except row c. Both columns can then be eliminated
+// together without extra zeros.
 bool same_structure(const SparseMatrix& pattern, Eigen::Index c) {
   const auto* outer = pattern.outerIndexPtr();
   const auto* inner = pattern.innerIndexPtr();
@@ -71,7 +72,7 @@ std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph, std::siz
   std::filesystem::path worker;
   try {
     worker = worker_path("chladni-order");
-  } catch (const WorkerDied&) {  // of a library without its programs: Ctrl-C is heard later
+  } catch (const WorkerDied&) {  // a library without its programs: Ctrl-C then has to wait
     return metis_order(graph);
   }
   const WorkerLimits limits{.time = std::chrono::hours(24), .memory_bytes = 0};

@@ -1,5 +1,5 @@
-// Solving with the factor: up the tree for L y = b, down for L^T x = y, all right-hand sides at
-// once.
+// Solves with the factor, all right-hand sides at once: up the tree for L y = b, then down the tree
+// for L^T x = y.
 #include <algorithm>
 
 #include "dense/panel_kernels.h"
@@ -57,8 +57,8 @@ void solve_down(const Supernode& node, double* panel, Block front) {
   }
 }
 
-// Up through one node. Rows up to `last` are changed in x, those of ancestors in `outer`, where
-// row i of the order of elimination stands in row local[i].
+// Goes up through one node. Rows up to `last` are changed in x. Later rows (of ancestors) are
+// changed in `outer`, where row i of the order of elimination is row local[i].
 void step_up(const Supernode& node, double* panel, Block front, Rows& x, std::int32_t last,
              Rows& outer, const std::vector<std::int32_t>& local) {
   gather_own(node, x, front);
@@ -83,8 +83,8 @@ void step_down(const Supernode& node, double* panel, Block front, Rows& x) {
   scatter_own(node, front, x);
 }
 
-// Each subtree's changes of the rows above it are kept apart and added in the order of the
-// subtrees: the same bits whichever thread is first.
+// Each subtree's changes to the rows above it are kept apart. They are added in the order of the
+// subtrees, so the bits do not depend on which thread is first.
 void go_up(const Factorization::Numeric& factor, Rows& x) {
   const auto& tree = factor.tree;
   std::vector<FrontVectors> fronts(at(tree.threads), {tree, x.cols()});

@@ -23,8 +23,8 @@ Storage::Storage(std::int64_t doubles, bool resident)
 #ifdef MADV_POPULATE_WRITE
   constexpr std::size_t piece = std::size_t{1} << 28U;  // a tenth of a second
   for (std::size_t done = 0; resident && done < bytes_; done += piece) {
-    if (interrupted()) break;  // answered by the first step of work on it
-    // Where the kernel has it (5.14).
+    if (interrupted()) break;  // the first step of work on the array throws Interrupted
+    // Works where the kernel has it (5.14); elsewhere it does nothing.
     madvise(static_cast<char*>(p) + done, std::min(piece, bytes_ - done), MADV_POPULATE_WRITE);
   }
 #else

@@ -1,4 +1,4 @@
-// Large arrays of doubles straight from the system.
+// Large arrays of doubles, taken directly from the operating system.
 #pragma once
 
 #include <cstddef>
@@ -6,13 +6,14 @@
 
 namespace chladni::fem {
 
-/// Memory that is given back when it is no longer held; zero at first, and resident only where it
-/// was written. Pages of the usual size: in huge ones the first touch cost up to seven times as
-/// much in a virtual machine, and the products, which copy what they multiply, gained nothing.
+/// An array that the destructor gives back to the system. The array is zero at first, and resident
+/// only where it was written. The pages have the usual size. With huge pages the first touch cost
+/// up to seven times as much in a virtual machine, and the matrix products, which copy their
+/// factors, gained nothing.
 class Storage {
  public:
   Storage() = default;
-  /// @param resident  all of it at once, which costs half of what page by page does
+  /// @param resident  makes all pages resident at once, at half the cost of page by page
   /// @throws OutOfResources  the system grants no such range
   explicit Storage(std::int64_t doubles, bool resident = false);
   ~Storage();
@@ -31,7 +32,7 @@ class Storage {
   double* data_ = nullptr;
 };
 
-/// Blocks that are given back in the opposite order they were taken in.
+/// A stack of blocks: blocks are given back in the opposite order in which they were taken.
 class Stack {
  public:
   Stack() = default;

@@ -10,7 +10,7 @@ namespace {
 using Index = std::int32_t;
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// The quotient graph in some order, with the elimination tree of that order.
+// An order of the quotient graph's groups, with the elimination tree of that order.
 struct Ordered {
   std::vector<Index> order, position;  // new -> old group and back
   std::vector<Index> parent;
@@ -22,7 +22,8 @@ std::vector<Index> inverse(const std::vector<Index>& order) {
   return position;
 }
 
-// Liu (1990), SIAM J. Matrix Anal. 11, 134-172: with path compression.
+// The parent of each group, by Liu's algorithm with path compression (Liu 1990, SIAM J. Matrix
+// Anal. 11, 134-172).
 std::vector<Index> elimination_tree(const QuotientGraph& graph, const std::vector<Index>& order,
                                     const std::vector<Index>& position) {
   std::vector<Index> parent(order.size(), -1);
@@ -42,7 +43,7 @@ std::vector<Index> elimination_tree(const QuotientGraph& graph, const std::vecto
   return parent;
 }
 
-// Children right before their parents, so that each subtree is contiguous.
+// An order in which children come right before their parents, so that each subtree is contiguous.
 std::vector<Index> postorder(const std::vector<Index>& parent) {
   const auto n = static_cast<Index>(parent.size());
   std::vector<Index> first_child(parent.size(), -1);
@@ -87,7 +88,7 @@ Ordered ordered(const QuotientGraph& graph) {
   return o;
 }
 
-// Entries in each column of L, diagonal included: every row's subtree walked once.
+// The number of entries in each column of L, diagonal included. Every row's subtree is walked once.
 std::vector<Index> column_counts(const QuotientGraph& graph, const Ordered& o) {
   std::vector<Index> count(o.order.size(), 1);
   std::vector<Index> mark(o.order.size(), -1);
@@ -106,14 +107,14 @@ std::vector<Index> column_counts(const QuotientGraph& graph, const Ordered& o) {
   return count;
 }
 
-// A run of columns being joined; sizes in degrees of freedom.
+// A run of columns to be joined into one supernode. Sizes are in degrees of freedom.
 struct Run {
   Index first = 0, last = 0;  // groups
   double width = 0.0, below = 0.0, zeros = 0.0;
 };
 
-// Few more zeros are cheaper than many small fronts (the thresholds of Chen et al. 2008, CHOLMOD,
-// widened for three degrees of freedom per node).
+// Whether joining is worth it: a few more zeros are cheaper than many small fronts. The thresholds
+// are those of Chen et al. (2008, CHOLMOD), widened for three degrees of freedom per node.
 bool worth_joining(const Run& child, const Run& parent, double& zeros) {
   const double width = child.width + parent.width;
   zeros = child.zeros + parent.zeros +
@@ -140,7 +141,7 @@ std::vector<Run> runs(const QuotientGraph& graph, const Ordered& o) {
   for (auto& run : all) run.below = 3.0 * (count[at(run.last)] - 1);
   std::vector<Run> joined;
   for (auto run : all) {
-    // The run before is a child of this one where its last column's parent lies inside.
+    // The previous run is a child of this one where its last column has its parent in this run.
     while (!joined.empty()) {
       const auto& child = joined.back();
       const Index p = o.parent[at(child.last)];
@@ -154,7 +155,7 @@ std::vector<Run> runs(const QuotientGraph& graph, const Ordered& o) {
   return joined;
 }
 
-// The groups below each run: of its own columns and of its children's.
+// The groups below each run, from its own columns and from its children's.
 std::vector<std::vector<Index>> structures(const QuotientGraph& graph, const Ordered& o,
                                            const std::vector<Run>& all,
                                            std::vector<Index>& parent_run) {
@@ -194,7 +195,8 @@ std::vector<std::vector<Index>> structures(const QuotientGraph& graph, const Ord
 
 double front_flops(double w, double r) { return w * w * w / 3.0 + w * w * r + w * r * r; }
 
-// Subtrees of nearly equal work for all threads; what is above them is worked on together.
+// Chooses subtrees so that all threads get nearly equal work. All threads work together on the
+// nodes above the subtrees.
 void choose_subtrees(Symbolic::Tree& tree, int threads) {
   std::vector<Index> chosen;
   for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
@@ -254,8 +256,9 @@ void sum_up(Symbolic::Tree& tree) {
   }
 }
 
-// The most that waits on the stacks while each subtree and the nodes above them are worked on.
-// Nodes of one parity push, those of the other pop: what is popped is always on top.
+// The largest size of the update blocks that wait on the stacks at one time. A node pushes on the
+// stack of its parity and pops its children from the other stack, so the popped blocks are always
+// on top.
 void size_stacks(Symbolic::Tree& tree) {
   std::int64_t waiting[2] = {0, 0};
   const auto update_size = [](const Supernode& node) {
@@ -290,7 +293,7 @@ Symbolic::Tree build(const SparseMatrix& pattern) {
   const auto below = structures(graph, o, all, parent_run);
 
   Symbolic::Tree tree;
-  std::vector<Index> place(o.order.size() + 1, 0);  // of a group's first degree of freedom
+  std::vector<Index> place(o.order.size() + 1, 0);  // new number of a group's first dof
   for (std::size_t j = 0; j < o.order.size(); ++j) {
     const auto old = at(o.order[j]);
     for (Index dof = graph.first[old]; dof < graph.first[old + 1]; ++dof) tree.order.push_back(dof);
@@ -318,7 +321,8 @@ Symbolic::Tree build(const SparseMatrix& pattern) {
   return tree;
 }
 
-// Whether every entry of b has its place in a: so it is unless a mass is spread over elements.
+// Whether the pattern of a contains the pattern of b. This is true unless a mass is spread over
+// several elements.
 bool holds(const SparseMatrix& a, const SparseMatrix& b) {
   for (Eigen::Index c = 0; c < b.cols(); ++c) {
     SparseMatrix::InnerIterator x(a, c);

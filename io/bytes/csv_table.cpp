@@ -25,7 +25,7 @@ char separator_of(std::string_view header) {
   return ',';
 }
 
-// What a field without quotes says; the bytes between two separators.
+// The number in a field, which is the bytes between two separators, with or without quotes.
 double number_of(std::string_view field, const CsvTable& table, std::size_t column, int line) {
   field = trimmed(field);
   if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
@@ -86,7 +86,8 @@ void read_header(std::string_view line, char separator, int number, CsvTable& ta
   }
 }
 
-// How many numbers there may be: a field takes a byte at least, its separator or the line's end.
+// The largest possible count of numbers. A field takes at least one byte, its separator or the line
+// end.
 std::size_t number_count(std::string_view bytes, const CsvTable& table, std::size_t limit) {
   const auto lines = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
   const std::size_t count = std::min(lines * table.names.size(), bytes.size() + 1);

@@ -1,4 +1,4 @@
-// Columns of numbers under a line of names.
+// Tables of numbers with a header line of names.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,22 +14,23 @@ namespace chladni::io {
 struct CsvTable {
   std::string file;                ///< its name, for messages
   std::vector<std::string> names;  ///< c, each once
-  int header_line = 0;             ///< of the file, counted from 1
-  std::vector<int> line;           ///< r: where each row stands
+  int header_line = 0;             ///< line of the file with the names, counted from 1
+  std::vector<int> line;           ///< r: line of the file of each row
   Eigen::MatrixXd values;          ///< r×c; NaN where a field is empty or says nan
 
-  /// The number of the column called so; −1: there is none.
+  /// The number of the column with this name; −1: there is none.
   [[nodiscard]] Eigen::Index column(std::string_view name) const;
 };
 
-/// The fields of one line between `separator`; a quoted one may hold it, and quotes written twice.
-/// Blanks around a field are left out. @throws InvalidInput  a quote is not closed, too many fields
+/// The fields of one line, separated by `separator`. A quoted field may contain the separator, and
+/// quotes written twice. Blanks around a field are removed.
+/// @throws InvalidInput  a quote is not closed, or there are too many fields
 [[nodiscard]] std::vector<std::string> csv_fields(std::string_view line, char separator = ',');
 
-/// Numbers with a decimal point between commas (or semicolons or tabs, where the first line has no
-/// comma); lines ended by LF or CR LF, empty lines and lines that begin with # are passed over. At
-/// most 10 000 columns, no number larger than any that is measured. Cost: linear; memory 16 bytes
-/// per number.
+/// Reads numbers with a decimal point, separated by commas (or by semicolons or tabs where the
+/// first line has no comma). Lines end with LF or CR LF. Empty lines and lines that begin with #
+/// are skipped. At most 10 000 columns; numbers are limited to kLargestMeasured. Cost: linear;
+/// memory 16 bytes per number.
 /// @param file  its name, for messages
 /// @param limit  of the memory for the numbers [bytes]
 /// @throws InvalidInput  names the line and the column, what was found and what was expected; more

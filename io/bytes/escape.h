@@ -1,4 +1,4 @@
-// Text that may hold anything, made safe to stand in XML, HTML and scripts.
+// Makes arbitrary text safe for XML, HTML and scripts.
 #pragma once
 
 #include <string>
@@ -6,18 +6,18 @@
 
 namespace chladni::io {
 
-/// `text` with & < > " ' ` as entities: for the text and the quoted attributes of XML and HTML.
-/// Bytes that are not UTF-8, and control characters that XML forbids, become U+FFFD.
+/// `text` with & < > " ' ` as entities, for the text and the quoted attributes of XML and HTML.
+/// Bytes that are not UTF-8 and control characters that XML forbids become U+FFFD.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-/// `text` as it is, bytes that are not UTF-8 (RFC 3629) as U+FFFD.
+/// `text`, with bytes that are not UTF-8 (RFC 3629) replaced by U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);
 
-/// JSON for a <script> element: no '<', '>', '&', U+2028 and U+2029 in it, so that no string can
-/// end the script or begin a comment. @param json  valid JSON
+/// JSON for a <script> element. It contains no '<', '>', '&', U+2028 and U+2029, so that no string
+/// can end the script or begin a comment. @param json  valid JSON
 [[nodiscard]] std::string script_safe(std::string_view json);
 
-/// RFC 4648, with padding.
+/// The base64 text of the bytes (RFC 4648, with padding).
 [[nodiscard]] std::string base64(std::string_view bytes);
 
 }  // namespace chladni::io

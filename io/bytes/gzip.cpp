@@ -19,7 +19,7 @@ std::string unzipped(std::string_view bytes, std::size_t limit) {
   const std::unique_ptr<z_stream, int (*)(z_stream*)> ended(&stream, inflateEnd);
   std::string result;
   std::vector<char> room(1U << 18U);
-  // zlib does not write to what it reads, and counts no more than 4 GiB at once.
+  // zlib does not write to its input, and it counts at most 4 GiB at once.
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   std::size_t left = bytes.size();
   for (int state = Z_OK; left > 0 || state != Z_STREAM_END;) {

@@ -6,11 +6,11 @@
 
 namespace chladni::io {
 
-/// Whether these bytes begin as a gzip file.
+/// Whether the bytes begin like a gzip file.
 [[nodiscard]] bool is_gzip(std::string_view bytes);
 
-/// What was compressed, of one gzip file or several one after the other.
-/// @throws InvalidInput  it is damaged, cut off or larger than `limit` bytes
+/// The unpacked content of one gzip file, or of several gzip files one after the other.
+/// @throws InvalidInput  the file is damaged or truncated, or its content exceeds `limit` bytes
 [[nodiscard]] std::string unzipped(std::string_view bytes, std::size_t limit);
 
 }  // namespace chladni::io

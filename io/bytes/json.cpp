@@ -1,4 +1,5 @@
-// The door to nlohmann's parser; the writer is ours, so that the layout and the digits are.
+// Reads JSON with nlohmann's parser. The writer is our own, because we want to fix the layout and
+// the digits.
 #include "io/json.h"
 
 #include <array>
@@ -55,14 +56,14 @@ void append_escaped(std::string& out, char c) {
   }
 }
 
-// Bytes that are not UTF-8 become U+FFFD: the file is valid whatever a study called its things.
+// Bytes that are not UTF-8 become U+FFFD, so the file is valid for any names in a study.
 void append_string(std::string& out, std::string_view text) {
   out += '"';
   for (const char c : valid_utf8(text)) append_escaped(out, c);
   out += '"';
 }
 
-// The shortest digits that read back as the same number; whole ones keep a ".0".
+// The shortest digits that read back as the same number. Whole numbers keep a ".0".
 void append_number(std::string& out, double value) {
   if (!std::isfinite(value)) {
     out += "null";
@@ -135,7 +136,7 @@ void append(std::string& out, const Json& json, std::size_t level) {
   std::visit(write, json.value());
 }
 
-// Called by nlohmann's parser for each thing it meets (its SAX interface).
+// nlohmann's parser calls this class for each element (its SAX interface).
 class Builder {
  public:
   bool null() { return add(Json()); }

@@ -27,7 +27,7 @@ void append(const std::map<std::string, Array>& arrays, std::string& out) {
   }
 }
 
-// A number of rows or columns. Empty arrays are no larger than what counts may be elsewhere.
+// A number of rows or columns. The limit of 2³¹ also holds for empty arrays.
 Eigen::Index count_of(const Json& description, const char* key, const std::string& name) {
   constexpr double most = 2147483647.0;
   const double count = description.at(key).number();
@@ -37,7 +37,7 @@ Eigen::Index count_of(const Json& description, const char* key, const std::strin
   return static_cast<Eigen::Index>(count);
 }
 
-// Takes an array off the front of `bytes`; its size is checked before anything is allocated.
+// Takes an array from the front of `bytes`. Its size is checked before memory is allocated.
 template <class Array>
 Array taken(std::string_view& bytes, const Json& description) {
   const std::string& name = description.at("name").string();

@@ -1,4 +1,4 @@
-// What our programs say to each other over a pipe: JSON and arrays.
+// Messages between our programs over a pipe: JSON and arrays.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace chladni::io {
 
-/// A head and named arrays. Not a file format: both ends are of one build.
+/// A head and named arrays. This is not a file format: both programs belong to one build.
 struct Message {
   using Doubles = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -18,18 +18,18 @@ struct Message {
   std::map<std::string, Doubles> doubles;
   std::map<std::string, Cells> integers;
 
-  /// An array by its name. @throws InvalidInput  there is none of that name and type
+  /// An array by its name. @throws InvalidInput  there is no array with that name and type
   [[nodiscard]] const Doubles& numbers(const std::string& name) const;
   [[nodiscard]] const Cells& cells(const std::string& name) const;
 };
 
-/// The bytes: a line with the length of the JSON, the JSON, the arrays as they lie in memory.
+/// The bytes: a line with the length of the JSON, then the JSON, then the arrays as in memory.
 [[nodiscard]] std::string bytes(const Message& message);
 
-/// Whoever wrote the bytes is not trusted: sizes are whole numbers below 2³¹ and agree with what
-/// there is before anything is allocated, each array is there once. What heads and values mean is
-/// for the reader to check.
-/// @throws InvalidInput  not such bytes; a length that does not agree with what there is
+/// Reads a message. The writer is not trusted: before memory is allocated, sizes must be whole
+/// numbers below 2³¹ and agree with the number of bytes. Each array occurs once. The caller must
+/// check the meaning of the head and the values.
+/// @throws InvalidInput  not such bytes, or a length that does not agree with the bytes
 [[nodiscard]] Message message(std::string_view bytes);
 
 }  // namespace chladni::io

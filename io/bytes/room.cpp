@@ -6,9 +6,9 @@
 namespace chladni::io {
 namespace {
 
-// Of a matrix beside its numbers: the object, and what the allocator adds.
+// Bytes of a matrix beside its numbers: the object and the overhead of the allocator.
 constexpr double kMatrix = 56.0;
-constexpr double kCopies = 2.0;  // whoever uses a set takes a part of it
+constexpr double kCopies = 2.0;  // the user of a set copies a part of it
 
 std::string megabytes(double bytes) {
   return std::to_string(static_cast<long long>(bytes / 1048576.0) + 1) + " MB";

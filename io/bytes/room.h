@@ -1,4 +1,4 @@
-// The memory that reading a file may take.
+// Limits of the memory for reading a file.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,27 +9,28 @@
 
 namespace chladni::io {
 
-/// Half of the memory that there is [bytes], asked anew at each call: a fit needs the rest.
+/// Half of the available memory [bytes], read anew at each call. A fit needs the other half.
 [[nodiscard]] std::size_t reading_limit();
 
-/// What a text may be unpacked to [bytes]: while a string grows, it is there twice.
+/// Largest size of an unpacked text [bytes]. A growing string exists twice in memory.
 [[nodiscard]] std::size_t text_limit(std::size_t limit);
 
-/// What the numbers of a .mat file may be [bytes]: they are there in the worker and on their way
+/// Largest size of the numbers of a .mat file [bytes]. They exist in the worker and on their way
 /// here, six times in all.
 [[nodiscard]] std::size_t mat_limit(std::size_t limit);
 
-/// @throws InvalidInput  `bytes` are more than the limit: says what needs them
+/// @throws InvalidInput  `bytes` are more than the limit; the message says what needs them
 void require_room(double bytes, std::size_t limit, const std::string& what);
 
-/// Before `lines` of a set between its channels are allocated. @param parts  arrays of numbers
-/// beside the responses: variances, coherence
+/// Call this before `lines` of a set between its channels are allocated.
+/// @param parts  number of arrays beside the responses: variances, coherence
 /// @throws InvalidInput  they need more than the limit
 void require_room(const modal::FrfSet& set, Eigen::Index lines, int parts, std::size_t limit);
 
-/// More channels on one side than any rig has are an array that is something else.
+/// The largest number of channels on one side. An array with more holds something else than
+/// channels.
 inline constexpr Eigen::Index kMostChannels = 100'000;
-/// @throws InvalidInput  more than that. @param side  "outputs"
+/// @throws InvalidInput  more than kMostChannels. @param side  "outputs"
 void require_channels(Eigen::Index count, const std::string& side);
 
 }  // namespace chladni::io

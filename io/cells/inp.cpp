@@ -1,5 +1,5 @@
-// Abaqus and CalculiX input decks: tetrahedra, their sections (regions), surfaces and sets
-// (patches). Node orders and faces after the CalculiX manual, "Element types".
+// Reads Abaqus and CalculiX input decks: tetrahedra, their sections (regions), surfaces and sets
+// (patches). Node orders and faces are those of the CalculiX manual, "Element types".
 #include <algorithm>
 #include <array>
 #include <set>
@@ -17,7 +17,8 @@ namespace {
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
     {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
 
-// Keywords that make or move nodes and elements: what they say would be missed.
+// Keywords that create or move nodes and elements. They are refused, because this reader would miss
+// their effect.
 const std::set<std::string> kGenerators{"INCLUDE", "SYSTEM", "NGEN",  "NFILL",
                                         "NCOPY",   "NMAP",   "ELGEN", "ELCOPY"};
 const std::set<std::string> kSilent{"HEADING",      "PREPRINT",     "PART",
@@ -32,7 +33,7 @@ struct ElementType {
 struct SurfaceEntry {
   std::string patch, set;
   std::int64_t element = 0;  // where `set` is empty
-  int face = -1;             // 0 to 3; −1: all that lie on the boundary
+  int face = -1;             // 0 to 3; −1: all faces on the boundary
 };
 
 bool ends_in_letters(std::string_view type, std::size_t start) {
@@ -40,8 +41,8 @@ bool ends_in_letters(std::string_view type, std::size_t start) {
                      [](char c) { return c >= 'A' && c <= 'Z'; });
 }
 
-// C3D10M, C3D4H and so on are tetrahedra of the same shape; plane triangles and bars are what Gmsh
-// writes for the surfaces and lines of a body.
+// C3D10M, C3D4H and so on are tetrahedra of the same shape. Gmsh writes plane triangles and bars
+// for the surfaces and lines of a body.
 ElementType element_type(const InpDeck& deck, const std::string& type) {
   using enum ElementType::Kind;
   if (type.starts_with("C3D10") && ends_in_letters(type, 5)) return {tetrahedron, 10};
@@ -84,7 +85,7 @@ class InpReader {
 
   InpDeck deck_;
   Tets tets_;
-  InpSets node_sets_, element_sets_, card_sets_;  // card_sets_: of *ELEMENT, ELSET=
+  InpSets node_sets_, element_sets_, card_sets_;  // card_sets_: from *ELEMENT, ELSET=
   Rows tet_rows_, triangle_rows_;
   std::vector<Triangle> triangles_;
   std::vector<std::string> sections_;
@@ -223,8 +224,8 @@ void InpReader::read(const Keyword& keyword) {
   if (!kSilent.contains(keyword.name) && unused_.size() < kMostNamed) unused_.insert(keyword.name);
 }
 
-// Without sections, sets that hold every tetrahedron once (Gmsh's physical volumes) are the
-// regions.
+// Without sections, the sets become the regions if together they contain every tetrahedron exactly
+// once (Gmsh's physical volumes).
 bool InpReader::explicit_sets_share_out(std::vector<int>& region) {
   region.assign(tets_.tet_count(), -1);
   for (const std::string& name : element_sets_.names()) {
@@ -270,7 +271,8 @@ void InpReader::add_faces(const SurfaceEntry& entry, std::int64_t element) {
   }
 }
 
-// Each triangle belongs to the first set that has it, those of *ELSET before those of *ELEMENT.
+// Each triangle belongs to the first set that contains it. Sets of *ELSET come before sets of
+// *ELEMENT.
 void InpReader::name_triangles() {
   std::vector<bool> named(triangles_.size(), false);
   for (const InpSets* const sets : {&element_sets_, &card_sets_}) {

@@ -36,7 +36,7 @@ std::string Keyword::value(const std::string& parameter) const {
   return found == parameters.end() ? std::string() : found->second;
 }
 
-// The next line that says something is in text_ then; false at the end.
+// Reads the next line that is neither empty nor a comment into text_; false at the end.
 bool InpDeck::read_line() {
   while (!pending_ && !ended_) {
     text_ = scanner_.rest_of_line();

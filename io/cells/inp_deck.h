@@ -1,4 +1,4 @@
-// An Abaqus or CalculiX input deck as its lines say it: keywords with parameters, data lines.
+// The lines of an Abaqus or CalculiX input deck: keywords with parameters, and data lines.
 #pragma once
 
 #include <map>
@@ -15,23 +15,23 @@ struct Keyword {
   std::map<std::string, std::string> parameters;  ///< upper case name -> value as written
   std::size_t line = 0;
 
-  /// The value of a parameter; empty where it is not given or has none.
+  /// The value of a parameter; empty where the parameter is missing or has no value.
   [[nodiscard]] std::string value(const std::string& parameter) const;
   [[nodiscard]] bool has(const std::string& parameter) const {
     return parameters.contains(parameter);
   }
 };
 
-/// Goes through a deck once. Comments (**) and empty lines are passed over, keyword lines that end
-/// with a comma go on on the next.
+/// Reads a deck once from start to end. Comments (**) and empty lines are skipped. A keyword line
+/// that ends with a comma continues on the next line.
 class InpDeck {
  public:
   explicit InpDeck(std::string_view bytes) : scanner_(bytes) {}
 
-  /// The next keyword, stepping over what data lines are left; false at the end.
+  /// Reads the next keyword and skips the remaining data lines; false at the end.
   bool next_keyword(Keyword& keyword);
-  /// The fields of the next data line of this keyword, trimmed, without empty ones at the end;
-  /// false where the next line is a keyword or the deck ends.
+  /// Reads the fields of the next data line of this keyword, trimmed, without empty fields at the
+  /// end. False where the next line is a keyword or the deck ends.
   bool next_data(std::vector<std::string_view>& fields);
 
   [[nodiscard]] double number(std::string_view field) const;
@@ -48,7 +48,7 @@ class InpDeck {
   Scanner scanner_;
   std::string_view text_;
   std::size_t line_ = 0;
-  bool pending_ = false;  // text_ is read and not yet used
+  bool pending_ = false;  // text_ has been read but not used
   bool ended_ = false;
 };
 

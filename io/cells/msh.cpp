@@ -1,4 +1,4 @@
-// Gmsh's MSH 2.2 and 4.1, text or binary, after Gmsh's reference manual, "MSH file format".
+// Reads Gmsh's MSH 2.2 and 4.1, text or binary (Gmsh's reference manual, "MSH file format").
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -146,7 +146,8 @@ void MshReader::read_nodes_2() {
   }
 }
 
-// A text element is a block of one with its number behind its type.
+// Reads the elements of version 2. In text, each element counts as a block of one element, and its
+// number stands before its type.
 void MshReader::read_elements_2() {
   const bool text = values_.is_text();
   std::int64_t left = scanner_.count("elements", text ? 8 : 8);

@@ -25,7 +25,7 @@ QuadraticCells::QuadraticCells(const mesh::TetMesh& mesh) : original_(&mesh) {
 void QuadraticCells::number_nodes() {
   std::vector<From> from;
   std::vector<std::int32_t> fresh(static_cast<std::size_t>(original_->node_count()), -1);
-  // The node that stands for a corner, or for the edge that `key` is an inner node of.
+  // The new node for a corner, or for the edge with the inner node `key`.
   const auto node = [&](std::int32_t key, const From& nodes) {
     std::int32_t& row = fresh[static_cast<std::size_t>(key)];
     if (row < 0) {

@@ -1,4 +1,4 @@
-// Cubic tetrahedra as quadratic ones, for programs that do not draw cubic cells.
+// Converts cubic tetrahedra to quadratic ones, for programs that do not draw cubic cells.
 #pragma once
 
 #include <optional>
@@ -7,17 +7,19 @@
 
 namespace chladni::io {
 
-/// The mesh itself where its order is 1 or 2; where it is 3, quadratic cells on the same corners,
-/// whose mid-edge nodes lie where the cubic edge has its middle. The mesh must outlive it.
+/// A mesh of order 1 or 2 stays as it is. A mesh of order 3 becomes quadratic cells on the same
+/// corners, with mid-edge nodes at the middle of the cubic edges. The mesh must outlive this
+/// object.
 class QuadraticCells {
  public:
   explicit QuadraticCells(const mesh::TetMesh& mesh);
 
   [[nodiscard]] const mesh::TetMesh& mesh() const { return other_ ? *other_ : *original_; }
-  /// True where mesh() is not the mesh that was given.
+  /// True where mesh() is not the given mesh.
   [[nodiscard]] bool is_other() const { return other_.has_value(); }
-  /// A field on the nodes of the given mesh (nodes or 3·nodes rows) on those of mesh(): the cubic
-  /// polynomial of the edge, evaluated at its middle; exact for cubic fields.
+  /// Converts a field on the nodes of the given mesh (nodes or 3·nodes rows) to the nodes of
+  /// mesh(). The cubic polynomial of each edge is evaluated at its middle; this is exact for cubic
+  /// fields.
   [[nodiscard]] Eigen::VectorXd field(const Eigen::Ref<const Eigen::VectorXd>& values) const;
 
  private:
@@ -26,8 +28,8 @@ class QuadraticCells {
 
   const mesh::TetMesh* original_;
   std::optional<mesh::TetMesh> other_;
-  // One row per node of mesh(): a corner (four times the same) or both corners and both inner nodes
-  // of its edge.
+  // One row per node of mesh(): a corner (the same number four times), or both corners and both
+  // inner nodes of the node's edge.
   Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> from_;
 };
 

@@ -13,9 +13,9 @@ namespace {
 
 using Barycentric = Eigen::Vector4d;
 
-// Lagrange's polynomial of one coordinate, prod over j < n of (order·l − j) / (n − j), and its
-// derivative; the shape function of a node is their product over the four coordinates
-// (Silvester 1969).
+// The Lagrange polynomial of one coordinate, prod over j < n of (order·l − j) / (n − j), and its
+// derivative. The shape function of a node is the product of these polynomials over the four
+// coordinates (Silvester 1969).
 struct Factor {
   double value = 1.0, derivative = 0.0;
 };
@@ -52,7 +52,7 @@ Eigen::MatrixX4d derivatives(int order, const Eigen::MatrixXd& places, const Bar
 int order_of(const Points& nodes) { return nodes.rows() == 10 ? 2 : 3; }
 
 std::vector<Eigen::MatrixX4d> derivatives_at_samples(int order) {
-  constexpr double kA = 0.5854101966249685, kB = 0.1381966011250105;  // (5 ± 3√5)/20, (5 − √5)/20
+  constexpr double kA = 0.5854101966249685, kB = 0.1381966011250105;  // (5 + 3√5)/20, (5 − √5)/20
   const auto places = mesh::tet_node_barycentric(order);
   std::vector<Eigen::MatrixX4d> samples{derivatives(order, places, Barycentric::Constant(0.25))};
   for (int corner = 0; corner < 4; ++corner) {

@@ -13,9 +13,9 @@
 namespace chladni::io {
 namespace {
 
-constexpr double kFlat = 1e-12;   // six volumes over the longest edge cubed
-constexpr double kOffEdge = 0.3;  // a node off its straight place, over the longest edge
-constexpr double kCurved = 1e-9;  // the same, below which a cell counts as straight
+constexpr double kFlat = 1e-12;   // limit of six volumes over the cube of the longest edge
+constexpr double kOffEdge = 0.3;  // limit of a node's offset (largest_offset) for a note
+constexpr double kCurved = 1e-9;  // a cell with a smaller offset counts as straight
 
 using Corners3 = std::array<std::int32_t, 3>;
 
@@ -117,7 +117,7 @@ Cells Tets::resolved_cells() const {
   return cells;
 }
 
-// An element in two groups is written twice by some programs.
+// Drops copies of cells: some programs write an element twice if it is in two groups.
 void Tets::drop_copies(Cells& cells, Notes* notes) {
   using Corners4 = std::array<std::int32_t, 4>;
   std::vector<std::pair<Corners4, Eigen::Index>> keys(tet_count());
@@ -244,8 +244,8 @@ Eigen::VectorXi Tets::patches_by_faces(const Cells& faces, Notes* notes) const {
   return patch;
 }
 
-// A face belongs to the first set that holds its three corners; a set that holds all faces (all
-// nodes, usually) names no patch.
+// A face belongs to the first set that contains its three corners. A set that contains all faces
+// (usually all nodes) names no patch.
 void Tets::claim_by_node_sets(const Cells& faces, Eigen::Index node_count, Eigen::VectorXi& patch) {
   std::vector<bool> inside(static_cast<std::size_t>(node_count));
   for (const NodeSet& set : node_sets_) {
@@ -271,7 +271,7 @@ void Tets::name_boundary(mesh::TetMesh& mesh, Notes* notes) {
   Eigen::VectorXi patch = patches_by_faces(mesh.faces, notes);
   claim_by_node_sets(mesh.faces, mesh.points.rows(), patch);
   if ((patch.array() < 0).all()) return mesh::name_patches(mesh);
-  Names named;  // only those that have a face, in the order of the file
+  Names named;  // only patches that have a face, in the order of the file
   std::vector<bool> has_face(patches.all().size(), false);
   for (const int p : patch) {
     if (p >= 0) has_face[static_cast<std::size_t>(p)] = true;

@@ -1,4 +1,4 @@
-// Tetrahedra as a file lists them, in its own numbers, on their way to a TetMesh.
+// Collects tetrahedra as a file lists them, with the file's own numbers, and makes a TetMesh.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace chladni::io {
 
-/// The rows of things that a file numbers as it likes.
+/// Maps the arbitrary numbers (ids) of a file to rows.
 class Rows {
  public:
   void add(std::int64_t id) { ids_.emplace_back(id, static_cast<std::int32_t>(ids_.size())); }
-  /// Call once, after the last `add`. @param what  "node"
-  /// @throws InvalidInput  an id is there twice (names it), or there are 2^31 of them
+  /// Call this once, after the last `add`. @param what  "node"
+  /// @throws InvalidInput  an id occurs twice (names it), or there are 2^31 ids
   void sort(const std::string& what);
   /// The row of `id`, −1 where there is none. Cost: logarithmic.
   [[nodiscard]] std::int32_t row(std::int64_t id) const;
-  /// Ids and rows by rising id, once sorted.
+  /// Ids and rows by rising id, after `sort`.
   [[nodiscard]] std::span<const std::pair<std::int64_t, std::int32_t>> sorted() const {
     return ids_;
   }
@@ -31,7 +31,7 @@ class Rows {
   std::vector<std::pair<std::int64_t, std::int32_t>> ids_;
 };
 
-/// Names in the order they first came, each with its index.
+/// Names in the order of their first use, each with an index.
 class Names {
  public:
   int index(const std::string& name);
@@ -42,21 +42,22 @@ class Names {
   std::map<std::string, int> index_;
 };
 
-/// A set of nodes with a name; boundary faces inside it become its patch.
+/// A named set of nodes. Boundary faces inside the set become its patch.
 struct NodeSet {
   std::string name;
-  std::vector<std::int64_t> nodes;  ///< the file's ids; those that are no node are passed over
+  std::vector<std::int64_t> nodes;  ///< the file's ids; ids of no node are ignored
 };
 
-/// Filled by a reader; `mesh()` makes sense of it.
+/// A reader fills this object; `mesh()` makes the mesh.
 class Tets {
  public:
   /// @throws InvalidInput  a coordinate is not finite (names the node)
   void node(std::int64_t id, const Eigen::Vector3d& position);
   /// 4, 10 or 20 node ids in VTK's order; all cells must have the same number.
   void tet(std::int64_t id, std::span<const std::int64_t> nodes, int region);
-  /// A triangle of a patch by its three corners; where two claim it, the first keeps it.
-  /// @param outside  it is meant to lie on the boundary: told of where it does not
+  /// Adds a triangle of a patch by its three corners. Where two patches claim it, it stays with the
+  /// first one.
+  /// @param outside  the triangle should lie on the boundary; there is a note where it does not
   void face(std::span<const std::int64_t, 3> corners, int patch, bool outside = true);
   void node_set(NodeSet set) { node_sets_.push_back(std::move(set)); }
 
@@ -66,16 +67,16 @@ class Tets {
   [[nodiscard]] std::size_t tet_count() const { return region_.size(); }
   [[nodiscard]] std::int64_t tet_id(std::size_t tet) const { return tet_ids_[tet]; }
   void set_region(std::size_t tet, int region) { region_[tet] = region; }
-  /// The nodes by their ids. @throws InvalidInput  one is there twice
+  /// The nodes by their ids. @throws InvalidInput  a node occurs twice
   [[nodiscard]] const Rows& sorted_nodes();
   /// The node ids of a tetrahedron.
   [[nodiscard]] std::span<const std::int64_t> nodes(std::size_t tet) const;
 
-  /// The mesh: ids resolved, copies of a cell dropped, cells turned where all are inside out,
-  /// nodes that no cell uses dropped, boundary found and its patches named; a patch that the file
-  /// does not name is "other", or named by `name_patches` where the file names none.
-  /// Leaves the ids sorted; call it once.
-  /// @throws InvalidInput  no tetrahedron, an id that is missing or there twice, cells that are
+  /// Makes the mesh. It resolves ids, drops copies of a cell, turns the cells where all are inside
+  /// out, drops unused nodes, finds the boundary and names its patches. A patch without a name in
+  /// the file is "other"; where the file names no patch, `name_patches` names them. The ids are
+  /// sorted afterwards; call this once.
+  /// @throws InvalidInput  no tetrahedron, an id that is missing or occurs twice, cells that are
   ///                       flat or inside out (by the file's ids, the first ten), a curved cell
   ///                       that folds over
   [[nodiscard]] mesh::TetMesh mesh(Notes* notes);
@@ -94,7 +95,7 @@ class Tets {
   void name_boundary(mesh::TetMesh& mesh, Notes* notes);
 
   Rows nodes_;
-  std::vector<std::int32_t> mesh_row_;  // of a row of nodes_; −1: no cell uses it
+  std::vector<std::int32_t> mesh_row_;  // for each row of nodes_; −1: no cell uses the node
   std::vector<double> xyz_;
   std::vector<std::int64_t> tet_ids_, tet_nodes_;
   std::vector<int> region_;

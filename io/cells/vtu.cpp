@@ -1,4 +1,4 @@
-// The door to VTK's writer of unstructured grids.
+// Writes unstructured grids with VTK.
 #include "io/vtu.h"
 
 #include <fmt/core.h>
@@ -33,12 +33,13 @@ namespace {
 
 using DoubleArray = vtkSmartPointer<vtkDoubleArray>;
 
-// A view of `values`, which must outlive it.
+// A VTK array that views `values`, which must outlive it.
 DoubleArray view(const std::string& name, const double* values, Eigen::Index count, int columns) {
   auto array = DoubleArray::New();
   array->SetName(name.c_str());
   array->SetNumberOfComponents(columns);
-  // VTK's interface asks for a pointer to what it will not change here (save = 1: not freed).
+  // VTK's interface needs a non-const pointer, but it does not change the values here (save = 1: it
+  // does not free them).
   array->SetArray(const_cast<double*>(values), count, 1);
   return array;
 }
@@ -56,7 +57,7 @@ void set_points(vtkUnstructuredGrid* grid, const Points& points) {
   grid->SetPoints(holder);
 }
 
-// A grid of views on `mesh` (orders 1 and 2), which must outlive it.
+// A grid that views the arrays of `mesh` (orders 1 and 2), which must outlive it.
 vtkSmartPointer<vtkUnstructuredGrid> grid_of(const mesh::TetMesh& mesh, const Units& units) {
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   set_points(grid, mesh.points);
@@ -82,7 +83,7 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const mesh::TetMesh& mesh, const Un
   return grid;
 }
 
-// Per node of the boundary its patch, the smaller one on a border; -1 inside.
+// For each node of the boundary its patch, on a border the smaller patch; -1 inside.
 vtkSmartPointer<vtkIntArray> patches_of(const mesh::TetMesh& mesh) {
   std::vector<int> size(mesh.patch_names.size(), 0);
   for (const int patch : mesh.face_patch) ++size[static_cast<std::size_t>(patch)];
@@ -102,15 +103,15 @@ vtkSmartPointer<vtkIntArray> patches_of(const mesh::TetMesh& mesh) {
   return array;
 }
 
-// Where the boundary's parts have names.
+// Adds the patches where the boundary has any.
 void add_patches(vtkUnstructuredGrid* grid, const mesh::TetMesh& mesh) {
   if (mesh.faces.rows() == 0 || mesh.face_patch.size() != mesh.faces.rows()) return;
   grid->GetPointData()->AddArray(patches_of(mesh));
   add_words(grid->GetFieldData(), "patch_names", mesh.patch_names);
 }
 
-// Raw appended blocks, deflated at the fastest level: the last bits of a shape are noise, a higher
-// level makes the file 3 % smaller and takes three times as long.
+// Writes raw appended blocks, deflated at the fastest level. The last bits of a shape are noise, so
+// a higher level makes the file only 3 % smaller and takes three times as long.
 void write(const std::filesystem::path& file, vtkUnstructuredGrid* grid) {
   write_atomically_at(file, [&](const std::filesystem::path& temporary) {
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
@@ -121,7 +122,7 @@ void write(const std::filesystem::path& file, vtkUnstructuredGrid* grid) {
     writer->SetCompressionLevel(1);
     writer->SetHeaderTypeToUInt64();
     writer->SetInputData(grid);
-    vtkObject::GlobalWarningDisplayOff();  // errors are asked for, not printed
+    vtkObject::GlobalWarningDisplayOff();  // errors are queried, not printed
     if (writer->Write() == 1 && writer->GetErrorCode() == vtkErrorCode::NoError) return;
     throw OutOfResources(file.string() + ": cannot be written: " +
                          vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
@@ -144,7 +145,8 @@ void require_shapes(const mesh::TetMesh& mesh, const modal::Modes& modes) {
                       modes.mode_count()));
 }
 
-// Adds a field (3·nodes or nodes rows) of the original mesh; `kept` holds what the grid views.
+// Adds a field (3·nodes or nodes rows) of the original mesh. `kept` keeps the data that the grid
+// views.
 void add_field(vtkUnstructuredGrid* grid, const QuadraticCells& cells, const std::string& name,
                const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index nodes,
                std::vector<Eigen::VectorXd>& kept) {

@@ -1,4 +1,4 @@
-// What the worker chladni-vtu found in a file, made into a mesh.
+// Makes a mesh from the reply of the worker chladni-vtu.
 #include <fmt/core.h>
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace chladni::io {
 namespace {
 
-// Time and memory grow with the file: what needs more is not what it says.
+// The limits of time and memory grow with the file. A file that needs more is not valid.
 WorkerLimits limits(const std::filesystem::path& file) {
   const std::size_t size = std::filesystem::file_size(file);
   return {.time = std::chrono::seconds(20 + size / 1'000'000),

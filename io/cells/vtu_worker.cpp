@@ -1,5 +1,5 @@
-// The program chladni-vtu: reads the .vtu named on its command line with VTK, checks every count,
-// and writes points, tetrahedra and regions to stdout. It may crash; nobody minds.
+// The program chladni-vtu reads the .vtu file named on its command line with VTK, checks every
+// count, and writes points, tetrahedra and regions to stdout. A crash of it does no harm.
 #include <fmt/core.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -26,7 +26,8 @@ namespace {
 using chladni::require;
 using chladni::io::Message;
 
-// VTK's reader goes on after an error with whatever it has; here the first error ends it.
+// VTK's reader continues after an error with the data that it has. Here the first error is kept, so
+// that the worker can refuse the file.
 class FirstError : public vtkOutputWindow {
  public:
   static FirstError* New() { return new FirstError; }
@@ -46,7 +47,7 @@ class FirstError : public vtkOutputWindow {
 
 struct Kind {
   const char* name;
-  int tet_nodes;  // 0: flat, passed over; −1: a solid that is no tetrahedron
+  int tet_nodes;  // 0: flat cell, skipped; −1: a solid that is no tetrahedron
 };
 
 Kind kind(int type) {
@@ -73,7 +74,7 @@ Kind kind(int type) {
   return found == kinds.end() ? Kind{"cell of an unknown type", -1} : found->second;
 }
 
-// The cells that are tetrahedra; all of one order.
+// The cells that are tetrahedra. All must have one order.
 std::vector<vtkIdType> tets_of(vtkUnstructuredGrid* grid) {
   std::vector<vtkIdType> tets;
   vtkCellArray* cells = grid->GetCells();
@@ -100,7 +101,7 @@ std::vector<vtkIdType> tets_of(vtkUnstructuredGrid* grid) {
   return tets;
 }
 
-// The offsets must climb within the connectivity: VTK itself does not look.
+// Checks that the offsets ascend within the connectivity, because VTK itself does not check this.
 void require_sound_cells(vtkUnstructuredGrid* grid) {
   vtkCellArray* cells = grid->GetCells();
   require(cells != nullptr && cells->GetNumberOfCells() == grid->GetNumberOfCells(),

@@ -22,7 +22,7 @@ Eigen::Matrix3d xyz_of_rgb() {
   return matrix;
 }
 
-// White's coordinates are those of (1, 1, 1), so that white comes back as white.
+// The coordinates of white are those of (1, 1, 1), so that white converts back to white.
 Lab lab(const Colour& colour) {
   const Eigen::Vector3d rgb(linear(colour[0]), linear(colour[1]), linear(colour[2]));
   const Eigen::Vector3d white = xyz_of_rgb() * Eigen::Vector3d::Ones();
@@ -45,7 +45,7 @@ Colour rgb(const Lab& lab) {
   return {channel(0), channel(1), channel(2)};
 }
 
-// Part of the way, in [0, 1], along even steps.
+// The colour at `part_of_way`, in [0, 1], between five colours at even distances.
 Colour between(const std::array<Colour, 5>& steps, double part_of_way) {
   const double place = 4.0 * std::min(part_of_way, 1.0);
   const auto step = static_cast<std::size_t>(std::min(place, 3.0));

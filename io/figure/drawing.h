@@ -1,4 +1,4 @@
-// Flat shapes and words by their pixels, for the painter.
+// Flat shapes and words at pixel positions, for the painter.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace chladni::io {
 
-/// What is painted lies above what was painted before, words above all shapes. Places are pixels
-/// from the upper left corner.
+/// A drawing. Later shapes lie above earlier ones, and words lie above all shapes. Places are in
+/// pixels from the upper left corner.
 class Drawing {
  public:
   Drawing(double width, double height) : width_(width), height_(height) {}
@@ -23,7 +23,8 @@ class Drawing {
   void lines(const std::vector<Path>& paths, const Colour& colour, double width);
   /// Filled convex polygons of one colour.
   void polygons(const std::vector<Path>& paths, const Colour& colour);
-  /// Words whose baseline's left end, middle or right end is `at`. @param upwards  read from below
+  /// Words with the left end, middle or right end of the baseline at `at`.
+  /// @param upwards  rotated, to be read from below
   void text(const Eigen::Vector2d& at, const std::string& words, double size, const Colour& colour,
             Align align = Align::left, bool bold = false, bool upwards = false);
 
@@ -39,7 +40,7 @@ class Drawing {
   std::vector<std::int32_t> counts_;  // points of each path
 };
 
-/// About the width of these words [px].
+/// The approximate width of the words [px].
 [[nodiscard]] double text_width(const std::string& words, double size);
 
 }  // namespace chladni::io

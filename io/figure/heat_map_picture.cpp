@@ -10,7 +10,7 @@
 namespace chladni::io {
 namespace {
 
-// Rows: right, up and towards the eye. A surface that faces all ways is seen from above.
+// Rows: right, up and towards the eye. A surface without a mean normal is seen from above.
 Eigen::Matrix3d paper_frame(const Points& points, const Cells& triangles) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   double area = 0.0;

@@ -19,12 +19,12 @@ constexpr Colour kInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.9
 constexpr double kMargin = 24.0, kHead = 60.0, kName = 14.0, kLabel = 16.0, kLargest = 64.0;
 constexpr Eigen::Index kMost = 200;
 
-/// Pixels.
+/// The layout of the picture [px].
 struct Sheet {
   double width, height;
   Place corner;         // of the first square
-  double square, text;  // side of a square; size of the numbers in it, 0: none
-  double column_names;  // height of the names above
+  double square, text;  // side of a square; size of the numbers in it (0: none)
+  double column_names;  // height of the names above the columns
 };
 
 void check(const MatrixPicture& of) {
@@ -92,7 +92,7 @@ void paint_squares(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet
   }
 }
 
-// Every name where there is room, else every second, third, ...
+// Paints every name where there is room, else every second, third, ... name.
 void paint_names(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet) {
   const auto every =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.2 * kName / sheet.square)));

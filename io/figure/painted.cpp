@@ -1,4 +1,4 @@
-// How the painter is asked.
+// Sends requests to the painter.
 #include "io/figure/painted.h"
 
 #include <cstdlib>
@@ -30,8 +30,8 @@ std::filesystem::path program_on_path(const std::string& name) {
 
 }  // namespace
 
-// The same pixels wherever it runs: Mesa's software renderer on an Xvfb where that is installed,
-// whatever display and graphics card there are; else the display that there is.
+// Where Xvfb is installed, the painter uses Mesa's software renderer on an Xvfb, so the pixels are
+// the same with any display and graphics card. Otherwise it uses the existing display.
 std::string painted(const Message& request) {
   const std::filesystem::path painter = worker_path("chladni-painter");
   const WorkerLimits limits{

@@ -7,7 +7,7 @@
 
 namespace chladni::io {
 
-/// The PNG that the program chladni-painter makes of `request` (io/picture/pictures.h).
+/// The PNG that the program chladni-painter makes from `request` (io/picture/pictures.h).
 /// @throws WorkerDied  the painter or Xvfb is missing or died (says which package), or gave no PNG
 [[nodiscard]] std::string painted(const Message& request);
 

@@ -21,12 +21,12 @@
 namespace chladni::io {
 namespace {
 
-constexpr Eigen::Index kMostVertices = 80'000;      // more do not show at this size
+constexpr Eigen::Index kMostVertices = 80'000;      // more are not visible at this size
 constexpr std::size_t kMostNamed = 120;             // in the table below
 constexpr double kPanel = 650.0, kHighest = 620.0;  // [px]
 constexpr std::array kLetters{16.0, 13.0, 10.5};    // [px]
 
-// Pairs of patches that share a vertex.
+// For each patch, the patches that share a vertex with it.
 std::vector<std::set<int>> neighbours_of(const Skin& skin, std::size_t patches) {
   std::vector<std::set<int>> at_vertex(static_cast<std::size_t>(skin.vertex_count()));
   for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
@@ -42,7 +42,7 @@ std::vector<std::set<int>> neighbours_of(const Skin& skin, std::size_t patches) 
   return neighbours;
 }
 
-// The colour that was taken least often, if possible one that no neighbour has.
+// A colour for each patch: if possible a colour that no neighbour has, and the least used of these.
 std::vector<int> colours_of(const Skin& skin, std::size_t patches) {
   const auto neighbours = neighbours_of(skin, patches);
   std::vector<int> colour(patches, -1);
@@ -60,7 +60,7 @@ std::vector<int> colours_of(const Skin& skin, std::size_t patches) {
   return colour;
 }
 
-// Of a patch, true areas [m²].
+// The true area of each patch [m²].
 std::vector<double> areas_of(const mesh::TetMesh& mesh) {
   std::vector<double> areas(mesh.patch_names.size(), 0.0);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
@@ -75,8 +75,8 @@ struct Label {
   double size;
 };
 
-// What has room in a disc of `radius` px: the name, in small letters if need be, or the number. No
-// words: nothing has.
+// The label that fits in a disc of `radius` px: the name, in smaller letters if necessary, or the
+// number. Without words where neither fits.
 Label label_of(const std::string& name, std::size_t number, double radius) {
   const double room = 2.3 * radius;
   for (const auto& words : {name, fmt::to_string(number)}) {
@@ -87,7 +87,8 @@ Label label_of(const std::string& name, std::size_t number, double radius) {
   return {"", 0.0};
 }
 
-// Names on what is seen from one side, and the points as they lie on the paper.
+// Adds a panel with the body from one side: the points on the paper, and the labels of the visible
+// patches.
 Json add_panel(Message& request, std::size_t number, const Points& on_paper, const Skin& skin,
                const std::vector<std::string>& names) {
   const auto box = mesh::bounding_box(on_paper);
@@ -113,7 +114,7 @@ Json add_panel(Message& request, std::size_t number, const Points& on_paper, con
                     {"labels", std::move(labels)}};
 }
 
-// Numbers, names and areas; of many the largest.
+// The table of numbers, names and areas, of the largest patches where there are many.
 JsonArray table_of(const mesh::TetMesh& mesh, const std::vector<int>& colours) {
   const auto areas = areas_of(mesh);
   std::vector<std::size_t> shown(areas.size());
@@ -144,7 +145,7 @@ void draw_patches(const std::filesystem::path& png, const mesh::TetMesh& mesh,
   Message request;
   const Points at = vertices(body, mesh.points);
   const View view = view_of(at);
-  Eigen::Matrix3d behind = view.axes;  // half a turn about what is up on the paper
+  Eigen::Matrix3d behind = view.axes;  // half a turn about the "up" direction of the paper
   behind.row(0) *= -1.0;
   behind.row(2) *= -1.0;
   JsonArray panels;

@@ -1,4 +1,4 @@
-// What is to be painted, told to the painter.
+// Describes the contact sheet of modes for the painter.
 #include "io/picture.h"
 
 #include <fmt/core.h>
@@ -16,11 +16,11 @@
 namespace chladni::io {
 namespace {
 
-constexpr Eigen::Index kMostVertices = 80'000;  // more do not show at this size
+constexpr Eigen::Index kMostVertices = 80'000;  // more are not visible at this size
 constexpr double kDeformation = 0.06;           // of the body's diagonal
 constexpr double kSteepest = 1.2;               // change of displacement per length
 
-// Of the direction in which most of the motion is.
+// The axis with most of the motion.
 Eigen::Index main_axis(const Points& shape) {
   Eigen::Index axis = 0;
   shape.colwise().squaredNorm().maxCoeff(&axis);
@@ -42,8 +42,8 @@ std::string note(Eigen::Index mode, Eigen::Index axis, const std::vector<fem::Cl
   return words;
 }
 
-// How much of a shape whose largest length is 1 may be drawn: where it would turn a part of a slim
-// body by more than about 50 degrees, less than all.
+// The factor for drawing a shape whose largest length is 1. The factor is below 1 where the shape
+// would turn a part of a slim body by more than about 50 degrees.
 double calm(const Skin& skin, const Points& at, const Points& shape) {
   const auto box = mesh::bounding_box(at);
   const double deformation = kDeformation * (box.row(1) - box.row(0)).norm();

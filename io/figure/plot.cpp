@@ -21,7 +21,7 @@ using Place = Eigen::Vector2d;
 
 constexpr Colour kInk{0.13, 0.14, 0.16}, kGrey{0.45, 0.47, 0.50}, kGrid{0.90, 0.905, 0.91},
     kFrame{0.62, 0.63, 0.65};
-// Wong's colours, told apart by everybody (Nature Methods 8 (2011) 441).
+// Wong's colours, which colour-blind readers can also distinguish (Nature Methods 8 (2011) 441).
 constexpr std::array<Colour, 7> kColours{kInk,
                                          Colour{0.00, 0.45, 0.70},
                                          Colour{0.84, 0.37, 0.00},
@@ -35,7 +35,7 @@ Colour colour_of(int index) {
   return kColours[static_cast<std::size_t>(std::abs(index)) % kColours.size()];
 }
 
-// Of a band: thinned towards white.
+// The colour of a band: mixed with white.
 Colour pale(const Colour& colour) {
   Colour result;
   for (std::size_t c = 0; c < 3; ++c) result[c] = 0.72 + 0.28 * colour[c];
@@ -51,7 +51,7 @@ Path circle(const Place& centre, double radius, int corners) {
   return path;
 }
 
-// A mark at a place: a filled dot (polygon), or strokes.
+// Adds a mark at a place: a filled dot (polygon) or strokes.
 void add_mark(PlotSeries::Style style, const Place& at, double radius, std::vector<Path>& marks) {
   const auto stroke = [&](double x, double y) {
     marks.push_back({at - radius * Place(x, y), at + radius * Place(x, y)});
@@ -85,7 +85,7 @@ double size_of(const PlotSeries& series) {
 }
 
 void paint_marks(Drawing& drawing, const PlotSeries& series, const std::vector<Place>& places) {
-  std::set<std::pair<long, long>> seen;  // marks within half a pixel are one
+  std::set<std::pair<long, long>> seen;  // marks within half a pixel are drawn once
   std::vector<Path> marks;
   for (const auto& place : places) {
     if (!seen.emplace(std::lround(2.0 * place.x()), std::lround(2.0 * place.y())).second) continue;
@@ -101,7 +101,7 @@ void paint_marks(Drawing& drawing, const PlotSeries& series, const std::vector<P
 void paint_band(Drawing& drawing, const PlotSeries& series, const PlotFrame& frame) {
   std::vector<Path> quads;
   const double top = frame.corner.y(), bottom = top + frame.size.y();
-  // Zero and less lies below a logarithmic axis.
+  // Values of zero and less lie below a logarithmic axis.
   const auto at = [&](Eigen::Index k, double value) {
     const bool below = frame.y.logarithmic && value <= 0.0;
     Place place = frame.at(series.x(k), below ? frame.y.low : value);
@@ -192,7 +192,7 @@ void paint_panel(Drawing& drawing, const PlotPanel& panel, const PlotFrame& fram
   drawing.text({a.x(), a.y() - 8.0}, panel.title, kLabel, kInk, Drawing::Align::left, true);
 }
 
-// The range in y is that of what lies in the range in x.
+// The frame of a panel. The range in y covers the values within the range in x.
 PlotFrame frame_of(const PlotPanel& panel) {
   std::vector<double> x, y;
   for (const auto& series : panel.series) x.insert(x.end(), series.x.begin(), series.x.end());
@@ -210,7 +210,7 @@ PlotFrame frame_of(const PlotPanel& panel) {
   return frame;
 }
 
-// What a series looks like, 30 px wide.
+// Paints a sample of a series, 30 px wide.
 void paint_sample(Drawing& drawing, const PlotSeries& series, const Place& a) {
   const Place b = a + Place(30.0, 0.0), up(0.0, -6.0);
   const Colour colour = colour_of(series.colour);
@@ -226,13 +226,13 @@ void paint_sample(Drawing& drawing, const PlotSeries& series, const Place& a) {
   }
 }
 
-/// An entry of the legend and where it stands.
+/// An entry of the legend and its place.
 struct Entry {
   const PlotSeries* series = nullptr;
   Place at;
 };
 
-// Every name once, on as many lines as it takes.
+// The entries of the legend: every name once, on as many lines as needed.
 std::vector<Entry> legend_of(const Plot& plot, double top, double width) {
   std::set<std::string> names;
   std::vector<Entry> entries;
@@ -266,7 +266,7 @@ void check(const Plot& plot) {
   }
 }
 
-/// Where everything is [px].
+/// The layout of the picture [px].
 struct Sheet {
   int columns = 1, rows = 1;
   double width = 1000.0, height = 0.0, first = 0.0;  ///< first: top of the first row of panels
@@ -295,7 +295,7 @@ Sheet sheet_of(const Plot& plot, double below_legend) {
   return sheet;
 }
 
-// Beside the first column and below the last panel of each column.
+// Paints labels beside the first column and below the last panel of each column.
 void paint_labels(Drawing& drawing, const Plot& plot, const Sheet& sheet, int p) {
   const auto& panel = plot.panels[static_cast<std::size_t>(p)];
   const Place corner = sheet.corner(p), middle = corner + 0.5 * sheet.panel;

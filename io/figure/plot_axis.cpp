@@ -10,7 +10,7 @@
 namespace chladni::io {
 namespace {
 
-// The least of 1, 2, 5 times a power of ten that is not below `step`.
+// The smallest number of the form 1, 2 or 5 times a power of ten that is not below `step`.
 double nice(double step) {
   const double decade = std::pow(10.0, std::floor(std::log10(step)));
   for (const double times : {1.0, 2.0, 5.0}) {
@@ -19,7 +19,8 @@ double nice(double step) {
   return 10.0 * decade;
 }
 
-// As many decimals as the step has, powers of ten where the numbers are far from 1.
+// The label with as many decimals as the step has, or with a power of ten where the numbers are far
+// from 1.
 std::string number(double value, double step, double largest) {
   if (std::abs(value) < 1e-9 * step) return "0";
   if (largest >= 1e5 || largest < 1e-3) {

@@ -1,4 +1,4 @@
-// Curves between the axes of a plot, by their pixels.
+// Curves between the axes of a plot, in pixels.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,8 @@ struct PlotFrame {
   }
 };
 
-/// Connected parts of a curve inside the frame; points nearer than a fifth of a pixel are one.
+/// The connected parts of a curve inside the frame. Points nearer than a fifth of a pixel are
+/// merged.
 [[nodiscard]] std::vector<Drawing::Path> plot_curve(const PlotFrame& frame,
                                                     const Eigen::VectorXd& x,
                                                     const Eigen::VectorXd& y);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNearlyMost = 0.9;
 
-// What is nearest to the eye at each pixel; y upwards.
+// The part that is nearest to the eye at each pixel; y points up.
 struct Paper {
   Eigen::Vector2d corner;
   double pixel = 1.0;  // [m]
@@ -30,7 +30,7 @@ struct Paper {
         Eigen::MatrixXd::Constant(count(0), count(1), -std::numeric_limits<double>::infinity());
   }
 
-  // The first and the last pixel whose centre may lie between two places.
+  // The first and the last pixel whose centre may lie between `low` and `high`.
   [[nodiscard]] std::pair<Eigen::Index, Eigen::Index> range(double low, double high,
                                                             int axis) const {
     const double last = static_cast<double>(axis == 0 ? part.rows() : part.cols()) - 1.0;
@@ -71,8 +71,8 @@ struct Paper {
   }
 };
 
-// How far each pixel is from one of another part, in pixels: two passes over the picture
-// (Borgefors 1986, 3 and 4 thirds of a pixel).
+// The distance of each pixel from the nearest pixel of another part, in pixels, by two passes over
+// the picture (Borgefors 1986, with steps of 3/3 and 4/3 of a pixel).
 Eigen::MatrixXd depth_of(const Eigen::MatrixXi& part) {
   Eigen::MatrixXd depth = Eigen::MatrixXd::Zero(part.rows(), part.cols());
   const auto pass = [&](bool forward) {
@@ -100,8 +100,8 @@ Eigen::MatrixXd depth_of(const Eigen::MatrixXi& part) {
   return depth;
 }
 
-// Of the places with nearly the most room the one nearest to the middle of what is seen: in a strip
-// they are many.
+// The best place of each part. A strip has many places with nearly the most room, so the place
+// nearest to the middle of the visible area is taken.
 std::vector<SeenPart> best_places(const Paper& paper, int parts) {
   const Eigen::MatrixXd depth = depth_of(paper.part);
   std::vector<SeenPart> seen(static_cast<std::size_t>(parts));

@@ -1,4 +1,4 @@
-// Where the parts of a surface are seen on paper, so that names can stand on them.
+// Finds the visible places of the parts of a surface on paper, so that names can stand there.
 #pragma once
 
 #include <vector>
@@ -7,15 +7,16 @@
 
 namespace chladni::io {
 
-/// The place of a part that is nearly as far from what does not belong to it as any of its places,
-/// nearest to the middle of what is seen of it.
+/// The best place for a name on a part. Of the places with nearly the largest distance from other
+/// parts, it is the one nearest to the middle of the visible area.
 struct SeenPart {
-  double area = 0.0;    ///< that is seen of it, on paper [m²]; 0: it is hidden
+  double area = 0.0;    ///< visible area on paper [m²]; 0: the part is hidden
   Eigen::Vector2d at;   ///< on paper: x to the right, y up [m]
-  double radius = 0.0;  ///< of the disc around `at` in which nothing else is seen, about [m]
+  double radius = 0.0;  ///< of the disc around `at` that shows only this part, about [m]
 };
 
-/// By a picture of `pixels` along the longer side in which the nearest triangle counts.
+/// Finds the places in a picture of `pixels` along the longer side. In each pixel the triangle
+/// nearest to the eye counts.
 /// @param points     V×3 in the paper's frame: x right, y up, z towards the eye [m]
 /// @param triangles  T×3
 /// @param part       T: of each triangle, from 0

@@ -20,8 +20,8 @@ namespace {
 
 using RowWeights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// The points of a triangle cut n-fold: (i, j) with i + j <= n lies i/n of the way to corner 1 and
-// j/n to corner 2.
+// The points of a triangle with n divisions per side. Point (i, j), i + j <= n, lies i/n of the way
+// to corner 1 and j/n of the way to corner 2.
 struct Lattice {
   int n;
 
@@ -29,14 +29,14 @@ struct Lattice {
   [[nodiscard]] int inner(int i, int j) const {  // rows of equal j, from 1
     return (j - 1) * (n - 1) - (j - 1) * j / 2 + i - 1;
   }
-  // The shape functions of a face of `order` there.
+  // The shape functions of a face of `order` at point (i, j).
   [[nodiscard]] Eigen::VectorXd shape(int order, int i, int j) const {
     const double a = static_cast<double>(i) / n, b = static_cast<double>(j) / n;
     return mesh::triangle_shape(order, {1.0 - a - b, a, b});
   }
 };
 
-// Numbers for the lattice points of all faces: those on an edge or a corner are shared.
+// Numbers the lattice points of all faces. Faces share the points on edges and corners.
 class LatticeVertices {
  public:
   LatticeVertices(const mesh::TetMesh& mesh, Lattice lattice) : mesh_(mesh), lattice_(lattice) {
@@ -74,7 +74,8 @@ class LatticeVertices {
   [[nodiscard]] std::int32_t corner(Eigen::Index face, Eigen::Index which) const {
     return corner_[static_cast<std::size_t>(mesh_.faces(face, which))];
   }
-  // `step` n-ths of the way along an edge; its lower node counts first.
+  // The number of the point `step`/n of the way along an edge. Numbers on the edge start at its
+  // lower node.
   [[nodiscard]] std::int32_t on_edge(Eigen::Index face, Eigen::Index edge, int step) const {
     const auto& [a, b] = mesh::kTriangleEdges[static_cast<std::size_t>(edge)];
     const int place = mesh_.faces(face, a) < mesh_.faces(face, b) ? step : lattice_.n - step;
@@ -121,7 +122,8 @@ Points unit_normals(const Cells& triangles, const Points& points) {
   return normals;
 }
 
-// Edges of triangles whose normals differ by more than 30 degrees, or that one triangle has alone.
+// Edges between triangles whose normals differ by more than 30 degrees, and edges of one triangle
+// only.
 Cells sharp_edges(const Cells& triangles, const Points& points) {
   const double flat = std::cos(std::numbers::pi / 6.0);
   const Points normals = unit_normals(triangles, points);
@@ -162,7 +164,8 @@ RowWeights chosen(const RowWeights& weights, const std::vector<int>& rows) {
   return result;
 }
 
-// The rows of `of_vertex` that a triangle names, in their order; renumbers triangles and lines.
+// The values of `of_vertex` for the vertices that triangles use, in their order. Renumbers
+// triangles and lines.
 std::vector<int> used(const Eigen::VectorXi& of_vertex, Cells& triangles, Cells& lines) {
   Eigen::VectorXi fresh = Eigen::VectorXi::Constant(of_vertex.size(), -1);
   for (const auto triangle : triangles.rowwise()) {
@@ -180,8 +183,8 @@ std::vector<int> used(const Eigen::VectorXi& of_vertex, Cells& triangles, Cells&
   return rows;
 }
 
-// Which of the six axis directions each vertex faces, and the patches it lies on (a bit each, 64 of
-// them). On the edge between two patches the direction would be chance: there it is 0.
+// For each vertex, which of the six axis directions it faces, and its patches (one bit each, 64
+// bits). On an edge between two patches the direction would be random, so it is 0 there.
 struct Sides {
   std::vector<int> direction;
   std::vector<std::uint64_t> patches;
@@ -208,7 +211,7 @@ Sides sides(const Skin& skin, const Points& at) {
   return sides;
 }
 
-// The cluster of each vertex when space is cut into cubes of `size`.
+// The cluster of each vertex when space is divided into cubes of `size`.
 struct Clusters {
   Eigen::VectorXi of_vertex;
   int count = 0;
@@ -229,7 +232,7 @@ Clusters clusters(const Points& at, const Sides& sides, double size) {
   return result;
 }
 
-// One vertex per cluster: the one nearest to the mean of them all.
+// One vertex per cluster: the vertex nearest to the mean of the cluster.
 Eigen::VectorXi representatives(const Clusters& clusters, const Points& at) {
   Points mean = Points::Zero(clusters.count, 3);
   Eigen::VectorXd size = Eigen::VectorXd::Zero(clusters.count);
@@ -250,7 +253,7 @@ Eigen::VectorXi representatives(const Clusters& clusters, const Points& at) {
   return nearest;
 }
 
-// Lines between two clusters, each once, as far as a triangle still stands on both.
+// Lines between two clusters, each once, if triangles still use both clusters.
 Cells merged_lines(const Cells& lines, const Clusters& clusters, const Cells& triangles) {
   std::vector<bool> stands(static_cast<std::size_t>(clusters.count), false);
   for (const auto triangle : triangles.rowwise()) {
@@ -341,7 +344,7 @@ Skin decimated(const Skin& skin, const Points& points, Eigen::Index max_vertices
   Clusters found = clusters(at, side, size);
   while (found.count > max_vertices) {
     size *= 1.15;
-    // More patches than vertices: let them merge, six directions remain.
+    // There are more patches than vertices. Patches may then merge; six directions remain.
     if (size > diagonal) std::fill(side.patches.begin(), side.patches.end(), 0);
     found = clusters(at, side, size);
   }

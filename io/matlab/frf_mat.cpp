@@ -17,7 +17,7 @@ namespace {
 using Index = Eigen::Index;
 constexpr std::array<const char*, 3> kKinds{"receptance", "mobility", "accelerance"};
 
-/// Where lines, outputs and inputs are in an array.
+/// The positions of lines, outputs and inputs in an array.
 struct Layout {
   Index lines = 0, outputs = 0, inputs = 0;
   Index line_step = 0, output_step = 0, input_step = 0;
@@ -128,7 +128,7 @@ class Reader {
     return {k, dims[0], dims[1], dims[0] * dims[1], 1, dims[0]};
   }
 
-  // Whether so many outputs and inputs agree with the names that are given.
+  // Whether these numbers of outputs and inputs agree with the given names.
   [[nodiscard]] bool fits(Index outputs, Index inputs) const {
     const auto agrees = [](const std::vector<std::string>& names, Index count) {
       return names.empty() || static_cast<Index>(names.size()) == count;
@@ -136,7 +136,8 @@ class Reader {
     return agrees(output_names_, outputs) && agrees(input_names_, inputs);
   }
 
-  // Lines×n or n×lines: one input with n outputs, unless the names say otherwise.
+  // The layout of an array lines×n or n×lines: one input with n outputs, unless the names show
+  // something else.
   [[nodiscard]] Layout layout_of_two(const std::vector<Index>& dims,
                                      const std::string& found) const {
     const Index k = file_.set.line_count();
@@ -222,7 +223,7 @@ class Reader {
     }
   }
 
-  // Units, nodes, directions and places, as mat_of_frf writes them.
+  // Reads units, nodes, directions and places, as mat_of_frf writes them.
   void describe(const std::string& side, std::vector<modal::MeasuredChannel>& channels) {
     const auto count = static_cast<Index>(channels.size());
     const std::string matlab = side == "output" ? "OutputUnit" : "InputUnit";
@@ -281,7 +282,7 @@ bool has_responses(const MatFields& fields) {
                             "freqs", "omega", "w"}) != nullptr;
 }
 
-// The variables, or the fields of the one structure that has responses.
+// The variables of the file, or the fields of the one structure with responses.
 const MatFields& scope_of(const MatFile& file) {
   if (has_responses(file.variables)) return file.variables;
   const MatFields* found = nullptr;

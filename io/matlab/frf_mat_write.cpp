@@ -1,4 +1,4 @@
-// Measured responses as variables of a .mat file.
+// Writes measured responses as variables of a .mat file.
 #include <array>
 #include <limits>
 
@@ -34,7 +34,7 @@ void add_channels(const std::string& side, const std::vector<modal::MeasuredChan
   if (!position.array().isNaN().all()) fields.emplace_back(side + "_position", position);
 }
 
-// p×q×k.
+// The numbers of all lines as one array p×q×k.
 template <typename Matrix, typename Part>
 Eigen::VectorXd flat(const std::vector<Matrix>& lines, Part part) {
   const Index each = lines.empty() ? 0 : lines.front().size();

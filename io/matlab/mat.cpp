@@ -1,4 +1,4 @@
-// .mat files, written with libmatio.
+// Writes .mat files with libmatio.
 #include "io/mat.h"
 
 #include <matio.h>
@@ -43,7 +43,7 @@ matvar_t* made_number(const std::string& name, const MatValue& value) {
                        MAT_F_COMPLEX);
 }
 
-// MATLAB's letters: UTF-16. What is no UTF-8 is taken as Latin-1.
+// The text in MATLAB's encoding, UTF-16. Bytes that are not UTF-8 count as Latin-1.
 std::vector<std::uint16_t> letters_of(std::string_view text) {
   std::vector<std::uint16_t> letters;
   for (std::size_t at = 0; at < text.size();) {
@@ -72,7 +72,7 @@ matvar_t* made_text(const std::string& name, const MatValue& value) {
   return Mat_VarCreate(name.c_str(), MAT_C_CHAR, MAT_T_UINT16, 2, dims.data(), letters.data(), 0);
 }
 
-// libmatio takes the cells over.
+// Makes a cell array. libmatio takes ownership of the cells.
 matvar_t* made_cells(const std::string& name, const MatValue& value) {
   auto dims = sizes(value.dims);
   std::vector<matvar_t*> cells;
@@ -112,7 +112,7 @@ matvar_t* made(const std::string& name, const MatValue& value) {
 }
 
 void write_all(const std::filesystem::path& file, const MatFields& variables) {
-  // The head has no date: the same input gives the same bytes.
+  // The head has no date, so that the same input gives the same bytes.
   const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(
       Mat_CreateVer(file.c_str(), "MATLAB 5.0 MAT-file, written by chladni", MAT_FT_MAT5),
       Mat_Close);

@@ -1,4 +1,4 @@
-// Variables of a .mat file found by what they may be called.
+// Finds variables of a .mat file by their possible names.
 #pragma once
 
 #include <initializer_list>
@@ -10,19 +10,20 @@
 
 namespace chladni::io {
 
-/// The value of the first of these names that there is, whatever the case of its letters; null:
-/// none.
+/// The value of the first of these names that exists, in upper or lower case; null where none
+/// exists.
 [[nodiscard]] const MatValue* mat_value(const MatFields& fields,
                                         std::initializer_list<std::string_view> names);
 
-/// Numbers, all of them; empty where the value is null. @throws InvalidInput  it is not of numbers
+/// All numbers of the value; empty where the value is null.
+/// @throws InvalidInput  the value has no numbers
 [[nodiscard]] Eigen::VectorXd mat_numbers(const MatValue* value, std::string_view what);
 
-/// Texts of a cell array, or the rows of a char array without the blanks at their ends; empty where
-/// the value is null. @throws InvalidInput  it is neither
+/// The texts of a cell array, or the rows of a char array without trailing blanks; empty where the
+/// value is null. @throws InvalidInput  the value is neither
 [[nodiscard]] std::vector<std::string> mat_texts(const MatValue* value, std::string_view what);
 
-/// "8000 x 3 x 3".
+/// The size of the value as text: "8000 x 3 x 3".
 [[nodiscard]] std::string mat_size(const MatValue& value);
 
 }  // namespace chladni::io

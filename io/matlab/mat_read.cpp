@@ -1,4 +1,4 @@
-// What the worker chladni-mat found in a file.
+// Reads the reply of the worker chladni-mat.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ Eigen::VectorXd numbers(const Message& found, const Json& json, const char* key)
   return found.numbers(name).reshaped();
 }
 
-// The dimensions, whole numbers whose product is one too.
+// The dimensions. They must be whole numbers, and their product must not be too large.
 std::vector<Eigen::Index> dims_of(const Json& json) {
   constexpr double most = 1e15;
   std::vector<Eigen::Index> dims;
@@ -33,7 +33,7 @@ std::vector<Eigen::Index> dims_of(const Json& json) {
   return dims;
 }
 
-// Numbers and cells are as many as the dimensions say.
+// Checks that the counts of numbers and cells agree with the dimensions.
 void require_size(const MatValue& value) {
   const auto fits = [&](Eigen::Index count) {
     require(count == value.size(), "its reader says that an array has " +
@@ -82,7 +82,7 @@ MatFile file_of(const Message& found) {
   return file;
 }
 
-// Time and memory grow with what may come out of the file: what needs more is not what it says.
+// The limits of time and memory grow with the allowed content. A file that needs more is not valid.
 WorkerLimits limits(std::size_t limit_bytes) {
   return {.time = std::chrono::seconds(30 + limit_bytes / 20'000'000),
           .memory_bytes = (std::size_t{1} << 30U) + 4 * limit_bytes};

@@ -1,5 +1,5 @@
-// The program chladni-mat: reads the .mat file named on its command line with libmatio, looks at
-// every size before its data, and writes the variables to stdout. It may crash; nobody minds.
+// The program chladni-mat reads the .mat file named on its command line with libmatio, checks every
+// size before it reads the data, and writes the variables to stdout. A crash of it does no harm.
 #include <matio.h>
 
 #include <algorithm>
@@ -55,8 +55,8 @@ std::size_t element_count(const matvar_t& variable, std::size_t limit) {
   return static_cast<std::size_t>(count);
 }
 
-// libmatio takes a file that is cut off for one with fewer variables: the lengths of the variables
-// of a version 5 file must end where the file does.
+// Refuses truncated files, which libmatio reads as files with fewer variables. In a version 5 file
+// the lengths of the variables must end where the file ends.
 void require_whole(const char* name) {
   std::ifstream file(name, std::ios::binary);
   std::array<char, 128> head{};
@@ -140,7 +140,7 @@ class Reader {
     return sizes;
   }
 
-  // Some structure was met; there may not be too many of them.
+  // Counts a cell or field and refuses too many of them.
   void count_element() {
     require(++elements_ <= kMostElements, "more than 100 000 cells and fields");
   }

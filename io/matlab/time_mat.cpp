@@ -20,7 +20,7 @@ constexpr std::array<const char*, 3> kSide{"output", "input", "reference"};
 constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Record::inputs,
                                                           &Record::references};
 
-constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
+constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's overhead
 
 class Reader {
  public:
@@ -51,7 +51,8 @@ class Reader {
                        : mat_value(fields_, {"r", "references", "reference"});
   }
 
-  // Samples and records, which all sides share: y tells them, a row is taken as one channel.
+  // Finds the numbers of samples and records from the first variable with values, y before the
+  // others. All sides share them. A row counts as one channel.
   void find_size() {
     for (std::size_t s = 0; s < 3; ++s) {
       const auto* value = variable(s);

@@ -8,7 +8,7 @@
 
 namespace chladni::io {
 
-/// What the variables say: `y` (outputs), `u` (inputs) and, where there is a loop, `r`
+/// Reads recordings from variables: `y` (outputs), `u` (inputs) and, for a closed loop, `r`
 /// (references), each samples×channels or samples×channels×records; `time_s` or `t` of one record,
 /// or `sample_time_s`, `Ts`, `dt`; per record `experiment` and `realisation`; `period` [samples];
 /// `output_names`, `input_names`, `reference_names`, `output_unit`, `input_unit`.
@@ -17,7 +17,7 @@ namespace chladni::io {
 [[nodiscard]] TimeFile time_of_mat(const MatFile& file, const std::string& name,
                                    const TimeOptions& options = {});
 
-/// What time_of_mat reads back to the last bit.
+/// Variables that time_of_mat reads back to the last bit.
 /// @throws InvalidInput  the records differ in length
 [[nodiscard]] MatFields mat_of_time(const identification::TimeData& data);
 

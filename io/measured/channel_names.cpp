@@ -14,14 +14,14 @@ bool knows(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// "_u1", "->u1" without what only parts it from the name before.
+// Removes the separator at the start of "_u1" or "->u1".
 std::string_view without_sign(std::string_view word) {
   const auto first = word.find_first_not_of("_-> .:|");
   return first == std::string_view::npos ? word : word.substr(first);
 }
 
-// Every way to cut the word so that both halves are known; where one side has no list, anything
-// goes there.
+// Every way to divide the word so that both halves are known. Where one side has no list, any name
+// is accepted for it.
 std::vector<ChannelPair> known_cuts(std::string_view word, const std::vector<std::string>& sensors,
                                     const std::vector<std::string>& actuators) {
   std::vector<ChannelPair> cuts;
@@ -37,7 +37,8 @@ std::vector<ChannelPair> known_cuts(std::string_view word, const std::vector<std
   return cuts;
 }
 
-// The end of letters (anything but digits) and digits from `from` on; npos where either is missing.
+// The end of a name from `from` on: letters (anything but digits), then digits. npos where either
+// is missing.
 std::size_t end_of_name(std::string_view word, std::size_t from) {
   std::size_t at = from;
   while (at < word.size() && !is_digit(word[at])) ++at;

@@ -1,4 +1,4 @@
-// Which sensor and which actuator a column is of.
+// Finds the sensor and the actuator in the name of a column.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,11 @@ namespace chladni::io {
 
 using ChannelPair = std::pair<std::string, std::string>;  ///< sensor, actuator
 
-/// "y1/u2" is cut at its stroke. Without one, "y1u2" is cut where a known sensor's name ends and a
-/// known actuator's begins; where none is known, between letters with digits and letters with
-/// digits. A sign between the two ("y1_u2", "y1->u2") is left out.
-/// @throws InvalidInput  says how many ways there are
+/// "y1/u2" is divided at the slash. Without a slash, "y1u2" is divided where the name of a known
+/// sensor ends and the name of a known actuator begins. Where no names are known, it is divided
+/// between letters with digits and letters with digits. A sign between the two names ("y1_u2",
+/// "y1->u2") is removed.
+/// @throws InvalidInput  there is not exactly one way; says how many ways there are
 [[nodiscard]] ChannelPair channel_pair(std::string_view word,
                                        const std::vector<std::string>& sensors,
                                        const std::vector<std::string>& actuators);

@@ -1,4 +1,4 @@
-// Measured responses as a table: one line per frequency.
+// Measured responses as a table with one line per frequency.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -23,12 +23,12 @@ constexpr std::array<std::string_view, kPartCount> kPrefix{"re_", "im_", "var_",
 constexpr std::array<std::string_view, 6> kFrequency{"freq_hz", "frequency_hz", "f_hz",
                                                      "freq",    "frequency",    "f"};
 
-/// One response: which columns it is; −1: none.
+/// The columns of one response; −1: none.
 struct Columns {
   std::array<Index, kPartCount> at{-1, -1, -1, -1, -1};
 };
 
-// What a name without channels says of the kind; none: it is no such name.
+// The kind that a name without channels states. None: the word is no such name.
 std::optional<std::optional<modal::FrfKind>> kind_of_word(std::string_view word) {
   using modal::FrfKind;
   static const std::map<std::string_view, std::optional<FrfKind>> words{
@@ -47,7 +47,7 @@ std::optional<std::optional<modal::FrfKind>> kind_of_word(std::string_view word)
   return found->second;
 }
 
-// The parts of one response without names: re, im, coherence.
+// The part of a response that a column name without channels states, such as re, im, coherence.
 std::optional<Part> nameless_part(std::string_view column) {
   const std::string word = upper(column);
   if (word == "RE" || word == "REAL") return kRe;
@@ -60,7 +60,7 @@ std::optional<Part> nameless_part(std::string_view column) {
 struct Layout {
   Index frequency = -1;
   std::vector<ChannelPair> pairs;
-  std::vector<Columns> columns;  // of each pair
+  std::vector<Columns> columns;  // for each pair
   std::optional<modal::FrfKind> kind;
   bool nameless = false;
 };
@@ -176,7 +176,7 @@ void check_frequencies(const CsvTable& table, Index column) {
   }
 }
 
-// Where a name stands in the list of its side; it is added where it is new.
+// The index of a name in the list of its side. A new name is added.
 Index number_of(const std::string& name, std::vector<modal::MeasuredChannel>& side,
                 std::map<std::string, Index>& numbers) {
   const auto [found, is_new] = numbers.emplace(name, static_cast<Index>(side.size()));
@@ -269,7 +269,7 @@ FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const Frf
 
 namespace {
 
-// "y1u1" where that is read as these two names, else "y1/u1".
+// "y1u1" if it is read back as these two names, else "y1/u1".
 std::string pair_name(const std::string& sensor, const std::string& actuator) {
   const auto is_read_back = [&](const std::string& word) {
     try {

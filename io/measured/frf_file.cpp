@@ -24,7 +24,7 @@ FrfFile parsed(const Path& file, const FrfOptions& options) {
   }
 }
 
-// What a table without a head cannot say.
+// The information that a CSV table cannot hold.
 std::vector<std::string> lost_in_csv(const modal::FrfSet& set) {
   bool units = false;
   bool places = false;

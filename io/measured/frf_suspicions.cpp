@@ -12,14 +12,14 @@ namespace {
 
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
-constexpr double kClear = 0.5;  // of turning and side: noise alone stays far below it
-constexpr Index kFewest = 16;   // lines that can show it
+constexpr double kClear = 0.5;  // limit of turning and side; noise alone stays far below it
+constexpr Index kFewest = 16;   // the fewest lines that can show it
 
 bool is_known(const Complex& value) {
   return std::isfinite(value.real()) && std::isfinite(value.imag());
 }
 
-// G/s^n: a receptance up to a positive factor per line. None at 0 Hz and where it is not known.
+// G/s^n: the response as a receptance, up to a positive factor per line.
 Complex as_receptance(const modal::FrfSet& set, Index k, Index i, Index j,
                       bool conjugated = false) {
   Complex value = set.value[static_cast<std::size_t>(k)](i, j);
@@ -46,7 +46,7 @@ std::string place(const modal::FrfSet& set, Index k) {
   return "line " + std::to_string(k + 1) + " (" + hertz + " Hz)";
 }
 
-/// How many lines of one response are what.
+/// The numbers of unknown and zero lines of one response, and the first of each.
 struct Count {
   Index unknown = 0, zero = 0, first_unknown = -1, first_zero = -1;
 };
@@ -66,7 +66,7 @@ Count count(const modal::FrfSet& set, Index i, Index j) {
 
 std::string times(Index count) { return std::to_string(count) + (count == 1 ? " line" : " lines"); }
 
-// What is missing in one response, a sentence each.
+// The gaps in one response, one sentence each.
 std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
   const Count found = count(set, i, j);
   if (found.unknown == set.line_count()) return {"not measured"};
@@ -85,7 +85,7 @@ std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
 }
 
 void add_gaps(const modal::FrfSet& set, std::vector<std::string>& said) {
-  std::map<std::string, std::vector<std::string>> alike;  // what is said, of whom
+  std::map<std::string, std::vector<std::string>> alike;  // a sentence, and the responses it is for
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
       for (const auto& gap : gaps_of(set, i, j)) alike[gap].push_back(name_of(set, i, j));
@@ -98,7 +98,7 @@ void add_gaps(const modal::FrfSet& set, std::vector<std::string>& said) {
   }
 }
 
-// A response by its numbers, 0 where it is not known; empty where there is nothing but zeros.
+// The numbers of a response, 0 where it is not known; empty where all numbers are zero.
 std::vector<double> numbers_of(const modal::FrfSet& set, Index i, Index j) {
   std::vector<double> numbers;
   bool any = false;
@@ -111,7 +111,7 @@ std::vector<double> numbers_of(const modal::FrfSet& set, Index i, Index j) {
   return any ? numbers : std::vector<double>();
 }
 
-// Responses whose every line is the same.
+// Reports responses that are equal in every line.
 void add_copies(const modal::FrfSet& set, std::vector<std::string>& said) {
   std::map<std::vector<double>, std::vector<std::string>> alike;
   for (Index i = 0; i < set.output_count(); ++i) {
@@ -130,14 +130,14 @@ void add_copies(const modal::FrfSet& set, std::vector<std::string>& said) {
   }
 }
 
-// A receptance, mobility or accelerance of one oscillator changes by no more between two lines than
-// the fourth power of their frequencies, resonances aside.
+// The largest expected change between two lines. Away from resonances, a receptance, mobility or
+// accelerance of one oscillator changes by at most the fourth power of the frequency ratio.
 double most_by_frequency(double a, double b) {
   const double ratio = std::max(a, b) / std::min(a, b);
   return std::pow(ratio, 4.0);
 }
 
-// How many times larger a value is than the median of the two on either side; 0: it cannot be told.
+// The ratio of a value to the median of the two values on either side; 0 where it is not known.
 double over_neighbours(const modal::FrfSet& set, Index k, Index i, Index j) {
   const auto size = [&](Index line) {
     return std::abs(set.value[static_cast<std::size_t>(line)](i, j));
@@ -156,7 +156,7 @@ double over_neighbours(const modal::FrfSet& set, Index k, Index i, Index j) {
   return *middle > 0.0 ? size(k) / *middle / allowed : 0.0;
 }
 
-// Single values far above those beside them: an exponent that slipped, a bit that turned.
+// Reports single values far above their neighbours, for example from a wrong exponent or bit.
 void add_spikes(const modal::FrfSet& set, std::vector<std::string>& said) {
   constexpr double clear = 1e6;
   std::vector<std::string> names;
@@ -176,7 +176,8 @@ void add_spikes(const modal::FrfSet& set, std::vector<std::string>& said) {
                  ", the first is " + first);
 }
 
-// +1: output and input are one place and direction; −1: opposite ones; 0: not collocated.
+// +1: output and input have the same place and direction; −1: the same place and opposite
+// directions; 0: they are not collocated.
 int collocation(const modal::FrfSet& set, Index i, Index j,
                 const std::vector<std::pair<std::string, std::string>>& pairs) {
   const auto& output = set.outputs[static_cast<std::size_t>(i)];
@@ -221,7 +222,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-// Which responses turn the wrong way, and whose sign is turned.
+// The responses that turn the wrong way, and the responses whose sign is turned.
 struct Phases {
   std::vector<std::string> conjugated, turned;
 };
@@ -252,7 +253,7 @@ std::vector<std::string> suspicions(const modal::FrfSet& set, const Pairs& collo
                    (phases.conjugated.size() == 1 ? " looks" : " look") +
                    " conjugated: the phase rises through the resonances, e^{-jwt}?");
   }
-  constexpr std::size_t most = 12;  // a line each
+  constexpr std::size_t most = 12;  // one line each
   for (std::size_t n = 0; n < std::min(phases.turned.size(), most); ++n) {
     said.push_back(phases.turned[n] +
                    " looks as if its sign were turned: sensor and actuator are one place and its "

@@ -1,4 +1,4 @@
-// What in measured responses looks wrong.
+// Finds data in measured responses that look wrong.
 #pragma once
 
 #include <string>
@@ -9,21 +9,21 @@
 
 namespace chladni::io {
 
-/// Lines that were not measured or are zero, responses that are zero or the same as another,
-/// responses that turn the wrong way ("conjugated": around a resonance the phase of e^{+jωt} falls,
-/// whatever the channels) or of collocated channels that start in the wrong half plane ("sign
-/// turned"). Collocated are channels of one node and axis, and those named here (sensor, actuator).
-/// Each sentence names its place. Cost: linear.
+/// Reports lines that are not measured or zero, responses that are zero or equal to another one,
+/// and responses whose phase turns the wrong way ("conjugated"; with e^{+jωt} the phase falls
+/// around a resonance for all channels). It also reports responses of collocated channels that
+/// start in the wrong half plane ("sign turned"). Channels of one node and axis are collocated, and
+/// so are the pairs named here (sensor, actuator). Each sentence names its place. Cost: linear.
 [[nodiscard]] std::vector<std::string> suspicions(
     const modal::FrfSet& set,
     const std::vector<std::pair<std::string, std::string>>& collocated = {});
 
-/// Which way G turns: Σ Im(conj(G_k) G_{k+1}) over Σ of its size, in [−1, 1]; near −1 for a
-/// structure and +1 where the response was conjugated. 0: no two lines.
+/// The direction in which G turns: Σ Im(conj(G_k) G_{k+1}) divided by the sum of the magnitudes, in
+/// [−1, 1]. It is near −1 for a structure and near +1 for a conjugated response. 0: too few lines.
 [[nodiscard]] double turning(const modal::FrfSet& set, Eigen::Index output, Eigen::Index input);
 
-/// On which side of the real axis a response lies, as a receptance: Σ Im G over Σ |Im G|, −1 for
-/// collocated channels and +1 where their sign is turned. @param conjugated  take conj(G) instead
+/// The side of the real axis of a response, as a receptance: Σ Im G / Σ |Im G|. It is −1 for
+/// collocated channels and +1 where their sign is turned. @param conjugated  use conj(G) instead
 [[nodiscard]] double side(const modal::FrfSet& set, Eigen::Index output, Eigen::Index input,
                           bool conjugated = false);
 

@@ -10,7 +10,7 @@
 namespace chladni::io {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;  // [m/s²], what accelerometers are calibrated in
+constexpr double kStandardGravity = 9.80665;  // [m/s²], the unit of accelerometer calibrations
 constexpr std::array<const char*, 3> kMotion{"m", "m/s", "m/s^2"};
 
 std::optional<double> factor(const std::string& word, const char* si) {
@@ -26,7 +26,7 @@ std::string name_of(modal::FrfKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// A unit of responses, "g/N", as the unit of the output and what one of the input is in SI.
+/// A unit of responses, such as "g/N": the unit of the output, and the SI unit of the input.
 struct Stated {
   MotionUnit output;
   std::string input_si;
@@ -102,7 +102,7 @@ void bring_to_si(FrfFile& file, bool kind_known) {
 
 namespace {
 
-// An output without a unit of its own gets the stated one.
+// Gives the stated unit to an output without a unit.
 void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_known,
                 const FrfOptions& options) {
   auto& output = file.set.outputs[i];

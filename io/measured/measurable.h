@@ -1,4 +1,4 @@
-// What no instrument gives.
+// The limit of measured numbers.
 #pragma once
 
 #include <cmath>
@@ -6,16 +6,16 @@
 
 namespace chladni::io {
 
-/// The largest number in files of measured data, in any unit: its square, and that over a variance
-/// of 1e-100, is finite in double precision.
+/// The largest number in files of measured data, in any unit. Its square, also divided by a
+/// variance of 1e-100, is finite in double precision.
 inline constexpr double kLargestMeasured = 1e100;
 
-/// Whether a number may come from a measurement; NaN may: it says that there is none.
+/// Whether a number may come from a measurement. NaN is allowed: it means that there is no value.
 [[nodiscard]] inline bool is_measurable(double number) {
   return std::isnan(number) || std::abs(number) <= kLargestMeasured;
 }
 
-/// Why a number is refused, for a message: "found 1e+200, expected a number below 1e+100 in size".
+/// A message for a refused number: "found 1e+200, expected a number below 1e+100 in size".
 [[nodiscard]] std::string not_measurable(double number);
 
 }  // namespace chladni::io

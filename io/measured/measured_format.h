@@ -1,4 +1,4 @@
-// Which format a file of measured data is in.
+// The format of a file of measured data.
 #pragma once
 
 #include <filesystem>
@@ -8,18 +8,18 @@ namespace chladni::io {
 
 enum class MeasuredFormat { csv, uff, mat, none };
 
-/// By the ending: .csv, .uff .unv .uf, .mat, of text also with .gz behind it.
+/// The format by the ending: .csv, .uff .unv .uf, .mat. Text files may have .gz after it.
 [[nodiscard]] MeasuredFormat measured_format(const std::filesystem::path& file);
 
-/// The same of a file to be written. @throws InvalidInput  none of them, or compressed
+/// The format of a file to be written. @throws InvalidInput  another ending, or a compressed file
 [[nodiscard]] MeasuredFormat written_format(const std::filesystem::path& file);
 
-/// @throws InvalidInput  says which endings there are
+/// @throws InvalidInput  always; lists the possible endings
 [[noreturn]] void refuse_ending(const std::filesystem::path& file);
 
-/// The bytes of the file, unpacked where it is compressed by gzip.
-/// @param limit  bytes of memory for what the file holds
-/// @throws InvalidInput  it cannot be read, is damaged, or is larger than the limit allows
+/// The bytes of the file, unpacked if it is compressed by gzip.
+/// @param limit  bytes of memory for the content of the file
+/// @throws InvalidInput  the file cannot be read, is damaged, or is larger than the limit allows
 [[nodiscard]] std::string content_of(const std::filesystem::path& file, std::size_t limit);
 
 }  // namespace chladni::io

@@ -14,7 +14,7 @@
 namespace chladni::io {
 namespace {
 
-constexpr std::size_t kMemoryPerByte = 64;  // short fields, a text each
+constexpr std::size_t kMemoryPerByte = 64;  // for short fields, each of which is a string
 constexpr std::size_t kMostModes = 100000;
 constexpr std::string_view kDeviation = "std_";
 
@@ -50,7 +50,7 @@ std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
   return lines;
 }
 
-// Which column holds what.
+// The columns of the table.
 struct Columns {
   std::ptrdiff_t frequency = -1, damping = -1;
   std::vector<std::string> channels;

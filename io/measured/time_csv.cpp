@@ -1,4 +1,4 @@
-// Recordings as a table: one line per sample.
+// Recordings as a table with one line per sample.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
-constexpr double kBytesPerRecord = 320.0;  // three matrices and what the allocator adds
+constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's overhead
 constexpr std::array<std::string_view, 3> kPrefix{"out_", "in_", "ref_"};  // by Side
 
 bool knows(const std::vector<std::string>& names, std::string_view name) {
@@ -27,7 +27,7 @@ struct Layout {
   std::array<std::vector<Index>, 3> columns;  // by Side
 };
 
-// Which special column a name is of; null: it is a channel's.
+// The special column with this name; null: the column belongs to a channel.
 Index* special(const std::string& name, Layout& layout) {
   if (name == "time_s" || name == "time" || name == "t" || name == "t_s") return &layout.time;
   if (name == "experiment") return &layout.experiment;
@@ -104,7 +104,7 @@ std::vector<Stretch> stretches_of(const CsvTable& table, const Layout& layout) {
   return found;
 }
 
-// The step of the time in the first recording, which the others must have too.
+// The time step of the first recording. The other recordings must have the same step.
 double sample_time(const CsvTable& table, const Layout& layout,
                    const std::vector<Stretch>& stretches, const TimeOptions& options) {
   if (layout.time < 0) {
@@ -133,7 +133,7 @@ double sample_time(const CsvTable& table, const Layout& layout,
   return result;
 }
 
-// The length of a run of one number in the column `period`.
+// The length of a run of equal numbers in the column `period`.
 Index period_of(const CsvTable& table, const Layout& layout, const std::vector<Stretch>& stretches,
                 const TimeOptions& options) {
   if (options.period > 0 || layout.period < 0) return options.period;
@@ -191,7 +191,7 @@ void state_units(TimeFile& file, const TimeOptions& options) {
 
 namespace {
 
-// What letters that are followed by digits or nothing stand for.
+// The side by the letters of a name; digits after the letters do not count.
 Side side_of_letters(std::string_view name) {
   std::string letters = upper(name);
   while (!letters.empty() && letters.back() >= '0' && letters.back() <= '9') letters.pop_back();

@@ -127,7 +127,7 @@ void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
   contour->ComputeScalarsOff();
   contour->Update();
   vtkPolyData* lines = contour->GetOutput();
-  // In front of the skin by a hair, so that the skin does not eat them.
+  // The lines lie slightly in front of the skin, so that the skin does not hide them.
   const Eigen::Vector3d hair = 2e-3 * body.diagonal * view.axes.row(2).transpose();
   for (vtkIdType i = 0; i < lines->GetNumberOfPoints(); ++i) {
     Eigen::Vector3d at;
@@ -139,7 +139,7 @@ void add_zero_lines(vtkRenderer* panel, const Body& body, const Points& points,
 }
 
 void add_map(vtkRenderer* panel, const Body& body, const Eigen::VectorXd& value) {
-  constexpr int count = 64;  // bands too fine to see that make the file a third as long
+  constexpr int count = 64;  // the bands are too fine to see and make the file a third as long
   vtkNew<vtkLookupTable> table;
   table->SetNumberOfTableValues(count);
   table->SetRange(0.0, 1.0);

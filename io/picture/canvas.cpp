@@ -17,14 +17,14 @@
 namespace chladni::picture {
 namespace {
 
-constexpr int kFiner = 2;  // painted so many times larger
+constexpr int kFiner = 2;  // the picture is painted larger by this factor
 
 void set_colour(vtkProperty2D* property, const Colour& colour) {
   property->SetColor(colour[0], colour[1], colour[2]);
 }
 
-// Mean of each kFiner x kFiner block of pixels, in steps of 5: the eye does not see them, and the
-// file is a third smaller.
+// The mean of each kFiner x kFiner block of pixels, rounded to steps of 5. The eye does not see
+// these steps, and the file is a third smaller.
 vtkNew<vtkImageData> averaged(vtkImageData* fine, int width, int height) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(width, height, 1);

@@ -1,4 +1,4 @@
-// The window that a picture is painted in, and the text and flat shapes on it.
+// The window for painting a picture, with text and flat shapes.
 #pragma once
 
 #include <vtkNew.h>
@@ -24,33 +24,34 @@ struct TextStyle {
   Colour colour = kInk;
   bool bold = false;
   enum class Align { left, centre, right } align = Align::left;
-  bool upwards = false;  ///< turned by a quarter, read from below
+  bool upwards = false;  ///< rotated by a quarter turn, to be read from below
 };
 
-/// White, offscreen. Places are in pixels of the finished picture from its upper left corner; it is
-/// painted twice as large and averaged, so that lines and letters are smooth on every machine.
+/// A white offscreen canvas. Places are in pixels of the finished picture from its upper left
+/// corner. The picture is painted twice as large and averaged, so that lines and letters are smooth
+/// on every machine.
 class Canvas {
  public:
   Canvas(int width, int height);
 
-  /// A part of the canvas for three-dimensional things, without a background of its own.
+  /// A part of the canvas for three-dimensional objects, with a transparent background.
   [[nodiscard]] vtkRenderer* panel(const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 
-  /// Text whose baseline's left end, middle or right end is `at`.
+  /// Text with the left end, middle or right end of the baseline at `at`.
   void text(const Eigen::Vector2d& at, const std::string& words, const TextStyle& style);
-  /// Width that `text` will take [px].
+  /// The width of `words` [px].
   [[nodiscard]] double text_width(const std::string& words, const TextStyle& style);
 
   /// A filled polygon with an outline of `line` px, drawn above the panels.
   void polygon(const std::vector<Eigen::Vector2d>& corners, const Colour& fill,
                const Colour& border = kInk, double line = 1.0);
 
-  /// Many lines through points, or many filled convex polygons, of one colour.
+  /// Many lines through points, or many filled convex polygons, in one colour.
   void lines(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
              double width);
   void polygons(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour);
 
-  /// Paints, and gives the picture as PNG. The same input gives the same bytes.
+  /// Paints and returns the picture as PNG. The same input gives the same bytes.
   [[nodiscard]] std::string png();
 
  private:

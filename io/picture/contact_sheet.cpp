@@ -31,10 +31,10 @@ struct Sheet {
   std::vector<Panel> panels;
   std::vector<std::string> marker_kinds;
   Cells marker_vertex;                    // M×1
-  std::vector<std::size_t> marker_order;  // sensors last, on top of what else is there
+  std::vector<std::size_t> marker_order;  // sensors last, so that they are on top
 };
 
-// Where the panels lie.
+// The layout of the panels.
 struct Layout {
   int columns = 1, rows = 1;
   Eigen::Vector2d size;  // of a panel, without its label [px]
@@ -86,7 +86,7 @@ Sheet sheet_of(const io::Message& request) {
   return sheet;
 }
 
-// All states of the body, one after the other: what must fit into a panel.
+// The points of all states of the body. All of them must fit into a panel.
 Points all_states(const Sheet& sheet) {
   const Eigen::Index count = sheet.body.points.rows();
   Points all(count * static_cast<Eigen::Index>(sheet.panels.size() + 1), 3);

@@ -1,4 +1,4 @@
-// Small signs for what is on the body.
+// Small signs for channels and attachments on the body.
 #pragma once
 
 #include <string>
@@ -7,10 +7,11 @@
 
 namespace chladni::picture {
 
-/// A sign of `radius` px at `at`: sensors round, actuators triangular, all else square.
+/// Draws a sign of `radius` px at `at`: sensors are round, actuators are triangles, all others are
+/// squares.
 void draw_glyph(Canvas& canvas, const std::string& kind, const Eigen::Vector2d& at, double radius);
 
-/// The order to draw glyphs in, so that those in one place are all seen: higher ones later.
+/// The layer of a glyph. Higher layers are drawn later, so that all glyphs at one place are seen.
 [[nodiscard]] int glyph_layer(const std::string& kind);
 
 }  // namespace chladni::picture

@@ -20,7 +20,7 @@ constexpr double kWidth = 1000.0, kMargin = 40.0, kHeader = 96.0, kRow = 34.0;  
 constexpr Colour kForbidden{0.72, 0.73, 0.75}, kBest{0.90, 0.10, 0.15};
 const TextStyle kSmall{.size = 18.0, .colour = kGrey};
 
-// Of the nodal lines, on a map that is dark where they are.
+// The colour of nodal line k. The map is dark along nodal lines.
 Colour line_colour(std::size_t k) {
   constexpr std::array<Colour, 5> colours{{{1.0, 1.0, 1.0},
                                            {1.0, 0.65, 0.25},
@@ -72,8 +72,8 @@ struct Box {
   }
 };
 
-// Beside a star, on the right where there is room, and above or below where others stand already;
-// not below `bottom`.
+// A free box for a label beside a star: on the right if there is room, and higher or lower where
+// other labels are; not below `bottom`.
 Box room_for(double wide, const Eigen::Vector2d& star, const std::vector<Box>& taken,
              double bottom) {
   constexpr double high = 26.0, away = 20.0;
@@ -135,7 +135,7 @@ void paint_bar(Canvas& canvas, const io::Message& request, double top) {
   canvas.text({x, top + 15.0}, request.head.at("scale").string(), kSmall);
 }
 
-// Words behind a sign; the place after them.
+// Paints words after a sign; returns the place after the words.
 double paint_entry(Canvas& canvas, double x, double top, const std::string& words) {
   canvas.text({x, top + 15.0}, words, kSmall);
   return x + canvas.text_width(words, kSmall) + 26.0;

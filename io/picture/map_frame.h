@@ -1,4 +1,4 @@
-// Where a surface seen along its normal lies on the canvas.
+// The frame of a surface, seen along its normal, on the canvas.
 #pragma once
 
 #include "base/arrays.h"
@@ -16,12 +16,12 @@ struct MapFrame {
   }
 };
 
-/// `points` (V×3, x right, y up, z towards the eye) as large as a panel `width` wide and at most
-/// `highest` high at `corner` lets them be [px].
+/// The frame that shows `points` (V×3, x right, y up, z towards the eye) as large as possible in a
+/// panel at `corner`, `width` wide and at most `highest` high [px].
 [[nodiscard]] MapFrame map_frame(const Points& points, const Eigen::Vector2d& corner, double width,
                                  double highest);
 
-/// A rectangle with its upper left corner at (left, top) [px].
+/// Paints a rectangle with its upper left corner at (left, top) [px].
 void paint_rectangle(Canvas& canvas, double left, double top, double width, double height,
                      const Colour& colour, double line);
 

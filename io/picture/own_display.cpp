@@ -41,8 +41,8 @@ std::string admission() {
          counted({cookie.data(), cookie.size()});
 }
 
-// A file without a name; it is there as long as one of us has it open. Its path, the same in a
-// child.
+// Makes a file without a name, which exists as long as a process has it open. Returns its path,
+// which is the same in a child process.
 std::string nameless_file(const std::string& content) {
   const int file = memfd_create("xauthority", 0);
   if (file < 0) fail("no memory for the display's cookie");
@@ -52,8 +52,8 @@ std::string nameless_file(const std::string& content) {
   return "/proc/self/fd/" + std::to_string(file);
 }
 
-// Between fork and exec. In a group of its own: what kills the painter's group must leave it the
-// time to take its lock away.
+// Runs between fork and exec. The server gets its own process group: a signal that kills the
+// painter's group must not kill the server before it has removed its lock.
 [[noreturn]] void become_server(const char* xvfb, const char* number_to, const char* cookie,
                                 pid_t parent) {
   setpgid(0, 0);
@@ -68,7 +68,7 @@ std::string nameless_file(const std::string& content) {
   _exit(127);
 }
 
-// The line that the server writes once it can be talked to: the number of its display.
+// The line that the server writes when it is ready: the number of its display.
 std::string line_from(int end) {
   std::string line;
   while (!line.ends_with('\n')) {

@@ -1,4 +1,4 @@
-// A display for a picture where nobody looks.
+// A private, invisible display for painting a picture.
 #pragma once
 
 #include <sys/types.h>
@@ -7,12 +7,12 @@
 
 namespace chladni::picture {
 
-/// An Xvfb of this process's own, with DISPLAY and XAUTHORITY set to it. It ends with this process,
-/// however that ends (kill -9 too), and takes its lock and its socket along; the cookie that admits
-/// to it is in memory. Takes some 0.1 s.
+/// A private Xvfb of this process; DISPLAY and XAUTHORITY are set to it. The Xvfb ends with this
+/// process in all cases (kill -9 too) and then removes its lock and its socket. The cookie that
+/// gives access is in memory only. The start takes about 0.1 s.
 class OwnDisplay {
  public:
-  /// @throws std::runtime_error  `xvfb` does not start, or tells no display within 30 s
+  /// @throws std::runtime_error  `xvfb` does not start, or reports no display within 30 s
   explicit OwnDisplay(const std::string& xvfb);
   ~OwnDisplay();
   OwnDisplay(const OwnDisplay&) = delete;

@@ -1,5 +1,5 @@
-// The program chladni-painter [XVFB]: a request on stdin, a PNG on stdout. It paints on a display
-// of its own, made by the program XVFB, or on the one that DISPLAY names.
+// The program chladni-painter [XVFB] reads a request from stdin and writes a PNG to stdout. It
+// paints on its own display, made by the program XVFB, or on the display that DISPLAY names.
 #include <exception>
 #include <functional>
 #include <iostream>

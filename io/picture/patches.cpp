@@ -15,7 +15,7 @@ constexpr double kWidth = 1400.0, kMargin = 40.0, kHeader = 96.0, kRow = 24.0;  
 constexpr int kColumns = 4;
 const TextStyle kSmall{.size = 17.0, .colour = kGrey};
 
-// Body and labels.
+// Paints the body and the labels of one panel.
 void paint_panel(Canvas& canvas, const io::Message& request, std::size_t number,
                  const Eigen::Vector2d& corner) {
   const auto suffix = "_" + std::to_string(number);
@@ -43,7 +43,7 @@ void paint_panel(Canvas& canvas, const io::Message& request, std::size_t number,
   canvas.text(frame.corner - Eigen::Vector2d(0.0, 4.0), head.at("title").string(), kSmall);
 }
 
-// Words that end where the next column begins.
+// The words, shortened to end before the next column.
 std::string cut(Canvas& canvas, std::string words, double room) {
   if (canvas.text_width(words, kSmall) <= room) return words;
   while (words.size() > 1 && canvas.text_width(words + "...", kSmall) > room) {

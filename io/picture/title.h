@@ -7,7 +7,8 @@
 
 namespace chladni::picture {
 
-/// One line between the margins: smaller letters, then fewer, until the words fit [px].
+/// Paints one line between the margins [px]. The letters get smaller, then the words are cut, until
+/// the line fits.
 void paint_title(Canvas& canvas, std::string words, double margin, double width);
 
 }  // namespace chladni::picture

@@ -14,7 +14,7 @@
 namespace chladni::io {
 namespace {
 
-// Two decimals where they mean something, more for what is slow.
+// The frequency with two decimals, and with more decimals for low frequencies.
 std::string hertz(double frequency) {
   if (frequency >= 100.0) return fmt::format("{:.2f}", frequency);
   return frequency >= 10.0 ? fmt::format("{:.3f}", frequency) : fmt::format("{:.4f}", frequency);
@@ -27,7 +27,7 @@ std::string with_two_digits(double value) {
   return value >= 1e-3 ? fmt::format("{:.1g}", value) : "< 0.001";
 }
 
-// Without a minus sign where all digits are zero.
+// The rounded number, without a minus sign where all digits are zero.
 std::string rounded(double value, int decimals) {
   const bool is_zero = std::abs(value) < 0.5 * std::pow(10.0, -decimals);
   return fmt::format("{:.{}f}", is_zero ? 0.0 : value, decimals);
@@ -56,7 +56,7 @@ std::string cluster_note(Eigen::Index mode, const std::vector<fem::Cluster>& clu
   return "";
 }
 
-// All rigid-body modes in one row: they have nothing to tell apart.
+// One row for all rigid-body modes, because nothing distinguishes them.
 Table::Row rigid_row(Eigen::Index count) {
   return {
       {count == 1 ? "1" : fmt::format("1 to {}", count), "rigid body", "0", "", "", ""}, true, -1};
@@ -96,7 +96,7 @@ Note certificate(const fem::ModesSummary& summary) {
                                    "missing."};
 }
 
-// Products of inertia that are round-off are zero.
+// The inertia as text. Products of inertia that are only round-off become zero.
 std::string inertia_lines(Eigen::Matrix3d inertia) {
   const double least = 1e-12 * inertia.trace();
   inertia = inertia.unaryExpr([&](double v) { return std::abs(v) < least ? 0.0 : v; }).eval();
@@ -182,7 +182,7 @@ Section body_section(const fem::MassProperties& mass, const mesh::TetMesh& mesh,
 
 Section channels_section(const std::vector<Marker>& channels, const modal::Modes& modes,
                          const Eigen::MatrixXd& shapes) {
-  constexpr Eigen::Index most = 8;  // columns that a page has room for
+  constexpr Eigen::Index most = 8;  // columns that fit on a page
   const Eigen::Index shown =
       shapes.size() == 0 ? 0 : std::min(most, modes.mode_count() - modes.rigid_count);
   require(shapes.size() == 0 || (shapes.rows() == static_cast<Eigen::Index>(channels.size()) &&

@@ -1,4 +1,4 @@
-// Shapes for the report's viewer: on few vertices, in few bytes.
+// Shapes for the report's viewer, on few vertices and in few bytes.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -49,8 +49,8 @@ Viewer::Shape shape_of(const Skin& skin, const modal::Modes& modes, Eigen::Index
           static_cast<int>(axis)};
 }
 
-// Four bytes per vertex and shape, six for the point, about twelve for the triangles; base64 makes
-// them a third longer.
+// The number of vertices for `bytes`. A vertex takes four bytes per shape, six for the point and
+// about twelve for the triangles. Base64 makes them a third longer.
 Eigen::Index affordable(std::size_t bytes, Eigen::Index shapes) {
   const auto per_vertex = static_cast<std::size_t>(4 * shapes + 6 + 12) * 4 / 3;
   return std::clamp(static_cast<Eigen::Index>(bytes / per_vertex), kFewestVertices, kMostVertices);

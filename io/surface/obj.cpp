@@ -1,4 +1,4 @@
-// OBJ (Wavefront): points and polygons; groups, objects and materials become patches.
+// Reads OBJ (Wavefront): points and polygons. Groups, objects and materials become patches.
 #include <array>
 #include <map>
 #include <set>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kGroupings{"g", "o", "usemtl"};
 
-// What is not of the shape, or only of its looks.
+// Keywords that do not concern the shape, or only its appearance.
 const std::set<std::string_view> kIgnored{
     "vt",  "vn",    "vp",       "s",        "mtllib",     "maplib",    "usemap",
     "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "mg"};
@@ -38,7 +38,7 @@ class ObjReader {
   std::array<std::vector<std::string>, 3> names_{{{""}, {""}, {""}}};
   std::array<std::map<std::string, int>, 3> index_of_name_;
   std::array<std::set<int>, 3> used_;
-  // Faces are cut into triangles last: only then is known which groupings tell them apart.
+  // Faces are divided into triangles last, when all values of the groupings are known.
   std::vector<std::int32_t> corners_;
   std::vector<std::size_t> face_end_, face_line_;
   std::vector<std::array<int, 3>> face_grouping_;
@@ -46,7 +46,7 @@ class ObjReader {
   std::map<std::string, std::int64_t> unknown_;
 };
 
-// The next word of the statement, which a backslash takes to the next line.
+// The next word of the statement. A backslash continues the statement on the next line.
 std::string_view ObjReader::word() {
   std::string_view found = scanner_.word_on_line();
   while (found == "\\" && scanner_.next_line()) found = scanner_.word_on_line();
@@ -105,8 +105,8 @@ void ObjReader::read_grouping(std::size_t kind) {
   grouping_.at(kind) = entry->second;
 }
 
-// Of the three groupings those that take more than one value; where none does, the last that is
-// given at all.
+// The patch name is made of the groupings that have more than one value in the file. Where none
+// has, it is the last grouping that is given.
 std::string ObjReader::patch_name(const std::array<int, 3>& grouping) const {
   std::string joined, single;
   for (std::size_t kind = 0; kind < 3; ++kind) {

@@ -1,4 +1,4 @@
-// OFF (Geomview): points, then polygons. Colours, normals and texture places are passed over.
+// Reads OFF (Geomview): points, then polygons. Colours, normals and texture places are skipped.
 #include <array>
 
 #include "base/error.h"
@@ -8,7 +8,7 @@
 namespace chladni::io {
 namespace {
 
-// The head is [ST][C][N][4][n]OFF; four or n coordinates are no body of ours.
+// Reads the head [ST][C][N][4][n]OFF. Four or n coordinates are refused.
 void read_head(Scanner& scanner) {
   const std::string_view word = scanner.word();
   if (!word.ends_with("OFF")) {
@@ -68,7 +68,7 @@ mesh::Surface parse_off(std::string_view bytes, Notes* notes) {
   read_head(scanner);
   const std::int64_t points = read_vertex_count(scanner);
   const std::int64_t faces = scanner.count("faces", 4);
-  static_cast<void>(scanner.rest_of_line());  // the number of edges, which nobody counts
+  static_cast<void>(scanner.rest_of_line());  // the number of edges is not used
   Triangles triangles;
   for (std::int64_t i = 0; i < points; ++i) read_point(scanner, triangles);
   const int patch = triangles.patch("surface");

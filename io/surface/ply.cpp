@@ -1,4 +1,4 @@
-// PLY (Stanford): a head that describes rows of numbers, then the rows, text or binary.
+// Reads PLY (Stanford): a head that describes rows of numbers, then the rows, as text or binary.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -35,7 +35,7 @@ constexpr std::array<std::pair<std::string_view, Type>, 16> kTypes{{
 struct Property {
   std::string name;
   Type type = Type::float32;
-  std::optional<Type> count_type;  // of a list
+  std::optional<Type> count_type;  // set for a list
 };
 
 struct Element {
@@ -166,7 +166,7 @@ Encoding PlyReader::read_head() {
   scanner_.fail_truncated("'end_header'");
 }
 
-// Leaves the whole numbers of a list in list_; lists of other numbers are only stepped over.
+// Reads the whole numbers of a list into list_. Lists of other numbers are skipped.
 void PlyReader::read_list(const Property& property, Values& values) {
   const std::int64_t count = whole(values, *property.count_type, "the length of a list");
   scanner_.require_room(count, "entries of a list", values.is_text() ? 2 : size_of(property.type));

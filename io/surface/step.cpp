@@ -23,7 +23,7 @@ constexpr bool kWithStep = false;
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 30U;
 
-// The names of STEP's length units as OpenCASCADE gives them, and ours.
+// The names of STEP's length units in OpenCASCADE, and our names.
 constexpr std::array<std::array<std::string_view, 2>, 8> kUnits{{{"METRE", "m"},
                                                                  {"MILLIMETRE", "mm"},
                                                                  {"CENTIMETRE", "cm"},
@@ -49,17 +49,17 @@ void check_unit(const std::string& in_file, const std::string& asked) {
                                                    ": leave the unit out, the file's own is taken");
 }
 
-// OpenCASCADE's numbers are millimetres, whatever the unit of the file; they are the file's own
-// where it states none.
+// OpenCASCADE converts all numbers to millimetres. Where the file states no unit, the numbers are
+// the file's own.
 double metres_per_number(const std::string& in_file, const std::string& asked) {
   return in_file.empty() ? unit_factor(asked, "m") : 1e-3;
 }
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
-// Where a parameter is written as other programs print what is no number: nan, -inf, 1.#QNAN.
-// OpenCASCADE takes such a coordinate and does not end. STEP itself has words in front of a bracket
-// and between dots only.
+// The place of a parameter that is no number, as other programs print it: nan, -inf, 1.#QNAN.
+// OpenCASCADE accepts such a coordinate and does not end. STEP itself has words only before a
+// bracket and between dots.
 std::size_t no_number(std::string_view bytes) {
   bool in_text = false;
   for (std::size_t i = 0; i < bytes.size(); ++i) {

@@ -1,5 +1,6 @@
-// chladni-step FILE: the solid of a STEP file as triangles, written to stdout as a Message. A
-// program of its own, since OpenCASCADE prints, and crashes on files that are not what they say.
+// The program chladni-step FILE writes the solid of a STEP file as triangles to stdout, as a
+// Message. It is a separate program because OpenCASCADE prints to stdout and crashes on invalid
+// files.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -86,8 +87,8 @@ void triangulate(const TopoDS_Shape& solid) {
   require(mesher.IsDone() == Standard_True, "OpenCASCADE could not triangulate the solid");
 }
 
-// The triangles of the faces, whose points are told equal by the edges and vertices they share:
-// exact where a comparison of coordinates would need a tolerance.
+// The triangles of the faces. Shared edges and vertices decide which points are equal. This is
+// exact, while a comparison of coordinates would need a tolerance.
 class Triangulation {
  public:
   explicit Triangulation(const TopoDS_Shape& solid);
@@ -145,8 +146,8 @@ void Triangulation::add_face(const TopoDS_Face& face) {
   }
 }
 
-// An edge carries its points in the same order in each of its faces; one that is there twice in a
-// face (a seam) has two polygons, told apart by its orientation.
+// An edge has its points in the same order in each of its faces. An edge that occurs twice in a
+// face (a seam) has two polygons, which differ by the orientation.
 void Triangulation::mark_edge(const TopoDS_Edge& edge, const Handle(Poly_Triangulation) & triangles,
                               const TopLoc_Location& place, std::size_t first) {
   const Handle(Poly_PolygonOnTriangulation) polygon =
@@ -238,7 +239,7 @@ Message refusal(const std::string& why) {
   return message;
 }
 
-// What OpenCASCADE prints goes to stderr; the returned descriptor is the true stdout.
+// Redirects OpenCASCADE's output to stderr; returns a descriptor of the true stdout.
 int take_stdout() {
   const int stream = dup(STDOUT_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);

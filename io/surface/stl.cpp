@@ -1,4 +1,4 @@
-// STL: triangles without neighbours, units or names; binary or text.
+// Reads STL, binary or text: triangles without neighbours, units or names.
 #include <cmath>
 
 #include "base/error.h"
@@ -15,7 +15,8 @@ std::uint32_t claimed_count(std::string_view bytes) {
   return Values(scanner, Encoding::little_endian).next<std::uint32_t>("the number of triangles");
 }
 
-// By size, not by the word "solid", which many binary files start with too.
+// Whether the file is binary. The size decides, not the word "solid", because many binary files
+// also start with this word.
 bool has_binary_size(std::string_view bytes) {
   return bytes.size() >= kHeader + 4 &&
          bytes.size() == kHeader + 4 + kTriangle * std::size_t{claimed_count(bytes)};
@@ -64,7 +65,7 @@ mesh::Surface parse_binary(std::string_view bytes, Notes* notes) {
   return triangles.surface(notes);
 }
 
-// From behind "facet" to behind "endfacet"; the normal is not believed, so not read.
+// Reads from after "facet" to after "endfacet". The normal is not trusted, so it is not read.
 void parse_facet(Scanner& scanner, Triangles& triangles, int patch) {
   static_cast<void>(scanner.rest_of_line());
   scanner.expect("outer");

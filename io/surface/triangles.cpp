@@ -12,7 +12,7 @@
 namespace chladni::io {
 namespace {
 
-constexpr double kWarp = 1e-3;  // a corner off the polygon's plane, relative to the polygon's size
+constexpr double kWarp = 1e-3;  // limit of a corner's distance from the plane, over the size
 
 std::uint64_t mixed(std::uint64_t x) {  // splitmix64's finaliser
   x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
@@ -26,7 +26,7 @@ std::uint64_t hash(const Eigen::Vector3d& p) {
   return h;
 }
 
-// Twice the area of the triangle abc along `normal`; negative where it turns the other way.
+// Twice the area of the triangle abc along `normal`; negative for the opposite orientation.
 double turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
             const Eigen::Vector3d& normal) {
   return (b - a).cross(c - a).dot(normal);
@@ -125,8 +125,9 @@ void Triangles::polygon(std::span<const std::int32_t> corners, int patch) {
   for (std::size_t i = 1; i + 1 < n; ++i) triangle(corners[0], corners[i], corners[i + 1], patch);
 }
 
-// Cuts off, one by one, a corner whose triangle turns as the polygon does and holds no other
-// corner; where rounding leaves none, any corner (the check of the surface sees what that gives).
+// Cuts off one corner after another. The triangle at the corner must have the polygon's orientation
+// and contain no other corner. Where rounding leaves no such corner, any corner is cut off; the
+// check of the surface finds the consequences.
 void Triangles::cut_ears(std::vector<std::int32_t> corners, const Eigen::Vector3d& normal,
                          int patch) {
   while (corners.size() > 3) {

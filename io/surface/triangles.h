@@ -1,4 +1,4 @@
-// Triangles and polygons as a file lists them, on their way to a Surface.
+// Collects triangles and polygons as a file lists them, and makes a Surface.
 #pragma once
 
 #include <map>
@@ -11,34 +11,35 @@
 
 namespace chladni::io {
 
-/// Collects points, triangles and polygons in the order of the file. Nothing is allocated ahead.
+/// Collects points, triangles and polygons in the order of the file. No memory is allocated in
+/// advance.
 class Triangles {
  public:
-  /// Adds a point [unit of the file]; its index.
+  /// Adds a point [unit of the file]; returns its index.
   /// @throws InvalidInput  a coordinate is above 1e50, or there are 2^31 points already
   std::int32_t point(const Eigen::Vector3d& position);
-  /// The same, but a point that is there already, bit by bit, is taken again.
+  /// Like `point`, but a point with exactly the same coordinates is used again.
   std::int32_t merged_point(const Eigen::Vector3d& position);
   [[nodiscard]] std::int64_t point_count() const {
     return static_cast<std::int64_t>(xyz_.size() / 3);
   }
 
-  /// The index of the patch of that name, new or old.
+  /// The index of the patch with that name, new or old.
   int patch(const std::string& name);
 
   void triangle(std::int32_t a, std::int32_t b, std::int32_t c, int patch);
-  /// Three to 1000 corners: a fan where the polygon is convex, ears cut off where it is not. Two or
-  /// fewer are passed over and told of.
-  /// @throws InvalidInput  more than 1000 corners, told at the place of `scanner`
+  /// Adds a polygon of three to 1000 corners. A convex polygon becomes a fan; from other polygons
+  /// ears are cut off. A polygon of two or fewer corners is skipped and noted.
+  /// @throws InvalidInput  more than 1000 corners; the message has the place of `scanner`
   void face(std::span<const std::int32_t> corners, int patch, const Scanner& scanner);
-  /// `index`, counted from 0, as that of a point that is there.
-  /// @throws InvalidInput  it is not there, told at the place of `scanner`
+  /// `index` (from 0) as the index of an existing point.
+  /// @throws InvalidInput  there is no such point; the message has the place of `scanner`
   [[nodiscard]] std::int32_t corner(std::int64_t index, const Scanner& scanner) const;
   [[nodiscard]] std::int64_t triangle_count() const {
     return static_cast<std::int64_t>(patch_.size());
   }
 
-  /// All of it; tells of concave and warped polygons and of faces of two corners.
+  /// The surface. Adds notes about concave and warped polygons and about faces of two corners.
   /// @throws InvalidInput  there is no triangle
   [[nodiscard]] mesh::Surface surface(Notes* notes) const;
 

@@ -39,7 +39,7 @@ Eigen::VectorXd hertz_of(const UffFunction& function) {
   return per_second ? Eigen::VectorXd(function.x / (2.0 * std::numbers::pi)) : function.x;
 }
 
-// Rounded in six digits, two programs write the same line differently.
+// Whether the lines are equal to six digits. Two programs may round the same line differently.
 bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() && (a - b).cwiseAbs().maxCoeff() <= 1e-6 * b.cwiseAbs().maxCoeff();
 }
@@ -140,7 +140,7 @@ class Collector {
                 outputs_.size(), inputs_.size(), nothing)};
   }
 
-  // The unit of an output or input, which all its responses share.
+  // Sets the unit of an output or input. All its responses share this unit.
   static void state_unit(modal::MeasuredChannel& channel, const UffScale& scale, bool is_output,
                          const UffFunction& function) {
     if (is_output && scale.kind) channel.kind = *scale.kind;

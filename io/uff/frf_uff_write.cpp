@@ -1,4 +1,4 @@
-// Measured responses into a universal file.
+// Writes measured responses to a universal file.
 #include <array>
 #include <cmath>
 
@@ -29,7 +29,8 @@ UffAxis axis_of(int type, const char* label, const std::string& unit) {
   return axis;
 }
 
-// Without a unit, dataset 164 must not lend one: the type is left open, the label tells the kind.
+// The axis of an output. An output without a unit must not get one from dataset 164, so its type is
+// left open and the label states the kind.
 UffAxis motion_axis(const modal::MeasuredChannel& channel) {
   constexpr std::array<int, 3> types{8, 11, 12};
   constexpr std::array<const char*, 3> labels{"Displacement", "Velocity", "Acceleration"};
@@ -47,7 +48,7 @@ UffAxis force_axis(const modal::MeasuredChannel& channel) {
   return axis;
 }
 
-// Directions that are none of the axes.
+// Notes the directions that are not along an axis.
 void note_oblique(const std::vector<modal::MeasuredChannel>& channels,
                   const std::vector<UffDof>& dofs, std::vector<std::string>& lost) {
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -64,7 +65,7 @@ void add_nodes(const std::vector<modal::MeasuredChannel>& channels, const std::v
   }
 }
 
-// A response and its coherence; nothing where it was not measured.
+// The datasets of a response and its coherence; empty where the response was not measured.
 std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunction function,
                           UffEncoding encoding) {
   const auto& output = set.outputs[static_cast<std::size_t>(i)];

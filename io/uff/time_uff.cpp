@@ -33,7 +33,8 @@ std::string stated(const UffFunction& function, std::string_view mark) {
   return {};
 }
 
-// Degrees of freedom that share a name of the file have one of node and direction each.
+// The names of channels. Degrees of freedom that share a name in the file get names made of node
+// and direction.
 class Names {
  public:
   explicit Names(const std::vector<UffFunction>& functions) {
@@ -103,7 +104,7 @@ class Collector {
   }
 
  private:
-  using Key = std::array<long long, 3>;  // experiment, realisation, how manieth of its channel
+  using Key = std::array<long long, 3>;  // experiment, realisation, count within its channel
   struct Part {
     const UffFunction* function;
     Side side;

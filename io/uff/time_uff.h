@@ -9,15 +9,16 @@
 
 namespace chladni::io {
 
-/// Time responses (dataset 58 of function type 1, or 0 over time). Inputs are what `options` lists
-/// or forces by their type; load case is the experiment, version the realisation, and functions
-/// of one channel in the same are further realisations.
-/// @throws InvalidInput  as parse_uff; recordings of one experiment that differ in length or step
+/// Reads time responses (dataset 58 of function type 1, or of type 0 over time). Inputs are the
+/// channels that `options` lists, and forces by their type. The load case is the experiment and the
+/// version is the realisation. Further functions of a channel with the same numbers are further
+/// realisations.
+/// @throws InvalidInput  as parse_uff; or recordings of one experiment differ in length or step
 [[nodiscard]] TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
 
-/// In SI with 13 digits (text) or all of them (binary).
-/// @throws InvalidInput  a name of more than 60 letters or with a line end
+/// A universal file in SI with 13 digits (text) or all digits (binary).
+/// @throws InvalidInput  a name has more than 60 letters or a line end
 [[nodiscard]] std::string time_uff(const identification::TimeData& data, UffEncoding encoding);
 
 }  // namespace chladni::io

@@ -11,7 +11,7 @@
 namespace chladni::io {
 namespace {
 
-// The number of a dataset as its line has it: "58", "58b", "2411"; empty: it is no such line.
+// The number of a dataset from its line: "58", "58b", "2411". Empty: it is no such line.
 std::string dataset_number(std::string_view line) {
   const auto words = words_of(line);
   if (words.empty()) return {};
@@ -64,7 +64,7 @@ class UffReader {
     }
   }
 
-  // What stands where a dataset's number is due.
+  // Reads what comes after the -1 at the start of a dataset: its number, then its content.
   void dataset() {
     const std::size_t at = lines_.line();
     const std::string head(lines_.take());
@@ -117,7 +117,7 @@ class UffReader {
     while (!lines_.at_delimiter()) lines_.take();
   }
 
-  // Lines that belong to nothing; they are noted once per dataset.
+  // Skips lines that do not belong to the dataset. They are noted once per dataset.
   void skip_rest(const std::string& number) {
     const std::size_t from = lines_.line();
     to_delimiter();
@@ -145,7 +145,7 @@ class UffReader {
     if (!(length > 0.0) || !(force > 0.0)) {
       lines_.fail("a unit factor of 0 or less");
     }
-    units.length = 1.0 / length;  // of the file's units per metre
+    units.length = 1.0 / length;  // the factor is the file's units per metre
     units.force = 1.0 / force;
     if (!std::isfinite(units.length) || !std::isfinite(units.force)) {
       lines_.fail("a unit factor that has no inverse");
@@ -159,7 +159,7 @@ class UffReader {
     }
   }
 
-  // A system that is not understood matters only to nodes that use it.
+  // Reads coordinate systems. A system that cannot be read matters only to nodes that use it.
   void systems(const std::string& number) {
     uff_.defines_systems = true;
     try {
@@ -173,7 +173,7 @@ class UffReader {
     }
   }
 
-  // Fields 2 and 3 of a node: the systems of its place and of its displacements.
+  // Reads fields 2 and 3 of a node: the systems of its place and of its displacements.
   [[nodiscard]] UffNodeSystems node_systems(const std::vector<std::string_view>& words) const {
     UffNodeSystems systems;
     if (words.size() > 1) systems.place = uff_integer(lines_, words[1], "system of a place");
@@ -204,7 +204,8 @@ class UffReader {
     add_node(uff_integer(lines_, words[0], "number of a node"), position, node_systems(words));
   }
 
-  // Dataset 781 has places in the node's system, 2411 in that of the part, whatever it exports.
+  // Reads a node. Dataset 781 states places in the node's own system. Dataset 2411 states them in
+  // the part's system, for any export system.
   void node_of_2411(bool in_own_system) {
     const auto head = lines_.filled_record("node");
     const auto words = words_of(head);

@@ -1,4 +1,4 @@
-// Universal files (UFF, UNV): what their datasets say, before it is made sense of.
+// The content of the datasets of universal files (UFF, UNV), before its interpretation.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,21 +14,21 @@
 
 namespace chladni::io {
 
-/// Dataset 164: SI per unit of the file.
+/// Dataset 164: SI units per unit of the file.
 struct UffUnits {
   std::string description;
   double length = 1.0, force = 1.0;
 };
 
-/// A node with a direction: ±1 x, ±2 y, ±3 z, ±4 to ±6 rotations about them, 0 a scalar.
+/// A node with a direction: ±1 x, ±2 y, ±3 z, ±4 to ±6 rotations about x, y, z, 0 a scalar.
 struct UffDof {
   std::string entity;  ///< empty where the file says NONE
   long long node = 0;
   int direction = 0;
 };
 
-/// What is along an axis: 8 displacement, 11 velocity, 12 acceleration, 9 or 13 force, 17 time, 18
-/// frequency, 0 unknown.
+/// The quantity along an axis. Types: 8 displacement, 11 velocity, 12 acceleration, 9 or 13 force,
+/// 17 time, 18 frequency, 0 unknown.
 struct UffAxis {
   int type = 0;
   int length_exponent = 0, force_exponent = 0;
@@ -37,7 +37,7 @@ struct UffAxis {
 
 /// Dataset 58, ASCII or binary.
 struct UffFunction {
-  std::size_t line = 0;  ///< of the file, where it begins
+  std::size_t line = 0;  ///< line of the file where it begins
   bool binary = false;
   std::array<std::string, 5> id;
   int type = 0;  ///< 1 time response, 2 auto spectrum, 4 FRF, 6 coherence, ...
@@ -45,33 +45,34 @@ struct UffFunction {
   UffDof response, reference;
   UffAxis abscissa, ordinate, denominator;
   bool is_complex = false;
-  Eigen::VectorXd x;              ///< n, as the file has them
+  Eigen::VectorXd x;              ///< n, as in the file
   Eigen::VectorXcd y;             ///< n
-  std::optional<UffUnits> units;  ///< of the dataset 164 that holds here
+  std::optional<UffUnits> units;  ///< from the dataset 164 that is valid here
 };
 
-/// Dataset 55: a shape at nodes.
+/// Dataset 55: a mode shape at nodes.
 struct UffShape {
   std::size_t line = 0;
   std::array<std::string, 5> id;
   int analysis = 0;  ///< 2 normal modes, 3 and 7 complex eigenvalues
-  int type = 0;      ///< as UffAxis
+  int type = 0;      ///< as in UffAxis
   double frequency_hz = 0.0, damping_ratio = 0.0, modal_mass = 0.0;
   std::complex<double> eigenvalue;  ///< [rad/s] of complex eigenvalues
   std::vector<long long> nodes;     ///< n
   Eigen::MatrixXcd values;          ///< n×3 or n×6
 };
 
-/// Datasets 18 and 2420: a coordinate system by three points, a column each: its origin, a point on
-/// its x axis and one in its xz plane, in the system `reference` (0: the global one).
+/// Datasets 18 and 2420: a coordinate system. It is given by three points, one per column, in the
+/// system `reference` (0: the global system): its origin, a point on its x axis and a point in its
+/// xz plane.
 struct UffSystem {
   int type = 0;  ///< 0 Cartesian, 1 cylindrical, 2 spherical
   long long reference = 0;
   Eigen::Matrix3d points = Eigen::Matrix3d::Zero();
-  std::string fault;  ///< why it cannot be used; empty: it can
+  std::string fault;  ///< the reason why it cannot be used; empty: it can be used
 };
 
-/// The systems in which a node's place and its displacements are stated; 0: the global one.
+/// The systems of a node's place and of its displacements; 0: the global system.
 struct UffNodeSystems {
   long long place = 0, displacement = 0;
 };
@@ -79,8 +80,8 @@ struct UffNodeSystems {
 struct Uff {
   std::optional<std::string> title;                  ///< dataset 151: the model's name
   std::optional<UffUnits> units;                     ///< the first dataset 164
-  std::map<long long, Eigen::Vector3d> nodes;        ///< 15, 781, 2411; as the file has them
-  std::map<long long, UffNodeSystems> node_systems;  ///< where they are not the global one
+  std::map<long long, Eigen::Vector3d> nodes;        ///< 15, 781, 2411; as in the file
+  std::map<long long, UffNodeSystems> node_systems;  ///< where they are not the global system
   std::map<long long, UffSystem> systems;
   bool defines_systems = false;  ///< there is a dataset 18 or 2420, readable or not
   std::vector<UffFunction> functions;
@@ -88,21 +89,22 @@ struct Uff {
   std::vector<std::string> notes;
 };
 
-/// Reads datasets 15, 18, 55, 58, 58b, 151, 164, 781, 2411 and 2420; others are noted. Takes
-/// Fortran's D exponents, numbers run together, blank lines, line ends of any kind, line feeds
-/// before and after binary data, either byte order in each dataset, a missing last -1. No length is
-/// trusted. Cost: linear; memory a multiple of the bytes whatever they say.
+/// Reads datasets 15, 18, 55, 58, 58b, 151, 164, 781, 2411 and 2420; other datasets are noted. It
+/// accepts Fortran's D exponents, numbers without blanks between them, blank lines, line ends of
+/// any kind, line feeds before and after binary data, either byte order in each dataset, and a
+/// missing last -1. No length is trusted. Cost: linear; memory is a multiple of the bytes for any
+/// content.
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
-/// @param limit  of the memory for all functions [bytes]
+/// @param limit  limit of the memory for all functions [bytes]
 [[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name,
                             std::size_t limit = reading_limit());
 
 enum class UffEncoding { text, binary };
 
-/// A dataset of its own, with its lines of -1; double precision.
+/// The dataset of a function, with its lines of -1, in double precision.
 [[nodiscard]] std::string uff_dataset(const UffFunction& function, UffEncoding encoding);
-/// Datasets 151, 164 (SI) and 2411 where there are nodes [m].
+/// Datasets 151, 164 (SI) and, where there are nodes [m], 2411.
 [[nodiscard]] std::string uff_head(const std::string& title,
                                    const std::map<long long, Eigen::Vector3d>& nodes);
 

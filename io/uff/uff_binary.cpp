@@ -1,4 +1,4 @@
-// The numbers of dataset 58b, whose lengths nobody vouches for.
+// Reads the numbers of dataset 58b. The stated lengths may be wrong.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,12 +11,12 @@
 namespace chladni::io {
 namespace {
 
-/// How the bytes of n points may lie.
+/// A possible layout of the bytes of n points.
 struct Packing {
   std::size_t start = 0;                ///< line ends before the first byte
   std::size_t size = 0;                 ///< bytes of the numbers
-  std::size_t abscissa = 0, value = 0;  ///< bytes of each number; abscissa 0: even
-  std::size_t skipped = 0;              ///< bytes behind them that are nothing
+  std::size_t abscissa = 0, value = 0;  ///< bytes of each number; abscissa 0: even spacing
+  std::size_t skipped = 0;              ///< unused bytes after the numbers
 };
 
 /// The line with "58b".
@@ -47,7 +47,7 @@ Head read_head(const UffLines& lines, const std::string& line) {
   return head;
 }
 
-// Whether the dataset's last -1, or nothing more, follows these bytes.
+// Whether the dataset's last -1, or the end of the file, follows these bytes.
 bool is_followed_by_end(std::string_view rest, std::size_t at) {
   if (at > rest.size()) return false;
   rest.remove_prefix(at);
@@ -88,7 +88,7 @@ std::optional<Packing> packing(const UffLines& lines, std::vector<Packing> packi
         return one;
     }
   }
-  for (Packing& one : packings) {  // more bytes than numbers, as its head says
+  for (Packing& one : packings) {  // the head may state more bytes than the numbers need
     one.start = 0;
     const auto stated = static_cast<std::size_t>(std::max(head.bytes, 0LL));
     if (stated <= one.size || stated > lines.left()) continue;
@@ -127,7 +127,7 @@ std::vector<double> numbers_of(std::string_view bytes, const Packing& packing, b
   return numbers;
 }
 
-// The share of numbers that no instrument measures: what a wrong byte order makes of most.
+// The share of numbers that no instrument measures. A wrong byte order gives mostly such numbers.
 double absurd_share(const std::vector<double>& numbers) {
   const auto count = std::count_if(numbers.begin(), numbers.end(), [](double value) {
     const double size = std::abs(value);

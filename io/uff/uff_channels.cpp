@@ -11,7 +11,8 @@
 namespace chladni::io {
 namespace {
 
-// A label as a unit: "(m/s^2)", "M/S2", "g's"; "m/s^2/N" is of what is above its last stroke.
+// The unit in a label: "(m/s^2)", "M/S2", "g's". In "m/s^2/N" only the part before the last slash
+// counts.
 std::optional<MotionUnit> motion_of_label(std::string label) {
   std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
   if (upper(label) == "G" || upper(label) == "G'S" || upper(label) == "GS") label = "g";
@@ -38,7 +39,7 @@ std::optional<modal::FrfKind> kind_of(int type) {
   }
 }
 
-// What a label says where the type is left open.
+// The kind that a label states where the type is left open.
 std::optional<modal::FrfKind> kind_of(const std::string& label) {
   const std::string word = upper(label.substr(0, 5));
   if (word == "DISPL") return modal::FrfKind::receptance;
@@ -105,7 +106,7 @@ UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units)
     scale.unit = label->si;
     scale.kind = label->kind;
   } else if (axis.type == 0) {
-    scale.unit = axis.unit;  // volts, as it stands
+    scale.unit = axis.unit;  // another unit such as volts stays as it is
   }
   if (!units || !kind_of(axis.type)) return scale;
   if (!is_label) {

@@ -1,4 +1,4 @@
-// Datasets 58 and 58b: functions at nodal degrees of freedom.
+// Reads datasets 58 and 58b: functions at nodal degrees of freedom.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ std::string_view columns(std::string_view line, std::size_t from, std::size_t si
   return from < line.size() ? line.substr(from, size) : std::string_view();
 }
 
-// Whether a word runs over the end of a column.
+// Whether a word crosses the end of a column.
 bool cuts(std::string_view line, std::size_t at) {
   return at > 0 && at < line.size() && line[at] != ' ' && line[at - 1] != ' ';
 }
@@ -32,10 +32,10 @@ int direction_of(const UffLines& lines, std::string_view word) {
   lines.fail("direction " + std::to_string(direction) + ", expected -6 to 6");
 }
 
-constexpr std::array<std::size_t, 5> kFilled{0, 2, 5, 6, 8};  // fields of record 6
+constexpr std::array<std::size_t, 5> kFilled{0, 2, 5, 6, 8};  // whole numbers in record 6
 constexpr std::array<std::size_t, 11> kDegreeColumns{0, 5, 15, 20, 30, 41, 51, 55, 66, 76, 80};
 
-// Whether a line keeps to 2(I5,I10), 2(1X,10A1,I10,I4).
+// Whether a line has the columns 2(I5,I10), 2(1X,10A1,I10,I4).
 bool keeps_columns(std::string_view line) {
   if (line.size() <= 66) return false;
   for (const std::size_t at : {5, 15, 20, 51, 76}) {
@@ -47,7 +47,7 @@ bool keeps_columns(std::string_view line) {
   });
 }
 
-// The ten fields of record 6, by columns or, of programs that do not count them, by blanks.
+// The ten fields of record 6, by columns, or by blanks where a program did not keep the columns.
 std::vector<std::string_view> degree_fields(const UffLines& lines, std::string_view line) {
   if (!keeps_columns(line)) {
     auto words = words_of(line);
@@ -79,10 +79,10 @@ void read_degrees(UffLines& lines, UffFunction& function) {
                         direction_of(lines, words[9])};
 }
 
-// Three numbers as they are read, then the abscissa and a complex value.
+// Up to three numbers while reading, then the abscissa and a complex value.
 constexpr double kBytesPerPoint = 48.0;
 
-/// Record 7.
+/// The data form of record 7.
 struct Form {
   int ordinate_type = 0;
   std::size_t points = 0;
@@ -94,7 +94,7 @@ Form read_form(UffLines& lines) {
   const std::string line(lines.filled_record("data form"));
   auto words = words_of(line);
   std::vector<std::string_view> numbers;
-  if (words.size() < 5) {  // numbers run together
+  if (words.size() < 5) {  // numbers without blanks between them
     for (const std::size_t at : {0, 10, 20}) words.push_back(columns(line, at, 10));
     words.erase(words.begin(), words.end() - 3);
     for (const std::size_t at : {30, 43}) words.push_back(columns(line, at, 13));
@@ -171,7 +171,8 @@ void place_values(const std::vector<double>& numbers, const Form& form, UffLines
   lines.fail("an abscissa is not a finite number");
 }
 
-// Six digits of an increment are not enough for long records: 0.01953125 is written 1.95313E-02.
+// Notes that six digits of an increment are not enough for a long record: 0.01953125 is written
+// 1.95313E-02.
 void note_rounding(const UffFunction& function, const Form& form, std::string_view name,
                    std::vector<std::string>& notes) {
   if (!form.even || form.points < 2000 || form.step <= 0.0) return;
@@ -191,7 +192,7 @@ void note_rounding(const UffFunction& function, const Form& form, std::string_vi
 
 namespace {
 
-// The numbers of one line, up to `count` of them in all. @return where they end
+// Appends the numbers of one line, until there are `count`. @return the place after the last one
 std::size_t take_numbers(const UffLines& lines, std::string_view line, std::size_t count,
                          std::vector<double>& numbers) {
   std::size_t at = 0;

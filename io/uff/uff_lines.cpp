@@ -12,7 +12,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_sign(char c) { return c == '+' || c == '-'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-// Behind the digits and the point that begin at `at`, a sign before them included.
+// The place after a mantissa at `at`: an optional sign, digits and a point.
 std::size_t end_of_mantissa(std::string_view line, std::size_t at) {
   if (at < line.size() && is_sign(line[at])) ++at;
   while (at < line.size() && (is_digit(line[at]) || line[at] == '.')) ++at;
@@ -24,7 +24,7 @@ std::size_t end_of_digits(std::string_view line, std::size_t at) {
   return at;
 }
 
-// Behind the exponent that begins at `at`, if one does.
+// The place after an exponent at `at`, if there is one.
 std::size_t end_of_exponent(std::string_view line, std::size_t at) {
   if (at == line.size() || std::string_view("eEdD").find(line[at]) == std::string_view::npos) {
     return at;
@@ -34,8 +34,8 @@ std::size_t end_of_exponent(std::string_view line, std::size_t at) {
   return end_of_digits(line, at);
 }
 
-// Whether a sign and three digits stand at `at`, and no further number begins with them: Fortran
-// drops the letter where the exponent has three digits.
+// Whether there is an exponent without a letter at `at`: a sign and three digits that do not begin
+// another number. Fortran omits the letter of an exponent with three digits.
 bool has_bare_exponent(std::string_view line, std::size_t at) {
   return at < line.size() && is_sign(line[at]) && end_of_digits(line, at + 1) == at + 4 &&
          (at + 4 == line.size() || line[at + 4] != '.');

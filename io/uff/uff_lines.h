@@ -1,4 +1,4 @@
-// A universal file line by line, within its datasets.
+// Reads a universal file line by line, within its datasets.
 #pragma once
 
 #include <cstdint>
@@ -9,36 +9,36 @@
 
 namespace chladni::io {
 
-/// Goes through the file once. The bytes must outlive it.
+/// Reads the file once from start to end. The bytes must outlive this object.
 class UffLines {
  public:
-  /// @param room  bytes of memory for what is read
+  /// @param room  bytes of memory for the content
   UffLines(std::string_view bytes, std::string file, std::size_t room)
       : bytes_(bytes), file_(std::move(file)), room_(room) {}
 
   [[nodiscard]] bool at_end() const { return at_ >= bytes_.size(); }
-  [[nodiscard]] std::size_t line() const { return line_; }  ///< the number of the next one
+  [[nodiscard]] std::size_t line() const { return line_; }  ///< number of the next line
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
   [[nodiscard]] std::string_view rest() const { return bytes_.substr(at_); }
   [[nodiscard]] std::string_view file() const { return file_; }
 
-  /// The next line without its end, which stays the next one.
+  /// The next line without its line end; it remains the next line.
   [[nodiscard]] std::string_view peek() const;
-  /// The next line; an empty one at the end of the file.
+  /// Takes the next line; it is empty at the end of the file.
   std::string_view take();
-  /// Whether the next line is the -1 around datasets, or there is none.
+  /// Whether the next line is the -1 around datasets, or the file ends.
   [[nodiscard]] bool at_delimiter() const;
-  /// The next line of this dataset. @param what  is named where the dataset ends before it
+  /// Takes the next line of this dataset. @param what  its name in a message where it is missing
   std::string_view record(std::string_view what);
-  /// The same, blank ones passed over.
+  /// Takes the next line of this dataset that is not blank.
   std::string_view filled_record(std::string_view what);
-  /// Steps over bytes that are no lines.
+  /// Skips bytes that are no lines.
   void skip(std::size_t bytes) { at_ += bytes; }
 
-  /// Takes so many bytes of the room. @throws InvalidInput  they are not left
+  /// Takes bytes from the room. @throws InvalidInput  there is not enough room left
   void take_room(double bytes);
 
-  /// What failures say they are in.
+  /// Sets the dataset and the line that messages name.
   void enter(std::string dataset, std::size_t line) {
     dataset_ = std::move(dataset);
     dataset_line_ = line;
@@ -52,9 +52,10 @@ class UffLines {
   std::size_t at_ = 0, line_ = 1, dataset_line_ = 0, room_ = 0;
 };
 
-/// The number that begins at or after `at`, which is moved behind it. Numbers end at blanks or
-/// where the next one's sign begins ("-1.2E+00-3.4E+00"); exponents may have a D or, of three
-/// digits, no letter ("1.0-100"). None: no number; `at` is at the word that is none or at the end.
+/// The number that begins at or after `at`; `at` moves to the place after it. A number ends at a
+/// blank or at the sign of the next number ("-1.2E+00-3.4E+00"). An exponent may have a D, or no
+/// letter if it has three digits ("1.0-100"). None: there is no number; `at` is then at the word
+/// that is no number, or at the end.
 [[nodiscard]] std::optional<double> run_on_number(std::string_view line, std::size_t& at);
 
 /// The words between blanks.

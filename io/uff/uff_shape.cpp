@@ -1,4 +1,4 @@
-// Dataset 55: shapes at nodes.
+// Reads dataset 55: mode shapes at nodes.
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostComponents = 6;
 
-// The reals of record 8, up to 6 per line.
+// Reads the real numbers of record 8, up to 6 per line.
 std::vector<double> reals(UffLines& lines, long long count, std::vector<std::string>& notes) {
   if (count < 0 || count > 100) {
     lines.fail(std::to_string(count) + " reals of the analysis, expected 0 to 100");

@@ -11,7 +11,7 @@
 namespace chladni::io {
 namespace {
 
-constexpr double kRounding = 1e-3;  // of axes that a text states with few digits
+constexpr double kRounding = 1e-3;  // rounding of axes that are stated with few digits
 
 template <std::size_t count>
 std::array<double, count> numbers_of(UffLines& lines, const char* what) {
@@ -32,7 +32,7 @@ std::array<double, count> numbers_of(UffLines& lines, const char* what) {
   return numbers;
 }
 
-// The first whole numbers of a line.
+// Reads the first `count` whole numbers of a line.
 std::vector<long long> integers_of(UffLines& lines, std::size_t count, const char* what) {
   const auto line = lines.filled_record(what);
   const auto words = words_of(line);
@@ -163,7 +163,7 @@ Eigen::Matrix3d UffFrames::axes(long long node) const {
 
 namespace {
 
-// Notes of one kind, once for all channels that share them.
+// Notes, each once for all channels that share it.
 struct Said {
   std::map<std::string, std::vector<std::string>> of;
 

@@ -1,4 +1,4 @@
-// Coordinate systems of a universal file: what directions and places at its nodes mean.
+// The coordinate systems of a universal file, which define directions and places at its nodes.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,27 +12,29 @@
 
 namespace chladni::io {
 
-/// Datasets 18 and 2420 into `systems`. `lines` is behind the line with the number, afterwards
-/// before the closing -1. Two systems of one number that differ are kept as a fault.
+/// Reads datasets 18 and 2420 into `systems`. At the start `lines` is after the line with the
+/// number; at the end it is before the closing -1. Two different systems with one number become a
+/// system with a fault.
 /// @throws InvalidInput  a record is missing or no number
 void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems);
 void read_systems_of_2420(UffLines& lines, std::map<long long, UffSystem>& systems);
 
-/// The systems of a file in its global frame. The file must outlive it.
+/// The systems of a file in its global frame. The file must outlive this object.
 ///
-/// Number 0 is the global frame, and so is number 1 in files that define no system. Cartesian and
-/// cylindrical ones (radius, angle in degrees, height) are known. A system of dataset 2420 has its
-/// axes in the rows of the matrix and its origin in the fourth row, as its 4×3 numbers say: places
-/// are rows, [x y z 1] times the matrix.
+/// Number 0 is the global frame. In files that define no system, number 1 is the global frame too.
+/// Cartesian and cylindrical systems (radius, angle in degrees, height) are supported. A system of
+/// dataset 2420 has a 4×3 matrix with the axes in its first three rows and the origin in the fourth
+/// row. A place is the row [x y z 1] times this matrix.
 class UffFrames {
  public:
   explicit UffFrames(const Uff& uff) : uff_(uff) {}
 
   /// The node's place in the global frame, in the file's unit of length.
-  /// @throws InvalidInput  its system is not known: says which and why
+  /// @throws InvalidInput  the node's system cannot be used; says which and why
   [[nodiscard]] Eigen::Vector3d place(long long node) const;
-  /// What is called x, y, z (or r, θ, z) at the node as columns, in the global frame.
-  /// @throws InvalidInput  as place; a cylinder's radius has no direction on its axis
+  /// The directions x, y, z (or r, θ, z) at the node as columns, in the global frame.
+  /// @throws InvalidInput  as place; or the node lies on the axis of a cylindrical system, where r
+  ///                       has no direction
   [[nodiscard]] Eigen::Matrix3d axes(long long node) const;
 
  private:
@@ -49,9 +51,10 @@ class UffFrames {
   const Uff& uff_;
 };
 
-/// Directions of channels into the global frame, and their places from the file's nodes. A
-/// direction or place whose system is not known is taken away; `notes` get what was turned and what
-/// was taken away. @param length  metres per unit of the file; none: places are not known
+/// Turns the directions of channels into the global frame, and sets their places from the file's
+/// nodes. A direction or place is removed where its system cannot be used. `notes` say what was
+/// turned and what was removed.
+/// @param length  metres per unit of the file; none: places are not known
 void place_channels(const Uff& uff, std::optional<double> length,
                     std::vector<modal::MeasuredChannel>& channels, std::vector<std::string>& notes);
 

@@ -1,4 +1,4 @@
-// Universal files, written.
+// Writes universal files.
 #include <fmt/format.h>
 
 #include <array>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kDelimiter = "    -1\n";
 
-// A number in 13 columns with a blank before it: all its digits where they fit.
+// A number in 13 columns with a blank before it, with all its digits if they fit.
 std::string in_13(double value) {
   std::array<char, 40> buffer;
   auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
@@ -34,7 +34,7 @@ std::string in_13(double value) {
 
 double read_back(double value) { return number_in(trimmed(in_13(value))).value_or(0.0); }
 
-// Whether start and increment, as they are written, give every abscissa.
+// Whether the written start and increment reproduce every abscissa.
 bool is_even(const Eigen::VectorXd& x, double tolerance) {
   if (x.size() < 2) return false;
   const double first = read_back(x(0));
@@ -82,7 +82,7 @@ std::string binary_values(const UffFunction& function, bool even) {
   return bytes;
 }
 
-// 4E20.12 where the abscissa is even, else one point per line.
+// The values as text: 4E20.12 where the abscissa is even, else one point per line.
 std::string text_values(const UffFunction& function, bool even) {
   std::string text;
   int on_line = 0;
@@ -111,7 +111,7 @@ std::string uff_dataset(const UffFunction& function, UffEncoding encoding) {
   require(function.x.size() == function.y.size() && function.x.size() > 0,
           "UFF: a function without values, or with other abscissas than values");
   const bool binary = encoding == UffEncoding::binary;
-  const bool even = is_even(function.x, binary ? 0.0 : 1e-12);  // bytes are read back exactly
+  const bool even = is_even(function.x, binary ? 0.0 : 1e-12);  // binary data are exact
   std::string head;
   for (const auto& id : function.id) head += line_80(id);
   head += fmt::format("{:5}{:10}{:5}{:10}", function.type, 0, function.version, function.load_case);

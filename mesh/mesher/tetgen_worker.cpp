@@ -1,7 +1,8 @@
-// chladni-tetgen: reads a closed surface from stdin and writes its tetrahedra to stdout
-// (mesh/mesher/wire.h). A program of its own, because TetGen 1.5 aborts, crashes or hangs on bad
-// input, and because it is licensed under the AGPL-3.0-or-later: so is this file, the only one that
-// includes it. Ends with status 0, 3 (the request is refused), 4 (TetGen gave up) or 5 (memory).
+// The program chladni-tetgen reads a closed surface from stdin and writes its tetrahedra to stdout
+// (mesh/mesher/wire.h). It is a separate program because TetGen 1.5 aborts, crashes or hangs on bad
+// input, and because TetGen has the licence AGPL-3.0-or-later. This file is the only one that
+// includes TetGen and has the same licence. The exit status is 0, 3 (the request is refused), 4
+// (TetGen gave up) or 5 (memory).
 #define TETLIBRARY
 #include <tetgen.h>
 
@@ -54,8 +55,9 @@ void fill(tetgenio& plc, const wire::Request& request) {
   set_seeds(plc, request.seeds);
 }
 
-// p: a boundary of facets; q: quality; a: volumes, per seed and over all; A: parts are numbered;
-// Q: silent. Boundaries may be refined, unless Y: facets are flat, so new points stay on them.
+// The switches of TetGen. p: a boundary of facets; q: quality; a: largest volumes, per seed and
+// overall; A: parts get numbers; Q: silent; Y: the boundary is not refined. Without Y new points
+// stay on the facets, because facets are flat.
 std::string switches(const wire::Request& request) {
   char text[128];
   std::snprintf(text, sizeof text, "p%sq%.4f/%.4faa%.12eAQ", request.surface_stays == 1 ? "Y" : "",
@@ -84,7 +86,7 @@ wire::Reply reply_of(const tetgenio& mesh) {
   return reply;
 }
 
-// What TetGen throws is a number.
+// The meaning of a number that TetGen throws.
 const char* meaning_of(int code) {
   switch (code) {
     case 2:

@@ -1,6 +1,6 @@
-// What the two sides of the mesher's pipe say to each other: packed, little-endian, every count
-// checked against the bytes that are there before anything is allocated. Standard library only,
-// because the worker shares this file and nothing else with the rest of the project.
+// The messages on the mesher's pipe: packed and little-endian. The reader checks every count
+// against the bytes that are there before it allocates memory. This file uses the standard library
+// only.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace chladni::mesh::wire {
 
-/// A place inside one part of the body, and how large its cells may be.
+/// A place inside one part of the body, and the largest volume of the cells there.
 struct Seed {
   double x = 0.0, y = 0.0, z = 0.0;  ///< [m]
   double largest_volume = 0.0;       ///< [m^3], > 0
@@ -19,7 +19,7 @@ struct Seed {
 struct Request {
   double largest_radius_edge = 0.0;
   double smallest_dihedral_degrees = 0.0;
-  double largest_volume = 0.0;          ///< of any cell [m^3]
+  double largest_volume = 0.0;          ///< of all cells [m^3]
   std::vector<double> points;           ///< 3 per point [m]
   std::vector<std::int32_t> triangles;  ///< 3 per triangle, from 0
   std::vector<std::int32_t> markers;    ///< 1 per triangle, > 0
@@ -30,7 +30,7 @@ struct Request {
 struct Reply {
   std::vector<double> points;              ///< 3 per point [m]
   std::vector<std::int32_t> tets;          ///< 4 per cell, from 0, either orientation
-  std::vector<std::int32_t> parts;         ///< 1 per cell: its seed's attribute, or another number
+  std::vector<std::int32_t> parts;         ///< 1 per cell: its seed's attribute or another number
   std::vector<std::int32_t> faces;         ///< 3 per face of the input's surface
   std::vector<std::int32_t> face_markers;  ///< 1 per face
 };

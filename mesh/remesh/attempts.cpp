@@ -11,7 +11,7 @@ namespace {
 
 struct Attempt {
   std::optional<TetMesh> mesh;
-  std::exception_ptr failure;  // why there is none
+  std::exception_ptr failure;  // the reason where there is no mesh
 
   [[nodiscard]] double angle() const {
     return mesh ? quality(*mesh).smallest_dihedral_degrees : -1.0;
@@ -21,7 +21,7 @@ struct Attempt {
 Attempt attempted(const std::function<TetMesh()>& way) {
   try {
     return {way(), nullptr};
-  } catch (const OutOfResources&) {  // another way needs as much
+  } catch (const OutOfResources&) {  // the other attempt would need as much
     throw;
   } catch (const NumericalFailure&) {
     return {std::nullopt, std::current_exception()};

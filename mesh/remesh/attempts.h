@@ -1,4 +1,4 @@
-// Two ways to one mesh.
+// Chooses the better of two meshes of one body.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,10 @@
 
 namespace chladni::mesh {
 
-/// The mesh of `first` where its smallest dihedral angle is at least `good_enough` [degrees], else
-/// that of the two with the larger one. Where one way fails the other one's mesh is taken.
-/// @throws  what `second` threw where both fail; OutOfResources and Interrupted of either at once
+/// The mesh of `first` where its smallest dihedral angle is at least `good_enough` [degrees]. Else
+/// `second` is tried too, and the mesh with the larger smallest angle is returned. Where one of
+/// them fails, the mesh of the other is returned.
+/// @throws  the exception of `second` where both fail; OutOfResources and Interrupted at once
 [[nodiscard]] TetMesh better_mesh(const std::function<TetMesh()>& first,
                                   const std::function<TetMesh()>& second, double good_enough);
 

@@ -1,4 +1,5 @@
-// One of the files that include CGAL: Delaunay triangles between straight lines in a plane.
+// Delaunay triangles between straight lines in a plane, by CGAL. Only files named cgal_* include
+// CGAL.
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -22,7 +23,8 @@ using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Kernel, CGAL::Triangulation_data_structure_2<Vertices, Faces>,
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
-// Face infos: 1 inside, 0 outside, by how many lines are crossed on the way from infinity.
+// Sets the face infos: 1 inside, 0 outside. The parity of the lines crossed on the way from
+// infinity decides.
 void mark_inside(Triangulation& triangulation, const std::vector<Line2>& lines) {
   std::map<std::pair<int, int>, int> uses;
   for (const Line2& line : lines) uses[std::minmax(line.from, line.to)] += line.uses;

@@ -1,4 +1,4 @@
-// How CGAL behaves inside its doors: it prints nothing and decides the same every time.
+// Makes CGAL silent and repeatable.
 #pragma once
 
 #include <CGAL/Random.h>
@@ -6,7 +6,8 @@
 
 namespace chladni::mesh {
 
-/// While it lives, failed CGAL preconditions throw without printing; random choices are repeated.
+/// While an object of this class lives, failed CGAL preconditions throw without printing. Random
+/// choices start from a fixed seed.
 class CgalQuiet {
  public:
   CgalQuiet()

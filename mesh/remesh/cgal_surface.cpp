@@ -1,5 +1,5 @@
-// One of the two files that include CGAL: what triangles cross, how a hole is filled, and isotropic
-// triangles.
+// Crossing triangles, filled holes and isotropic triangles, by CGAL. Only files named cgal_*
+// include CGAL.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
@@ -40,7 +40,7 @@ std::vector<Box> boxes_of(const Surface& surface) {
   return boxes;
 }
 
-// Corners of a and b, those they share first and in the same order.
+// Corners of triangles a and b. Shared corners come first and in the same order.
 struct Pair {
   std::array<int, 3> a, b;
   int shared = 0;
@@ -96,7 +96,8 @@ Eigen::Vector3d middle_of_overlap(const Box& a, const Box& b) {
   return middle;
 }
 
-// A mesh whose points are the fans of the surface: what hangs together by edges of two triangles.
+// A CGAL mesh whose points are the fans of the surface. A fan is the set of triangle corners at one
+// point that are connected across edges with exactly two triangles.
 struct FanMesh {
   Mesh mesh;
   Mesh::Property_map<Mesh::Face_index, int> patch;
@@ -130,7 +131,8 @@ bool between_patches(const FanMesh& fans, Mesh::Edge_index edge) {
   return fans.patch[fans.mesh.face(half)] != fans.patch[fans.mesh.face(fans.mesh.opposite(half))];
 }
 
-// Patches of one edge length are resampled together: each call looks at the whole mesh.
+// The different edge lengths. Patches with one edge length are resampled in one call, because each
+// call works through the whole mesh.
 std::set<double> lengths_of(const std::vector<double>& edge_length) {
   std::set<double> lengths(edge_length.begin(), edge_length.end());
   lengths.erase(0.0);
@@ -176,11 +178,11 @@ std::optional<FanMesh> fan_mesh(const Surface& surface, const std::vector<Eigen:
   return fans;
 }
 
-// What CGAL is told of the mesh while the patches of one edge length are resampled: all other faces
-// are one patch, and of the kept edges there are those of the faces in turn. Else its check that no
-// kept edge is too long (remesh.h, protect_constraints) refuses for edges that no face in turn has.
+// The view of the mesh for CGAL while the patches of one edge length are resampled. All other faces
+// form one patch, and only kept edges of the resampled faces count. Otherwise CGAL's check for too
+// long kept edges (remesh.h, protect_constraints) would refuse because of edges elsewhere.
 struct Turn {
-  Mesh::Property_map<Mesh::Face_index, int> patch;  // kOther where it is not their turn
+  Mesh::Property_map<Mesh::Face_index, int> patch;  // kOther for faces that are not resampled now
   Mesh::Property_map<Mesh::Edge_index, bool> kept;
   std::vector<Mesh::Face_index> faces;
 };
@@ -206,8 +208,8 @@ Turn turn_of(FanMesh& fans, const std::vector<double>& edge_length, double lengt
   return turn;
 }
 
-// CGAL promises an end only where every kept edge is at most 4/3 of the length; it checks that
-// where its assertions are compiled in.
+// Whether every kept edge is at most 4/3 of the length. Only then does CGAL guarantee that
+// remeshing ends; it checks this only where its assertions are compiled in.
 bool kept_are_short(const FanMesh& fans, const Turn& turn, double length) {
   const double longest = 4.0 / 3.0 * length * (1.0 + 1e-9);
   return std::ranges::all_of(fans.mesh.edges(), [&](Mesh::Edge_index edge) {
@@ -218,7 +220,7 @@ bool kept_are_short(const FanMesh& fans, const Turn& turn, double length) {
   });
 }
 
-// False where kept edges are too long for that.
+// Resamples the patches of one edge length. False where kept edges are too long for this length.
 bool resample(FanMesh& fans, const std::vector<double>& edge_length, double length) {
   Turn turn = turn_of(fans, edge_length, length);
   const bool short_enough = kept_are_short(fans, turn, length);
@@ -238,7 +240,7 @@ bool resample(FanMesh& fans, const std::vector<double>& edge_length, double leng
   return short_enough;
 }
 
-// Points on kept edges are the surface's own again, shared by all their fans.
+// Converts back to a surface. All fans at a point on a kept edge share this point again.
 Surface surface_of(const FanMesh& fans, const Surface& before) {
   Surface after;
   after.patch_names = before.patch_names;

@@ -65,7 +65,7 @@ class Lines {
   std::map<int, bool> done_;
 };
 
-// Whether one chord may stand for the line from i to j.
+// Whether one chord may replace the line from i to j.
 bool fits(const Points& points, const Line& line, std::size_t i, std::size_t j,
           const Sampling& sampling) {
   const Eigen::Vector3d a = points.row(line[i]);
@@ -84,7 +84,7 @@ bool fits(const Points& points, const Line& line, std::size_t i, std::size_t j,
   return true;
 }
 
-// Positions of the points that stay when every chord reaches as far as it may.
+// Positions of the points that remain when every chord is as long as allowed.
 std::vector<std::size_t> positions(const Points& points, const Line& line,
                                    const Sampling& sampling) {
   std::vector<std::size_t> stay{0};
@@ -96,7 +96,7 @@ std::vector<std::size_t> positions(const Points& points, const Line& line,
   return stay;
 }
 
-// As few as `positions`, under the tightest sampling that needs no more of them.
+// As few positions as `positions`, found with the tightest sampling that needs no more of them.
 std::vector<std::size_t> even_positions(const Points& points, const Line& line,
                                         const Sampling& sampling) {
   std::vector<std::size_t> best = positions(points, line, sampling);
@@ -116,7 +116,7 @@ std::vector<std::size_t> even_positions(const Points& points, const Line& line,
   return best;
 }
 
-// Leaves out points that hardly more than one chord could do without.
+// Leaves out points where one slightly larger chord can replace two.
 std::vector<std::size_t> without_remnants(const Points& points, const Line& line,
                                           const Sampling& sampling,
                                           const std::vector<std::size_t>& stay) {

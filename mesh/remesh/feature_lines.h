@@ -1,4 +1,4 @@
-// Fewer points on the lines along which the parts of a surface meet.
+// Thins out the points on the lines along which the parts of a surface meet.
 #pragma once
 
 #include <vector>
@@ -8,19 +8,20 @@
 
 namespace chladni::mesh {
 
-/// What a chord may replace of a line.
+/// Limits on the piece of a line that one chord may replace.
 struct Sampling {
-  double longest = 0.0;    ///< its length [m]
-  double deviation = 0.0;  ///< its distance from the points it leaves out [m]
-  double turn = 0.0;       ///< the angle by which the line turns over it [rad]
+  double longest = 0.0;    ///< length of the chord [m]
+  double deviation = 0.0;  ///< distance of the chord from the points it leaves out [m]
+  double turn = 0.0;       ///< angle by which the line turns over the chord [rad]
 };
 
-/// The length of chord that a curve of `radius` [m] gets [m].
+/// The chord length for a curve of `radius` [m] [m].
 [[nodiscard]] double chord_length(double radius, const Sampling& sampling);
 
-/// Per point the one that stands for it. Only points inside of a line of the `kept` edges are
-/// replaced, by the nearest one of their line that stays: ends, branches and corners of more than
-/// 50 degrees do. What stays is spread evenly. Cost: n log n, times the points under a chord.
+/// For each point, the point that replaces it. Only inner points of a line of `kept` edges are
+/// replaced, by the nearest remaining point of the line. Ends, branches and corners of more than 50
+/// degrees always remain. The remaining points are evenly spread. Cost: n log n, times the points
+/// under a chord.
 [[nodiscard]] std::vector<int> stand_ins(const Surface& surface, const std::vector<EdgeUse>& kept,
                                          const Sampling& sampling);
 

@@ -9,7 +9,7 @@
 namespace chladni::mesh {
 namespace {
 
-// Points of a surface, numbered anew in the plane across a normal.
+// Points of a surface, projected on the plane perpendicular to a normal and renumbered.
 class Figure {
  public:
   Figure(const Points& points, const Eigen::Vector3d& normal) : points_(points) {

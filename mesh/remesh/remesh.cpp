@@ -28,7 +28,7 @@ enum class Flat { fewest, renewed };
 struct Wanted {
   double edge_length = 0.0;  // [m]
   double sharp_degrees = 0.0;
-  double deviation = 0.0;  // of chords from what they stand for, in edge lengths
+  double deviation = 0.0;  // of chords from the lines they replace, in edge lengths
   Flat flat = Flat::fewest;
 
   [[nodiscard]] Sampling sampling() const {
@@ -38,12 +38,12 @@ struct Wanted {
 
 using Edge = std::pair<int, int>;  // ends, low first
 
-// A surface on its way: its patches are the smooth parts of the one before.
+// A surface during remeshing. Its patches are the smooth parts of the original surface.
 struct Rebuilt {
   Surface surface;
-  SmoothParts of;                           // the surface before
-  std::vector<double> edge_length;          // per part, 0 where its triangles are not renewed
-  std::vector<std::map<Edge, int>> border;  // per part: its kept edges and how often it has them
+  SmoothParts of;                           // the parts of the original surface
+  std::vector<double> edge_length;          // per part; 0 where its triangles are not renewed
+  std::vector<std::map<Edge, int>> border;  // per part: its kept edges and their number of uses
   Chains chains;                            // the kept edges
 };
 
@@ -53,7 +53,7 @@ std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted)
     if (parts.flat(static_cast<int>(p))) {
       lengths.push_back(wanted.flat == Flat::renewed ? wanted.edge_length : 0.0);
     } else {
-      // Closer lines do not ask for ever finer triangles between them.
+      // A tighter deviation of the lines does not make the triangles between them ever finer.
       Sampling sampling = wanted.sampling();
       sampling.deviation = std::max(sampling.deviation, wanted.edge_length / 400.0);
       lengths.push_back(chord_length(parts.radius[p], sampling));
@@ -62,7 +62,7 @@ std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted)
   return lengths;
 }
 
-// Kept edges between the points that stay, and what the parts have of them.
+// Finds for each part its kept edges between the remaining points.
 void find_borders(Rebuilt& rebuilt, const Surface& before, const std::vector<int>& stand_in) {
   const auto less = [](const EdgeUse& a, const EdgeUse& b) {
     return Edge(a.low, a.high) < Edge(b.low, b.high);
@@ -78,7 +78,7 @@ void find_borders(Rebuilt& rebuilt, const Surface& before, const std::vector<int
   }
 }
 
-// Curved parts with their lines drawn straight; flat ones come later.
+// Adds the curved parts with straightened lines. Flat parts come later.
 void add_curved_parts(Rebuilt& rebuilt, const Surface& before, const std::vector<int>& stand_in) {
   std::vector<Eigen::Vector3i> triangles;
   std::vector<int> parts;
@@ -93,7 +93,7 @@ void add_curved_parts(Rebuilt& rebuilt, const Surface& before, const std::vector
   append_triangles(rebuilt.surface, triangles, parts);
 }
 
-// Each line as short as the finest of its renewed parts wants it.
+// The lines to cut. The renewed part with the shortest edge length decides for each line.
 std::vector<LineToCut> lines_to_cut(const Rebuilt& rebuilt) {
   std::map<Edge, double> length;
   for (std::size_t p = 0; p < rebuilt.border.size(); ++p) {
@@ -108,7 +108,7 @@ std::vector<LineToCut> lines_to_cut(const Rebuilt& rebuilt) {
   return lines;
 }
 
-// The lines of a flat part, cut.
+// The border lines of a flat part, after the cuts.
 std::vector<PlaneLine> border_of(const Rebuilt& rebuilt, std::size_t part) {
   std::vector<PlaneLine> lines;
   for (const auto& [edge, uses] : rebuilt.border[part]) {
@@ -138,7 +138,8 @@ bool add_flat_parts(Rebuilt& rebuilt, const Surface& before) {
   return true;
 }
 
-// What isotropic remeshing made of the planes, drawn again between the same points.
+// Replaces the triangles of planes after isotropic remeshing by Delaunay triangles between the same
+// points.
 void make_planes_delaunay(Surface& after, const Rebuilt& before) {
   const std::vector<int> part(after.patch.begin(), after.patch.end());
   const Points normal = part_normals(after, part);
@@ -220,7 +221,8 @@ std::optional<Surface> remeshed(const Surface& before, const Wanted& wanted) {
   return after;
 }
 
-// Closed where it was, free of crossings, and the same body to a thousandth of its volume.
+// Whether `after` may replace `before`: it has as many holes, no crossings, and the same volume to
+// a thousandth.
 bool stands_for(const Surface& after, const Surface& before) {
   if (holes(after).size() != holes(before).size()) return false;
   if (before.regions.size() < 2 && crowded_edges(after).size() > crowded_edges(before).size()) {
@@ -232,7 +234,8 @@ bool stands_for(const Surface& after, const Surface& before) {
   return crossings(after).empty();
 }
 
-// The first of several ways, each closer to the surface than the one before, that stands for it.
+// The first acceptable result of several ways. Each way follows the surface more closely than the
+// way before.
 Surface remeshed(const Surface& surface, double edge_length, double sharp_degrees, Flat flat) {
   const Wanted ways[] = {{edge_length, sharp_degrees, 1.0 / 50.0, flat},
                          {edge_length, sharp_degrees, 1.0 / 400.0, flat},

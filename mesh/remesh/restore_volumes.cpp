@@ -6,7 +6,7 @@
 namespace chladni::mesh {
 namespace {
 
-// Twice the area, along the normal.
+// The area vector of a triangle: twice the area, along the normal.
 Eigen::Vector3d area_vector(const Surface& surface, Eigen::Index t) {
   const Eigen::Vector3d a = surface.points.row(surface.triangles(t, 0));
   const Eigen::Vector3d b = surface.points.row(surface.triangles(t, 1));
@@ -14,7 +14,7 @@ Eigen::Vector3d area_vector(const Surface& surface, Eigen::Index t) {
   return (b - a).cross(c - a);
 }
 
-// Per part the volume of the cones from its triangles to a point [m^3].
+// For each part, the volume of the cones from its triangles to the point `tip` [m^3].
 Eigen::VectorXd cones(const Surface& surface, Eigen::Index parts, const Eigen::Vector3d& tip) {
   Eigen::VectorXd volume = Eigen::VectorXd::Zero(parts);
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
@@ -24,7 +24,7 @@ Eigen::VectorXd cones(const Surface& surface, Eigen::Index parts, const Eigen::V
   return volume;
 }
 
-// Per point the part whose inside it lies in, −1 on the rim of one.
+// For each point, the part in whose inside it lies; −1 on the rim of a part.
 std::vector<int> parts_of_points(const Surface& surface) {
   std::vector<int> part(static_cast<std::size_t>(surface.points.rows()), -2);
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
@@ -36,7 +36,7 @@ std::vector<int> parts_of_points(const Surface& surface) {
   return part;
 }
 
-// Per point its share of the area around it, along the normal [m^2].
+// For each point, its share of the area around it, along the normal [m^2].
 Points area_normals(const Surface& surface) {
   Points normal = Points::Zero(surface.points.rows(), 3);
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {

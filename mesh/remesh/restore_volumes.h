@@ -1,4 +1,4 @@
-// Curved parts of a surface made to enclose what they did before.
+// Restores the volume under the curved parts of a remeshed surface.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,10 @@
 
 namespace chladni::mesh {
 
-/// New points lie on the curved parts, the chords between them inside: the points inside of each
-/// patch move along their normals, by at most `most` [m, per patch; 0: not at all], until the patch
-/// encloses what it did in `before`. Both surfaces have the same patches with the same rims.
+/// Remeshing puts new points on curved parts, and the chords between the points lie inside. This
+/// function moves the inner points of each patch along their normals, by at most `most` [m, per
+/// patch; 0: not at all], so that the patch encloses the same volume as in `before`. Both surfaces
+/// have the same patches with the same rims.
 void restore_volumes(Surface& after, const Surface& before, const std::vector<double>& most);
 
 }  // namespace chladni::mesh

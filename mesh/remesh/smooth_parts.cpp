@@ -14,7 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Twice the area, along the normal.
+// The area vector of a triangle: twice the area, along the normal.
 Eigen::Vector3d area_vector(const Surface& surface, int t) {
   const Eigen::Vector3d a = surface.points.row(surface.triangles(t, 0));
   const Eigen::Vector3d b = surface.points.row(surface.triangles(t, 1));
@@ -22,10 +22,10 @@ Eigen::Vector3d area_vector(const Surface& surface, int t) {
   return (b - a).cross(c - a);
 }
 
-// Distances below this come from rounding, were the coordinates written in single precision [m].
+// Distances below this may be rounding of coordinates in single precision [m].
 double rounding(const Surface& surface) { return 5e-7 * surface.points.cwiseAbs().maxCoeff(); }
 
-// The angle by which the surface turns at an edge of two triangles [rad].
+// The angle between the normals of the two triangles at an edge [rad].
 double turn(const Surface& surface, const EdgeUse& a, const EdgeUse& b) {
   const Eigen::Vector3d u = area_vector(surface, a.triangle);
   const Eigen::Vector3d v =
@@ -33,7 +33,7 @@ double turn(const Surface& surface, const EdgeUse& a, const EdgeUse& b) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-// Planes grown from the largest triangles, over whatever lies in them.
+// Grows planes from the largest triangles over all connected triangles that lie in the plane.
 class Planes {
  public:
   Planes(const Surface& surface, const std::vector<EdgeUse>& uses, double width)
@@ -48,7 +48,7 @@ class Planes {
     }
   }
 
-  // Per triangle: its plane, −1 where it lies in none that is wide enough.
+  // For each triangle its plane; −1 where no wide enough plane contains it.
   std::vector<int> of_triangles() && {
     std::vector<double> area;
     for (int t = 0; t < static_cast<int>(plane_.size()); ++t) {
@@ -74,7 +74,7 @@ class Planes {
  private:
   struct Neighbour {
     int triangle, apex;
-    double sign;  // of its normal against ours
+    double sign;  // −1 where the two triangles have opposite orientations, else 1
     double length;
   };
 
@@ -118,7 +118,8 @@ class Planes {
     return longest;
   }
 
-  // 4 area / perimeter is twice the width of a strip, and the edge of a square.
+  // Whether the plane is wide. 4 area / perimeter is twice the width of a strip, or the edge length
+  // of a square.
   [[nodiscard]] bool is_wide(const std::vector<int>& triangles, int number) const {
     double area = 0.0;
     double perimeter = 0.0;
@@ -138,7 +139,7 @@ class Planes {
 
   const Surface& surface_;
   double width_, tolerance_;
-  std::vector<int> plane_;  // −1: not tried yet, −2: in none that is wide
+  std::vector<int> plane_;  // −1: not tried yet, −2: in no wide plane
   std::vector<std::vector<Neighbour>> neighbours_;
 };
 
@@ -168,7 +169,8 @@ bool is_flat(const Surface& surface, const std::vector<int>& triangles) {
   });
 }
 
-// The edge integral of the angle over the area is the mean of k1 + k2 (Steiner's formula).
+// The radius of each part. The sum of edge length times angle, divided by the area, is the mean of
+// k1 + k2 (Steiner's formula).
 std::vector<double> radii(const Surface& surface, const SmoothParts& parts,
                           const std::vector<EdgeUse>& uses) {
   const auto count =

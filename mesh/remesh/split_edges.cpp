@@ -32,7 +32,7 @@ Chains chains_of(Surface& surface, const std::vector<LineToCut>& lines) {
   return chains;
 }
 
-// A point of a triangle's rim and the sides (bit k: from corner k to the next) it lies on.
+// A point of a triangle's rim, and the sides that it lies on (bit k: from corner k to the next).
 struct RimPoint {
   int point = 0;
   unsigned sides = 0;
@@ -67,7 +67,7 @@ bool is_ear(const std::vector<RimPoint>& rim, std::size_t i) {
   return sides == 0;
 }
 
-// Cuts off the ear with the shortest cut until a triangle is left.
+// Cuts off the ear with the shortest cut, again and again, until one triangle is left.
 void add_rim_triangles(const Points& points, std::vector<RimPoint> rim,
                        std::vector<Eigen::Vector3i>& triangles) {
   while (rim.size() > 3) {

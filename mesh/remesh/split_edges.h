@@ -1,4 +1,4 @@
-// Edges of a surface cut into short ones.
+// Cuts edges of a surface into shorter ones.
 #pragma once
 
 #include <map>
@@ -13,11 +13,12 @@ struct LineToCut {
   double edge_length = 0.0;  ///< wanted [m]
 };
 
-/// Per line (low, high) its points from low to high, both ends included.
+/// For each line (low, high) its points from low to high, including both ends.
 using Chains = std::map<std::pair<int, int>, std::vector<int>>;
 
-/// Cuts edges into equal parts of about their wanted length, at most 4/3 of it, as isotropic
-/// remeshing wants them, and the triangles at them with the shortest cuts. New points are appended.
+/// Cuts edges into equal parts of about the wanted length, at most 4/3 of it, as isotropic
+/// remeshing needs. Triangles at these edges are cut with the shortest cuts. New points are
+/// appended.
 /// Cost: n log n.
 Chains split_edges(Surface& surface, const std::vector<LineToCut>& lines);
 

@@ -1,4 +1,4 @@
-// What the dimensions of a body must satisfy before it is built.
+// Checks the dimensions of a body before it is built.
 #pragma once
 
 #include <string>
@@ -8,8 +8,7 @@
 namespace chladni::mesh {
 
 /// @throws InvalidInput  value is not finite or not positive: "plate: thickness is -0.02 m,
-/// expected
-///                       a positive length"
+///                       expected a positive length"
 void require_positive(const std::string& body, const std::string& dimension, double value);
 
 /// @throws InvalidInput  a dimension is not positive or the parts do not fit; names the dimension
@@ -19,11 +18,11 @@ void require_fit(const Sphere& sphere);
 void require_fit(const WaferTable& table);
 void require_fit(const Layering& layering);
 
-/// Cells of at most `edge_length` that `length` is cut into; at least one.
+/// Number of cells of at most `edge_length` along `length`; at least one.
 /// @throws InvalidInput  more than 100 000
 [[nodiscard]] int cells_in(double length, double edge_length);
 
-/// Width of a pocket along x or y: what `count` of them leave each other [m].
+/// Width of one of `count` equal pockets along x or y, after the ribs and rims [m].
 [[nodiscard]] double pocket_width(double length, int count, double rib, double rim);
 
 /// Thickness of the outer wall of a table [m].

@@ -14,7 +14,7 @@ using Lattice = std::array<int, 3>;  // line numbers along x, y, z
 
 constexpr std::array<const char*, 6> kSides{"x_min", "x_max", "y_min", "y_max", "bottom", "top"};
 
-// Lattice points that are used, numbered as they first appear.
+// Used lattice points, numbered in the order of their first use.
 class Vertices {
  public:
   explicit Vertices(const BrickGrid& grid)
@@ -57,8 +57,8 @@ void for_each_filled(const BrickGrid& grid, const Visit& visit) {
   }
 }
 
-// The patch that a side of a filled brick belongs to: 0 ... 5 as kSides, then the voids; -1 where
-// the neighbour is filled.
+// The patch of a side of a filled brick: 0 ... 5 as in kSides, then the voids; -1 where the
+// neighbour is filled.
 int patch_of_side(const BrickGrid& grid, Lattice brick, std::size_t axis, int side) {
   const std::array<std::size_t, 3> bricks{grid.x.size() - 1, grid.y.size() - 1, grid.z.size() - 1};
   brick[axis] += side == 0 ? -1 : 1;
@@ -69,7 +69,7 @@ int patch_of_side(const BrickGrid& grid, Lattice brick, std::size_t axis, int si
   return kind == 0 ? -1 : 5 + kind;
 }
 
-// The two triangles of a side, outward; its diagonal joins the corners of equal parities.
+// The two triangles of a side, outward. The diagonal joins the corners of equal parities.
 std::array<std::array<Lattice, 3>, 2> side_triangles(const Lattice& brick, std::size_t axis,
                                                      int side) {
   const std::size_t b = (axis + 1) % 3;
@@ -92,7 +92,7 @@ struct Boundary {
   std::vector<std::string> patch_names;
 };
 
-// Only patches that have a triangle are named.
+// Adds the patch names. Only patches that have a triangle get a name.
 Boundary with_names(const std::vector<std::array<std::int32_t, 3>>& triangles,
                     const std::vector<int>& patch, const BrickGrid& grid) {
   std::vector<std::string> names(kSides.begin(), kSides.end());
@@ -140,7 +140,8 @@ Boundary boundary(const BrickGrid& grid, Vertices& vertices) {
   return with_names(triangles, patches, grid);
 }
 
-// From the corner of even lines one step along each axis in one of the six orders.
+// The six tetrahedra of a brick. Each starts at the corner with even line numbers and takes one
+// step along each axis, in one of the six orders of axes.
 std::array<std::array<Lattice, 4>, 6> kuhn_simplices(const Lattice& brick) {
   constexpr std::array<std::array<std::size_t, 3>, 6> kOrders{
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};  // three even, three odd

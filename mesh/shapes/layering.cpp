@@ -1,12 +1,13 @@
-// How fine is fine enough: one rule per kind of body.
+// The default cell sizes: one rule per kind of body.
 //
-// Measured on free bodies, 20 flexible modes against the exact ones, largest error at the default:
-// plate 600 x 600 x 20 mm, order 3: 16 k degrees of freedom, 1.1e-3 (4.7e-3 without the strip:
-// twist bends the edges of a plate within a layer as wide as its thickness); order 2: 48 k, 7e-3.
-// Beam 2 x 20 x 500 mm, order 3: 12 k, 3.4e-3; order 2: 20 k, 8e-3.
-// Table 600 x 600 x 50 mm with 9 x 9 pockets, order 3: 36 mm and strips of two ribs along the
-// walls, 296 k, twist of the open ribs 4e-3 below what as many equal cells give; with one cell in
-// the depth of the pockets instead of two: 227 k, twist 8e-3 higher.
+// Measured largest errors of 20 flexible modes of free bodies at the default layering:
+// Plate 600 x 600 x 20 mm. Order 3: 16 k degrees of freedom, 1.1e-3 (4.7e-3 without the strip,
+// because twist bends the edges of a plate within a layer as wide as its thickness). Order 2: 48 k,
+// 7e-3.
+// Beam 2 x 20 x 500 mm. Order 3: 12 k, 3.4e-3. Order 2: 20 k, 8e-3.
+// Table 600 x 600 x 50 mm with 9 x 9 pockets. Order 3: 36 mm cells and strips of two ribs along the
+// walls, 296 k; the frequency of the twist of the open ribs is 4e-3 lower than with as many equal
+// cells. One cell instead of two in the depth of the pockets: 227 k, twist 8e-3 higher.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,8 +29,8 @@ void require_order(int order) {
 // Cells per half wave of the 20th mode.
 double cells_per_half_wave(int order) { return order == 1 ? 12.0 : order == 2 ? 7.0 : 2.0; }
 
-// Half a wave of the 20th mode. Of a plate of area A, N modes lie below the wave number k with
-// N = A k^2 / 4 pi (Courant and Hilbert 1953); a beam has about 12 bending waves among them.
+// Half the wavelength of the 20th mode. A plate of area A has N = A k^2 / 4 pi modes below the wave
+// number k (Courant and Hilbert 1953). A beam has about 12 bending modes among its first 20 modes.
 double half_wave(double longest, double middle) {
   constexpr double kPlate = 0.198;  // sqrt(pi / (4 N)), N = 20
   return std::max(kPlate * std::sqrt(longest * middle), longest / 12.0);
@@ -69,7 +70,7 @@ Layering default_layering(const WaferTable& table, int order) {
                                  pocket_width(table.width, table.pockets_y, table.rib, rim));
   result.layers = 1;
   result.across_ribs = order == 3 ? 1 : 2;
-  result.edge_strip = 2.0 * table.rib;  // walls bend and twist most near where they meet
+  result.edge_strip = 2.0 * table.rib;  // walls bend and twist most near their junctions
   result.edge_length = std::min(result.edge_length, pocket * (order == 3 ? 0.6 : 0.25));
   return result;
 }

@@ -18,19 +18,20 @@ struct Interval {
   [[nodiscard]] bool holds(double x) const { return low < x && x < high; }
 };
 
-// Where the pockets lie along an axis.
+// The intervals of the pockets along an axis.
 std::vector<Interval> pockets_along(double length, int count, double rib, double rim) {
   std::vector<Interval> pockets;
   const double width = pocket_width(length, count, rib, rim);
   for (int p = 0; p < count; ++p) {
-    // From the middle outwards, so that mirrored pockets have mirrored ends.
+    // The centre is computed from the middle of the table, so that mirrored pockets have exactly
+    // mirrored ends.
     const double centre = (p - (count - 1) / 2.0) * (width + rib);
     pockets.push_back({centre - width / 2.0, centre + width / 2.0});
   }
   return pockets;
 }
 
-// A box of the plan that is cut out over the whole height.
+// A rectangle in the plan that is cut out over the whole height.
 struct Cutout {
   Interval x, y;
   [[nodiscard]] bool holds(double px, double py, double wall) const {
@@ -61,7 +62,7 @@ std::vector<Cutout> cutouts_of(const WaferTable& table) {
   return cutouts;
 }
 
-// The ends of all stretches along an axis, ascending, those within the body.
+// The ends of all stretches along an axis that lie within the body, ascending.
 std::vector<double> breaks(double length, const std::vector<Interval>& pockets,
                            const std::vector<Interval>& cutouts, double wall) {
   const double half = length / 2.0;
@@ -82,7 +83,8 @@ std::vector<double> breaks(double length, const std::vector<Interval>& pockets,
   return merged;
 }
 
-// A pocket's stretch, with a row of cells of width `strip` along both walls where there is room.
+// Adds a pocket's stretch, with a row of cells of width `strip` along both walls where there is
+// room.
 void add_pocket(std::vector<Stretch>& stretches, double from, double to, const Layering& layering) {
   const double strip = layering.edge_strip;
   if (strip > 0.0 && to - from > 3.0 * strip) {

@@ -6,8 +6,8 @@
 
 namespace chladni::mesh {
 
-/// Pockets and cut-outs are voids of the grid; bores and the wafer are left out. The table fits
-/// (`require_fit`).
+/// The grid of a table. Pockets and cut-outs are voids; bores and the wafer are left out. The
+/// dimensions must fit (`require_fit`).
 [[nodiscard]] BrickGrid grid_of(const WaferTable& table, const Layering& layering);
 
 }  // namespace chladni::mesh

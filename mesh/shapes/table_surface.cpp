@@ -1,4 +1,4 @@
-// Tables as closed surfaces, with the bores and the wafer that bricks cannot make.
+// Tables as closed surfaces, with bores and a wafer, which bricks cannot represent.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@
 namespace chladni::mesh {
 namespace {
 
-// A bore as a many-sided prism of the same area that reaches beyond the table where it is open.
+// A bore as a regular prism of the same area. It reaches beyond the table where the bore is open.
 Surface bore_body(const Bore& bore, double height, double edge_length) {
   const double around = std::numbers::pi * bore.diameter;
   const int sides = std::clamp(cells_in(around, edge_length), 24, 96);
@@ -57,7 +57,7 @@ Surface wafer_on_top(const WaferTable& table, double edge_length) {
 Surface surface(const WaferTable& table, double edge_length) {
   require_fit(table);
   require_positive("wafer table", "edge length", edge_length);
-  // Triangles as large as the parts allow; whoever meshes it makes them even.
+  // The triangles are as large as the parts allow. The mesher makes them regular later.
   Surface body = surface(grid_of(table, {.edge_length = std::max(table.length, table.width)}));
   for (const Bore& bore : table.bores) {
     body = difference(body, bore_body(bore, table.height, edge_length));

@@ -1,4 +1,4 @@
-// One of the two files that include CGAL: bodies united, cut and bonded by corefinement.
+// Unites, cuts and bonds bodies by corefinement, by CGAL. Only files named cgal_* include CGAL.
 #include <fmt/format.h>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -26,10 +26,10 @@ using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using PatchMap = Mesh::Property_map<Mesh::Face_index, int>;
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// Patches of the meshes at work, by mesh.
+// The patches of each mesh in use.
 using PatchMaps = std::map<const Mesh*, PatchMap>;
 
-// Hands each new triangle the patch of the one it is a part or a copy of.
+// Gives each new triangle the patch of the triangle that it is a part or a copy of.
 struct PatchKeeper : pmp::Corefinement::Default_visitor<Mesh> {
   explicit PatchKeeper(PatchMaps& maps) : patches(&maps) {}
   void before_subface_creations(Mesh::Face_index old, const Mesh& mesh) {
@@ -51,7 +51,7 @@ PatchMap add_patches(Mesh& mesh) {
   return mesh.add_property_map<Mesh::Face_index, int>("f:of", 0).first;
 }
 
-// The number of each of `added` in `names`, where those that are new are appended.
+// The index of each name of `added` in `names`. New names are appended to `names`.
 std::vector<int> numbers_in(std::vector<std::string>& names,
                             const std::vector<std::string>& added) {
   std::vector<int> numbers;
@@ -112,7 +112,7 @@ Surface sound(const Surface& surface, const std::string& what) {
   return body;
 }
 
-// The meshes of two sound bodies, with patches that are numbers in one list of names.
+// The meshes of two sound bodies. The patch numbers of both refer to one list of names.
 struct TwoBodies {
   TwoBodies(const Surface& a, const Surface& b) : names(a.patch_names) {
     maps = {{&first, add_patches(first)}, {&second, add_patches(second)}};
@@ -150,7 +150,7 @@ Surface boolean_of(const Surface& a, const Surface& b, bool unite) {
   return surface;
 }
 
-// Both bodies' triangles, the common ones once; how many those are.
+// The triangles of both bodies, with common triangles once. Sets `common` to their number.
 Surface joined(const Surface& a, const Surface& b, int interface_patch, int& common) {
   Surface all = a;
   all.points.conservativeResize(a.points.rows() + b.points.rows(), 3);

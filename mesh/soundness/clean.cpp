@@ -22,7 +22,8 @@ struct KeyHash {
   }
 };
 
-// Points in a grid of cells that are larger than the tolerance; one point stands for all near it.
+// A grid of cells larger than the tolerance, to find near points. The first point replaces all
+// points near it.
 class PointGrid {
  public:
   PointGrid(const Points& points, double tolerance)
@@ -33,7 +34,7 @@ class PointGrid {
                         std::numeric_limits<double>::min()})),
         origin_(points.colwise().minCoeff()) {}
 
-  /// The first point added that lies within the tolerance of point i; i itself where there is none.
+  /// An earlier point within the tolerance of point i. Where there is none, adds i and returns i.
   int first_near(int i) {
     const Eigen::RowVector3d p = (points_.row(i) - origin_) / cell_;
     const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(tolerance_ / cell_);
@@ -91,7 +92,8 @@ bool uses_a_point_twice(const Surface& surface, Eigen::Index t) {
   return row[0] == row[1] || row[1] == row[2] || row[2] == row[0];
 }
 
-// The corner opposite the longest edge of triangle t when it lies within `tolerance` of that edge.
+// The corner opposite the longest edge of triangle t if it lies within `tolerance` of this edge,
+// else -1.
 int corner_on_longest_edge(const Surface& surface, Eigen::Index t, double tolerance) {
   int corner = 0;
   double longest = -1.0;
@@ -110,8 +112,8 @@ int corner_on_longest_edge(const Surface& surface, Eigen::Index t, double tolera
   return (b - a).cross(c - a).norm() <= tolerance * longest ? corner : -1;
 }
 
-// Triangle t with the edge between `a` and `b` cut at `middle`: t keeps the half with a, the half
-// with b is returned.
+// Cuts triangle t at point `middle` of its edge between `a` and `b`. t keeps the half with a; the
+// half with b is returned.
 Eigen::Vector3i split(Surface& surface, Eigen::Index t, int a, int b, int middle) {
   Eigen::Vector3i half = surface.triangles.row(t).transpose();
   for (int k = 0; k < 3; ++k) {
@@ -134,7 +136,8 @@ std::vector<int> triangles_of_edge(const std::vector<EdgeUse>& uses, int a, int 
   return triangles;
 }
 
-// Removes the triangles lower than `tolerance` whose neighbours no other one has changed yet.
+// Removes triangles with a height below `tolerance`, except where this pass has already changed one
+// of the triangles at their longest edge.
 int cut_out_flat_triangles(Surface& surface, double tolerance) {
   const Eigen::Index count = surface.triangles.rows();
   std::vector<int> flat_corner(static_cast<std::size_t>(count), -1);
@@ -221,7 +224,7 @@ int remove_unused_points(Surface& surface) {
 }
 
 int remove_degenerate_triangles(Surface& surface, double tolerance) {
-  constexpr int largest_pass_count = 100;  // each pass shortens the longest edges of what is left
+  constexpr int largest_pass_count = 100;  // each pass shortens the remaining longest edges
   int removed = 0;
   for (int pass = 0; pass < largest_pass_count; ++pass) {
     std::vector<char> kept(static_cast<std::size_t>(surface.triangles.rows()), 1);

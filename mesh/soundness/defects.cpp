@@ -10,8 +10,8 @@
 namespace chladni::mesh {
 namespace {
 
-// Per point its neighbours along edges that have one triangle only; which way those triangles run
-// does not matter.
+// For each point, its neighbours along edges with only one triangle. The orientation of the
+// triangles does not matter.
 std::map<int, std::vector<int>> boundary_neighbours(const std::vector<EdgeUse>& uses) {
   std::map<int, std::vector<int>> neighbours;
   for (std::size_t first = 0; first < uses.size();) {
@@ -25,7 +25,7 @@ std::map<int, std::vector<int>> boundary_neighbours(const std::vector<EdgeUse>& 
   return neighbours;
 }
 
-// All that hangs together with `start`, in order along the loop where it is a simple one.
+// The hole connected with `start`, with points in order along the loop where the hole is simple.
 Hole hole_from(int start, const std::map<int, std::vector<int>>& neighbours, std::set<int>& seen,
                const Surface& surface) {
   Hole hole;
@@ -76,7 +76,7 @@ std::vector<Eigen::Vector2i> crowded_edges(const Surface& surface) {
 }
 
 std::vector<int> pinched_points(const Surface& surface) {
-  // Corner k of triangle t is number 3 t + k; corners of one point join across shared edges.
+  // Corner k of triangle t has the number 3 t + k. Corners at one point join across shared edges.
   DisjointSets corners(static_cast<std::size_t>(surface.triangles.size()));
   const auto corner = [&](int t, int point) {
     int k = 0;

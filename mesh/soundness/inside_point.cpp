@@ -27,7 +27,8 @@ Eigen::Vector3d doubled_area(const Triangle& t) {
   return (t.col(1) - t.col(0)).cross(t.col(2) - t.col(0));
 }
 
-// Along the ray [m]; infinite where it misses. Moller and Trumbore, J. Graphics Tools 2 (1997) 21.
+// Distance along the ray to the triangle [m]; infinite where the ray misses it. Moller and
+// Trumbore, J. Graphics Tools 2 (1997) 21.
 double hit(const Triangle& t, const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
   constexpr double miss = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d u = t.col(1) - t.col(0);

@@ -1,11 +1,11 @@
-// A point well inside of a body.
+// A point well inside a body.
 #pragma once
 
 #include "mesh/surface.h"
 
 namespace chladni::mesh {
 
-/// Halfway between the middle of a large triangle and the wall across from it [m].
+/// The point halfway between the middle of a large triangle and the wall opposite to it [m].
 /// @throws InvalidInput  the surface is not closed and oriented outward
 [[nodiscard]] Eigen::Vector3d inside_point(const Surface& surface);
 

@@ -1,4 +1,4 @@
-// Which spaces between the shells of a surface are filled.
+// Decides which spaces between the shells of a surface are filled with material.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
@@ -13,8 +13,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Component {
   Eigen::AlignedBox3d box;
-  Eigen::Vector3d on_it = Eigen::Vector3d::Zero();  // a point of it, inside a triangle
-  int outer_shell = -1;                             // what sees it from outside
+  Eigen::Vector3d on_it = Eigen::Vector3d::Zero();  // a point inside one of its triangles
+  int outer_shell = -1;                             // the shell that faces the space outside
   std::vector<int> inner_shells;
   int body = -1;
 };
@@ -60,7 +60,7 @@ bool contains(const Surface& surface, const Shells& shells, int shell,
   return winding_number(surface, sign, point) > 0.5;
 }
 
-// The smallest space among the other components' that holds all of `inner`; its owner too.
+// The smallest space of another component that contains component `inner`, and this component.
 struct Parent {
   int shell = -1;
   int component = -1;

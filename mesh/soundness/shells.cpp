@@ -32,7 +32,7 @@ std::size_t side_towards_falling_angle(const EdgeUse& use) {
   return static_cast<std::size_t>(2 * use.triangle + (use.forward ? 1 : 0));
 }
 
-// The uses of one edge in the order of their angle about it.
+// Sorts the uses of one edge by their angle about the edge.
 void sort_about_edge(const Surface& surface, std::vector<EdgeUse>& uses) {
   if (uses.size() < 3) return;  // any order is a cyclic order
   const Eigen::Vector3d a = surface.points.row(uses[0].low);

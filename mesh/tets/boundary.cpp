@@ -1,4 +1,4 @@
-// The faces that only one tetrahedron has.
+// Finds the faces that belong to only one tetrahedron.
 #include <fmt/format.h>
 
 #include <vector>

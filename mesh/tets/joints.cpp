@@ -15,9 +15,9 @@ std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
-// For each two parts the nodes that both have.
+// For each pair of parts, the nodes that they share.
 std::map<Pair, std::vector<std::int32_t>> shared_nodes(const TetMesh& mesh, const Parts& parts) {
-  // (node, part), each once: a node of one part only says nothing.
+  // `more` holds pairs (node, part) for nodes of several parts, without the node's first part.
   std::vector<std::int32_t> first(at(mesh.node_count()), -1);
   std::vector<Pair> more;
   for (Eigen::Index t = 0; t < mesh.tet_count(); ++t) {
@@ -55,7 +55,7 @@ Eigen::Matrix3Xd points_of(const TetMesh& mesh, const std::vector<std::int32_t>&
   return points;
 }
 
-// Whether points lie on a line, to 1e-9 of the body.
+// Whether the points lie on a line, with a tolerance of 1e-9 of the body's extent.
 bool on_a_line(Eigen::Matrix3Xd points, double extent) {
   if (points.cols() < 3) return true;
   points.colwise() -= Eigen::Vector3d(points.rowwise().mean());
@@ -63,7 +63,7 @@ bool on_a_line(Eigen::Matrix3Xd points, double extent) {
   return svd.singularValues()(1) <= 1e-9 * extent;
 }
 
-// Parts that share three nodes off a line move as one: joined until none is left that does.
+// Joins parts that share three nodes not on a line, until there are no more such parts.
 Parts joined(const TetMesh& mesh, Parts parts, double extent) {
   for (bool again = true; again && parts.count > 1;) {
     again = false;
@@ -81,8 +81,8 @@ Parts joined(const TetMesh& mesh, Parts parts, double extent) {
   return parts;
 }
 
-// Rigid motions of all parts (translation and rotation about the middle, lengths in `extent`) that
-// leave the joints together, beside the six of the whole.
+// Number of rigid motions of the parts that do not open the joints, less the six of the whole body.
+// Rotations are about the middle; lengths are in units of `extent`.
 int free_motions(const TetMesh& mesh, const std::vector<Joint>& joints, int parts, double extent) {
   Eigen::Index rows = 0;
   for (const auto& joint : joints) rows += 3 * static_cast<Eigen::Index>(joint.node.size());

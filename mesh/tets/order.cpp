@@ -1,4 +1,4 @@
-// Nodes of orders 2 and 3 on the edges and faces of tetrahedra.
+// Adds the nodes of orders 2 and 3 on the edges and faces of tetrahedra.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ void require_order(int order) {
           "element order is " + fmt::to_string(order) + ", expected 1, 2 or 3");
 }
 
-// Corners, then the inner nodes of each edge.
+// Barycentric coordinates of the corners, then of the inner nodes of each edge.
 template <std::size_t edge_count>
 Eigen::MatrixXd edge_lattice(int corners, int order, int nodes,
                              const std::array<std::array<int, 2>, edge_count>& edges) {
@@ -34,7 +34,7 @@ Eigen::MatrixXd edge_lattice(int corners, int order, int nodes,
   return barycentric;
 }
 
-// Only the corners of the tetrahedra, in the order they had.
+// Only the corners of the tetrahedra, in their old order.
 struct Corners {
   std::vector<std::int32_t> old;  // row -> row of mesh.points
   Cells tets, faces;              // T x 4, F x 3, in the new rows
@@ -93,7 +93,8 @@ Numbering face_numbers(const TetMesh& corners) {
   return shared_numbers(keys, static_cast<std::int32_t>(corners.points.rows()));
 }
 
-// Rows of `cells` get their edge nodes. A node k of the edge is counted from its lower corner.
+// Writes the edge nodes into the rows of `cells`. Node k of an edge is counted from the corner with
+// the lower number.
 template <std::size_t edge_count>
 void put_edge_nodes(Cells& cells, int corners, int order, std::int32_t first_node,
                     const std::array<std::array<int, 2>, edge_count>& edges,
@@ -110,8 +111,8 @@ void put_edge_nodes(Cells& cells, int corners, int order, std::int32_t first_nod
   }
 }
 
-// Every node where its barycentric coordinates put it; a shared one is the same from each cell up
-// to round-off, and the first cell that has it decides.
+// Places every node by its barycentric coordinates. The place of a shared node is the same from
+// each cell up to round-off; the first cell decides.
 void place_nodes(TetMesh& mesh, int order) {
   const Eigen::MatrixXd barycentric = tet_node_barycentric(order);
   Eigen::Matrix<double, 4, 3> corner;
@@ -123,7 +124,7 @@ void place_nodes(TetMesh& mesh, int order) {
   }
 }
 
-// The nodes of `order` for a mesh of corners only.
+// Adds the nodes of `order` to a mesh of corners only.
 void add_nodes(TetMesh& mesh, int order) {
   const Numbering edges = edge_numbers(mesh);
   const Numbering faces = face_numbers(mesh);

@@ -1,4 +1,4 @@
-// Sizes and shapes of tetrahedra, by their corners.
+// Quality of tetrahedra (by their corners), and the volume of a mesh.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -26,8 +26,8 @@ double signed_volume(const Corners& p) {
   return (p[1] - p[0]).dot((p[2] - p[0]).cross(p[3] - p[0])) / 6.0;
 }
 
-// 3 r_in / r_circumscribed. With the products of opposite edges p, q, r:
-// r_in = 3V / A and 24 V R = sqrt((p+q+r)(p+q-r)(p-q+r)(-p+q+r)) (Crelle 1821).
+// 3 r_in / r_circumscribed. Let p, q, r be the products of opposite edges. Then r_in = 3V / A and
+// 24 V R = sqrt((p+q+r)(p+q-r)(p-q+r)(-p+q+r)) (Crelle 1821).
 double radius_ratio(const Corners& c, double volume, double area) {
   const double p = (c[1] - c[0]).norm() * (c[3] - c[2]).norm();
   const double q = (c[2] - c[0]).norm() * (c[3] - c[1]).norm();
@@ -37,7 +37,7 @@ double radius_ratio(const Corners& c, double volume, double area) {
   return 216.0 * volume * volume / (area * std::sqrt(product));
 }
 
-// Opens `quality` to take in one more tetrahedron; returns its radius ratio.
+// Extends the limits in `quality` by one tetrahedron; returns its radius ratio.
 double include(Quality& quality, const Corners& corner) {
   std::array<Eigen::Vector3d, 4> area_vector;  // outward, of twice the area
   double area = 0.0;
@@ -69,8 +69,9 @@ double include(Quality& quality, const Corners& corner) {
   return volume > 0.0 ? radius_ratio(corner, volume, area) : 0.0;
 }
 
-// ∫ x·n / 3 over a curved face, less that over the flat of its corners, about `origin`; exact up to
-// order 3 by Gauss' rule on the collapsed square.
+// The volume between a curved face and the flat triangle of its corners: the difference of the two
+// integrals ∫ x·n / 3 about `origin`. The Gauss rule on the collapsed square is exact up to
+// order 3.
 double bulge(const TetMesh& mesh, Eigen::Index face, const Eigen::Vector3d& origin) {
   constexpr std::array<double, 5> kAt{0.046910077030668, 0.230765344947158, 0.5, 0.769234655052841,
                                       0.953089922969332};

@@ -11,7 +11,7 @@
 namespace chladni::mesh {
 namespace {
 
-// The planes that the boundary has at a node, each with its patch.
+// A plane of the boundary at a node, with its patch.
 struct Plane {
   Eigen::RowVector3d normal;
   int patch = 0;
@@ -19,7 +19,7 @@ struct Plane {
 using Planes = std::vector<Plane>;
 
 Planes planes_of(const TetMesh& mesh, const std::vector<int>& faces) {
-  constexpr double parallel = 1e-4;  // radians: what single precision leaves of a small triangle
+  constexpr double parallel = 1e-4;  // radians: error of a small triangle in single precision
   Planes planes;
   for (const int f : faces) {
     const Eigen::RowVector3d a = mesh.points.row(mesh.faces(f, 0));
@@ -35,8 +35,8 @@ Planes planes_of(const TetMesh& mesh, const std::vector<int>& faces) {
   return planes;
 }
 
-// Unit vectors along which a node may go without changing the body or its patches: all ways inside,
-// within a plane on one, along the edge where two meet.
+// Unit vectors along which a node may move without changing the body or its patches: all directions
+// inside the body, in-plane directions on one plane, the edge direction where two planes meet.
 std::vector<Eigen::RowVector3d> directions_in(const Planes& planes) {
   std::vector<Eigen::RowVector3d> directions;
   if (planes.empty()) {
@@ -97,7 +97,8 @@ class Relaxer {
   }
 
  private:
-  // The smallest dihedral angle or 180 degrees less the largest, negative where it is inverted.
+  // The smaller of the smallest dihedral angle and 180 degrees less the largest [rad]; negative
+  // where the cell is inverted.
   [[nodiscard]] double worst_angle(int t) const {
     const auto corner = [&](int a) -> Eigen::Vector3d {
       return mesh_.points.row(mesh_.tets(t, a));

@@ -1,4 +1,4 @@
-// Neighbours in space become neighbours in memory.
+// Renumbers a mesh so that neighbours in space become neighbours in memory.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -23,8 +23,8 @@ double mean_edge_length(const TetMesh& mesh) {
   return sum / static_cast<double>(6 * std::max<Eigen::Index>(mesh.tets.rows(), 1));
 }
 
-// Slabs across the longest direction, rows in a slab, then along the shortest direction in a row;
-// equal ones by their old number.
+// The order of points: by slab along the longest direction, then by row in the slab along the
+// middle direction, then along the shortest direction. Points at equal places keep their old order.
 std::vector<std::int32_t> order_of(const Points& points, double step) {
   const Eigen::RowVector3d low = points.colwise().minCoeff();
   const Eigen::RowVector3d extent = points.colwise().maxCoeff() - low;
@@ -51,7 +51,7 @@ std::vector<std::int32_t> order_of(const Points& points, double step) {
   return order;
 }
 
-// Rows by their smallest entry, then as they were.
+// The order of rows by their smallest entry. Rows with equal entries keep their old order.
 std::vector<Eigen::Index> order_of_cells(const Cells& cells) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(cells.rows()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});

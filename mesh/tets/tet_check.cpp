@@ -1,4 +1,4 @@
-// Is a tetrahedral mesh fit for elements?
+// Checks whether a tetrahedral mesh can be used for elements.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -101,8 +101,8 @@ void check_points(const TetMesh& mesh) {
   unused.throw_if_any("points are used by no tetrahedron", "remove them");
 }
 
-// Per node of a tetrahedron of `order` the derivatives of all shape functions by (λ1, λ2, λ3):
-// nodes x 3 each. From the monomials: shape functions = monomials · V⁻¹ with V(a, m) = m(node a).
+// For each node of a tetrahedron of `order`, the derivatives of all shape functions by
+// (λ1, λ2, λ3), nodes x 3. Shape functions = monomials · V⁻¹ with V(a, m) = m(node a).
 std::vector<Eigen::MatrixXd> node_gradients(int order) {
   const Eigen::MatrixXd at = tet_node_barycentric(order).rightCols(3);
   const Eigen::Index n = at.rows();
@@ -134,8 +134,8 @@ std::vector<Eigen::MatrixXd> node_gradients(int order) {
   return result;
 }
 
-// Smallest volume that the mapping gives one tetrahedron, over its nodes; the volume itself where
-// the sides are straight.
+// The smallest volume by the local Jacobian (determinant / 6) over the nodes of one tetrahedron.
+// Where the sides are straight, it is the volume itself.
 double smallest_local_volume(const Eigen::Matrix<double, Eigen::Dynamic, 3>& nodes,
                              const Eigen::MatrixXd& barycentric,
                              const std::vector<Eigen::MatrixXd>& gradients, double longest) {
@@ -151,7 +151,7 @@ double smallest_local_volume(const Eigen::Matrix<double, Eigen::Dynamic, 3>& nod
   return smallest;
 }
 
-// Volumes that round-off alone could make are flat.
+// Refuses inverted and flat cells. A volume that may be round-off alone counts as flat.
 void check_volumes(const TetMesh& mesh) {
   const Eigen::MatrixXd barycentric = tet_node_barycentric(mesh.order());
   const auto gradients = node_gradients(mesh.order());
@@ -175,7 +175,7 @@ void check_volumes(const TetMesh& mesh) {
                    "mesh again, or check the node order of the file");
 }
 
-// Volume and centre of each of the parts that cells belong to, in words.
+// Volume and centre of each part of the cells, in words.
 std::vector<std::string> descriptions(const TetMesh& mesh, const std::vector<std::int32_t>& part_of,
                                       int parts) {
   Eigen::VectorXd volumes = Eigen::VectorXd::Zero(parts);
@@ -217,7 +217,7 @@ void check_one_body(const TetMesh& mesh) {
   several.throw_if_any("bodies share no node", "join them, or give each a study of its own");
 }
 
-// Where two parts meet: at a node, or between the ends of a line of nodes.
+// The place where two parts meet, in words: a node, or a line of nodes given by its ends.
 std::string place_of(const TetMesh& mesh, const Joint& joint) {
   const auto& nodes = joint.node;
   if (nodes.size() == 1) return "at the node at " + place(mesh.points.row(nodes.front()));

@@ -11,7 +11,7 @@
 namespace chladni::mesh {
 namespace {
 
-// Node positions per order, times the order: whole numbers.
+// Barycentric coordinates of the nodes, times the order. They are whole numbers.
 const Eigen::MatrixXi& lattice(int order) {
   static const std::array<Eigen::MatrixXi, 3> all = [] {
     std::array<Eigen::MatrixXi, 3> made;
@@ -38,7 +38,7 @@ Factor factor(int order, int n, double l) {
   return f;
 }
 
-// The nearest point of the segment a–b: how far along it is.
+// The position along the segment a–b (0 to 1) of its point nearest to p.
 double along_segment(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
   const double length = (b - a).squaredNorm();
   return length > 0.0 ? std::clamp((p - a).dot(b - a) / length, 0.0, 1.0) : 0.0;
@@ -101,7 +101,7 @@ Eigen::Vector3d nearest_on_face(const FaceNodes& nodes, int order, const Eigen::
   FaceShape shape = face_shape(order, at);
   Eigen::Vector3d here = nodes.transpose() * shape.value;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    // The tangent plane's triangle: where its corners (1,0,0), (0,1,0), (0,0,1) would be.
+    // The triangle in the tangent plane, with the corners at (1,0,0), (0,1,0), (0,0,1).
     const Eigen::Matrix3d slope = nodes.transpose() * shape.by_barycentric;  // columns: by l0 l1 l2
     const Eigen::Vector3d foot = here - slope * at;
     const Eigen::Matrix3d tangent = (slope.colwise() + foot).transpose();
@@ -126,7 +126,7 @@ Eigen::Vector3d nearest_on_face(const FaceNodes& nodes, int order, const Eigen::
 
 VerticalCrossing vertical_crossing(const FaceNodes& nodes, int order, bool curved,
                                    const Eigen::Vector2d& at) {
-  constexpr double kTolerance = 1e-9;  // of the face: lines along its outline hit it
+  constexpr double kTolerance = 1e-9;  // relative to the face: lines through its outline hit it
   VerticalCrossing result;
   result.barycentric.setConstant(1.0 / 3.0);
   const int iterations = curved ? 30 : 1;

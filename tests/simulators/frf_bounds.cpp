@@ -14,8 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-// Where which parameter stands: per flexible mode ω, ζ, L, R; rigid L by columns, R by columns;
-// residual by columns; delay.
+// The order of the parameters: ω, ζ, L, R per flexible mode; rigid L by columns, rigid R by
+// columns; residual by columns; delay.
 struct Places {
   Eigen::Index p = 0, q = 0, flexible = 0, rigid = 0;
   FrfNuisance nuisance;
@@ -30,7 +30,7 @@ struct Places {
   }
 };
 
-// The modes with the gains in, and |L_m| = |R_m|.
+// The modes with the gains included, scaled so that |L_m| = |R_m|.
 struct Balanced {
   Eigen::VectorXd omega, damping;
   Eigen::MatrixXd outputs, inputs, rigid_outputs, rigid_inputs;
@@ -62,7 +62,7 @@ Balanced balanced(const FrfCase& record) {
   return modes;
 }
 
-// Derivatives of one response after the parameters that it depends on.
+// Derivatives of one response with respect to the parameters that it depends on.
 struct Slopes {
   std::vector<Eigen::Index> place;
   Eigen::MatrixXcd value;  // k×places
@@ -138,7 +138,7 @@ Eigen::MatrixXd information(const FrfCase& record, const Balanced& modes, const 
   return fisher;
 }
 
-// Orthonormal columns that span what changes the responses.
+// Orthonormal columns that span the parameter changes with an effect on the responses.
 Eigen::MatrixXd effective(const Eigen::MatrixXd& change) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(change, Eigen::ComputeThinV);
   const double most = svd.singularValues()(0);
@@ -146,7 +146,7 @@ Eigen::MatrixXd effective(const Eigen::MatrixXd& change) {
   return svd.matrixV().leftCols(rank);
 }
 
-// d vec(L R) after (vec L, vec R).
+// The derivative of vec(L R) with respect to (vec L, vec R).
 Eigen::MatrixXd product_change(const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs) {
   const auto p = outputs.rows();
   const auto r = outputs.cols();
@@ -161,7 +161,7 @@ Eigen::MatrixXd product_change(const Eigen::MatrixXd& outputs, const Eigen::Matr
   return change;
 }
 
-// All parameters from the free ones.
+// The matrix that gives all parameters from the free ones.
 Eigen::MatrixXd free_directions(const Balanced& modes, const Places& places) {
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(places.count(), places.count());
   Eigen::Index column = 0;
@@ -193,7 +193,7 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& information) {
          scale.asDiagonal();
 }
 
-// Where (ω, ζ, L, R) of a mode stand, rigid-body modes first and without ω and ζ.
+// The places of (ω, ζ, L, R) of a mode. Rigid-body modes come first and have no ω and ζ.
 std::vector<Eigen::Index> places_of_mode(const Places& places, Eigen::Index mode) {
   std::vector<Eigen::Index> where;
   if (mode >= places.rigid) {

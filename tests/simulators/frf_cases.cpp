@@ -23,7 +23,7 @@ Eigen::VectorXd or_ones(const Eigen::VectorXd& gain, Eigen::Index size) {
   return gain.size() == 0 ? Eigen::VectorXd::Ones(size) : gain;
 }
 
-// (s² + s D + Ω²)⁻¹ between the shapes, D with the dampers.
+// The response: (s² + s D + Ω²)⁻¹ between the shapes, where D includes the dampers.
 Eigen::MatrixXcd response(const modal::ReducedModel& model, double frequency_hz) {
   const std::complex<double> s(0.0, 2.0 * pi * frequency_hz);
   const Eigen::ArrayXd omega = 2.0 * pi * model.frequency_hz.array();
@@ -91,7 +91,7 @@ double median_magnitude(const std::vector<Eigen::MatrixXcd>& value) {
   return *middle;
 }
 
-// Noise of the ungained responses, so that a dead channel still has some.
+// Adds noise relative to the responses without gains, so that a dead channel still has noise.
 void add_noise(FrfCase& made, const std::vector<Eigen::MatrixXcd>& ungained) {
   const auto& faults = made.faults;
   const double floor =
@@ -182,7 +182,7 @@ Eigen::MatrixX3d in_plane(const Eigen::MatrixX2d& places) {
   return lifted;
 }
 
-// `flexible` modes that both sides see, after the rigid-body modes.
+// The model with the rigid-body modes and `flexible` modes that both sides see.
 modal::ReducedModel plate_model(const PlateModes& modes, const Eigen::MatrixX2d& outputs,
                                 const Eigen::MatrixX2d& inputs, Eigen::Index flexible) {
   const Eigen::MatrixXd seen = shapes_at(modes, outputs);
@@ -357,7 +357,7 @@ ComplexModes complex_modes(const modal::ReducedModel& truth) {
   std::ranges::sort(upper, {}, [&](Eigen::Index i) { return std::abs(solver.eigenvalues()(i)); });
   ComplexModes modes;
   modes.pole = solver.eigenvalues()(upper);
-  // The quadratic pencil is symmetric: left and right vectors are one, scaled by vᵀ(2p + D)v = 1.
+  // The quadratic pencil is symmetric, so left and right vectors are equal, with vᵀ(2p + D)v = 1.
   Eigen::MatrixXcd shapes =
       omega.cwiseInverse().asDiagonal() * solver.eigenvectors().topRows(n)(Eigen::all, upper);
   for (Eigen::Index i = 0; i < std::ssize(upper); ++i) {

@@ -1,4 +1,4 @@
-// Measured responses of structures that are known to the last digit. The truth uses no code of
+// Measured responses of structures that are known exactly. The truth uses no code of
 // identification/.
 #pragma once
 
@@ -11,23 +11,24 @@
 
 namespace chladni::simulators {
 
-/// What stands between the structure and its record. Noise is circular, E|n|² = σ², independent
+/// The faults between the structure and its record. Noise is circular, E|n|² = σ², independent
 /// between lines and responses.
 struct FrfFaults {
-  double relative_noise = 0.01;    ///< σ as a part of |G₀| of the same line and response
-  double floor_noise = 0.0;        ///< σ as a part of the median |G₀| over all; squares add
+  double relative_noise = 0.01;    ///< σ as a fraction of |G₀| of the same line and response
+  double floor_noise = 0.0;        ///< σ as a fraction of the median |G₀| over all; squares add
   bool noisy = true;               ///< false: σ is stated, no noise is added
   double delay_s = 0.0;            ///< of all responses
-  Eigen::VectorXd output_delay_s;  ///< p, on top of it; empty: none
-  Eigen::VectorXd output_gain;     ///< p; −1: turned around, 0: dead (its noise stays); empty: 1
-  Eigen::VectorXd input_gain;      ///< q, likewise
-  double out_of_band = 0.0;  ///< above 0: one more mode this part above the last line, 0.5 % damped
-  double dashpot = 0.0;      ///< [N s/m] at the first sensor: makes the modes complex
-  double missing = 0.0;      ///< so many of the values, drawn at random, are NaN
+  Eigen::VectorXd output_delay_s;  ///< p, added to delay_s; empty: none
+  Eigen::VectorXd output_gain;     ///< p; −1: reversed, 0: dead (its noise stays); empty: 1
+  Eigen::VectorXd input_gain;      ///< q, as output_gain
+  double out_of_band = 0.0;  ///< above 0: one more mode, higher than the last line by this
+                             ///< fraction, 0.5 % damped
+  double dashpot = 0.0;      ///< [N s/m] at the first sensor; it makes the modes complex
+  double missing = 0.0;      ///< fraction of the values, drawn at random, that are NaN
   unsigned seed = 1;
 };
 
-/// A record and what is true of it.
+/// A record and its truth.
 struct FrfCase {
   modal::FrfSet measured;               ///< y1.. by u1.., receptances with their true variance
   std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: without noise, with all other faults
@@ -37,9 +38,9 @@ struct FrfCase {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated;  ///< output, input
 };
 
-/// Channels and lines of a record to be made.
+/// Channels and lines of a record.
 struct FrfGrid {
-  Eigen::MatrixX3d outputs, inputs;  ///< places [m]; equal ones are collocated
+  Eigen::MatrixX3d outputs, inputs;  ///< places [m]; equal places are collocated
   Eigen::VectorXd frequency_hz;
 };
 
@@ -48,9 +49,10 @@ struct FrfGrid {
                                const FrfFaults& faults);
 
 /// The thesis' beam, 0.157 kg and 500 mm: translation and rotation on the suspension at 2.5 and
-/// 5 Hz (2 % damping), the first three shapes of a free Euler-Bernoulli beam at 32.7, 51.9 and
-/// 110 Hz (0.8, 0.5, 1 %); sensors at −200, −100, 0, 100, 200 mm, actuators at all of them or at
-/// 1, 3 and 5. Position 3 is a node of modes 2 and 4. 799 lines of 0.25 Hz up to 200 Hz.
+/// 5 Hz (2 % damping), and the first three shapes of a free Euler-Bernoulli beam at 32.7, 51.9 and
+/// 110 Hz (0.8, 0.5, 1 %). Sensors are at −200, −100, 0, 100, 200 mm; actuators are at all of these
+/// places or at places 1, 3 and 5. Place 3 is a node of modes 2 and 4. 799 lines of 0.25 Hz up to
+/// 200 Hz.
 [[nodiscard]] FrfCase beam5x3(const FrfFaults& faults = {});
 [[nodiscard]] FrfCase beam5x5(const FrfFaults& faults = {});
 
@@ -73,8 +75,8 @@ struct FrfGrid {
 [[nodiscard]] FrfCase part(const FrfCase& whole, const std::vector<Eigen::Index>& outputs,
                            const std::vector<Eigen::Index>& inputs);
 
-/// Poles (Im > 0) of the flexible modes with the dampers, and G = Σ l r / (s − p) + conjugates
-/// besides what modes at 0 Hz give; ascending. Gains are not in it.
+/// Poles (Im > 0) of the flexible modes with the dampers, ascending, and
+/// G = Σ l r / (s − p) + conjugates, without the part of modes at 0 Hz. Gains are not included.
 struct ComplexModes {
   Eigen::VectorXcd pole;             ///< n [rad/s]
   Eigen::MatrixXcd outputs, inputs;  ///< p×n, n×q

@@ -166,7 +166,7 @@ TEST(FrfBounds, AreThoseOfDifferencesForOneResponse) {
   EXPECT_EQ(bounds.parameters, 3);
   EXPECT_NEAR(bounds.frequency_hz(0), std::sqrt(covariance(0, 0)), 1e-6 * bounds.frequency_hz(0));
   EXPECT_NEAR(bounds.damping(0), std::sqrt(covariance(1, 1)), 1e-6 * bounds.damping(0));
-  // With |L| / |R| held, L and R share what is not known of their product.
+  // With |L| / |R| held, L and R share the uncertainty of their product.
   EXPECT_NEAR(bounds.outputs(0, 0), 0.5 * std::sqrt(covariance(2, 2)), 1e-6 * bounds.outputs(0, 0));
   EXPECT_NEAR(bounds.inputs(0, 0), bounds.outputs(0, 0) * 0.5 / 3.0, 1e-6 * bounds.inputs(0, 0));
 }

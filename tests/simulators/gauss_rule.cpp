@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-// From the centre to the rim of the rectangle in one direction.
+// The distance from the centre to the rim of the rectangle in one direction.
 double reach(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, double angle) {
   const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
   double far = std::numeric_limits<double>::infinity();
@@ -25,7 +25,7 @@ double reach(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, double 
   return far;
 }
 
-// Angles at which the rim of the part on the rectangle has a kink, ascending over one turn.
+// Angles at which the rim of the disc's part on the rectangle has a kink, ascending over one turn.
 std::vector<double> kinks(const Eigen::Vector2d& centre, double radius,
                           const Eigen::Vector2d& half) {
   std::vector<double> angles = {-pi, -0.5 * pi, 0.0, 0.5 * pi, pi};

@@ -1,4 +1,4 @@
-// Gauss' rule on the shapes that simulators integrate over.
+// The Gauss rule on the shapes over which simulators integrate.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@ namespace chladni::simulators {
 struct LineRule {
   Eigen::VectorXd point, weight;  ///< n
 };
-/// From the eigenvalues of Jacobi's matrix (Golub and Welsch 1969).
+/// The rule from the eigenvalues of the Jacobi matrix (Golub and Welsch 1969).
 [[nodiscard]] LineRule gauss_rule(int points);
 
 /// Σ area f(place) = ∫ f dA.
@@ -17,17 +17,18 @@ struct AreaRule {
   Eigen::MatrixX2d places;  ///< k×2 [m]
   Eigen::VectorXd area;     ///< k [m²]
 };
-/// points × points.
+/// The rule on a rectangle with points × points.
 [[nodiscard]] AreaRule rectangle_rule(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                                       int points);
 
-/// What of a disc lies on the rectangle |x| <= half.x, |y| <= half.y: points × points on each
-/// sector between two kinks of its rim, four sectors where it has none.
+/// The rule on the part of a disc on the rectangle |x| <= half.x, |y| <= half.y. Each sector
+/// between two kinks of the rim has points × points; there are four sectors where the rim has no
+/// kink.
 /// @pre the centre lies on the rectangle
 [[nodiscard]] AreaRule disc_rule(const Eigen::Vector2d& centre, double radius,
                                  const Eigen::Vector2d& half, int points);
 
-/// A straight band of this width about the line.
+/// The rule on a straight band of this width about the line.
 [[nodiscard]] AreaRule band_rule(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                                  double width, int along, int across);
 

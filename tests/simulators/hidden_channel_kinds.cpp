@@ -9,7 +9,7 @@ using Eigen::Index;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-// On one side: its records, its names, its places.
+// The records, names and places of one side.
 struct Side {
   std::vector<ChannelFilter>& filters;
   const std::vector<std::string>& names;

@@ -39,7 +39,7 @@ Recipe believed(const HiddenOptions& options) {
   return recipe;
 }
 
-// As the paper of the test says: the channels as they are meant to be.
+// The channels as the test sheet states them, with their intended places.
 std::vector<modal::MeasuredChannel> channels(const std::vector<std::string>& names,
                                              const Eigen::MatrixX2d& places,
                                              const std::string& unit) {
@@ -103,7 +103,7 @@ std::vector<std::string> names_of(bool outside) {
   return names;
 }
 
-// One seed does not draw alike for all kinds (FNV-1a).
+// A seed that also depends on the kinds, so that kinds do not draw the same numbers (FNV-1a).
 unsigned seed_of(const std::vector<std::string>& kinds, unsigned seed) {
   std::uint32_t hash = 2166136261U ^ seed;
   for (const auto& kind : kinds) {
@@ -114,7 +114,8 @@ unsigned seed_of(const std::vector<std::string>& kinds, unsigned seed) {
   return hash;
 }
 
-// A channel of height z that is tilted by θ sees w − θ z ∂w where the body does not shear.
+// The responses with channels that are moved instead of tilted. A channel of height z with the tilt
+// θ sees w − θ z ∂w where the body does not shear.
 std::vector<Eigen::MatrixXcd> moved_instead(Recipe recipe, const Eigen::VectorXd& hz,
                                             const HiddenOptions& options) {
   if (recipe.output_tilts.isZero(0.0) && recipe.input_tilts.isZero(0.0)) return {};
@@ -133,7 +134,7 @@ std::vector<Eigen::MatrixXcd> moved_instead(Recipe recipe, const Eigen::VectorXd
   return responses(recipe, hz, options.damping_stays);
 }
 
-// What is hidden, in the recipe and in the record of the truth.
+// Hides the kinds in the recipe and notes them in the truth.
 void hide(Recipe& recipe, HiddenCase& made, const std::vector<std::string>& kinds, Drawn& drawn,
           double severity) {
   for (const auto& name : kinds) {
@@ -200,7 +201,7 @@ std::vector<std::string> hidden_pair(unsigned seed) {
   const auto drawn = [&] {
     return names[static_cast<std::size_t>(dice.below(static_cast<Index>(names.size())))];
   };
-  // A label that is exchanged and something else of the same labels have two descriptions.
+  // A swap of labels and another effect on the same labels could be described in two ways.
   const auto side = [](const std::string& name) {
     if (name.find("sensor") != std::string::npos) return 1;
     return name.find("actuator") != std::string::npos ? 2 : 0;
@@ -249,7 +250,7 @@ HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
               rig.is_slender(),
               {},
               {}};
-  // By other laws each case is of a rig of its own.
+  // With other laws than the normal one, each case has its own rig.
   const bool one_rig = options.law == DeviationLaw::normal;
   Dice built((one_rig ? seed : seed_of(kinds, seed)) + 0x51ed270bU);
   deviate(recipe, built, options);

@@ -1,5 +1,5 @@
-// Measurements of a rig in which something is hidden. A seed determines what, where and how
-// much; a diagnosis is given `measured` and nothing else.
+// Measurements of a rig in which something is hidden. A seed determines the effect, its place and
+// its size. A diagnosis gets `measured` and nothing else.
 #pragma once
 
 #include <map>
@@ -13,7 +13,8 @@
 
 namespace chladni::simulators {
 
-/// What is true. The names of `size` are those of the kind's table (hidden_..._kinds.cpp), in SI.
+/// One effect of the truth. The names of `size` are those of the kind's table
+/// (hidden_..._kinds.cpp), in SI.
 struct HiddenEffect {
   std::string kind;
   std::map<std::string, double> size;
@@ -21,7 +22,7 @@ struct HiddenEffect {
   std::vector<std::string> channels;
 };
 
-/// Of what no two rigs have alike; each of variance 1 but for Student's.
+/// The law of the deviations between rigs. Each law has variance 1, except Student's.
 enum class DeviationLaw {
   normal,
   uniform,
@@ -33,57 +34,57 @@ struct HiddenOptions {
   int lines = 500;
   double low_hz = 0.0, high_hz = 0.0;  ///< 0: the rig's
   double relative_noise = 0.01;  ///< circular, E|n|² = σ², of |G| of the same line and response
-  double floor_noise = 1e-3;     ///< of the median |G| over all; squares add
+  double floor_noise = 1e-3;     ///< fraction of the median |G| over all; squares add
   int degree = 14;               ///< of the plates' polynomials
-  /// 0 (hardly seen) to 1 (large), between the ends of each kind's range as a logarithm; below 0:
-  /// drawn.
+  /// 0 (hardly visible) to 1 (large), on a logarithmic scale between the ends of each kind's range;
+  /// below 0: drawn.
   double severity = -1.0;
-  /// The damping is a matrix that does not change when the plate does; false: the changed plate's
-  /// modes are damped as the nominal one's.
+  /// True: the damping is a matrix that does not change when the plate changes. False: the modes of
+  /// the changed plate have the damping of the nominal modes.
   bool damping_stays = true;
-  /// What no two rigs have alike, in multiples of: gain of each channel 0.5 %, its place 0.5 mm
-  /// along each axis, delay 1 µs, modulus 0.5 %, density 0.3 %, thickness 0.15 % in each of six
-  /// smooth waves, stiffness along x 0.5 %, damping of each mode 20 %.
+  /// Deviations of every rig, in multiples of: gain of each channel 0.5 %, its place 0.5 mm along
+  /// each axis, delay 1 µs, modulus 0.5 %, density 0.3 %, thickness 0.15 % in each of six smooth
+  /// waves, stiffness along x 0.5 %, damping of each mode 20 %.
   double deviation = 0.0;
-  /// Of another law than the normal one the thickness varies in 21 waves up to the fifth order, 0.3
-  /// % over 2 + i + j each: no diagnosis has these.
+  /// With another law than the normal one, the thickness varies in 21 waves up to the fifth order,
+  /// each 0.3 % over 2 + i + j. No diagnosis has these waves.
   DeviationLaw law = DeviationLaw::normal;
-  /// Part of the variance that all gains, all places of a side along an axis and all dampings
-  /// share.
+  /// The fraction of the variance that all gains, all places of a side along an axis, and all
+  /// dampings share.
   double correlation = 0.0;
-  double own_delay_s = 0.0;  ///< of each channel beside the common one
-  double fixtures = 0.0;     ///< of what is fixed to the body: masses and springs, relative
-  /// The modes that `modes_above` lets yield begin here; 0: after 64.
+  double own_delay_s = 0.0;  ///< of each channel, beside the common delay
+  double fixtures = 0.0;     ///< of masses and springs fixed to the body, relative
+  /// The modes that `modes_above` softens begin here; 0: after 64.
   double above_hz = 0.0;
 };
 
 struct HiddenCase {
   modal::FrfSet measured;  ///< receptances by name, with places, directions and true variances
   std::vector<HiddenEffect> truth;
-  bool outside = false;  ///< the truth has a kind that no catalogue of physical causes has
+  bool outside = false;  ///< the truth has a kind that is in no catalogue of physical causes
   std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: without noise
-  /// Likewise, with tilted channels moved as far as nearly does the same (where gains deviate, with
-  /// the gain that a tilt costs); empty: none is tilted.
+  /// As `exact`, with tilted channels moved so far that the effect is nearly the same (where gains
+  /// deviate, with the gain that a tilt costs); empty: no channel is tilted.
   std::vector<Eigen::MatrixXcd> moved_instead;
-  /// Σ |exact − nominal|² / σ²: the logarithm of the likelihood ratio that an effect known
-  /// beforehand would have.
+  /// Σ |exact − nominal|² / σ²: the logarithm of the likelihood ratio for an effect that is known
+  /// in advance.
   double evidence_there = 0.0;
 };
 
-/// Kinds that a diagnosis should name; kinds that it cannot. "none" is in neither.
+/// Kinds that a diagnosis should name, and kinds that it cannot name. "none" is in neither list.
 [[nodiscard]] const std::vector<std::string>& hidden_kinds();
 [[nodiscard]] const std::vector<std::string>& outside_kinds();
 
-/// Two kinds of hidden_kinds() that can be told apart when they act together.
+/// Two kinds of hidden_kinds() that can be distinguished when they act together.
 [[nodiscard]] std::vector<std::string> hidden_pair(unsigned seed);
 
-/// The rig's modes as everybody believes them to be. Kept between calls.
+/// The modes of the rig as believed before the measurement. They are kept between calls.
 [[nodiscard]] const RitzModes& believed_modes(const std::string& rig, int degree = 14);
-/// Of the wafer table: aluminium_table.
+/// The believed modes of the wafer table: aluminium_table.
 [[nodiscard]] const RitzModes& believed_table(int degree = 14);
 
-/// Cost: 0.3 to 1.5 s for 500 lines and degree 14.
-/// @param kinds  none, one or several; several act on different channels and places
+/// Makes a case. Cost: 0.3 to 1.5 s for 500 lines and degree 14.
+/// @param kinds  none, one or several; several kinds act on different channels and places
 /// @throws InvalidInput  an unknown kind or rig, a kind that the rig cannot have
 [[nodiscard]] HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
                                      const HiddenOptions& options = {});

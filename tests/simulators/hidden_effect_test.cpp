@@ -63,7 +63,7 @@ TEST(HiddenEffect, DeviatesAsTablesDo) {
   EXPECT_LT(hidden_case({}, 3, built).evidence_there, 0.1 * one.evidence_there);
 }
 
-// Whatever the law, a deviation is drawn once per seed; heavy tails and shared parts change it.
+// For every law a deviation is drawn once per seed. Heavy tails and shared parts change it.
 TEST(HiddenEffect, DeviatesByOtherLawsThanTheDiagnosisHas) {
   auto built = quick();
   built.deviation = 1.0;
@@ -81,8 +81,8 @@ TEST(HiddenEffect, DeviatesByOtherLawsThanTheDiagnosisHas) {
   EXPECT_GT(hidden_case({}, 3, built).evidence_there, 1e3);
 }
 
-// A position is a tilt's twin where the plate hardly shears and gains are not known better: what
-// parts them is little.
+// A moved position is nearly the same as a tilt where the plate hardly shears and gains are not
+// known better. The difference is small.
 TEST(HiddenEffect, ATiltIsNearlyAPlace) {
   for (const auto& rig : rig_names()) {
     auto options = quick(1.0);

@@ -1,4 +1,4 @@
-// How a rig differs from what is believed: filled in by kinds of effects, one after the other.
+// How a rig differs from the believed rig. The kinds of effects fill it in, one after the other.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace chladni::simulators {
 
-/// Between a channel and its record; 0: without.
+/// The filter between a channel and its record. Values of 0 mean no filter.
 struct ChannelFilter {
   double gain = 1.0, delay_s = 0.0;
   double corner_hz = 0.0;                      ///< first-order low-pass
@@ -31,14 +31,14 @@ struct Recipe {
   std::optional<RitzFrame> frame;
   double damping_factor = 1.0, damping_exponent = 0.0;
   bool hysteretic = false;
-  double yielding = 0.0;  ///< of the modes above those of a diagnosis: how much more, relative
-  double above_hz = 0.0;  ///< where these begin; 0: after 64
+  double yielding = 0.0;  ///< relative softening of the modes above those of a diagnosis
+  double above_hz = 0.0;  ///< where these modes begin; 0: after 64
   double held_hz = 0.0, held_damping = 0.0;  ///< of all rigid-body modes
   Eigen::VectorXd stiffening;      ///< q: of the plate while an input is used, relative; or empty
-  Eigen::VectorXd damping_spread;  ///< factors of the first modes; the rest as it is
+  Eigen::VectorXd damping_spread;  ///< factors of the first modes; the others do not change
   TableChannels channels;
   Eigen::MatrixX2d output_tilts, input_tilts;     ///< of the channels, toward x and y [rad]
-  std::vector<Eigen::Index> output_of, input_of;  ///< which one a record shows
+  std::vector<Eigen::Index> output_of, input_of;  ///< the channel that a record shows
   std::vector<ChannelFilter> outputs, inputs;     ///< of the records
   Eigen::MatrixXd output_mix, input_mix;          ///< (1 + Y) G (1 + X)
   /// A mode that is not of the plate's bending.
@@ -46,16 +46,16 @@ struct Recipe {
   Eigen::VectorXd foreign_outputs, foreign_inputs;  ///< [kg^-1/2]
 };
 
-/// [k], p×q: what is recorded of it.
+/// [k], p×q: the recorded responses.
 /// @param damping_stays  as HiddenOptions
 [[nodiscard]] std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe,
                                                       const Eigen::VectorXd& hz,
                                                       bool damping_stays);
 
-/// Within what everybody tolerates, as HiddenOptions says.
+/// Adds the deviations of HiddenOptions, within usual tolerances.
 void deviate(Recipe& recipe, Dice& dice, const HiddenOptions& options);
 
-/// What a kind draws: sizes within its range, and where.
+/// The draws of a kind: sizes within its range, and places.
 struct Drawn {
   Dice dice;
   double severity;  ///< in [0, 1]
@@ -68,12 +68,12 @@ struct Drawn {
   /// low (high / low)^severity.
   double size(double low, double high);
   double sign() { return dice.uniform() < 0.5 ? -1.0 : 1.0; }
-  /// Off the rim by `margin` and 120 mm off others, on the table; on the middle line of what is
-  /// slender.
+  /// A place at least `margin` from the rim and 120 mm from others (on the table). On a slender
+  /// body it lies on the middle line.
   Eigen::Vector2d place(double margin = 0.01);
-  /// A unit vector; of what is slender, along it.
+  /// A unit vector; along the body where it is slender.
   Eigen::Vector2d direction();
-  /// One that nothing else was done to.
+  /// A channel without another effect.
   Eigen::Index channel(const std::vector<std::string>& names);
 };
 
@@ -82,7 +82,7 @@ struct HiddenKind {
   bool outside = false;
   HiddenEffect (*hide)(Recipe&, Drawn&);
 };
-/// Of the body and what it carries; of the channels; those that no catalogue has.
+/// Kinds of the body and its fixtures; kinds of the channels; kinds that no catalogue has.
 [[nodiscard]] const std::vector<HiddenKind>& body_kinds();
 [[nodiscard]] const std::vector<HiddenKind>& channel_kinds();
 [[nodiscard]] const std::vector<HiddenKind>& kinds_outside();

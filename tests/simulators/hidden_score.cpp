@@ -15,7 +15,8 @@ namespace {
 constexpr std::array<std::string_view, 5> kVerdicts{"nothing", "named", "ambiguous", "partial",
                                                     "unexplained"};
 
-// Of a swap both are alike; of crosstalk the first is the one that is spoilt.
+// Whether the channels are the same. In a swap both channels are equal; in crosstalk the first
+// channel is the disturbed one.
 bool same_channels(const std::string& effect, std::vector<std::string> a,
                    std::vector<std::string> b) {
   if (effect.starts_with("swapped_")) {
@@ -32,7 +33,7 @@ bool is(const diagnosis::Cause& cause, const HiddenEffect& effect) {
   return is(cause, effect_of_kind(effect.kind), effect);
 }
 
-// The effect that does nearly the same on the same channels; empty: none.
+// The effect that has nearly the same result on the same channels; empty: none.
 std::string twin_of(const std::string& kind) {
   const auto exchanged = [&](std::string_view from, std::string_view to) -> std::string {
     if (!kind.ends_with(from)) return "";
@@ -60,7 +61,8 @@ void add_size(EffectScore& score, const diagnosis::Cause& cause, const std::stri
   }
 }
 
-// Of a patch only the product of factor and area is seen well; its deviation is left out.
+// Adds the score of a patch. Only the product of factor and area is well visible; its deviation is
+// left out.
 void add_patch(EffectScore& score, const diagnosis::Cause& cause, const HiddenEffect& effect) {
   const auto* factor = parameter(cause, "factor");
   const auto* radius = parameter(cause, "radius");
@@ -99,7 +101,7 @@ bool of_truth(const diagnosis::Cause& cause, const HiddenCase& hidden, IsOf is_o
   return std::ranges::any_of(hidden.truth, [&](const auto& one) { return is_of(cause, one); });
 }
 
-// Every effect of the truth and nothing else.
+// Whether the explanation has every effect of the truth and nothing else.
 bool is_truth(const HiddenCase& hidden, const diagnosis::Explanation& told, IsOf is_of) {
   return told.causes.size() == hidden.truth.size() &&
          std::ranges::all_of(told.causes,
@@ -110,7 +112,7 @@ bool is_truth(const HiddenCase& hidden, const diagnosis::Explanation& told, IsOf
          });
 }
 
-// Among the rivals that are called so.
+// Whether the truth is among the rivals within 5 in log evidence.
 bool is_rival(const HiddenCase& hidden, const diagnosis::Diagnosis& told) {
   return std::ranges::any_of(told.rivals, [&](const auto& one) {
     return told.best.log_evidence - one.log_evidence < 5.0 && is_truth(hidden, one, is);

@@ -1,4 +1,4 @@
-// How near a diagnosis came to what was hidden.
+// Scores a diagnosis against the hidden effects.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace chladni::simulators {
 
-/// A size, as hidden and as told.
+/// A size, as hidden and as diagnosed.
 struct SizeScore {
   std::string name;
   double truth = 0.0, value = 0.0, std = 0.0;
@@ -21,7 +21,7 @@ struct SizeScore {
 /// One effect of the truth, in the best explanation.
 struct EffectScore {
   std::string kind;
-  bool named = false;            ///< its name is there, on its channels
+  bool named = false;            ///< the diagnosis has its name, on its channels
   std::vector<SizeScore> sizes;  ///< where named; places as "u" and "v"
   double place_error = 0.0;      ///< [m]
   bool placed = false;
@@ -29,9 +29,9 @@ struct EffectScore {
 
 enum class Outcome {
   right,    ///< every cause and no other, named; "nothing" where there is nothing
-  twin,     ///< named or ambiguous as what nobody could tell from the truth (evidence_apart < 5)
-  open,     ///< every cause and no other, but partial: something is left
-  phantom,  ///< every cause and one more that is not there
+  twin,     ///< named or ambiguous as something indistinguishable from it (evidence_apart < 5)
+  open,     ///< every cause and no other, but partial: something remains
+  phantom,  ///< every cause and one more that does not exist
   among,    ///< ambiguous, and the truth is among the rivals or first
   half,     ///< of several, some
   wrong,    ///< another name
@@ -44,9 +44,9 @@ struct CaseScore {
   Outcome outcome = Outcome::missed;
   std::vector<EffectScore> effects;
   std::string told;      ///< "named: point_mass 0.99", for a table
-  std::string phantoms;  ///< what is not of the truth, with its numbers: "point_mass mass=0.0012"
-  /// The highest probability of a cause that is not of the truth, whatever the verdict; 0: none.
-  /// What nobody could tell from the truth counts as of it.
+  std::string phantoms;  ///< causes not in the truth, with numbers: "point_mass mass=0.0012"
+  /// The highest probability of a cause that is not in the truth, for any verdict; 0: none. A cause
+  /// that cannot be distinguished from the truth counts as truth.
   double surest_phantom = 0.0;
 
   [[nodiscard]] bool confidently_wrong() const { return surest_phantom > 0.9; }
@@ -54,7 +54,7 @@ struct CaseScore {
 
 [[nodiscard]] CaseScore scored(const HiddenCase& hidden, const diagnosis::Diagnosis& told);
 
-/// The effect of the catalogue that is this kind; empty for kinds outside of it.
+/// The effect of the catalogue for this kind; empty for kinds outside the catalogue.
 [[nodiscard]] std::string effect_of_kind(const std::string& kind);
 
 }  // namespace chladni::simulators

@@ -17,7 +17,7 @@ using Vector16 = Eigen::Matrix<double, 16, 1>;
 using Matrix16 = Eigen::Matrix<double, 16, 16>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-// Cubic Hermite functions of value and (scaled) slope at t = 0 and 1, or a derivative of them by t.
+// Cubic Hermite functions of value and (scaled) slope at t = 0 and 1, or their derivative by t.
 Eigen::Vector4d hermite(double t, int derivative) {
   if (derivative == 0) {
     return {1 + t * t * (2 * t - 3), t * (1 - t) * (1 - t), t * t * (3 - 2 * t), t * t * (t - 1)};
@@ -28,7 +28,7 @@ Eigen::Vector4d hermite(double t, int derivative) {
   return {12 * t - 6, 6 * t - 4, 6 - 12 * t, 6 * t - 2};
 }
 
-// Order: nodes (0,0) (1,0) (0,1) (1,1), of each w, wx, wy, wxy.
+// Products of the functions in the order of nodes (0,0) (1,0) (0,1) (1,1), for each w, wx, wy, wxy.
 Vector16 products(const Eigen::Vector4d& x, const Eigen::Vector4d& y) {
   Vector16 all;
   for (Eigen::Index node = 0; node < 4; ++node) {
@@ -39,7 +39,7 @@ Vector16 products(const Eigen::Vector4d& x, const Eigen::Vector4d& y) {
   return all;
 }
 
-// Integrals over one cell; linear in the cell's stiffness and mass.
+// Integrals over one cell. The cell's matrices are linear in its stiffness and mass.
 struct CellMatrices {
   Matrix16 xx = Matrix16::Zero(), cross = Matrix16::Zero(), yy = Matrix16::Zero(),
            xy = Matrix16::Zero(), mass = Matrix16::Zero();
@@ -87,7 +87,7 @@ CellDofs cell_dofs(const PlateGrid& grid, Eigen::Index cell) {
   return dofs;
 }
 
-// The cell that holds a place and the shape functions there; −1 where there is none.
+// The cell that contains a place (−1: none), and the shape functions at the place.
 struct Spot {
   Eigen::Index cell = -1;
   Vector16 shape = Vector16::Zero();
@@ -180,7 +180,7 @@ void scatter(const Matrix16& matrix, const CellDofs& dofs, const std::vector<Eig
   }
 }
 
-// Rows of the system for the degrees of freedom of nodes that some cell has; −1 for the rest.
+// Rows of the system for the degrees of freedom of nodes of existing cells; −1 for the others.
 std::vector<Eigen::Index> rows_of(const PlateGrid& grid, const std::vector<char>& present) {
   std::vector<Eigen::Index> row(static_cast<std::size_t>(4 * grid.node_count()), -1);
   for (Eigen::Index c = 0; c < grid.cell_count(); ++c) {
@@ -220,7 +220,7 @@ Pencil assembled(const KirchhoffPlate& plate, const std::vector<char>& present,
   return pencil;
 }
 
-// 1, x and y as degrees of freedom: exactly within the elements' space.
+// The functions 1, x and y as degrees of freedom. The elements contain them exactly.
 Eigen::MatrixXd rigid_motions(const PlateGrid& grid, const std::vector<Eigen::Index>& row,
                               Eigen::Index count) {
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(count, 3);
@@ -240,7 +240,8 @@ Eigen::MatrixXd rigid_motions(const PlateGrid& grid, const std::vector<Eigen::In
   return motions;
 }
 
-// About the square of the first flexible frequency of a plate of the mean stiffness and mass.
+// The approximate square of the first flexible angular frequency of a plate with mean stiffness and
+// mass.
 double first_eigenvalue(const KirchhoffPlate& plate) {
   double stiffness = 0.0;
   for (std::size_t c = 0; c < plate.bending.size(); ++c) {

@@ -1,4 +1,4 @@
-// A thin plate that shares no code with fem/: an independent truth for what is tested against it.
+// A thin plate that shares no code with fem/. It is an independent truth for tests.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,7 +6,7 @@
 
 namespace chladni::simulators {
 
-/// A rectangle about the origin of nx×ny equal cells, x fastest.
+/// A rectangle of nx×ny equal cells, centred at the origin, x fastest.
 struct PlateGrid {
   double length = 0.6, width = 0.6;  ///< along x and y [m]
   int nx = 20, ny = 20;
@@ -30,7 +30,7 @@ struct PointMass {
   double kg = 0.0;
 };
 
-/// Free on all sides.
+/// A plate that is free on all sides.
 struct KirchhoffPlate {
   PlateGrid grid;
   std::vector<BendingStiffness> bending;  ///< per cell
@@ -46,7 +46,7 @@ struct PlateModes {
   PlateGrid grid;
   std::vector<char> present;     ///< per cell
   Eigen::VectorXd frequency_hz;  ///< m
-  Eigen::MatrixXd dofs;  ///< 4·nodes×m [kg^-1/2]: w, hx wx, hy wy, hx hy wxy; 0 where nothing is
+  Eigen::MatrixXd dofs;  ///< 4·nodes×m [kg^-1/2]: w, hx wx, hy wy, hx hy wxy; 0 off the plate
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
 };
@@ -55,29 +55,29 @@ struct PlateModes {
 /// Lanczos on (K + sM)⁻¹M with full orthogonalisation. Frequencies converge as h⁴ where the plate
 /// is smooth. Cost: 20×20 cells and 15 modes well below 0.3 s.
 /// @throws InvalidInput      arrays that do not fit the grid, a value that is not positive, cells
-/// in
-///                           several pieces, a mass off the plate, more modes than there can be
+///                           in several pieces, a mass off the plate, more modes than possible
 /// @throws NumericalFailure  the iteration did not converge
 [[nodiscard]] PlateModes plate_modes(const KirchhoffPlate& plate, int flexible);
 
-/// Per field f: Φᵀ K_f Φ [s^-2] and Φᵀ M_f Φ, K_f and M_f being those of the plate without its
-/// point masses, its bending and areal mass multiplied by the field. A field of ones gives diag λ.
+/// Φᵀ K_f Φ [s^-2] and Φᵀ M_f Φ for each field f. K_f and M_f are the matrices of the plate without
+/// its point masses, with bending and areal mass multiplied by the field. A field of ones gives
+/// diag λ.
 struct PlateFieldMatrices {
   std::vector<Eigen::MatrixXd> stiffness, mass;
 };
-/// @param fields  cells×F; @throws InvalidInput  it does not fit the plate
+/// @param fields  cells×F; @throws InvalidInput  the fields do not fit the plate
 [[nodiscard]] PlateFieldMatrices plate_field_matrices(const KirchhoffPlate& plate,
                                                       const PlateModes& modes,
                                                       const Eigen::MatrixXd& fields);
 
-/// Whether (x, y) lies on a cell that is there; rims count.
+/// Whether (x, y) lies on an existing cell or its rim.
 [[nodiscard]] bool covers(const PlateModes& modes, const Eigen::Vector2d& place);
 
 /// n×m: the shapes at the rows of `places` (n×2 [m]), by the elements' own shape functions.
 /// @throws InvalidInput  a place is not on the plate
 [[nodiscard]] Eigen::MatrixXd shapes_at(const PlateModes& modes, const Eigen::MatrixX2d& places);
 
-/// Gauss points of the cells that are there: n×2 and the area that each stands for.
+/// Gauss points of the existing cells (n×2), and the area of each point.
 struct PlateSurface {
   Eigen::MatrixX2d places;
   Eigen::VectorXd area;  ///< [m²]

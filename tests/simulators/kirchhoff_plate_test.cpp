@@ -21,7 +21,7 @@ Eigen::VectorXd numbers_of(const PlateModes& modes) {
   return 2.0 * std::numbers::pi * modes.frequency_hz;
 }
 
-// A plate with everything: orthotropic, uneven, cut out, with masses.
+// A plate with all features: orthotropic, uneven, with a cut-out and masses.
 KirchhoffPlate uneven(int cells = 12) {
   auto plate = uniform_plate({0.9, 0.6, cells, cells}, {1.0, 0.2, 1.4, 0.5}, 1.0);
   Dice dice(3);
@@ -66,7 +66,7 @@ TEST(KirchhoffPlate, HasRigidModesThatAreExactlyPlanes) {
   EXPECT_EQ(modes.frequency_hz.head(3).norm(), 0.0);
 }
 
-// ∫ ρh φ φᵀ by a quadrature that knows nothing of the elements' matrices, and the point masses.
+// ∫ ρh φ φᵀ by a quadrature that is independent of the elements' matrices, plus the point masses.
 TEST(KirchhoffPlate, NormalisesShapesToTheMass) {
   const auto plate = uneven(16);
   const auto modes = plate_modes(plate, 5);

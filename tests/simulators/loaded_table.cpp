@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
-// Of the plate with what it carries: squares of its angular frequencies, shapes by the plate's
-// modes.
+// The plate with its mass and spring: squares of the angular frequencies, and shapes in terms of
+// the bare plate's modes.
 struct Loaded {
   VectorXd lambda;
   MatrixXd shapes;

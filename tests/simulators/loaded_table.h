@@ -1,5 +1,5 @@
-// The wafer table with a mass on it, damped as a hammer test finds it: every mode of the table and
-// the mass together has the same ratio.
+// The wafer table with a mass on it, damped as in a hammer test: every mode of table and mass
+// together has the same damping ratio.
 #pragma once
 
 #include "modal/frf_set.h"
@@ -13,8 +13,8 @@ struct LoadedTable {
   double spring = 0.0;                              ///< [N/m], to ground
   Eigen::Vector2d foot = Eigen::Vector2d::Zero();   ///< [m]: of the spring
   double damping_ratio = 5e-3;                      ///< of each mode that is not rigid
-  double damping_spread = 0.0;                      ///< of the logarithm, drawn for each mode
-  double noise = 3e-3;  ///< circular, of |G| of the same line and response, and of its median
+  double damping_spread = 0.0;                      ///< of its logarithm, drawn for each mode
+  double noise = 3e-3;  ///< circular, relative to |G| of the line and response and to its median
   int lines = 160;
   double low_hz = 20.0, high_hz = 900.0;
   unsigned seed = 1;

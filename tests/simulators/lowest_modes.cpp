@@ -13,7 +13,7 @@ namespace {
 constexpr Eigen::Index kBlock = 6;
 constexpr double kTolerance = 1e-11;  // of a Ritz value's residual, relative to it
 
-// Columns made M-orthonormal to each other.
+// Makes the columns M-orthonormal to each other.
 void orthonormalise(const Eigen::SparseMatrix<double>& mass, Eigen::MatrixXd& block) {
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::MatrixXd gram = block.transpose() * (mass.selfadjointView<Eigen::Lower>() * block);
@@ -26,7 +26,7 @@ void orthonormalise(const Eigen::SparseMatrix<double>& mass, Eigen::MatrixXd& bl
   }
 }
 
-// An M-orthonormal basis that grows by blocks, with the operator's image of each of its columns.
+// An M-orthonormal basis that grows by blocks, with the operator projected on it.
 struct Krylov {
   const Pencil& pencil;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
@@ -58,7 +58,7 @@ struct Krylov {
     }
   }
 
-  // Adds the block and returns its image under (K + sM)⁻¹M, rigid motions taken out.
+  // Adds the block and returns its image under (K + sM)⁻¹M, without rigid motions.
   Eigen::MatrixXd extend(Eigen::MatrixXd block) {
     deflate(block);
     orthonormalise(pencil.mass, block);
@@ -76,7 +76,7 @@ struct Krylov {
     return image;
   }
 
-  // What of the image lies outside the basis, in the M norm's square, per column of `images`.
+  // The Gram matrix, in the M inner product, of the part of the image outside the basis.
   [[nodiscard]] Eigen::MatrixXd outside(const Eigen::MatrixXd& image) const {
     Eigen::MatrixXd rest = image;
     deflate(rest);
@@ -84,7 +84,7 @@ struct Krylov {
   }
 };
 
-// Rayleigh-Ritz of K within the columns.
+// The result of Rayleigh-Ritz of K in the space of the columns.
 LowestModes settled(const Krylov& krylov, Eigen::MatrixXd columns, int count) {
   orthonormalise(krylov.pencil.mass, columns);
   const Eigen::MatrixXd energy =

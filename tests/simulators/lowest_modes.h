@@ -1,4 +1,4 @@
-// Lowest eigenpairs of a small sparse pencil; for simulators that must share no code with fem/.
+// The lowest eigenpairs of a small sparse pencil, for simulators that share no code with fem/.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ struct LowestModes {
   Eigen::MatrixXd shapes;  ///< n×(r + count), M-orthonormal
 };
 
-/// Block Lanczos on (K + sM)⁻¹M, orthogonalised in full; repeated eigenvalues are found up to the
-/// size of the block, 6.
+/// Block Lanczos on (K + sM)⁻¹M with full orthogonalisation. Repeated eigenvalues are found up to
+/// the block size, 6.
 /// @param s  about the lowest eigenvalue that is not 0
 /// @throws InvalidInput      fewer than `count` eigenvectors beside the rigid ones
 /// @throws NumericalFailure  M is not positive definite; no convergence

@@ -12,7 +12,7 @@ double cosine(int half_waves, double at, double length) {
   return std::cos(half_waves * std::numbers::pi * (at / length + 0.5));
 }
 
-// Without the constant, which is what the prior's gamma stands for.
+// Adds the waves without the constant one. The prior's gamma represents the constant.
 void add_waves(const KirchhoffPlate& plate, const PlateModes& modes,
                const PlateUncertainty& uncertain, std::vector<priors::Correction>& all) {
   const auto& grid = plate.grid;

@@ -1,5 +1,4 @@
-// Plates as the interpolation of shapes sees them: a model that is believed, a truth that is
-// measured.
+// Plates for the interpolation of shapes: a believed model and a measured truth.
 #pragma once
 
 #include "priors/interpolator.h"
@@ -7,22 +6,22 @@
 
 namespace chladni::simulators {
 
-/// Places in the plane z = 0, measured along z; `modes` gives the shapes, the rectangle (cut-outs
-/// not known) the harmonics, cos cos of up to nine half waves along each side.
+/// Places in the plane z = 0, measured along z. The shapes come from `modes`. The harmonics come
+/// from the rectangle without cut-outs: cos cos of up to nine half waves along each side.
 /// @throws InvalidInput  a place is not on the plate
 [[nodiscard]] priors::Places plate_places(const PlateModes& modes, const Eigen::MatrixX2d& places);
 
-/// `believed` seen on the surface of another plate (or its own): with points of `surface` that the
-/// model lacks left out beforehand.
+/// `believed` on the surface of another plate or of its own plate. The caller must first remove
+/// points of `surface` that the model lacks.
 [[nodiscard]] priors::Simulation plate_simulation(const PlateModes& believed,
                                                   const PlateSurface& surface);
 
 /// The factor that makes the root mean square over the surface 1, per column.
 [[nodiscard]] Eigen::VectorXd unit_rms(const Eigen::MatrixXd& shapes, const Eigen::VectorXd& area);
 
-/// What a test would bring: flexible modes 1 to `count` of the truth, each of rms 1 on its surface,
-/// at `places`, with independent normal noise of deviation `noise`; and the truth without noise on
-/// the surface.
+/// The result of a simulated test: flexible modes 1 to `count` of the truth, each of rms 1 on its
+/// surface, at `places`, with independent normal noise of deviation `noise`. Also the truth without
+/// noise on the surface.
 struct PlateTest {
   priors::MeasuredShapes measured;  ///< its places have the shapes of `believed`
   Eigen::MatrixXd truth;            ///< N×count, on `surface`

@@ -13,7 +13,7 @@ class Dice {
  public:
   explicit Dice(unsigned seed) : generator_(seed) {}
 
-  /// In (0, 1), 53 bits.
+  /// A uniform number in (0, 1) with 53 bits.
   double uniform() {
     const auto high = static_cast<double>(generator_() >> 5U);
     const auto low = static_cast<double>(generator_() >> 6U);
@@ -21,7 +21,7 @@ class Dice {
   }
   double between(double low, double high) { return low + (high - low) * uniform(); }
 
-  /// Standard normal (Box and Muller, 1958).
+  /// A standard normal number (Box and Muller, 1958).
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());
@@ -32,7 +32,7 @@ class Dice {
     return values;
   }
 
-  /// 0 to below - 1.
+  /// A whole number from 0 to bound − 1.
   Eigen::Index below(Eigen::Index bound) {
     return static_cast<Eigen::Index>(uniform() * static_cast<double>(bound));
   }

@@ -20,7 +20,7 @@ constexpr double kPitch = 0.06;
 
 constexpr TableParts kAll{true, true, true, true, true};
 
-// Of the pocket that holds the place: distance from its centre along the worse axis [m].
+// The distance of the place from the centre of its pocket, along the axis where it is larger [m].
 double from_pocket_centre(const Eigen::Vector2d& place) {
   const auto off = [](double x) { return std::abs(x / kPitch - std::floor(x / kPitch) - 0.5); };
   return kPitch * std::max(off(place.x()), off(place.y()));
@@ -42,12 +42,12 @@ void scale(BendingStiffness& bending, double factor) {
   bending.d66 *= factor;
 }
 
-// How far the table as built is from the table as drawn.
+// The differences between the table as built and the table as drawn.
 struct Scatter {
   double pocket_mass = 0.5, pocket_stiffness = 0.35;
   double orthotropy = 0.0;
   Eigen::Vector4d corner_kg = Eigen::Vector4d::Constant(0.35);
-  Eigen::VectorXd thickness;  // of each cell, relative; empty: 1
+  Eigen::VectorXd thickness;  // per cell, relative; empty: 1
 };
 
 // A smooth field on the cells, mean 0 and rms 1: 64 waves of the squared exponential's spectrum.
@@ -128,7 +128,7 @@ Eigen::MatrixX2d at_mounts(const std::vector<std::array<int, 2>>& millimetres) {
   return places;
 }
 
-// Thirteen of the 81, each as likely.
+// Thirteen of the 81 mounts, all with equal probability.
 Eigen::MatrixX2d drawn(unsigned seed) {
   Dice dice(seed);
   const Eigen::MatrixX2d all = mounts();

@@ -48,7 +48,7 @@ TEST(RealTables, HaveLayoutsOnTheMounts) {
   EXPECT_THROW((void)real_table(1, 0.5), InvalidInput);
 }
 
-// √Σ φ² over the 13 places of shapes of rms 1; evenly seen would be √13 = 3.6.
+// √Σ φ² over the 13 places, for shapes of rms 1. A shape that is evenly seen has √13 = 3.6.
 TEST(RealTables, HaveRingsThatSeeEveryModeAndAQuincunxThatMissesTheNinth) {
   const auto modes = plate_modes(minimal_table(), 12);
   const auto surface = plate_surface(modes, 2);

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Index;
 
-// One deviation after the other, by a law.
+// Draws one deviation after the other by a law.
 class Deviations {
  public:
   Deviations(Dice& dice, const HiddenOptions& options) : dice_(dice), options_(options) {}
@@ -16,7 +16,7 @@ class Deviations {
 
   double operator()(double deviation) { return options_.deviation * deviation * one(); }
 
-  // Of n alike, which share a part of it.
+  // Deviations of n similar quantities, which share a part.
   Eigen::VectorXd alike(Index n, double deviation) {
     const double shared = options_.correlation;
     const double common = shared > 0.0 ? std::sqrt(shared) * one() : 0.0;

@@ -13,8 +13,8 @@ using Eigen::Index;
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-// A plate that is longer by as much as it is wider loses what the first one lost, stretched with
-// it; one of another shape has losses of its own.
+// The damping of the plate. A plate with the same shape but another size has the damping of the
+// nominal plate, stretched with it. A plate of another shape has its own damping.
 RitzDamping damping_of(const Recipe& recipe, const RitzModes& nominal, const RitzModes& plate,
                        bool stays) {
   const auto& owner = stays && same_shape(plate.body, nominal.body) ? nominal : plate;
@@ -41,7 +41,7 @@ Complex passed(const ChannelFilter& filter, double omega) {
   return value;
 }
 
-// From what the plate does to what is recorded, on one line.
+// The recorded responses on one line, from the responses of the plate.
 Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, double omega) {
   Eigen::MatrixXcd seen = plate;
   if (recipe.foreign_hz > 0.0) {
@@ -61,7 +61,7 @@ Eigen::MatrixXcd recorded(const Recipe& recipe, const Eigen::MatrixXcd& plate, d
   return recipe.output_mix * value * recipe.input_mix;
 }
 
-// Those that a diagnosis has no coordinates for.
+// Softens the modes for which a diagnosis has no coordinates.
 void soften_above(RitzModes& plate, double more, double above_hz) {
   constexpr Index kCoordinates = 64;
   const Index above = above_hz > 0.0 ? (plate.frequency_hz.array() > above_hz).count()
@@ -69,7 +69,7 @@ void soften_above(RitzModes& plate, double more, double above_hz) {
   if (more != 0.0 && above > 0) plate.frequency_hz.tail(above) /= std::sqrt(1.0 + more);
 }
 
-// By its three rigid-body modes, all alike.
+// Holds the plate: gives its three rigid-body modes one frequency and damping.
 void hold(RitzStage& stage, const Recipe& recipe) {
   if (recipe.held_hz <= 0.0) return;
   stage.plate.frequency_hz.head(3).setConstant(recipe.held_hz);
@@ -87,7 +87,8 @@ RitzGrid grid_of(const Recipe& recipe, const Eigen::VectorXd& hz) {
   return grid;
 }
 
-// The body alone is stiffer, what is fixed to it stays; a bare plate's shapes stay, too.
+// Makes the body alone stiffer; its fixtures do not change. The shapes of a bare plate do not
+// change either.
 RitzStage stiffened(const RitzStage& stage, double by) {
   RitzStage then = stage;
   if (stage.plate.body.fixtures.empty()) {
@@ -102,7 +103,7 @@ RitzStage stiffened(const RitzStage& stage, double by) {
   return then;
 }
 
-// Column by column where the body is another one for each.
+// The responses of the plate. They are computed column by column where each input has another body.
 std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Recipe& recipe,
                                               const Eigen::VectorXd& hz) {
   const auto grid = grid_of(recipe, hz);

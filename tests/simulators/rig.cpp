@@ -76,8 +76,8 @@ Rig strip(int degree, const std::vector<double>& sensors) {
   rig.damping_ratio = 0.01;
   rig.high_hz = 400.0;
   rig.scale = {0.25 / 19.44, 0.5, 400.0 / 900.0};
-  // Held by springs, it has no rigid-body modes; along its line orthotropy is the modulus; the rest
-  // needs a surface.
+  // Springs hold the strip, so it has no rigid-body modes. Along a line, orthotropy is the same as
+  // the modulus. The other kinds need a surface.
   rig.without = {"suspension", "orthotropy", "elastic_pad", "line_crack", "other_plate"};
   return rig;
 }
@@ -105,7 +105,7 @@ std::string channels_text(const Rig& rig) {
   return text;
 }
 
-// One number of a fixture is one attachment.
+// The text of one attachment. Each number of a fixture becomes one attachment.
 std::string attachment(const Rig& rig, const RitzFixture& one, const std::string& kind,
                        const std::string& name, const std::string& numbers) {
   const bool below = rig.driven_from_below && kind == "mass";
@@ -133,7 +133,8 @@ std::string fixture_text(const Rig& rig, const RitzFixture& one, std::size_t num
       fmt::format("mass = \"{:.9g} g\"\ninertia = [\"{:.9g} kg m^2\", \"{:.9g} kg m^2\", \"0 kg "
                   "m^2\"]\n",
                   1e3 * one.mass, one.inertia_y, one.inertia_x));
-  // Along the plane: what no sensor sees, held so softly that it turns nothing.
+  // Springs along the plane hold motions that no sensor sees. They are so soft that they turn
+  // nothing.
   add(one.stiffness, "spring", "hold_x", spring("x", 100.0, "N/m"));
   add(one.stiffness, "spring", "hold_y", spring("y", 100.0, "N/m"));
   return text;

@@ -1,4 +1,4 @@
-// What measurements are made on: a body, what it carries and hangs on, where it is driven and seen.
+// Rigs for measurements: a body with its fixtures, suspension, actuators and sensors.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace chladni::simulators {
 
-/// How large what is hidden is on a rig, over what it is on the wafer table.
+/// The scale of hidden effects on a rig, relative to the wafer table.
 struct RigScale {
   double mass = 1.0, length = 1.0, frequency = 1.0;
 
@@ -17,18 +17,19 @@ struct RigScale {
   [[nodiscard]] double damping() const { return mass * frequency; }
 };
 
-/// As everybody believes it to be.
+/// A rig as it is believed to be.
 struct Rig {
   std::string name;
   RitzBody body;
   TableChannels channels;
   bool driven_from_below = false;         ///< actuators and fixed masses are on the lower face
   double damping_ratio = 5e-3;            ///< of each mode
-  double low_hz = 20.0, high_hz = 900.0;  ///< of the lines
+  double low_hz = 20.0, high_hz = 900.0;  ///< first and last line
   RigScale scale;
-  std::vector<std::string> without;  ///< kinds that are something else here, or nothing
+  std::vector<std::string> without;  ///< kinds that do not exist or mean something else here
 
-  /// Longer than eight times its width: everything moves and hangs along its middle line.
+  /// Whether the body is longer than eight times its width. Everything then lies on its middle
+  /// line.
   [[nodiscard]] bool is_slender() const { return body.length > 8.0 * body.width; }
   [[nodiscard]] bool has(const std::string& kind) const;
 };
@@ -44,9 +45,9 @@ struct Rig {
 /// @throws InvalidInput  another name
 [[nodiscard]] Rig rig_named(const std::string& name, int degree = 14);
 
-/// The study that somebody writes of it, as TOML: no measurements, the default mesh.
-/// What holds a strip along the directions in which it is not measured is soft (a few Hz).
-/// @param edge_length  of the mesh [m]; 0: left to the program
+/// The study of a rig as a user writes it, as TOML, without measurements and with the default mesh.
+/// Soft springs (a few Hz) hold a strip along the directions that are not measured.
+/// @param edge_length  of the mesh [m]; 0: the program chooses it
 [[nodiscard]] std::string study_text(const Rig& rig, double edge_length = 0.0);
 
 }  // namespace chladni::simulators

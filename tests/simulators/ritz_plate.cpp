@@ -39,7 +39,7 @@ Legendre legendre(int degree, double xi) {
   return p;
 }
 
-// The products at k places: values and derivatives along x and y, each k×n/3.
+// The products of polynomials at k places: values and derivatives along x and y, each k×n/3.
 struct Products {
   Eigen::MatrixXd value, by_x, by_y;
 };
@@ -78,7 +78,7 @@ double field_at(const RitzBody& body, const Eigen::MatrixXd& field, double x, do
   return sum;
 }
 
-// A factor of all stiffnesses.
+// The factor of all stiffnesses at a place.
 double modulus_at(const RitzBody& body, double x, double y) {
   if (body.modulus.size() == 0) return 1.0;
   const double factor = field_at(body, body.modulus, x, y);
@@ -87,7 +87,7 @@ double modulus_at(const RitzBody& body, double x, double y) {
   return factor;
 }
 
-// Places with what an area there carries: bending [N m] and shear [N/m] stiffness, mass [kg/m²],
+// Places with the properties of their areas: bending [N m] and shear [N/m] stiffness, mass [kg/m²],
 // rotary inertia [kg], all times the area [m²].
 struct Carried {
   Eigen::MatrixX2d places;
@@ -105,7 +105,7 @@ Eigen::Matrix3d plane_matrix(const PlaneStiffness& q, StiffnessPart part) {
   return matrix;
 }
 
-// Full stiffness and mass of the plate at places that stand for areas.
+// Full stiffness and mass of the plate at places that represent areas.
 Carried carried(const RitzBody& body, const AreaRule& rule, StiffnessPart part) {
   const Index k = rule.area.size();
   Carried all{rule.places, {}, Eigen::VectorXd(k), Eigen::VectorXd(k), Eigen::VectorXd(k)};
@@ -131,7 +131,7 @@ void scale(Carried& all, double stiffness, double mass) {
   all.rotary *= mass;
 }
 
-// D κ; κ: k rows of κx, then of κy, then of κxy.
+// The moments D κ. κ has k rows of κx, then of κy, then of κxy.
 Eigen::MatrixXd moments(const Eigen::MatrixXd& curvature,
                         const std::vector<Eigen::Matrix3d>& bending) {
   const Index k = curvature.rows() / 3;
@@ -147,7 +147,7 @@ Eigen::MatrixXd moments(const Eigen::MatrixXd& curvature,
   return moment;
 }
 
-// Over (ψx, ψy).
+// The bending stiffness on the coefficients of (ψx, ψy).
 Eigen::MatrixXd bending_stiffness(const Products& at, const std::vector<Eigen::Matrix3d>& bending) {
   const Index m = at.value.cols();
   const Index k = at.value.rows();
@@ -195,7 +195,8 @@ void add_disc(RitzMatrices& sum, const RitzBody& body, const RitzDisc& disc) {
   add(sum, body, all);
 }
 
-// D′ = D − loss (D n)(D n)ᵀ / (nᵀ D n): the moment about the crack's line is let go.
+// Adds a crack: D′ = D − loss (D n)(D n)ᵀ / (nᵀ D n). The fraction `loss` of the moment about the
+// crack's line is released.
 void add_crack(RitzMatrices& sum, const RitzBody& body, const RitzCrack& crack) {
   require(crack.loss >= 0.0 && crack.loss <= 1.0 && crack.width > 0.0,
           "a crack needs a loss from 0 to 1 and a width");
@@ -218,7 +219,7 @@ void add_crack(RitzMatrices& sum, const RitzBody& body, const RitzCrack& crack) 
   add(sum, body, all);
 }
 
-// Symmetric outer product of a row over (w, ψx, ψy) that is of w alone.
+// Adds the symmetric outer product of a row that concerns w alone, of (w, ψx, ψy).
 void add_outer(Eigen::MatrixXd& matrix, const Eigen::RowVectorXd& row, double factor) {
   if (factor == 0.0) return;
   matrix.topLeftCorner(row.size(), row.size()) += factor * row.transpose() * row;
@@ -269,7 +270,7 @@ PlaneStiffness isotropic_plane(double youngs_modulus, double poisson) {
 }
 
 Index RitzBody::rigid_count() const {
-  Eigen::Vector3d held = Eigen::Vector3d::Zero();  // lifting, turning along x, along y
+  Eigen::Vector3d held = Eigen::Vector3d::Zero();  // lift, slope along x, slope along y
   for (const auto& one : fixtures) {
     const auto springs = [](double constant) { return constant > 0.0 ? 1.0 : 0.0; };
     held += Eigen::Vector3d(springs(one.stiffness), springs(one.turning_x), springs(one.turning_y));

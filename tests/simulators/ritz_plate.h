@@ -1,5 +1,5 @@
-// A free rectangular plate that bends and shears (Reissner 1945, Mindlin 1951), by the method of
-// Ritz: a truth that shares no code with fem/ and diagnosis/.
+// A free rectangular plate that bends and shears (Reissner 1945, Mindlin 1951), by the Ritz method.
+// It is a truth that shares no code with fem/ and diagnosis/.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,23 +16,23 @@ struct PlaneStiffness {
 /// q11 = q22 = E/(1 − ν²), q12 = ν q11, q66 = shear = E/(2 + 2ν).
 [[nodiscard]] PlaneStiffness isotropic_plane(double youngs_modulus, double poisson);
 
-/// A disc (what of it lies on the plate) whose stiffness and mass per area are multiplied.
+/// A disc, as far as it lies on the plate, whose stiffness and mass per area are multiplied.
 struct RitzDisc {
   Eigen::Vector2d centre;
   double radius = 0.0;  ///< [m]
   double stiffness = 1.0, mass = 1.0;
 };
 
-/// A straight band that gives way to bending across it: M_n² t³-energy along its normal is `loss`
-/// (0 to 1) smaller.
+/// A straight band with less bending stiffness across it. `loss` (0 to 1) is the released fraction
+/// of the moment about the band's line.
 struct RitzCrack {
   Eigen::Vector2d from, to;  ///< [m]
   double width = 0.0;        ///< [m]
   double loss = 0.0;
 };
 
-/// What the body is believed to carry and to hang on: a flexure, a coil. It follows the mean
-/// deflection and the mean slopes of the surface within its footprint.
+/// A fixture of the body, such as a flexure or a coil. It follows the mean deflection and the mean
+/// slopes of the surface within its footprint.
 struct RitzFixture {
   Eigen::Vector2d place;
   double footprint = 0.0;                   ///< [m], diameter; 0: a point
@@ -42,44 +42,45 @@ struct RitzFixture {
   double turning_x = 0.0, turning_y = 0.0;  ///< [N m/rad], against the slopes along x and along y
 };
 
-/// About the origin, sides along x and y. Defaults: nothing; see aluminium_table().
+/// A rectangular body centred at the origin, with sides along x and y. The defaults are empty; see
+/// aluminium_table().
 struct RitzBody {
   double length = 0.0, width = 0.0;  ///< along x and y [m]
   PlaneStiffness stiffness;
   double density = 0.0;       ///< [kg/m³]
   Eigen::MatrixXd thickness;  ///< [m]: entry (i, j) times P_i(2x/length) P_j(2y/width), Legendre's
-  Eigen::MatrixXd modulus;    ///< likewise, a factor of `stiffness`; 0×0: 1 everywhere
+  Eigen::MatrixXd modulus;    ///< in the same form, a factor of `stiffness`; 0×0: 1 everywhere
   std::vector<RitzDisc> discs;
   std::vector<RitzCrack> cracks;
   std::vector<RitzFixture> fixtures;
   int degree = 14;        ///< of the polynomials for w, ψx and ψy along each side
-  int degree_across = 0;  ///< along y, where that is another one; 0: the same
+  int degree_across = 0;  ///< along y; 0: the same as `degree`
 
   [[nodiscard]] int degree_along_y() const { return degree_across > 0 ? degree_across : degree; }
-  /// 3, or 0 where fixtures hold it against lifting and against turning about both axes.
-  /// @throws InvalidInput  they hold it against a part of these
+  /// 3, or 0 where fixtures hold the body against lifting and against turning about both axes.
+  /// @throws InvalidInput  they hold only some of these motions
   [[nodiscard]] Eigen::Index rigid_count() const;
 };
 
 /// 600×600×20 mm, 70 GPa, ν = 0.33, 2700 kg/m³: 19.44 kg.
 [[nodiscard]] RitzBody aluminium_table(int degree = 14);
 
-/// One is the other, larger by as much in length and in width.
+/// Whether the two bodies differ only by one scale factor of length and width.
 [[nodiscard]] bool same_shape(const RitzBody& a, const RitzBody& b);
 
-/// Of n = 3 (degree + 1) (degree_along_y + 1) coefficients of w, ψx, ψy: mean-square-one Legendre
-/// polynomials.
+/// Matrices on n = 3 (degree + 1) (degree_along_y + 1) coefficients of w, ψx, ψy. The functions are
+/// Legendre polynomials with a mean square of 1.
 struct RitzMatrices {
   Eigen::MatrixXd stiffness, mass;
 };
-/// Exact for polynomial thickness and modulus; discs, cracks and footprints by Gauss' rule on
-/// themselves. Cost: 0.1 s.
+/// The matrices, exact for polynomial thickness and modulus. Discs, cracks and footprints are
+/// integrated by the Gauss rule on their own areas. Cost: 0.1 s.
 /// @throws InvalidInput  a size, a thickness or a modulus that is not positive, a disc or a fixture
 ///                       whose centre is off the plate, a stiffness that is not definite
 [[nodiscard]] RitzMatrices ritz_matrices(const RitzBody& body);
 
-/// All n modes of the body with its fixtures: rigid_count() rigid-body modes at exactly 0 Hz, the
-/// others ascending. The upper half of them is of the basis, not of the plate.
+/// All n modes of the body with its fixtures: rigid_count() rigid-body modes at exactly 0 Hz, then
+/// the others, ascending. The upper half of the modes belongs to the basis, not to the plate.
 struct RitzModes {
   RitzBody body;
   Eigen::VectorXd frequency_hz;  ///< n
@@ -87,7 +88,7 @@ struct RitzModes {
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
 };
-/// Cost: 0.5 s for degree 14, as the cube of n.
+/// The modes of a body. Cost: 0.5 s for degree 14, proportional to n³.
 [[nodiscard]] RitzModes ritz_modes(const RitzBody& body);
 
 /// w and its derivatives by the coefficients, at the rows of `places` (k×2 [m]).
@@ -98,14 +99,14 @@ struct RitzRows {
 /// @throws InvalidInput  a place off the plate
 [[nodiscard]] RitzRows ritz_rows(const RitzBody& body, const Eigen::MatrixX2d& places);
 
-/// The same by the modes: k×n [kg^-1/2], [kg^-1/2 m^-1].
+/// The rows in terms of the modes: k×n [kg^-1/2], [kg^-1/2 m^-1].
 [[nodiscard]] RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places);
 
-/// Kinds of stiffness that sum to all of it.
+/// Parts of the stiffness. The parts sum to `all`.
 enum class StiffnessPart { all, along_x, along_y, across, shear };
 
-/// Φᵀ K_c Φ [s^-2] and Φᵀ M_c Φ of the rectangle [low, high] of the plate (its discs and cracks
-/// apart) for the first `count` modes; of `part` of its stiffness: along_x: q11, along_y: q22,
+/// Φᵀ K_c Φ [s^-2] and Φᵀ M_c Φ of the rectangle [low, high] of the plate (without its discs and
+/// cracks) for the first `count` modes. `part` selects the stiffness: along_x: q11, along_y: q22,
 /// across: q12, shear: q66 and the transverse shear.
 [[nodiscard]] RitzMatrices modal_cell(const RitzModes& modes, Eigen::Index count,
                                       const Eigen::Vector2d& low, const Eigen::Vector2d& high,

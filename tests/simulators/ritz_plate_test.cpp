@@ -38,7 +38,7 @@ TEST(RitzPlate, TendsToTheThinFreeSquarePlate) {
   }
 }
 
-// Exact three-dimensional elasticity of the table, as models/oat/minimal has it.
+// The frequencies of the table by three-dimensional elasticity, from models/oat/minimal.
 TEST(RitzPlate, ShearsAsAThickPlateDoes) {
   const double solid[] = {178.9033, 264.0703, 334.3557, 463.3912, 463.3912,
                           828.3701, 828.3701, 841.9149, 917.1476, 1037.6694};
@@ -46,7 +46,8 @@ TEST(RitzPlate, ShearsAsAThickPlateDoes) {
   for (Eigen::Index i = 0; i < 10; ++i) EXPECT_NEAR(hz(3 + i), solid[i], 6e-4 * solid[i]) << i;
 }
 
-// A layer along the free rim, as thin as the plate, makes it slow: about 4 per step of 4 degrees.
+// Convergence is slow because of a layer along the free rim, as thin as the plate: a factor of
+// about 4 per step of 4 degrees.
 TEST(RitzPlate, ConvergesFromAbove) {
   const Eigen::VectorXd coarse = ritz_modes(aluminium_table(8)).frequency_hz;
   const Eigen::VectorXd middle = ritz_modes(aluminium_table(10)).frequency_hz;
@@ -58,7 +59,7 @@ TEST(RitzPlate, ConvergesFromAbove) {
   }
 }
 
-// Orthotropy and a taper, against elements that share nothing with it.
+// Orthotropy and a taper, compared with elements that share no code with the plate.
 TEST(RitzPlate, AgreesWithThinElementsWhereTheyAreExact) {
   auto body = thin_square(2e-3, 10);
   body.width = 0.7;
@@ -122,7 +123,7 @@ TEST(RitzPlate, ScalesAsItsPhysics) {
             1e-6);
 }
 
-// dλ = φᵀ dK φ, with an integral of the curvatures that this test makes itself.
+// dλ = φᵀ dK φ, with an integral of the curvatures that this test computes itself.
 TEST(RitzPlate, DiscsSoftenWhereThePlateBends) {
   const auto modes = ritz_modes(aluminium_table(10));
   auto softer = modes.body;
@@ -146,8 +147,8 @@ TEST(RitzPlate, DiscsSoftenWhereThePlateBends) {
   EXPECT_NEAR(change(k), expected, 0.08 * std::abs(expected));
 }
 
-// A free beam's first mode has 2.522 times its mean square curvature in the middle; a moment that
-// is let go costs (1 - ν²) of a beam's energy. Along the beam a crack does next to nothing.
+// The first mode of a free beam has 2.522 times its mean square curvature in the middle. A released
+// moment costs (1 - ν²) of a beam's energy. A crack along the beam has almost no effect.
 TEST(RitzPlate, CracksLetGoAcrossThemselves) {
   RitzBody strip = thin_square(0.01, 10);
   strip.width = 0.05;
@@ -192,7 +193,7 @@ TEST(RitzPlate, CellsAndPartsSumToTheWhole) {
   EXPECT_LT((parts - lambda).norm(), 1e-9 * lambda.norm());
 }
 
-// A modulus that rises along x, against elements that share nothing with it.
+// A modulus that rises along x, compared with elements that share no code with the plate.
 TEST(RitzPlate, AModulusMayVary) {
   auto body = thin_square(2e-3, 10);
   const PlateGrid grid{1.0, 1.0, 32, 32};
@@ -225,7 +226,8 @@ RitzBody steel_strip(int degree) {
   return body;
 }
 
-// Euler and Bernoulli: narrow against its waves it bends with E, not with E/(1 - ν²).
+// Euler-Bernoulli: a strip that is narrow compared with its waves bends with E, not with
+// E/(1 - ν²).
 TEST(RitzPlate, AStripBendsAsABeam) {
   const Eigen::VectorXd hz = ritz_modes(steel_strip(20)).frequency_hz;
   const double root = std::sqrt(210e9 * 4e-6 / 12.0 / 7850.0) / (2.0 * pi * 0.25);
@@ -236,7 +238,7 @@ TEST(RitzPlate, AStripBendsAsABeam) {
   }
 }
 
-// models/beam: 0.157 kg on 19.586 N/m and 0.50404 N m/rad at each end come to 2.5 and 5 Hz.
+// models/beam: 0.157 kg on 19.586 N/m and 0.50404 N m/rad at each end gives 2.5 and 5 Hz.
 TEST(RitzPlate, AStripSwaysAndTurnsOnItsFlexures) {
   auto body = steel_strip(20);
   for (const double x : {-0.24, 0.24}) {

@@ -16,7 +16,7 @@ using Eigen::Index;
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-// All of a stage over the plate's modal coordinates, then the resonators, then the frame.
+// The matrices of a stage on the plate's modal coordinates, then the resonators, then the frame.
 struct Assembled {
   Eigen::MatrixXd mass, stiffness, viscous, loss;
   Eigen::MatrixXd dampers;  // N×d, each scaled by the root of its constant
@@ -99,7 +99,7 @@ void add_frame(Assembled& all, const RitzFrame& frame, Index dof) {
   all.inputs.row(dof).setConstant(-1.0);
 }
 
-// Rows of the channels of one side: at the height z the plate moves by z ψx and z ψy along it.
+// The rows of the channels of one side. At height z the plate moves in-plane by z ψx and z ψy.
 Eigen::MatrixXd channel_rows(const RitzModes& plate, const Eigen::MatrixX2d& places,
                              const Eigen::MatrixX2d& tilts, double height) {
   const auto rows = modal_rows(plate, places);
@@ -148,7 +148,8 @@ Assembled assembled(const RitzStage& stage, const RitzGrid& grid) {
   return all;
 }
 
-// Undamped modes of all of it; damping in their coordinates, full between the first `low`.
+// Undamped modes of the whole stage, with the damping in their coordinates. The damping matrix is
+// full between the first `low` modes.
 struct Solved {
   Eigen::VectorXd lambda;
   Eigen::MatrixXd viscous, loss;            // low×low
@@ -200,7 +201,7 @@ Solved solved(const Assembled& all, double highest_hz) {
   return modes;
 }
 
-// Between `left` (a×N) and `right` (N×b), dashpots left out.
+// The response between `left` (a×N) and `right` (N×b), without dashpots.
 Eigen::MatrixXcd undashed(const Solved& modes, double omega, const Eigen::MatrixXd& left,
                           const Eigen::MatrixXd& right) {
   const Complex j(0.0, 1.0);
@@ -263,7 +264,7 @@ RitzDamping carried_over(const RitzDamping& damping, const RitzModes& from,
               from.body.degree_along_y() == modes.body.degree_along_y() &&
               same_shape(from.body, modes.body),
           "plates of two bases");
-  // The same deflection on a larger plate turns it less.
+  // The same deflection gives smaller slopes on a larger plate.
   Eigen::MatrixXd stretched = modes.coefficients;
   stretched.bottomRows(2 * stretched.rows() / 3) *= modes.body.length / from.body.length;
   const Eigen::MatrixXd change = from.coefficients.partialPivLu().solve(stretched);

@@ -55,7 +55,7 @@ TEST(RitzResponse, IsTheInverseOfTheWholeDynamicStiffness) {
             2e-5);
 }
 
-// What is fixed to the body from the start is as good as what is hung on it.
+// A fixture of the body has the same effect as an attached point.
 TEST(RitzResponse, AFixtureIsAPointThatWasThereBefore) {
   auto hung = stage();
   hung.points = {{{0.1, 0.05}, 0.4, 1e-3, 0.0, 0.0}};
@@ -70,8 +70,8 @@ TEST(RitzResponse, AFixtureIsAPointThatWasThereBefore) {
   EXPECT_LT((fixed - other).segment(3, 40).norm(), 1e-7 * other.segment(3, 40).norm());
 }
 
-// Below all flexible modes the plate is a rigid body: pushed at x it lifts and turns, and a sensor
-// of height z that is tilted toward x sees less of it by tilt times z times the turn.
+// Below all flexible modes the plate is a rigid body. A push at x lifts and turns the plate. A
+// sensor of height z with a tilt toward x sees less motion, by tilt times z times the turn.
 TEST(RitzResponse, ATiltedChannelSeesTheMotionAlongThePlate) {
   auto one = grid();
   one.outputs = Eigen::RowVector2d(0.2, 0.0);
@@ -98,7 +98,7 @@ TEST(RitzResponse, IsReciprocal) {
   }
 }
 
-// Newton: far below the first mode the plate is a body of 19.44 kg and its inertia.
+// Newton: far below the first mode the plate is a rigid body of 19.44 kg with its inertia.
 TEST(RitzResponse, IsARigidBodyFarBelowItsModes) {
   auto low = grid();
   low.frequency_hz = Eigen::VectorXd::Constant(1, 0.01);
@@ -128,7 +128,7 @@ TEST(RitzResponse, HangsInItsSprings) {
   EXPECT_LT(nearest, 1e-4);
 }
 
-// The mass that follows the slopes adds to the turning inertia.
+// A rotary inertia that follows the slopes adds to the inertia of the plate.
 TEST(RitzResponse, TurnsSlowerWithARotaryInertia) {
   auto low = grid();
   low.frequency_hz = Eigen::VectorXd::Constant(1, 0.01);
@@ -162,7 +162,7 @@ TEST(RitzResponse, StandsStillUnderAResonatorAtItsFrequency) {
   EXPECT_LT(still.row(1).norm(), 1e-5 * before.row(1).norm());
 }
 
-// Sensors on the frame see its motion with the other sign; the plate does not.
+// Sensors on the frame see its motion with the opposite sign; the plate does not move with it.
 TEST(RitzResponse, AddsTheFrameAlikeToAll) {
   auto carried = stage();
   carried.frame = RitzFrame{60.0, 90.0, 0.03};
@@ -178,7 +178,7 @@ TEST(RitzResponse, AddsTheFrameAlikeToAll) {
   }
 }
 
-// A dashpot without limit holds its place still; a small one takes v² c.
+// A very large dashpot holds its place still. A small dashpot dissipates v² c.
 TEST(RitzResponse, DashpotsHoldAndDissipate) {
   auto held = stage();
   held.points = {{{0.25, 0.1}, 0.0, 0.0, 0.0, 1e12}};
@@ -218,7 +218,7 @@ TEST(RitzResponse, CarriesDampingFromPlateToPlate) {
   const auto modes = ritz_modes(stiffer);
   const auto kept = carried_over(damping, table(), modes);
   EXPECT_LT((kept.viscous - kept.viscous.transpose()).norm(), 1e-8 * kept.viscous.norm());
-  // Coordinates do not matter: the same energy is lost for the same motion.
+  // The same motion loses the same energy in both coordinates.
   const Eigen::VectorXd motion = Eigen::VectorXd::LinSpaced(modes.mode_count(), -1.0, 1.0);
   const Eigen::VectorXd here = modes.coefficients.partialPivLu().solve(motion);
   const Eigen::VectorXd there = table().coefficients.partialPivLu().solve(motion);
@@ -226,7 +226,8 @@ TEST(RitzResponse, CarriesDampingFromPlateToPlate) {
               1e-8 * there.dot(damping.viscous * there));
 }
 
-// K as 1/l², M as l²: a plate that is larger by as much in length and width is damped as much.
+// K scales as 1/l² and M as l². A plate that is larger by one factor in length and width has the
+// same damping ratio.
 TEST(RitzResponse, StretchesDampingWithThePlate) {
   auto larger = aluminium_table(8);
   larger.length *= 1.01;

@@ -13,10 +13,11 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-// Modes that yield at once where something hangs: the others are of the basis.
+// Number of higher modes with a static contribution at attachments. Further modes belong to the
+// basis, not to the plate.
 constexpr Index kUpper = 240;
 
-// Of the modes from the r-th on, each divided by its angular frequency.
+// The rows of the modes from the r-th on, each divided by its angular frequency.
 Eigen::MatrixXd upper_part(const RitzModes& plate, const Eigen::MatrixXd& rows, Index r) {
   const Index rest = std::min<Index>(kUpper, plate.mode_count() - r);
   const Eigen::VectorXd omega = 2.0 * pi * plate.frequency_hz.segment(r, rest);
@@ -45,7 +46,7 @@ Eigen::MatrixXd residual(const RitzModes& plate, const TableChannels& channels, 
          modal_rows(plate, channels.inputs).deflection.rightCols(rest).transpose();
 }
 
-// Rims included; each place stands for what is nearest to it.
+// Sets the scan places, including the rim. Each place represents the area nearest to it.
 void scan(diagnosis::Surface& surface, const RitzBody& body, int count) {
   const Index n = count;
   surface.places.resize(n * n, 2);
@@ -90,7 +91,7 @@ diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
 diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);
   const Eigen::Vector2d corner(-0.5 * plate.body.length, -0.5 * plate.body.width);
-  // Parts as t and as t³ from the same motion of a thicker plate.
+  // The parts proportional to t and to t³ follow from the same motion of a thicker plate.
   constexpr double kThicker = 1.5;
   constexpr double cubed = kThicker * kThicker * kThicker;
   RitzModes thicker = plate;
@@ -115,8 +116,8 @@ diagnosis::BodyCells cells(const RitzModes& plate, Index r, int count) {
   return all;
 }
 
-// By differences of the thickness's Legendre coefficients; parts as t and as t³ from the same
-// motion of a thicker plate.
+// The waves of thickness, by differences of its Legendre coefficients. The parts proportional to t
+// and to t³ follow from the same motion of a thicker plate.
 diagnosis::BodyCells::Waves waves(const RitzModes& plate, Index r) {
   constexpr std::array<std::pair<Index, Index>, 5> kWaves{{{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
   constexpr double kStep = 1e-3;
@@ -151,7 +152,7 @@ diagnosis::BodyCells::Waves waves(const RitzModes& plate, Index r) {
   return all;
 }
 
-// With as many modes above as bring twice what the basis has.
+// The fine cells, with so many higher modes that there are twice as many modes in all.
 diagnosis::FineCells fine_cells(const RitzModes& plate, Index r, int count) {
   const Index all = std::min(2 * r, std::min(r + kUpper, plate.mode_count()));
   const Eigen::Vector2d size(plate.body.length / count, plate.body.width / count);

@@ -48,8 +48,8 @@ TEST(RitzStructure, CellsSumToTheBody) {
             1e-8 * lambda.norm());
 }
 
-// A plate of 4 % of taper and 2 % of bow, solved, against what the waves make of the even one;
-// cells of one thickness each miss by 3e-4.
+// A solved plate with 4 % of taper and 2 % of bow, compared with the even plate changed by waves.
+// Cells of constant thickness have an error of 3e-4.
 TEST(RitzStructure, WavesTellATaperedPlate) {
   auto body = aluminium_table(10);
   const double t = body.thickness(0, 0);
@@ -69,7 +69,7 @@ TEST(RitzStructure, WavesTellATaperedPlate) {
   }
 }
 
-// Modes and residual give the responses that the plate itself gives.
+// Modes and residual give the same responses as the plate itself.
 TEST(RitzStructure, RespondsAsThePlate) {
   const auto channels = table_channels();
   const RitzStage stage{table(), modal_damping(table(), 5e-3), {}, {}, {}, {}};

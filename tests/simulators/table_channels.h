@@ -1,4 +1,4 @@
-// Where the wafer table is driven and seen: the channels of models/oat/minimal.
+// The actuators and sensors of the wafer table: the channels of models/oat/minimal.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace chladni::simulators {
 
-/// All along z.
+/// Channels along z.
 struct TableChannels {
   std::vector<std::string> output_names, input_names;
   Eigen::MatrixX2d outputs, inputs;  ///< [m]

@@ -12,7 +12,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// Both of unit gain at 0 Hz, late by `seconds` there.
+// A delay and a low-pass. Both have unit gain and a delay of `seconds` at 0 Hz.
 Complex delayed(double omega, double seconds) { return std::polar(1.0, -omega * seconds); }
 Complex passed(double omega, double seconds) { return 1.0 / Complex(1.0, omega * seconds); }
 
@@ -37,7 +37,7 @@ Eigen::VectorXd weights(const HiddenCase& made, const HiddenEffect& effect) {
   return sum;
 }
 
-// Channels that are moved instead of tilted.
+// The distance of the truth from the case with moved instead of tilted channels.
 double moved_apart(const HiddenCase& made) {
   double sum = 0.0;
   for (std::size_t k = 0; k < made.moved_instead.size(); ++k) {

@@ -15,7 +15,7 @@ HiddenCase late(double severity) {
   return hidden_case({"sensor_delay"}, 3, options);
 }
 
-// |e^{-x} (1 + x) - 1| is x²/2 to first order: four times the delay is 256 times as far.
+// |e^{-x} (1 + x) - 1| is x²/2 to leading order. Four times the delay gives 256 times the distance.
 TEST(Twins, PartAsTheFourthPowerOfADelay) {
   const auto small = late(0.0);
   const auto large = late(std::log(4.0) / std::log(400.0));
