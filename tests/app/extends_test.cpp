@@ -116,7 +116,7 @@ geometry = { disc = { diameter = "300 mm", thickness = "10 mm" } }
 
 TEST_F(Extends, GoesOnAndFindsFilesFromWhereTheyAreNamed) {
   write("parts/measured.csv", "freq_hz,re_s1a1,im_s1a1\n1,2,3\n2,3,4\n");
-  write("parts/base.toml", kBase + "[measurement]\nfrf = \"measured.csv\"\nunit = \"m\"\n");
+  write("parts/base.toml", kBase + "[measurement]\nfrf = \"measured.csv\"\n");
   write("parts/thick.toml", "extends = \"base.toml\"\ngeometry.plate.thickness = \"20 mm\"\n");
   const auto own = read("extends = \"parts/thick.toml\"\nseed = 3\n");
   EXPECT_NEAR(plate_of(own).thickness, 0.02, 1e-15);
