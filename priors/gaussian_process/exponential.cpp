@@ -10,7 +10,8 @@ namespace {
 // x = k ln 2 + r, |r| ≤ ln 2 / 2. The Taylor series of e^r to the thirteenth power has an error of
 // 4e-18. The addition of 1.5·2⁵² leaves k in the lowest bits. The compiler makes one version for
 // each kind of processor.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("avx512f", "avx2,fma", "default")))
 #endif
 void exponentiate_all(double* x, std::ptrdiff_t count) {

@@ -67,7 +67,9 @@ TEST(ParallelTasks, RunEachOnceWithLoopsWithin) {
     });
     EXPECT_EQ(once, std::vector<int>(1000, 1));
     int after = 0;
-    parallel_ranges(10, [&](std::size_t begin, std::size_t) { after += begin == 0 ? 1 : 0; });
+    parallel_ranges(10, [&](std::size_t begin, std::size_t) {
+      if (begin == 0) ++after;
+    });
     EXPECT_EQ(after, 1);
   }
   parallel_tasks(0, [](std::size_t) { FAIL(); });
