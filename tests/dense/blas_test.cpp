@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <memory>
+
+#include "dense/algebra.h"
 
 extern "C" {
 int openblas_get_num_threads() __attribute__((weak));
@@ -12,6 +15,24 @@ void openblas_set_num_threads(int) __attribute__((weak));
 
 namespace chladni::dense {
 namespace {
+
+// It calls the BLAS, without which this program would not be linked with one.
+TEST(Algebra, IsThatOfEigen) {
+  const Eigen::MatrixXd a = Eigen::MatrixXd::Random(7, 5);
+  const Eigen::MatrixXd b = Eigen::MatrixXd::Random(5, 4);
+  Eigen::MatrixXd c = Eigen::MatrixXd::Ones(7, 4);
+  add_product(a, b, -2.0, c);
+  EXPECT_LT((c - (Eigen::MatrixXd::Ones(7, 4) - 2.0 * a * b)).norm(), 1e-13);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Identity(5, 5);
+  add_gram(a, gram);
+  const Eigen::MatrixXd whole = Eigen::MatrixXd::Identity(5, 5) + a.transpose() * a;
+  EXPECT_LT(Eigen::MatrixXd((gram - whole).triangularView<Eigen::Lower>()).norm(), 1e-13);
+  ASSERT_TRUE(cholesky(gram));
+  Eigen::MatrixXd x = whole * b;
+  solve(gram, x);
+  solve_transposed(gram, x);
+  EXPECT_LT((x - b).norm(), 1e-12);
+}
 
 TEST(OneBlasThread, LastsUntilTheLastOfThemIsGone) {
   if (openblas_set_num_threads == nullptr) GTEST_SKIP() << "another BLAS";
