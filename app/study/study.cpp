@@ -5,6 +5,7 @@
 #include "app/study/sha256.h"
 #include "app/study/study_parts.h"
 #include "app/study/toml/extends.h"
+#include "app/study/toml/toml_text.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 

@@ -8,6 +8,7 @@
 
 #include "app/study/extend/extended_study.h"
 #include "app/study/study.h"
+#include "app/study/toml/toml_text.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "quiet_run.h"

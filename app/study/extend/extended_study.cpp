@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/study/extend/extension.h"
+#include "app/study/toml/extends.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -16,20 +17,12 @@ void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
   const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
   const fs::path to = fs::weakly_canonical(fs::absolute(folder));
   if (from == to) return;
-  constexpr std::pair<const char*, const char*> kPaths[] = {
-      {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
-      {"measurement", "shapes"}, {"measurement", "truth"}, {"diagnosis", "tolerances"}};
-  bool led = false;
-  for (const auto& [part, key] : kPaths) {
-    const auto* table = member(edit.tree(), part);
-    const auto* value = table == nullptr ? nullptr : member(*table, key);
-    if (value == nullptr || value->kind != TomlNode::Kind::text) continue;
-    const fs::path path(value->text);
-    if (path.is_absolute()) continue;
-    edit.replace(*value, toml_text((from / path).lexically_relative(to).generic_string()));
-    led = true;
+  const auto files = relative_files(edit.tree());
+  for (const auto* file_name : files) {
+    edit.replace(*file_name,
+                 toml_text((from / file_name->text).lexically_relative(to).generic_string()));
   }
-  if (!led) return;
+  if (files.empty()) return;
   edit.append_comment(fmt::format(
       "Its files lie with the study that was diagnosed: --allow-outside {}", from.string()));
 }

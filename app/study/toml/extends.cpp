@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -16,25 +16,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBases = 8;
 
-// Keys of a study whose texts are file names.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kFileKeys{
-    {{"geometry", "file"},
-     {"measurement", "frf"},
-     {"measurement", "time"},
-     {"measurement", "shapes"},
-     {"measurement", "truth"},
-     {"diagnosis", "tolerances"}}};
-
 using Kind = TomlNode::Kind;
 
-template <typename Node>
-auto* member_of(Node& table, std::string_view key) {
-  const auto at = std::ranges::find(table.members, key, &TomlMember::key);
-  return at == table.members.end() ? nullptr : &at->value;
-}
-
 std::string name_of(const TomlNode& node) {
-  const auto* name = node.kind == Kind::table ? member_of(node, "name") : nullptr;
+  const auto* name = node.kind == Kind::table ? member(node, "name") : nullptr;
   return name != nullptr && name->kind == Kind::text ? name->text : std::string();
 }
 
@@ -46,9 +31,9 @@ bool are_named(const TomlNode& node) {
 void put_at(TomlNode& node, const TomlNode& place) {
   std::tie(node.line, node.column) = std::pair(place.line, place.column);
   std::tie(node.end_line, node.end_column) = std::pair(place.end_line, place.end_column);
-  for (auto& member : node.members) {
-    std::tie(member.line, member.column) = std::pair(place.line, place.column);
-    put_at(member.value, place);
+  for (auto& entry : node.members) {
+    std::tie(entry.line, entry.column) = std::pair(place.line, place.column);
+    put_at(entry.value, place);
   }
   for (auto& element : node.elements) put_at(element, place);
 }
@@ -56,17 +41,13 @@ void put_at(TomlNode& node, const TomlNode& place) {
 // Changes the base's file names so that they start at the folder of the study that extends it.
 void lead_files(TomlNode& base, const fs::path& folder) {
   if (folder.empty() || folder == ".") return;
-  for (const auto& [table, key] : kFileKeys) {
-    auto* holder = member_of(base, table);
-    if (holder == nullptr || holder->kind != Kind::table) continue;
-    auto* file = member_of(*holder, key);
-    if (file == nullptr || file->kind != Kind::text || fs::path(file->text).is_absolute()) continue;
+  for (auto* file : relative_files(base)) {
     file->text = (folder / file->text).lexically_normal().generic_string();
   }
 }
 
 bool is_removed(const TomlNode& element) {
-  const auto* removed = member_of(element, "removed");
+  const auto* removed = member(element, "removed");
   return removed != nullptr && removed->kind == Kind::truth && removed->truth;
 }
 
@@ -76,12 +57,12 @@ class Merge {
   explicit Merge(std::string file) : file_(std::move(file)) {}
 
   void tables(TomlNode& base, const TomlNode& own) const {
-    for (const auto& member : own.members) {
-      auto* there = member_of(base, member.key);
+    for (const auto& entry : own.members) {
+      auto* there = member(base, entry.key);
       if (there == nullptr) {
-        base.members.push_back(member);
+        base.members.push_back(entry);
       } else {
-        value(member.key, *there, member.value);
+        value(entry.key, *there, entry.value);
       }
     }
   }
@@ -101,8 +82,8 @@ class Merge {
 
   // True for geometry = { plate = ... } instead of { file = ... }.
   static bool is_another_kind(std::string_view key, const TomlNode& base, const TomlNode& own) {
-    return key == "geometry" && std::ranges::none_of(own.members, [&](const auto& member) {
-      return member_of(base, member.key) != nullptr;
+    return key == "geometry" && std::ranges::none_of(own.members, [&](const auto& entry) {
+      return member(base, entry.key) != nullptr;
     });
   }
 
@@ -164,13 +145,9 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
             place_of(file, *extends) + "more than eight studies that extend each other");
     whole.bases.push_back(base_file);
     TomlNode base = parse_toml(text, base_file.string());
-    std::erase_if(base.members, [](const auto& member) { return member.key == "expect"; });
+    std::erase_if(base.members, [](const auto& entry) { return entry.key == "expect"; });
     lead_files(base, fs::absolute(base_file).parent_path().lexically_relative(folder));
     put_at(base, *extends);
-    if (auto* next = member_of(base, "extends"); next != nullptr && next->kind == Kind::text) {
-      const auto from = fs::absolute(base_file).parent_path().lexically_relative(folder);
-      next->text = (from / next->text).lexically_normal().generic_string();
-    }
     Merge(file.string()).tables(base, whole.tree);
     whole.tree = std::move(base);
   }

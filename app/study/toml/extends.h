@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/study/toml/toml_tree.h"
@@ -33,8 +35,21 @@ struct WholeDocument {
 [[nodiscard]] WholeDocument with_bases(TomlNode own, const std::filesystem::path& file,
                                        const BaseReader& read);
 
-/// The tree as a TOML text. parse_toml reads it back as the same tree, except for positions.
-/// Comments are not part of a tree. Tables of the document have headers; deeper ones are in braces.
-[[nodiscard]] std::string toml_text(const TomlNode& document);
+/// The texts of a study's document that name a file from the study's folder.
+template <typename Node>
+[[nodiscard]] std::vector<Node*> relative_files(Node& document) {
+  constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
+      {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
+      {"measurement", "shapes"}, {"measurement", "truth"}, {"diagnosis", "tolerances"}};
+  std::vector<Node*> named{member(document, "extends")};
+  for (const auto& [part, key] : kKeys) {
+    if (auto* table = member(document, part)) named.push_back(member(*table, key));
+  }
+  std::erase_if(named, [](const Node* node) {
+    return node == nullptr || node->kind != TomlNode::Kind::text ||
+           std::filesystem::path(node->text).is_absolute();
+  });
+  return named;
+}
 
 }  // namespace chladni::app

@@ -28,13 +28,6 @@ std::string commented(const std::string& comment) {
 
 }  // namespace
 
-const TomlNode* member(const TomlNode& table, std::string_view key) {
-  for (const auto& one : table.members) {
-    if (one.key == key) return &one.value;
-  }
-  return nullptr;
-}
-
 std::vector<const TomlNode*> tables_of(const TomlNode& root, std::string_view key) {
   const auto* node = member(root, key);
   if (node == nullptr) return {};
@@ -42,19 +35,6 @@ std::vector<const TomlNode*> tables_of(const TomlNode& root, std::string_view ke
   std::vector<const TomlNode*> tables;
   for (const auto& one : node->elements) tables.push_back(&one);
   return tables;
-}
-
-std::string toml_text(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (is_control(c)) {
-      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-      continue;
-    }
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
 }
 
 TomlEdit::TomlEdit(std::string text, const std::string& file)

@@ -5,17 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "app/study/toml/toml_text.h"
 #include "app/study/toml/toml_tree.h"
 
 namespace chladni::app {
 
-/// The member of a table; null if it has none of that name, or is not a table.
-[[nodiscard]] const TomlNode* member(const TomlNode& table, std::string_view key);
 /// The tables of [[key]], or the one of [key]; empty if there is none.
 [[nodiscard]] std::vector<const TomlNode*> tables_of(const TomlNode& root, std::string_view key);
-
-/// Text in quotes, with the escapes of TOML.
-[[nodiscard]] std::string toml_text(std::string_view text);
 
 /// Collects changes. Positions are those of the original document. A change may have a comment,
 /// which gets a line of its own above it.

@@ -1,10 +1,10 @@
-// A tree as TOML. Reals have the fewest digits that give the same number again.
+// Reals have the fewest digits that give the same number again.
+#include "app/study/toml/toml_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "app/study/toml/extends.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -15,23 +15,8 @@ bool is_bare(char c) {
          c == '-';
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      out += {'\\', c};
-    } else if (code < 0x20 || code == 0x7f) {
-      out += fmt::format("\\u{:04x}", code);
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
-
 std::string key_text(const std::string& key) {
-  return !key.empty() && std::ranges::all_of(key, is_bare) ? key : quoted(key);
+  return !key.empty() && std::ranges::all_of(key, is_bare) ? key : toml_text(key);
 }
 
 std::string real_text(double number) {
@@ -44,7 +29,7 @@ std::string inline_text(const TomlNode& node) {
   std::string out;
   switch (node.kind) {
     case TomlNode::Kind::text:
-      return quoted(node.text);
+      return toml_text(node.text);
     case TomlNode::Kind::integer:
       return node.text;
     case TomlNode::Kind::real:
@@ -81,6 +66,19 @@ std::string lines_of(const TomlNode& table) {
 }
 
 }  // namespace
+
+std::string toml_text(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20U || c == 0x7F) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+      continue;
+    }
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + '"';
+}
 
 std::string toml_text(const TomlNode& document) {
   std::string values;

@@ -29,6 +29,15 @@ struct TomlMember {
   TomlNode value;
 };
 
+/// The member of a table; null if it has none of that name, or is not a table.
+template <typename Node>
+[[nodiscard]] Node* member(Node& table, std::string_view key) {
+  for (auto& one : table.members) {
+    if (one.key == key) return &one.value;
+  }
+  return nullptr;
+}
+
 /// "a table", "an array", "the text "20 mm"", "the number 20", ...
 [[nodiscard]] std::string description(const TomlNode& node);
 
