@@ -43,7 +43,7 @@ std::string where(const Detectable& one) {
   return text;
 }
 
-// Of one effect.
+// The result for one effect.
 const Detectable& of(const std::vector<Detectable>& all, std::string_view effect,
                      std::string_view which) {
   return *std::ranges::find_if(

@@ -42,7 +42,7 @@ simulators::HiddenOptions options_of(const Arguments& wanted, const std::string&
   return options;
 }
 
-// Of each rig once.
+// Each rig is made once.
 const Shipped& structure_of(const Arguments& wanted, const std::string& rig) {
   static std::map<std::string, Shipped> kept;
   if (const auto found = kept.find(rig); found != kept.end()) return found->second;

@@ -131,7 +131,7 @@ TEST(ComparisonPictures, AreThere) {
   EXPECT_THROW(draw_responses(png("none.png"), table().measured, {}), InvalidInput);
 }
 
-// Of a sensor that was measured, and of a place that was not.
+// One sensor was measured, one place was not.
 TEST(PredictionsPicture, IsThere) {
   const TestFolder folder("predictions");
   IdentifiedModel model;

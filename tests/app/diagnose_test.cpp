@@ -89,7 +89,7 @@ TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
   EXPECT_FALSE(one.extended.has_value());
 }
 
-// Of a sound table what matters is what would have been seen.
+// A sound table: what matters is what would have been seen.
 TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
   const auto one = diagnosed_from(measured_of({}, {0, 2}, {4, 6, 9}),
                                   "effects = [\"point_mass\", \"sensor_gain\", \"sensor_sign\"]\n");

@@ -124,7 +124,7 @@ class Identify : public testing::Test {
     }
   }
 
-  // Of the default: |predicted − measured| over |measured| of the held-out rows together.
+  // The error of the default: |predicted − measured| over |measured| of the held-out rows together.
   double held_out_error(const std::string& text, const std::string& out) {
     (void)run(interpolate_command, text, out);
     const auto json = left("interpolation.json", out);
@@ -134,7 +134,7 @@ class Identify : public testing::Test {
     return std::sqrt(square / static_cast<double>(rows.size()));
   }
 
-  // Of the study as it is, and of the thesis' path on it.
+  // The errors of the study as it is, and of the thesis' path on it.
   std::pair<double, double> held_out_errors(const std::string& text) {
     const double ours = held_out_error(text, "ours");
     const auto path =

@@ -99,7 +99,7 @@ TEST(PairedModes, AreTheSameModesWhereTheShapeDecides) {
     EXPECT_EQ(modes.pairs.size(), 17U) << seed;
     int by_shape = 0;
     for (const auto& pair : modes.pairs) {
-      // Of a repeated pair either is the other.
+      // The modes of a repeated pair may be exchanged.
       const double within = pair.by_shape ? 0.006 : 0.05;
       const double f = truth().frequency_hz(pair.measured);
       EXPECT_NEAR(pair.simulated_hz, f, within * f) << seed;

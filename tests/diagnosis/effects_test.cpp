@@ -106,7 +106,7 @@ TEST_P(Effects, HaveSlopesThatAreDifferences) {
     const MatrixXcd difference = (responses(plus, omega) - responses(minus, omega)) / (2.0 * h);
     const MatrixXcd found = slope(here, now, minus, plus, 2.0 * h);
     const bool placed = parameters[static_cast<std::size_t>(i)].is_place();
-    // Of a place the modes far above are left out of the slope.
+    // The slope of a place leaves out the modes far above.
     EXPECT_LT((found - difference).norm(), (placed ? 0.05 : 2e-3) * difference.norm() + 1e-20)
         << parameters[static_cast<std::size_t>(i)].name;
   }

@@ -19,7 +19,7 @@ namespace chladni::diagnosis {
                                     options);
 }
 
-/// Of 24 modes.
+/// The plate has 24 modes.
 [[nodiscard]] inline const Structure& small_plate() {
   static const Structure made = plate_of(24);
   return made;

@@ -126,7 +126,7 @@ TEST(OfItsOwn, IsWhatIsAloneAndHardlyWhatIsOneOfManyInARegion) {
   EXPECT_EQ(of_its_own(plate, all, 0), 1.0);
 }
 
-// Of a plate in which `truth` is, with 1 % of noise that is not drawn.
+// Measures a plate in which `truth` is, with 1 % of noise that is not drawn.
 class Explanations : public testing::Test {
  protected:
   void measure(const std::vector<Supposed>& truth) {

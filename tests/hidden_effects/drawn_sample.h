@@ -14,7 +14,7 @@ struct DrawnSample {
   std::string from;  ///< where the number comes from, in words
 
   [[nodiscard]] unsigned seed() const { return 1 + number / 4 % 1000; }
-  /// Of the kinds in their order, counted from 0: every fourth.
+  /// True for every fourth kind in their order, counted from 0.
   [[nodiscard]] bool has(std::size_t kind) const { return all || kind % 4 == number % 4; }
 };
 

@@ -10,7 +10,7 @@
 namespace chladni::hidden_effects {
 namespace {
 
-// Of the modes within the band that the sensors see.
+// Frequencies of the modes within the band that the sensors see.
 std::vector<double> seen_frequencies(const diagnosis::Structure& structure,
                                      const simulators::Rig& rig) {
   const double most = structure.outputs.shapes.cwiseAbs().maxCoeff();

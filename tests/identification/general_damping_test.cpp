@@ -128,7 +128,7 @@ TEST(GeneralDamping, ReachesTheBoundWhereRealModesAreRejected) {
   }
 }
 
-// Of every entry: the phase between both sides is part of it.
+// Every entry is compared: the phase between both sides is part of it.
 TEST(GeneralDamping, StatesTheDeviationsOfItsShapes) {
   const auto truth = general_truth(with_dashpot(1.0));
   Eigen::ArrayXd square = Eigen::ArrayXd::Zero(4);

@@ -43,7 +43,7 @@ TEST(SeenParts, AreWhereTheyHaveMostRoom) {
   EXPECT_EQ(seen[3].area, 0.0) << "it has no triangle";
 }
 
-// Of a strip the middle, not its end.
+// The middle of a strip, not its end.
 TEST(SeenParts, OfAStripAreInItsMiddle) {
   const Points points{{0, 0, 0}, {8, 0, 0}, {8, 1, 0}, {0, 1, 0}};
   const auto seen = seen_parts(points, Cells{{0, 1, 2}, {0, 2, 3}}, Eigen::Vector2i(0, 0), 1);

@@ -108,7 +108,7 @@ TEST(Facing, TakesStepsAndLeavesOutTheFloorsOfSmallHoles) {
   EXPECT_EQ(found.small_parts, 1);
 }
 
-// Of a ball a cap: sin² 30° of its disc.
+// A cap of a ball: sin² 30° of its disc.
 TEST(Facing, OfABallIsACap) {
   const auto ball = layered(Sphere{.diameter = 0.2}, 0.01);
   const auto found = facing(ball, Eigen::Vector3d(1, 1, 1).normalized());
