@@ -3,8 +3,11 @@
 
 #include <algorithm>
 
+#include "app/command.h"
+#include "app/show/solution.h"
 #include "app/stage/forecast.h"
 #include "app/stage/solution.h"
+#include "app/steps/expectations.h"
 #include "app/study/toml/problems.h"
 
 namespace chladni::app {
@@ -17,8 +20,8 @@ constexpr double kMeshedAtOnce = 5e5;  // degrees of freedom, estimated: some se
 void forecast_from_mesh(const Study& study, Introduction& introduction, Run& run) {
   auto& cost = introduction.cost;
   if (cost.exact || cost.degrees_of_freedom > kMeshedAtOnce) return;
-  const auto body = run.timed(
-      "mesh", [&] { return body_of(study, introduction.outline, run.talk().progress()); });
+  const auto body =
+      run.timed("mesh", [&] { return body_of(study, introduction.outline, run.progress()); });
   cost = forecast(study, body, introduction.body);
 }
 
@@ -31,8 +34,8 @@ void look_for_files(const Study& study, Run& run) {
     const bool to_come =
         study.experiment && file.key != "measurement.truth" && file.key != "measurement.shapes";
     if (to_come) {
-      run.talk().note(file.key + " \"" + file.path.filename().string() +
-                      "\" is not there yet: chladni simulate writes it");
+      run.note(file.key + " \"" + file.path.filename().string() +
+               "\" is not there yet: chladni simulate writes it");
       continue;
     }
     const bool measured = study.measurement && file.key.starts_with("measurement.");
@@ -48,10 +51,10 @@ void run(const Study& study, Run& run) {
   auto introduction = introduced(study, run);
   const auto& shell = introduction.outline.shell;
   const auto places = places_of(study, shell);
-  for (const auto& note : places.notes) run.talk().note(note);
+  for (const auto& note : places.notes) run.note(note);
   for (const auto& warning : places.warnings) {
     introduction.warnings.push_back(warning);
-    run.talk().warn(warning);
+    run.warn(warning);
   }
   static_cast<void>(materials_of(study, shell.region_names));
   if (!run.options().expect) look_for_files(study, run);

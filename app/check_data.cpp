@@ -7,7 +7,7 @@
 #include <span>
 
 #include "app/command.h"
-#include "app/version.h"
+#include "app/show/version.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 

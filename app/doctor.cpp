@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/version.h"
+#include "app/show/version.h"
 #include "app/workers.h"
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,4 +1,6 @@
 // chladni identify STUDY: a modal model from measured responses.
+#include "app/command.h"
+#include "app/show/identification.h"
 #include "app/steps/identification.h"
 
 namespace chladni::app {

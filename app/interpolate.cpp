@@ -1,8 +1,11 @@
 // chladni interpolate STUDY: all mode shapes on the whole body, from a few measured points.
-#include "app/interpolation.h"
+#include "app/command.h"
+#include "app/steps/interpolation.h"
 
 #include <filesystem>
 
+#include "app/show/identification.h"
+#include "app/show/interpolation.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -22,7 +25,7 @@ void run(const Study& study, Run& run) {
               "or truth");
   require_there(*study.measurement);
   const Solution solution = solved(study, run);
-  const Interpolated result = interpolated(study, solution, run);
+  const Interpolated result = interpolated(study, solution, run, shown_and_left(study, run));
   run.show(interpolation_table(result));
   leave_interpolation(study, solution, result, run, true);
   if (result.measured.identified) require_trust(*result.measured.identified);

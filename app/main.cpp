@@ -8,7 +8,7 @@
 
 #include "app/command.h"
 #include "app/show/new_output.h"
-#include "app/version.h"
+#include "app/show/version.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"

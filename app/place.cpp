@@ -1,4 +1,6 @@
 // chladni place STUDY: the best places of collocated pairs, and the quality of layouts.
+#include "app/command.h"
+#include "app/show/placement.h"
 #include "app/steps/placement/placement.h"
 
 namespace chladni::app {

@@ -1,4 +1,6 @@
 // chladni priors STUDY: length scales, amplitudes and noise from the simulated modes.
+#include "app/show/priors.h"
+#include "app/command.h"
 #include "app/steps/priors.h"
 
 namespace chladni::app {
@@ -7,7 +9,7 @@ namespace {
 void run(const Study& study, Run& run) {
   const Solution solution = solved(study, run);
   const LearnedPriors result = learned_priors(study, solution, run);
-  for (const auto& note : result.notes) run.talk().note(note);
+  for (const auto& note : result.notes) run.note(note);
   run.show(priors_table(solution, result));
   run.leave("priors.json", priors_json(solution, result), true);
 }

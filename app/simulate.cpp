@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "app/command.h"
 #include "app/stage/solution.h"
 #include "app/steps/simulated.h"
 #include "app/study/sha256.h"
@@ -111,9 +112,9 @@ void run(const Study& study, Run& run) {
   const Simulated found = run.timed("experiment", [&] { return simulated(study, bench, run); });
   const auto left = study.experiment->leaves_time ? run / "time_data.csv" : file;
   if (study.experiment->leaves_time) {
-    for (const auto& lost : io::write_time(left, found.recordings)) run.talk().note(lost);
+    for (const auto& lost : io::write_time(left, found.recordings)) run.note(lost);
   } else {
-    for (const auto& lost : io::write_frf(file, found.estimate.set)) run.talk().note(lost);
+    for (const auto& lost : io::write_frf(file, found.estimate.set)) run.note(lost);
   }
   run.show(told(study, bench, found, left));
   run.leave("simulated.json", content_of(study, bench, found, left), true);

@@ -2,7 +2,14 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/command.h"
+#include "app/show/diagnosis.h"
+#include "app/show/identification.h"
+#include "app/show/interpolation.h"
+#include "app/show/placement.h"
 #include "app/show/report.h"
+#include "app/show/solution.h"
+#include "app/steps/expectations.h"
 
 namespace chladni::app {
 namespace {
@@ -12,8 +19,8 @@ namespace {
 bool is_there(const MeasurementPlan& plan, Run& run) {
   for (const auto& path : {plan.frf, plan.time}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
-    run.talk().warn(path.string() + ": there is no such file; what needs it is left out" +
-                    source_text(plan));
+    run.warn(path.string() + ": there is no such file; what needs it is left out" +
+             source_text(plan));
     return false;
   }
   return has_shapes(plan);
@@ -35,7 +42,7 @@ void run(const Study& study, Run& run) {
   std::optional<Interpolated> shapes;
   const bool measured = study.measurement && is_there(*study.measurement, run);
   if (measured && (study.interpolation || !study.diagnosis)) {
-    shapes = interpolated(study, solution, run);
+    shapes = interpolated(study, solution, run, shown_and_left(study, run));
     run.show("\n" + interpolation_table(*shapes));
     leave_interpolation(study, solution, *shapes, run, false);
   }

@@ -9,7 +9,9 @@
 #include <optional>
 #include <sstream>
 
-#include "app/interpolation.h"
+#include "app/show/identification.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "mesh/site.h"
 #include "python/long_call.h"
@@ -106,7 +108,7 @@ std::unique_ptr<StudyField> interpolate(const std::filesystem::path& file,
   app::Talk talk(said, {.quiet = true});
   app::Run run(study, options, results, talk);
   auto solution = app::solved(study, run);
-  auto result = app::interpolated(study, solution, run);
+  auto result = app::interpolated(study, solution, run, app::shown_and_left(study, run));
   app::leave_interpolation(study, solution, result, run, true);
   return std::make_unique<StudyField>(std::move(solution), std::move(result));
 }

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "app/version.h"
+#include "app/show/version.h"
 #include "base/error.h"
 #include "base/worker.h"
 #include "dense/blas.h"

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "app/show/comparison.h"
-#include "app/show/percent.h"
+#include "app/show/solution.h"
+#include "base/percent.h"
 
 namespace chladni::app {
 namespace {

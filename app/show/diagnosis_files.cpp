@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/show/comparison.h"
+#include "app/show/diagnosis.h"
 #include "app/stage/reduction/diagnosis_faces.h"
 #include "app/steps/diagnosis.h"
 #include "base/atomic_file.h"

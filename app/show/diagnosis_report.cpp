@@ -8,8 +8,10 @@
 
 #include "app/show/comparison.h"
 #include "app/show/detectable_text.h"
-#include "app/show/percent.h"
+#include "app/show/diagnosis.h"
+#include "app/show/solution.h"
 #include "app/steps/diagnosis.h"
+#include "base/percent.h"
 #include "io/report_sections.h"
 
 namespace chladni::app {

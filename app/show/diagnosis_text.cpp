@@ -6,9 +6,10 @@
 
 #include "app/show/comparison.h"
 #include "app/show/detectable_text.h"
-#include "app/show/percent.h"
+#include "app/show/diagnosis.h"
 #include "app/show/readable.h"
 #include "app/steps/diagnosis.h"
+#include "base/percent.h"
 
 namespace chladni::app {
 namespace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/show/identification.h"
 #include "app/show/response_series.h"
 #include "app/steps/identification.h"
 #include "io/plot.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/show/identification.h"
 #include "app/steps/identification.h"
 #include "io/csv.h"
 #include "io/mat.h"
@@ -214,19 +215,6 @@ std::string model_error_text(const IdentifiedModel& model) {
 
 }  // namespace
 
-double overall_error(const IdentifiedModel& model) {
-  const auto& data = model.data;
-  const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
-  return ((data.value - fitted).array().abs() * there).matrix().norm() / data.value.norm();
-}
-
-double noise(const IdentifiedModel& model) {
-  const auto& data = model.data;
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
-  return (there / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
-}
-
 std::string identification_table(const IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
@@ -314,13 +302,20 @@ void leave_identification(const Study& study, const IdentifiedModel& model, Run&
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,
                     model.match.shapes, model.match.deviation});
   if (run.options().pictures) {
-    tell(run.talk().progress(), "drawing");
+    tell(run.progress(), "drawing");
     run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
     if (!model.stabilisation.empty()) {
       run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
     }
   }
   run.leave("identified.json", identified_json(model), main_result);
+}
+
+std::function<void(const IdentifiedModel&)> shown_and_left(const Study& study, Run& run) {
+  return [&study, &run](const IdentifiedModel& model) {
+    run.show(identification_table(model) + "\n");
+    leave_identification(study, model, run, false);
+  };
 }
 
 }  // namespace chladni::app

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/interpolation.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "io/csv.h"
 #include "io/heat_map_picture.h"
@@ -145,7 +146,7 @@ void leave_interpolation(const Study& study, const Solution& solution, const Int
   if (plan.polynomial_degree > 0) leave_polynomials(result, plan.polynomial_degree, run);
   if (result.measured.identified) leave_predictions(result, plan.predicted, run);
   if (run.options().pictures) {
-    tell(run.talk().progress(), "drawing");
+    tell(run.progress(), "drawing");
     leave_picture(result, run);
   }
   run.leave("interpolation.json", interpolation_json(result), main_result);

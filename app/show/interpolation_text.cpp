@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include "app/interpolation.h"
-#include "app/show/percent.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
+#include "base/percent.h"
 
 namespace chladni::app {
 namespace {

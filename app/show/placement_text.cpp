@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/show/placement.h"
 #include "app/steps/placement/placement.h"
 #include "io/heat_map_picture.h"
 
@@ -297,19 +298,19 @@ std::string placement_table(const Solution& solution, const Placed& placed) {
 
 void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
                      bool main_result) {
-  for (const auto& note : placed.notes) run.talk().note(note);
+  for (const auto& note : placed.notes) run.note(note);
   for (const auto& layout : placed.layouts) {
     for (const int mode : layout.blind) {
       const auto& columns = placed.wanted.columns;
       if (std::find(columns.begin(), columns.end(), mode - 1) == columns.end()) continue;
-      run.talk().warn(blind_text(solution, layout) + "; placement.modes asks for it");
+      run.warn(blind_text(solution, layout) + "; placement.modes asks for it");
       break;
     }
   }
   run.leave("placement.json", placement_json(study, solution, placed), main_result);
   leave_fields(solution, placed, study.title, run);
   if (!run.options().pictures) return;
-  tell(run.talk().progress(), "painting the heat map");
+  tell(run.progress(), "painting the heat map");
   run.paint("heat_map.png",
             [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, placed)); });
   const auto layouts = layouts_picture(study, placed);

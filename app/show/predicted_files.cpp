@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/interpolation.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/predicted.h"
 #include "base/atomic_file.h"
 #include "io/frf_file.h"
@@ -73,7 +74,7 @@ void warn_of_unknown(const modal::FrfSet& band, const std::string& file, Run& ru
       names += (names.empty() ? "" : ", ") + band.outputs[static_cast<std::size_t>(i)].name;
   }
   if (names.empty()) return;
-  run.talk().warn(fmt::format(
+  run.warn(fmt::format(
       "{}: the deviation of what is predicted at {} is not known (empty cells): a deviation of the "
       "fit or of the interpolated shapes is not",
       file, names));
@@ -136,7 +137,7 @@ void leave_predictions(const Interpolated& result, const std::string& file, Run&
     receptance.variance.push_back(known_variance(deviation));
   }
   const auto notes = left_out_of_predictions(result);
-  for (const auto& note : notes) run.talk().warn(note);
+  for (const auto& note : notes) run.warn(note);
   warn_of_unknown(receptance, stem + "_band.csv", run);
   write_atomically(run / (stem + "_band.csv"), io::frf_csv(receptance));
   run.paint(predictions_picture(file),

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "app/interpolation.h"
+#include "app/show/interpolation.h"
 #include "app/show/response_series.h"
+#include "app/steps/interpolation.h"
 #include "io/plot.h"
 #include "modal/frf_set.h"
 

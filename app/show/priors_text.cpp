@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "app/show/priors.h"
 #include "app/steps/priors.h"
 
 namespace chladni::app {

@@ -9,9 +9,12 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "app/show/percent.h"
-#include "app/version.h"
+#include "app/show/diagnosis.h"
+#include "app/show/interpolation.h"
+#include "app/show/placement.h"
+#include "app/show/version.h"
 #include "base/parallel.h"
+#include "base/percent.h"
 #include "dense/blas.h"
 #include "io/report.h"
 #include "io/report_sections.h"

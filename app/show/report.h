@@ -1,8 +1,9 @@
 // The report page with the results of a study.
 #pragma once
 
-#include "app/interpolation.h"
+#include "app/show/run.h"
 #include "app/steps/diagnosis.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/placement/placement.h"
 
 namespace chladni::app {

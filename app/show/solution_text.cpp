@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "app/show/solution.h"
 #include "app/stage/solution.h"
 #include "dense/blas.h"
 

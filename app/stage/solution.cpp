@@ -49,11 +49,11 @@ void require_modes(const Study& study) {
   problems.throw_if_any();
 }
 
-fem::ModesOptions modes_options(const Study& study, const Run& run) {
+fem::ModesOptions modes_options(const Study& study, const Work& work) {
   fem::ModesOptions options;
   options.count = wanted_count(study);
-  options.certificate = run.options().certificate;
-  options.seed = run.seed();
+  options.certificate = work.choices().certificate;
+  options.seed = work.seed();
   return options;
 }
 
@@ -83,9 +83,9 @@ fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::Mo
   return result;
 }
 
-fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& run) {
-  const auto options = modes_options(study, run);
-  const auto progress = run.talk().progress();
+fem::ModesResult modes_of(const Study& study, const fem::System& system, Work& work) {
+  const auto options = modes_options(study, work);
+  const auto progress = work.progress();
   auto result = study.modes.up_to_hz > 0.0
                     ? modes_up_to(system, study.modes.up_to_hz, options, progress)
                     : fem::modes(system, options, progress);
@@ -94,82 +94,82 @@ fem::ModesResult modes_of(const Study& study, const fem::System& system, Run& ru
   return result;
 }
 
-void warn(const std::vector<std::string>& lines, Solution& solution, Run& run) {
+void warn(const std::vector<std::string>& lines, Solution& solution, Work& work) {
   for (const auto& line : lines) {
     solution.introduction.warnings.push_back(line);
-    run.talk().warn(line);
+    work.warn(line);
   }
 }
 
 // With the mesh the cost is known. A solution that is too expensive is refused before it starts.
-void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& solution, Run& run) {
+void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& solution, Work& work) {
   auto& introduction = solution.introduction;
   if (introduction.cost.exact) return;
   introduction.cost = forecast(study, body, introduction.body);
-  run.talk().note("with the mesh: " + introduction.cost.line());
+  work.note("with the mesh: " + introduction.cost.line());
   refuse_what_cannot_fit(study, introduction.body, introduction.cost);
 }
 
 }  // namespace
 
-Introduction introduced(const Study& study, Run& run) {
+Introduction introduced(const Study& study, Work& work) {
   require_modes(study);
   Introduction introduction;
   introduction.warnings = study.warnings;
-  for (const auto& warning : study.warnings) run.talk().warn(warning);
-  introduction.outline = outline_of(study, run.talk().progress());
+  for (const auto& warning : study.warnings) work.warn(warning);
+  introduction.outline = outline_of(study, work.progress());
   require_faces(study, introduction.outline.shell);
   introduction.body = understood(study, introduction.outline);
   introduction.cost = forecast(study, introduction.outline);
-  run.show(introduction.body.line() + "\n");
-  for (const auto& note : introduction.outline.notes) run.talk().note(note);
+  work.show(introduction.body.line() + "\n");
+  for (const auto& note : introduction.outline.notes) work.note(note);
   for (const auto& warning : implausible(introduction.body)) {
     introduction.warnings.push_back(study.file.string() + ": " + warning);
-    run.talk().warn(introduction.warnings.back());
+    work.warn(introduction.warnings.back());
   }
   return introduction;
 }
 
-Solution solved(const Study& study, Run& run) {
-  auto introduction = run.timed("geometry", [&] { return introduced(study, run); });
-  run.talk().note(introduction.cost.line());
-  return solved(study, std::move(introduction), run);
+Solution solved(const Study& study, Work& work) {
+  auto introduction = work.timed("geometry", [&] { return introduced(study, work); });
+  work.note(introduction.cost.line());
+  return solved(study, std::move(introduction), work);
 }
 
-Solution solved(const Study& study, Introduction introduction, Run& run) {
-  const auto progress = run.talk().progress();
+Solution solved(const Study& study, Introduction introduction, Work& work) {
+  const auto progress = work.progress();
   throw_if_interrupted();
   refuse_what_cannot_fit(study, introduction.body, introduction.cost);
   Solution solution;
   solution.introduction = std::move(introduction);
   const auto& outline = solution.introduction.outline;
-  auto body = run.timed("mesh", [&] { return body_of(study, outline, progress); });
-  forecast_again(study, body, solution, run);
-  solution.model = run.timed("places", [&] { return model_of(study, std::move(body)); });
-  for (const auto& note : solution.model.notes) run.talk().note(note);
-  warn(solution.model.warnings, solution, run);
-  warn(channels_kept_out(study, solution.model), solution, run);
+  auto body = work.timed("mesh", [&] { return body_of(study, outline, progress); });
+  forecast_again(study, body, solution, work);
+  solution.model = work.timed("places", [&] { return model_of(study, std::move(body)); });
+  for (const auto& note : solution.model.notes) work.note(note);
+  warn(solution.model.warnings, solution, work);
+  warn(channels_kept_out(study, solution.model), solution, work);
   throw_if_interrupted();
 
   const auto& model = solution.model;
   tell(progress, "assembling");
-  const auto system = run.timed("assembly", [&] {
+  const auto system = work.timed("assembly", [&] {
     return fem::assemble(model.body, model.materials, study.supports, model.attachments);
   });
-  auto result = run.timed("modes", [&] { return modes_of(study, system, run); });
+  auto result = work.timed("modes", [&] { return modes_of(study, system, work); });
   solution.degrees_of_freedom = system.dofs.free_count;
   tell(progress, "estimating the error of the mesh");
-  solution.frequency_error = run.timed("error_estimate", [&] {
+  solution.frequency_error = work.timed("error_estimate", [&] {
     return fem::frequency_error(model.body, model.materials, system, result.modes);
   });
   solution.summary = result.summary;
-  warn(solution.summary.warnings, solution, run);
+  warn(solution.summary.warnings, solution, work);
   solution.modes = std::move(result.modes);
   solution.extra_shapes =
       solution.modes.shapes(system.dofs.free_dof.tail(system.dofs.extra_count()), Eigen::all);
   solution.modes.shapes = fem::on_nodes(system.dofs, solution.modes.shapes);
-  warn(coarse_mesh(solution), solution, run);
-  warn(blind_spots(study, solution), solution, run);
+  warn(coarse_mesh(solution), solution, work);
+  warn(blind_spots(study, solution), solution, work);
   return solution;
 }
 

@@ -32,10 +32,10 @@ constexpr Index kMostFitted = 200;  // responses; with more, no modes are identi
 DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(DiagnosisPlan{}); }
 
 // Estimates variances that the file does not state from the scatter of the lines.
-void state_variance(modal::FrfSet& set, Run& run) {
+void state_variance(modal::FrfSet& set, Work& work) {
   if (!set.variance.empty()) return;
   const auto data = identification::fit_data(set);
-  run.talk().warn(
+  work.warn(
       "the measured responses state no variance: it is estimated from their scatter, and "
       "with it every probability");
   Eigen::MatrixXd nothing = Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNone);
@@ -54,7 +54,7 @@ void state_variance(modal::FrfSet& set, Run& run) {
 
 // The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`.
 MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
-                         double highest_hz, Run& run) {
+                         double highest_hz, Work& work) {
   auto& set = measured.all;
   set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
@@ -69,7 +69,7 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const Diagno
                       study.file.string(), within, set.frequency_hz.minCoeff(),
                       set.frequency_hz.maxCoeff(), highest_hz));
   set = modal::band(set, first_hz, last_hz);
-  state_variance(set, run);
+  state_variance(set, work);
   return measured;
 }
 
@@ -134,7 +134,7 @@ std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Str
 }
 
 // Modes of the measured responses, for the comparison; none if they cannot be identified.
-std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Run& run) {
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Work& work) {
   if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
   try {
     identification::IdentificationOptions options;
@@ -144,12 +144,12 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Run&
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& e) {
-    run.talk().note(std::string("no modes were identified for the comparison: ") + e.what());
+    work.note(std::string("no modes were identified for the comparison: ") + e.what());
     return std::nullopt;
   }
 }
 
-diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Run& run) {
+diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Work& work) {
   diagnosis::DiagnosisOptions options;
   options.tolerances = plan.tolerances;
   options.lines = plan.lines;
@@ -157,23 +157,23 @@ diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Run& run) {
   options.least_evidence = plan.least_evidence;
   options.rival_within = plan.rival_within;
   options.only = plan.effects;
-  options.progress = run.talk().progress();
+  options.progress = work.progress();
   return options;
 }
 
-void compare(Diagnosed& one, Run& run) {
-  const auto fit = modes_of(one.seen, run);
+void compare(Diagnosed& one, Work& work) {
+  const auto fit = modes_of(one.seen, work);
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
 }
 
 // Records without units have an unknown scale, so they get the scale of the simulation. Returns
 // true if the scale was changed.
-bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
+bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Work& work) {
   const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
   if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
   const double level = one.comparison.responses.level;
   if (!(level > 0.0) || !std::isfinite(level)) return false;
-  run.talk().note(
+  work.note(
       fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
                   "of measured over simulated; what scales them all is not told",
                   level));
@@ -186,25 +186,26 @@ bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Run& run) {
 }
 
 // Folders from which the files of the extended study may be read.
-std::vector<std::filesystem::path> allowed_for(const Study& study, const Run& run) {
-  auto allowed = run.options().allowed;
+std::vector<std::filesystem::path> allowed_for(const Study& study, const Work& work) {
+  auto allowed = work.choices().allowed;
   allowed.push_back(std::filesystem::absolute(study.file).parent_path());
   return allowed;
 }
 
 // Writes the extended study, and solves it in full if a cause changed it.
-void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one, Run& run) {
+void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+            Work& work) {
   const auto& causes = one.result.best.causes;
-  const auto allowed = allowed_for(study, run);
+  const auto allowed = allowed_for(study, work);
   const auto& body = one.before.model.body;
   const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
-  one.extended = extended_study(study.text, study.file, one.structure.surface, causes, run / "",
-                                allowed, fits);
+  one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
+                                work.choices().folder, allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
-  const auto part = run.part("extended: ");
-  const Study extended =
-      with_modes_for_diagnosis(parse_study(one.extended->text, run / "extended.toml", allowed));
-  one.after = solve(extended, run);
+  const auto part = work.part("extended: ");
+  const Study extended = with_modes_for_diagnosis(
+      parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
+  one.after = solve(extended, work);
   one.predictions.extended =
       predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
 }
@@ -245,10 +246,10 @@ std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
 // Runs a step that may fail. A failure is reported and noted, and the diagnosis continues without
 // the step. Returns true if the step succeeded.
 template <typename Step>
-bool attempted(const char* what, Diagnosed& one, Run& run, Step step) {
+bool attempted(const char* what, Diagnosed& one, Work& work, Step step) {
   const auto note = [&](const std::exception& e) {
     one.result.notes.push_back(fmt::format("{}: {}", what, e.what()));
-    run.talk().warn(one.result.notes.back());
+    work.warn(one.result.notes.back());
   };
   try {
     step();
@@ -271,60 +272,61 @@ void comment_on(const std::string& comment, Diagnosed& one) {
 }
 
 void add_gain(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
-              Run& run) {
+              Work& work) {
   const bool named =
       !one.result.best.causes.empty() && one.result.verdict != diagnosis::Verdict::unexplained;
   if (named) {
-    const bool is_solved = attempted("the extended study cannot be solved", one, run,
-                                     [&] { extend(study, band_hz, solve, one, run); });
+    const bool is_solved = attempted("the extended study cannot be solved", one, work,
+                                     [&] { extend(study, band_hz, solve, one, work); });
     if (!is_solved) comment_on("This study could not be solved.", one);
     if (one.predictions.extended.empty() || !one.extended->unexpressed.empty()) {
-      attempted("the fitted model cannot predict", one, run,
+      attempted("the fitted model cannot predict", one, work,
                 [&] { one.predictions.fitted = fitted_model(one); });
     }
   }
   one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions);
   const auto advice = advice_against(one.gain);
   if (advice.empty()) return;
-  run.talk().warn(advice);
+  work.warn(advice);
   if (one.gain.pays) comment_on(advice, one);
 }
 
 }  // namespace
 
-Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extended) {
+Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
-  auto measured = measured_frfs(study, run);  // reports missing data before minutes of solving
-  one.before = solved(with_modes_for_diagnosis(study), run);
+  auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
+  one.before = solved(with_modes_for_diagnosis(study), work);
   const Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
-  one.measured = within_band(std::move(measured), study, plan, highest_hz, run);
+  one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
   for (const auto& note : diagnosed_faces(study, solution.model.body).notes) {
-    run.talk().note(note);
+    work.note(note);
   }
-  one.structure = run.timed("structure", [&] { return structure_of(study, solution, band_hz); });
-  auto options = options_of(plan, run);
-  run.timed("comparison", [&] {
-    compare(one, run);
-    if (take_scale(one, options.tolerances, run)) compare(one, run);
+  one.structure = work.timed("structure", [&] { return structure_of(study, solution, band_hz); });
+  auto options = options_of(plan, work);
+  work.timed("comparison", [&] {
+    compare(one, work);
+    if (take_scale(one, options.tolerances, work)) compare(one, work);
     return 0;
   });
-  one.result = run.timed("diagnosis",
-                         [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
-  one.detectable = run.timed(
+  one.result = work.timed("diagnosis",
+                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
+  one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   one.predictions.before = predicted(study, one.structure, study, one.measured.all);
-  add_gain(study, band_hz, solve_extended, one, run);
+  add_gain(study, band_hz, solve_extended, one, work);
   return one;
 }
 
-Diagnosed diagnosed(const Study& study, Run& run) {
-  return diagnosed(study, run,
-                   [](const Study& extended, Run& its_run) { return solved(extended, its_run); });
+Diagnosed diagnosed(const Study& study, Work& work) {
+  return diagnosed(study, work, [](const Study& extended, Work& its_work) {
+    return solved(extended, its_work);
+  });
 }
 
 }  // namespace chladni::app

@@ -13,7 +13,6 @@
 #include "diagnosis/compare.h"
 #include "diagnosis/detectable.h"
 #include "diagnosis/diagnosed.h"
-#include "io/report.h"
 
 namespace chladni::app {
 
@@ -37,26 +36,9 @@ struct Diagnosed {
 /// that of the reduced model. If the extended study does not change or cannot be solved, there is
 /// only a note.
 /// @throws as its steps, except those of the extended study
-[[nodiscard]] Diagnosed diagnosed(const Study& study, Run& run);
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work);
 /// The same with another function that solves the extended study.
-using SolveStudy = std::function<Solution(const Study& study, Run& run)>;
-[[nodiscard]] Diagnosed diagnosed(const Study& study, Run& run, const SolveStudy& solve_extended);
-
-[[nodiscard]] std::string diagnosis_table(const Diagnosed& diagnosed);
-[[nodiscard]] io::JsonObject diagnosis_json(const Diagnosed& diagnosed);
-/// A warning and its reason, if the result should not be used; then the verdict.
-[[nodiscard]] std::string verdict_text(const Diagnosed& diagnosed);
-/// The verdict in a sentence.
-[[nodiscard]] std::string verdict_text(const diagnosis::Diagnosis& result);
-/// Origin of the responses after the diagnosis, one line each.
-[[nodiscard]] std::vector<std::string> gain_lines(const Gain& gain);
-/// "point_mass: 0.2518 +- 0.0001 kg at (127.8, -289.9) mm"
-[[nodiscard]] std::string cause_text(const diagnosis::Cause& cause);
-
-/// A section of the report: verdict, causes, places, gain, modes.
-[[nodiscard]] io::Section diagnosis_section(const Diagnosed& diagnosed, const Run& run);
-
-/// diagnosis.json, extended.toml, cause_map.vtu and .png, prediction.png
-void leave_diagnosis(const Study& study, const Diagnosed& diagnosed, Run& run, bool main_result);
+using SolveStudy = std::function<Solution(const Study& study, Work& work)>;
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended);
 
 }  // namespace chladni::app

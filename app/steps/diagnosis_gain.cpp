@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "app/show/percent.h"
+#include "base/percent.h"
 
 namespace chladni::app {
 namespace {

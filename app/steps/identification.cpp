@@ -46,7 +46,7 @@ identification::DelayOf delay_of(const IdentificationPlan& plan) {
 }
 
 identification::IdentificationOptions fit_options(const IdentificationPlan& plan,
-                                                  const Study& study, Run& run) {
+                                                  const Study& study, Work& work) {
   identification::IdentificationOptions options;
   options.modes = plan.modes;
   options.rigid_count = plan.rigid_body_modes;
@@ -55,8 +55,8 @@ identification::IdentificationOptions fit_options(const IdentificationPlan& plan
   options.fit.delay = plan.delay;
   options.fit.delay_of = delay_of(plan);
   options.fit.residual = plan.residual;
-  options.fit.keep_best = run.options().keep_best;
-  options.fit.progress = run.talk().progress();
+  options.fit.keep_best = work.choices().keep_best;
+  options.fit.progress = work.progress();
   return options;
 }
 
@@ -87,8 +87,8 @@ identification::FitData fit_data_of(const Study& study, const IdentifiedModel& m
 namespace {
 
 identification::Identified found(const IdentificationPlan& plan, const Study& study,
-                                 const identification::FitData& data, Run& run) {
-  const auto options = fit_options(plan, study, run);
+                                 const identification::FitData& data, Work& work) {
+  const auto options = fit_options(plan, study, work);
   if (plan.method != "thesis") return identification::identified(data, options);
   require(plan.modes > 0, study.file.string() +
                               ": the thesis' path does not find the number of modes; expected "
@@ -134,9 +134,9 @@ bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& mode
 // and do not average out like noise. So the deviations stay those of the first fit. The delays stay
 // too, because phases of complex modes could look like delays.
 void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedModel& model,
-                 Run& run) {
+                 Work& work) {
   constexpr int kRounds = 2;
-  auto how = fit_options(plan, study, run).fit;
+  auto how = fit_options(plan, study, work).fit;
   how.delay = false;
   auto noise_only = data_options(plan, model.seen);
   noise_only.model_error = 0.0;
@@ -158,9 +158,9 @@ void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedM
 // Judges the fit, also by the same method without outlying values. The thesis' method cannot search
 // for modes, so it has no second fit.
 identification::Judgement judged(const IdentificationPlan& plan, const Study& study,
-                                 const IdentifiedModel& model, Run& run) {
+                                 const IdentifiedModel& model, Work& work) {
   std::optional<identification::IdentificationOptions> again;
-  if (plan.method != "thesis") again = fit_options(plan, study, run);
+  if (plan.method != "thesis") again = fit_options(plan, study, work);
   return identification::judged(model.found, model.data, again);
 }
 
@@ -180,52 +180,75 @@ std::string drift_warning(const IdentifiedModel& model) {
 }
 
 // The fit of the study's responses, as close as their noise and the study's model error allow.
-IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study, Run& run) {
+IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study, Work& work) {
   IdentifiedModel model;
-  model.measured = run.timed("read", [&] { return measured_frfs(study, run); });
+  model.measured = work.timed("read", [&] { return measured_frfs(study, work); });
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
-  model.found = run.timed("fit", [&] { return found(plan, study, model.data, run); });
+  model.found = work.timed("fit", [&] { return found(plan, study, model.data, work); });
   take_out_drift(model);
-  const auto stopped = [&] { return run.options().keep_best && interrupted(); };
+  const auto stopped = [&] { return work.choices().keep_best && interrupted(); };
   if (!stopped() && may_come_nearer(plan, model)) {
-    come_nearer(plan, study, model, run);
+    come_nearer(plan, study, model, work);
   } else if (!stopped() && model.seen.variance.empty() && plan.weighting == "variance") {
     // The noise is known better when the resonances are known.
     model.data = identification::reweighted(
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
         data_options(plan, model.seen));
-    model.found = run.timed("fit again", [&] { return found(plan, study, model.data, run); });
+    model.found = work.timed("fit again", [&] { return found(plan, study, model.data, work); });
     take_out_drift(model);
   }
   if (stopped()) {
     forget_interrupt();
-    run.talk().warn("the fit was stopped by Ctrl-C: its best so far is written");
+    work.warn("the fit was stopped by Ctrl-C: its best so far is written");
   }
   return model;
 }
 
 }  // namespace
 
-IdentifiedModel identified(const Study& study, const Solution* solution, Run& run) {
+IdentifiedModel identified(const Study& study, const Solution* solution, Work& work) {
   const auto plan = identification_plan(study);
-  auto model = fitted_model(plan, study, run);
-  run.talk().clear_progress();
-  if (model.drift.size() > 0) run.talk().warn(drift_warning(model));
-  for (const auto& note : model.found.fit.notes) run.talk().warn(note);
-  model.match = run.timed("gains", [&] { return matched(study, solution, model, run); });
-  for (const auto& warning : model.match.warnings) run.talk().warn(warning);
+  auto model = fitted_model(plan, study, work);
+  work.clear_progress();
+  if (model.drift.size() > 0) work.warn(drift_warning(model));
+  for (const auto& note : model.found.fit.notes) work.warn(note);
+  model.match = work.timed("gains", [&] { return matched(study, solution, model, work); });
+  for (const auto& warning : model.match.warnings) work.warn(warning);
   add_errors(model);
-  model.judgement = run.timed("judge", [&] { return judged(plan, study, model, run); });
+  model.judgement = work.timed("judge", [&] { return judged(plan, study, model, work); });
   if (plan.stabilisation > 0) {
-    model.stabilisation = run.timed("stabilisation", [&] {
+    model.stabilisation = work.timed("stabilisation", [&] {
       const auto data =
           identification::undelayed(model.data, identification::response_delays(model.found.fit));
-      return identification::stabilisation(
-          data, plan.stabilisation, model.found.fit.model.rigid_count > 0, run.talk().progress());
+      return identification::stabilisation(data, plan.stabilisation,
+                                           model.found.fit.model.rigid_count > 0, work.progress());
     });
   }
   return model;
+}
+
+double overall_error(const IdentifiedModel& model) {
+  const auto& data = model.data;
+  const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
+  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  return ((data.value - fitted).array().abs() * there).matrix().norm() / data.value.norm();
+}
+
+double noise(const IdentifiedModel& model) {
+  const auto& data = model.data;
+  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  return (there / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
+}
+
+void require_trust(const IdentifiedModel& model) {
+  const auto& judgement = model.judgement;
+  if (judgement.trust != identification::Trust::none) return;
+  std::string text = "the identified model is not to be trusted, though the results are written";
+  for (const auto& reason : judgement.reasons) text += "; " + reason;
+  throw NumericalFailure(text +
+                         ". See \"trust\" in identified.json; look at fit.png, at the "
+                         "lines named there and at identification.band");
 }
 
 }  // namespace chladni::app

@@ -28,7 +28,7 @@ struct MeasuredFrfs {
 /// The file of `[measurement]`, or the FRFs estimated from its recordings.
 /// @throws InvalidInput  no file is named; no channel of the study is in it; the unit of a channel
 ///                       does not fit the quantity in the study
-[[nodiscard]] MeasuredFrfs measured_frfs(const Study& study, Run& run);
+[[nodiscard]] MeasuredFrfs measured_frfs(const Study& study, Work& work);
 
 struct IdentifiedModel {
   MeasuredFrfs measured;
@@ -66,29 +66,15 @@ template <typename Named>
 
 /// @param solution  of the study; null: solved only if the gains need a simulation
 /// @throws as its steps
-[[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Run& run);
+[[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Work& work);
 
 /// |G − Ĝ| over |G|, over all responses and lines.
 [[nodiscard]] double overall_error(const IdentifiedModel& model);
 /// Noise over |G|, over all responses and lines: the overall_error of a perfect model. Stated or
 /// assumed model error is included.
 [[nodiscard]] double noise(const IdentifiedModel& model);
-[[nodiscard]] std::string identification_table(const IdentifiedModel& model);
-/// "trust: ...", then a line for each doubtful mode and outlying line.
-[[nodiscard]] std::string trust_text(const IdentifiedModel& model);
-[[nodiscard]] io::Json trust_json(const IdentifiedModel& model);
 /// Ends a verb that depends on the model, after its results are written.
 /// @throws NumericalFailure  the fit is not to be trusted; the message says why
 void require_trust(const IdentifiedModel& model);
-[[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
-
-/// Magnitudes of at most 24 responses: measured, fitted and residual.
-void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png);
-void draw_stabilisation(const IdentifiedModel& model, const std::filesystem::path& png);
-
-/// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was
-/// asked for, stabilisation.png
-void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
-                          bool main_result);
 
 }  // namespace chladni::app

@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 
-#include "app/interpolation.h"
 #include "app/stage/corrections.h"
 #include "app/stage/faces.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/placement/placement.h"
 #include "base/error.h"
 #include "identification/suspension.h"
@@ -248,14 +248,14 @@ bool is_untold(const identification::GainMatch& match, Eigen::Index rigid_count)
 }  // namespace
 
 identification::GainMatch matched(const Study& study, const Solution* solution,
-                                  IdentifiedModel& model, Run& run) {
+                                  IdentifiedModel& model, Work& work) {
   const auto plan = identification_plan(study);
   model.pairs = pairs_of(plan, model.seen);
   if (needs_simulation(model)) {
     if (solution != nullptr) {
       add_simulated_pairs(study, *solution, model);
     } else {
-      const Solution own = solved(study, run);
+      const Solution own = solved(study, work);
       add_simulated_pairs(study, own, model);
     }
   }

@@ -15,6 +15,6 @@ namespace chladni::app {
 ///                  without a pair then have no scale
 /// @throws as its steps
 [[nodiscard]] identification::GainMatch matched(const Study& study, const Solution* solution,
-                                                IdentifiedModel& model, Run& run);
+                                                IdentifiedModel& model, Work& work);
 
 }  // namespace chladni::app

@@ -1,4 +1,4 @@
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 
 #include <fmt/format.h>
 
@@ -201,14 +201,14 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
 }
 
 // The first default method accepts any places. If another one does not, a note says so.
-void add_method(const std::string& name, bool asked_for, Interpolated& result, Run& run) {
-  tell(run.talk().progress(), "interpolating: " + name);
-  run.timed("interpolate: " + name, [&] {
+void add_method(const std::string& name, bool asked_for, Interpolated& result, Work& work) {
+  tell(work.progress(), "interpolating: " + name);
+  work.timed("interpolate: " + name, [&] {
     try {
       result.methods.push_back(interpolation_by(priors::interpolator(name), result));
     } catch (const InvalidInput& e) {
       if (asked_for || result.methods.empty()) throw;
-      run.talk().note(name + " is left out: " + e.what());
+      work.note(name + " is left out: " + e.what());
     }
     return 0;
   });
@@ -216,18 +216,20 @@ void add_method(const std::string& name, bool asked_for, Interpolated& result, R
 
 }  // namespace
 
-Interpolated interpolated(const Study& study, const Solution& solution, Run& run) {
+Interpolated interpolated(const Study& study, const Solution& solution, Work& work,
+                          const OnIdentified& on_identified) {
   auto plan = plan_of(study);
   const auto& body = solution.model.body;
   const auto faces = faces_of(study, body, plan.on, "interpolation.on");
-  for (const auto& note : faces.notes) run.talk().note(note);
+  for (const auto& note : faces.notes) work.note(note);
   plan.direction = direction_on(faces, plan);
   const placement::Sampler sampler(body, solution.modes, {plan.direction, 0.0});
   Interpolated result;
   result.direction = plan.direction;
   result.surface = surface_on(sampler, faces);
-  add_simulation(study, solution, plan, run.seed(), result);
-  result.measured = measured(study, solution, result.simulation, result.harmonics, run);
+  add_simulation(study, solution, plan, work.seed(), result);
+  result.measured =
+      measured(study, solution, result.simulation, result.harmonics, work, on_identified);
   add_points(study, plan, solution, sampler.finder(), result);
   add_unmeasured(study, solution, result);
   const double noise = study.measurement->noise;
@@ -235,7 +237,7 @@ Interpolated interpolated(const Study& study, const Solution& solution, Run& run
     result.expected_error = expected_before(result, noise);
   }
   const bool asked_for = study.interpolation && !study.interpolation->methods.empty();
-  for (const auto& name : plan.methods) add_method(name, asked_for, result, run);
+  for (const auto& name : plan.methods) add_method(name, asked_for, result, work);
   return result;
 }
 

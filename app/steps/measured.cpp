@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/shape_table.h"
@@ -65,11 +65,11 @@ struct Values {
 
 Values values_of_truth(const Study& study, const Solution& solution,
                        const std::vector<ChannelSite>& channels,
-                       const priors::Simulation& simulation, Run& run) {
+                       const priors::Simulation& simulation, Work& work) {
   const auto& plan = *study.measurement;
-  const Study real_study = read_study(plan.truth, run.options().allowed);
-  const auto part = run.part("truth: ");
-  const Solution real = solved(real_study, run);
+  const Study real_study = read_study(plan.truth, work.choices().allowed);
+  const auto part = work.part("truth: ");
+  const Solution real = solved(real_study, work);
   const mesh::SiteFinder finder(real.model.body);
   const auto on_surface = shapes_there(real, finder, simulation.surface);
   const auto& surface = on_surface.shapes;
@@ -96,7 +96,7 @@ Values values_of_truth(const Study& study, const Solution& solution,
   const Eigen::VectorXd rms =
       (values.truth.cwiseAbs2().transpose() * values.area / values.area.sum()).cwiseSqrt();
   table.deviation = plan.noise * Eigen::VectorXd::Ones(table.values.rows()) * rms.transpose();
-  Draw draw(run.seed());
+  Draw draw(work.seed());
   for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
     for (Eigen::Index k = 0; k < table.values.rows(); ++k) {
       table.values(k, i) += table.deviation(k, i) * draw.normal();
@@ -134,7 +134,7 @@ priors::MeasuredShapes part_of(const io::ShapeTable& table,
 
 // Rejects columns that are not a channel, and notes channels without a column.
 void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSite>& channels,
-                       const std::string& file, Run& run) {
+                       const std::string& file, Work& work) {
   for (const auto& name : table.channels) {
     const bool known = std::any_of(channels.begin(), channels.end(),
                                    [&](const auto& channel) { return channel.name == name; });
@@ -143,8 +143,8 @@ void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSit
   for (const auto& channel : channels) {
     if (std::find(table.channels.begin(), table.channels.end(), channel.name) ==
         table.channels.end()) {
-      run.talk().note("\"" + channel.name + "\" was not measured: " + file +
-                      " has no column of that name");
+      work.note("\"" + channel.name + "\" was not measured: " + file +
+                " has no column of that name");
     }
   }
 }
@@ -190,22 +190,22 @@ bool has_shapes(const MeasurementPlan& plan) {
 
 Measured measured(const Study& study, const Solution& solution,
                   const priors::Simulation& simulation, const fem::LaplaceSpectrum& harmonics,
-                  Run& run) {
+                  Work& work, const OnIdentified& on_identified) {
   require(study.measurement && has_shapes(*study.measurement),
           study.file.string() +
               ": nothing is measured; expected [measurement] with frf = \"measured.uff\", shapes = "
               "\"shapes.csv\" or truth = \"real.toml\"");
   require_distinct_names(study);
   if (study.measurement->truth.empty() && study.measurement->shapes.empty()) {
-    return measured_by_responses(study, solution, harmonics, run);
+    return measured_by_responses(study, solution, harmonics, work, on_identified);
   }
   const auto channels = channel_sites(study, solution.model);
   Values values;
   if (!study.measurement->truth.empty()) {
-    values = values_of_truth(study, solution, channels, simulation, run);
+    values = values_of_truth(study, solution, channels, simulation, work);
   } else {
     values.table = table_of_file(*study.measurement);
-    warn_of_strangers(values.table, channels, study.measurement->shapes.string(), run);
+    warn_of_strangers(values.table, channels, study.measurement->shapes.string(), work);
   }
   const auto& hold_out = study.measurement->hold_out;
   std::vector<ChannelSite> used;

@@ -42,8 +42,8 @@ std::string text_of(const MeasuredChannel& one) {
 
 class Matching {
  public:
-  Matching(const std::vector<MeasuredChannel>& measured, const std::string& file, Run& run)
-      : measured_(measured), file_(file), run_(run) {}
+  Matching(const std::vector<MeasuredChannel>& measured, const std::string& file, Work& work)
+      : measured_(measured), file_(file), work_(work) {}
 
   std::optional<MatchedChannel> match(const Channel& channel) const {
     const auto by_name =
@@ -127,20 +127,20 @@ class Matching {
     } else {
       what += fmt::format("at node {} only {}", channel.node.value_or(0), listed(candidates));
     }
-    run_.talk().note(what);
+    work_.note(what);
   }
 
   const std::vector<MeasuredChannel>& measured_;
   const std::string& file_;
-  Run& run_;
+  Work& work_;
 };
 
 }  // namespace
 
 std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>& measured,
                                              const std::vector<Channel>& channels,
-                                             const std::string& file, Run& run) {
-  const Matching matching(measured, file, run);
+                                             const std::string& file, Work& work) {
+  const Matching matching(measured, file, work);
   std::vector<MatchedChannel> result;
   std::vector<const Channel*> user(measured.size(), nullptr);
   for (const auto& channel : channels) {
@@ -154,17 +154,17 @@ std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>&
     before = &channel;
     result.push_back(*found);
     if (!found->turned) continue;
-    run.talk().note(fmt::format("{}: {} is \"{}\" against its direction: its sign is turned", file,
-                                text_of(one), channel.name));
+    work.note(fmt::format("{}: {} is \"{}\" against its direction: its sign is turned", file,
+                          text_of(one), channel.name));
   }
   std::vector<std::string> others;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (user[i] == nullptr) others.push_back("\"" + measured[i].name + "\"");
   }
   if (others.empty()) return result;
-  run.talk().warn(file + ": " + io::listed(others) +
-                  (others.size() == 1 ? " is no channel" : " are no channels") + " of the study; " +
-                  (others.size() == 1 ? "its" : "their") + " responses are left out");
+  work.warn(file + ": " + io::listed(others) +
+            (others.size() == 1 ? " is no channel" : " are no channels") + " of the study; " +
+            (others.size() == 1 ? "its" : "their") + " responses are left out");
   return result;
 }
 

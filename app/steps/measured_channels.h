@@ -28,6 +28,6 @@ struct MatchedChannel {
 ///                       not. The message names the candidates
 [[nodiscard]] std::vector<MatchedChannel> matched_channels(
     const std::vector<modal::MeasuredChannel>& measured, const std::vector<Channel>& channels,
-    const std::string& file, Run& run);
+    const std::string& file, Work& work);
 
 }  // namespace chladni::app

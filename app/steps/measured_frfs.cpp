@@ -27,14 +27,14 @@ std::vector<std::pair<std::string, std::string>> named_pairs(const Study& study)
                               : std::vector<std::pair<std::string, std::string>>{};
 }
 
-modal::FrfSet read_responses(const Study& study, const std::filesystem::path& path, Run& run) {
+modal::FrfSet read_responses(const Study& study, const std::filesystem::path& path, Work& work) {
   io::FrfOptions options;
   options.sensor_names = names_of(study.sensors);
   options.actuator_names = names_of(study.actuators);
   options.collocated = named_pairs(study);
   if (study.identification) options.unit = study.identification->unit;
   auto file = io::read_frf(path, options);
-  for (const auto& note : file.notes) run.talk().note(path.string() + ": " + note);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
   return std::move(file.set);
 }
 
@@ -52,16 +52,17 @@ modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std
   return std::move(estimate.set);
 }
 
-modal::FrfSet estimated_responses(const Study& study, const std::filesystem::path& path, Run& run) {
+modal::FrfSet estimated_responses(const Study& study, const std::filesystem::path& path,
+                                  Work& work) {
   io::TimeOptions options;
   options.sensor_names = names_of(study.sensors);
   options.actuator_names = names_of(study.actuators);
   if (study.identification) options.unit = study.identification->unit;
   const auto file = io::read_time(path, options);
-  for (const auto& note : file.notes) run.talk().note(path.string() + ": " + note);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
   std::vector<std::string> notes;
   auto set = responses_of(file.data, notes);
-  for (const auto& note : notes) run.talk().note(path.string() + ": " + note);
+  for (const auto& note : notes) work.note(path.string() + ": " + note);
   return set;
 }
 
@@ -130,7 +131,7 @@ modal::FrfKind kind_of(const std::string& quantity) {
 
 bool has_responses(const MeasurementPlan& plan) { return !plan.frf.empty() || !plan.time.empty(); }
 
-MeasuredFrfs measured_frfs(const Study& study, Run& run) {
+MeasuredFrfs measured_frfs(const Study& study, Work& work) {
   require(study.measurement && has_responses(*study.measurement),
           study.file.string() +
               ": no responses are measured; expected [measurement] with frf = \"measured.uff\" or "
@@ -140,9 +141,9 @@ MeasuredFrfs measured_frfs(const Study& study, Run& run) {
   require(std::filesystem::exists(path),
           path.string() + ": there is no such file" + source_text(plan));
   auto set =
-      plan.frf.empty() ? estimated_responses(study, path, run) : read_responses(study, path, run);
-  const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), run);
-  const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), run);
+      plan.frf.empty() ? estimated_responses(study, path, work) : read_responses(study, path, work);
+  const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), work);
+  const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), work);
   require(!outputs.empty() && !inputs.empty(),
           path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
               set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/predicted.h"
 #include "base/error.h"
 #include "identification/damping_coupling.h"
@@ -53,14 +53,14 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
 }
 
 // Modes that have a scale and are not rigid-body modes.
-std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Run& run) {
+std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Work& work) {
   std::vector<Eigen::Index> modes;
   const auto& fit = model.found.fit.model;
   for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
     if (model.match.deviation.col(m).allFinite()) {
       modes.push_back(m);
     } else {
-      run.talk().warn(
+      work.warn(
           fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
                       "actuators: it takes no part in what is predicted elsewhere",
                       m + 1, fit.frequency_hz(m)));
@@ -148,13 +148,13 @@ void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
 }  // namespace
 
 Measured measured_by_responses(const Study& study, const Solution& solution,
-                               const fem::LaplaceSpectrum& harmonics, Run& run) {
+                               const fem::LaplaceSpectrum& harmonics, Work& work,
+                               const OnIdentified& on_identified) {
   Measured result;
-  auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, run));
-  run.show(identification_table(*model) + "\n");
-  leave_identification(study, *model, run, false);
+  auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, work));
+  if (on_identified) on_identified(*model);
   result.identified = model;
-  result.fitted_mode = usable_modes(*model, run);
+  result.fitted_mode = usable_modes(*model, work);
   const auto sites = channel_sites(study, solution.model);
   std::vector<ChannelSite> used;
   for (const auto& row : model->match.rows) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 
 namespace chladni::app {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/interpolation.h"
 #include "app/stage/faces.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "priors/dynamic_residual.h"
 #include "priors/simulated_lengths.h"
@@ -168,24 +168,24 @@ int most_complex_of(const LearnedPriors& result) {
 
 }  // namespace
 
-LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run) {
+LearnedPriors learned_priors(const Study& study, const Solution& solution, Work& work) {
   PriorsPlan plan = study.priors.value_or(PriorsPlan{});
   const auto faces = faces_of(study, solution.model.body, plan.on, "priors.on");
   plan.direction = direction_on(faces, plan);
   const auto scales = plan.per_axis ? priors::Scales::per_axis : priors::Scales::isotropic;
   LearnedPriors result(plan, priors::Kernel(priors::kernel_family(plan.kernel), scales));
-  const auto progress = run.talk().progress();
+  const auto progress = work.progress();
   tell(progress, "looking at the surface");
   const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
   result.surface = surface_on(sampler, faces);
   result.notes = faces.notes;
   choose_modes(study, solution, result);
-  run.timed("learning", [&] {
+  work.timed("learning", [&] {
     for (const int samples : plan.samples) {
       tell(progress, fmt::format("learning from {} samples", samples));
       const auto count = std::min<Eigen::Index>(samples, result.surface.sites.count());
       const bool again = !result.by_samples.empty() && count <= result.last().samples;
-      if (!again) result.by_samples.push_back(learned_at(result, count, run.seed()));
+      if (!again) result.by_samples.push_back(learned_at(result, count, work.seed()));
       if (result.last().samples >= samples) continue;
       result.notes.push_back(
           fmt::format("the surface has {} points that differ; {} samples cannot be had",

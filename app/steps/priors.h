@@ -49,7 +49,8 @@ struct LearnedPriors {
 
 /// @throws InvalidInput  a patch that does not exist, more modes than were computed, no mode that
 ///                       moves the surface
-[[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution, Run& run);
+[[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution,
+                                           Work& work);
 
 /// The study's channels that look along the surface's direction or against it (within 2.6 degrees),
 /// all turned to look along it. A note names the others, for which the result does not apply.
@@ -61,8 +62,5 @@ struct LearnedPriors {
 /// places) are left out with a note.
 void add_channel_errors(const Solution& solution, const priors::Places& places,
                         LearnedPriors& result);
-
-[[nodiscard]] std::string priors_table(const Solution& solution, const LearnedPriors& result);
-[[nodiscard]] io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result);
 
 }  // namespace chladni::app

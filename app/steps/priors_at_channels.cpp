@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "app/interpolation.h"
 #include "app/stage/faces.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/priors.h"
 #include "base/error.h"
 #include "priors/interpolator.h"

@@ -98,12 +98,12 @@ void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench
       fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
 }
 
-void set_structure(const Study& study, Run& run, Bench& bench) {
+void set_structure(const Study& study, Work& work, Bench& bench) {
   const auto& plan = *study.experiment;
   if (plan.structure != "study") return set_chain(study, bench);
-  const Solution solution = solved(study, run);
-  const auto model =
-      identification::in_view(run.timed("reduction", [&] { return at_channels(study, solution); }));
+  const Solution solution = solved(study, work);
+  const auto model = identification::in_view(
+      work.timed("reduction", [&] { return at_channels(study, solution); }));
   bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
@@ -176,7 +176,7 @@ void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
 
 }  // namespace
 
-Bench bench_of(const Study& study, Run& run) {
+Bench bench_of(const Study& study, Work& work) {
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
   require(!study.sensors.empty() && !study.actuators.empty(),
@@ -192,7 +192,7 @@ Bench bench_of(const Study& study, Run& run) {
   rig.outputs = channels_of(study.sensors, true);
   rig.inputs = channels_of(study.actuators, false);
   set_excitation(plan, bench);
-  set_structure(study, run, bench);
+  set_structure(study, work, bench);
   if (plan.cubic_stiffness != 0.0) {
     rig.spring =
         identification::CubicSpring{.stiffness = plan.cubic_stiffness,
@@ -200,17 +200,17 @@ Bench bench_of(const Study& study, Run& run) {
                                     .input = place_of(study.actuators, plan.cubic_actuator)};
   }
   identification::check(rig);
-  set_noise(study, run.seed(), bench);
+  set_noise(study, work.seed(), bench);
   return bench;
 }
 
-Simulated simulated(const Study& study, const Bench& bench, Run& run) {
+Simulated simulated(const Study& study, const Bench& bench, Work& work) {
   using namespace identification;
   const auto& plan = *study.experiment;
-  Draw draw(run.seed());
+  Draw draw(work.seed());
   Simulated result;
   Spectra all;
-  const auto progress = run.talk().progress();
+  const auto progress = work.progress();
   for (int r = 0; r < plan.realisations; ++r) {
     tell(progress, "shaking", static_cast<double>(r) / plan.realisations);
     auto data = realisation(bench.rig, bench.plan, r, draw, &result.crest_factor);
@@ -226,7 +226,7 @@ Simulated simulated(const Study& study, const Bench& bench, Run& run) {
   }
   tell(progress, "estimating");
   result.estimate = bench.rig.controller ? closed_loop_estimate(all).estimate : frf_estimate(all);
-  run.talk().clear_progress();
+  work.clear_progress();
   advise(plan, result.estimate);
   auto& set = result.estimate.set;
   const auto seen = phase_delay(without_delay(set, 0.0, bench.rig.sample_time_s),

@@ -16,7 +16,7 @@ struct Bench {
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
 ///                       thesis' beam, an impossible loop
-[[nodiscard]] Bench bench_of(const Study& study, Run& run);
+[[nodiscard]] Bench bench_of(const Study& study, Work& work);
 
 struct Simulated {
   identification::FrfEstimate estimate;  ///< compensated as the study asks
@@ -25,6 +25,6 @@ struct Simulated {
   double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };
 
-[[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Run& run);
+[[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Work& work);
 
 }  // namespace chladni::app

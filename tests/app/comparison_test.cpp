@@ -8,7 +8,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/interpolation.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "quiet_run.h"
 #include "simulators/frf_cases.h"

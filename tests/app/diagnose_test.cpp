@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "app/command.h"
+#include "app/show/diagnosis.h"
 #include "app/steps/diagnosis.h"
 #include "base/error.h"
 #include "io/frf_file.h"

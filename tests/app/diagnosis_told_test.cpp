@@ -8,6 +8,7 @@
 #include <random>
 #include <sstream>
 
+#include "app/show/diagnosis.h"
 #include "app/stage/reduction/diagnosis_structure.h"
 #include "app/steps/diagnosis.h"
 #include "base/error.h"
@@ -203,7 +204,7 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
   const auto study = study_of({cause("sensor_crosstalk", {"s1", "s2"}, {{"share", 0.2}})},
                               "\"sensor_crosstalk\", \"sensor_gain\", \"sensor_position\"");
   QuietRun quiet(study, at("out"));
-  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Run&) -> Solution {
+  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Work&) -> Solution {
     ADD_FAILURE() << "an unchanged study was solved again";
     throw NumericalFailure("not to be solved");
   });
@@ -225,7 +226,7 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
   QuietRun quiet(study, at("out"));
-  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Run&) -> Solution {
+  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Work&) -> Solution {
     throw NumericalFailure("the matrix is not positive definite");
   });
   leave_diagnosis(study, one, quiet.run(), false);
@@ -244,7 +245,7 @@ TEST_F(Told, CtrlCIsNoNote) {
   QuietRun quiet(study, at("out"));
   EXPECT_THROW(static_cast<void>(diagnosed(
                    study, quiet.run(),
-                   [](const Study&, app::Run&) -> Solution { throw Interrupted("Ctrl-C"); })),
+                   [](const Study&, app::Work&) -> Solution { throw Interrupted("Ctrl-C"); })),
                Interrupted);
 }
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/placement/placement.h"
 #include "app/steps/priors.h"
 #include "base/error.h"

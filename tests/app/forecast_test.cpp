@@ -4,9 +4,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "app/interpolation.h"
 #include "app/stage/forecast.h"
 #include "app/stage/solution.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/surface.h"

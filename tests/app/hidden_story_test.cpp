@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/command.h"
+#include "app/show/diagnosis.h"
 #include "app/steps/diagnosis.h"
 #include "quiet_run.h"
 

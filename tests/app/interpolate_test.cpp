@@ -6,7 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/interpolation.h"
+#include "app/show/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"

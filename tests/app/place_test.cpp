@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/show/placement.h"
 #include "app/steps/placement/placement.h"
 #include "base/error.h"
 #include "io/json.h"

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "app/show/priors.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "quiet_run.h"

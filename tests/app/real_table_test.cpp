@@ -2,7 +2,7 @@
 // model. docs/reference/oat_interpolation.md shows the figures.
 #include <gtest/gtest.h>
 
-#include "app/interpolation.h"
+#include "app/steps/interpolation.h"
 #include "app/steps/priors.h"
 #include "quiet_run.h"
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "app/show/solution.h"
 #include "app/stage/solution.h"
 
 namespace chladni::app {

@@ -95,17 +95,17 @@ void add_maps(const Views& views, const PlacementPlan& plan, Placed& placed) {
 
 }  // namespace
 
-Placed placed(const Study& study, const Solution& solution, Run& run) {
+Placed placed(const Study& study, const Solution& solution, Work& work) {
   PlacementPlan plan = placement_plan(study);
   const auto& body = solution.model.body;
-  const auto progress = run.talk().progress();
+  const auto progress = work.progress();
   tell(progress, "looking at the surface");
   Placed placed;
   placed.faces = faces_of(study, body, plan.on, "placement.on");
   placed.notes = placed.faces.notes;
   plan.direction = direction_on(placed.faces, plan);
   const placement::Sampler sampler(body, solution.modes, device_of(plan));
-  run.timed("surface", [&] {
+  work.timed("surface", [&] {
     placed.surface = surface_on(sampler, placed.faces);
     return 0;
   });
@@ -114,17 +114,17 @@ Placed placed(const Study& study, const Solution& solution, Run& run) {
   placed.forbidden = placement::forbidden_by(placed.surface.sites, placed.rules);
   tell(progress, "scoring pairs");
   std::vector<Member> members;
-  if (plan.uncertainty) members = ensemble(solution, *plan.uncertainty, run.seed());
+  if (plan.uncertainty) members = ensemble(solution, *plan.uncertainty, work.seed());
   const Views views(study, solution, plan, placed.surface, placed.wanted, std::move(members));
   const Candidates candidates = candidates_of(plan, sampler, placed);
-  run.timed("heat_map", [&] {
+  work.timed("heat_map", [&] {
     add_maps(views, plan, placed);
     add_best(sampler, views, plan, candidates, placed);
     return 0;
   });
   tell(progress, "scoring layouts");
-  run.timed("layouts", [&] {
-    add_optima(study, solution, plan, candidates, run.seed(), placed);
+  work.timed("layouts", [&] {
+    add_optima(study, solution, plan, candidates, work.seed(), placed);
     add_layouts(study, solution, plan, placed);
     return 0;
   });

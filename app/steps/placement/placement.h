@@ -70,19 +70,7 @@ struct Placed {
 
 /// @throws InvalidInput  missing modes, no admissible site, more devices than sites, a patch or
 ///                       channel that does not exist
-[[nodiscard]] Placed placed(const Study& study, const Solution& solution, Run& run);
-
-[[nodiscard]] io::JsonObject placement_json(const Study& study, const Solution& solution,
-                                            const Placed& placed);
-[[nodiscard]] std::string placement_table(const Solution& solution, const Placed& placed);
-
-/// One line each, for the terminal.
-[[nodiscard]] std::string optimum_text(const Optimum& optimum);
-[[nodiscard]] std::string blind_text(const Solution& solution, const ScoredLayout& layout);
-
-/// placement.json, heat_map.vtu, heat_map.png, layouts.png.
-void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
-                     bool main_result);
+[[nodiscard]] Placed placed(const Study& study, const Solution& solution, Work& work);
 
 /// "7 (flex 1, 178.92 Hz)"; a group "10-11 (flex 4-5, 463.4 Hz)".
 [[nodiscard]] std::string group_name(const Solution& solution, const WantedModes& wanted,

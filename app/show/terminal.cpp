@@ -1,4 +1,4 @@
-#include "app/terminal.h"
+#include "app/show/terminal.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "app/output_folder.h"
+#include "app/show/output_folder.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -1,6 +1,7 @@
 // Mode shapes on the whole body, from measurements at a few places.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,21 +61,28 @@ struct Interpolated {
   std::vector<Interpolation> methods;  ///< the first one is shown
 };
 
+/// What to do with an identified model before its shapes are used; it may be empty.
+using OnIdentified = std::function<void(const IdentifiedModel& model)>;
+
 /// True if it gives shapes: a table, or a study that stands for the real body.
 [[nodiscard]] bool has_shapes(const MeasurementPlan& plan);
 
 /// @throws InvalidInput  nothing measured, channels that the table lacks, patches that do not
 ///                       exist, a requested method that cannot be used here
-[[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Run& run);
+/// @param on_identified  gets the model as soon as it is fitted, before its shapes are interpolated
+[[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Work& work,
+                                        const OnIdentified& on_identified = {});
 
 /// The step of `interpolated` that reads a table, or a study that stands for the real body.
 [[nodiscard]] Measured measured(const Study& study, const Solution& solution,
                                 const priors::Simulation& simulation,
-                                const fem::LaplaceSpectrum& harmonics, Run& run);
+                                const fem::LaplaceSpectrum& harmonics, Work& work,
+                                const OnIdentified& on_identified);
 
 /// The step of `measured` that identifies the shapes from responses.
 [[nodiscard]] Measured measured_by_responses(const Study& study, const Solution& solution,
-                                             const fem::LaplaceSpectrum& harmonics, Run& run);
+                                             const fem::LaplaceSpectrum& harmonics, Work& work,
+                                             const OnIdentified& on_identified);
 
 /// Shapes of responses at places, from a field (mean and deviation per fitted shape). Rigid-body
 /// rows come from the geometry, the residual from the simulation's modes above the band.
@@ -91,17 +99,6 @@ struct Interpolated {
 /// the band.
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
                                                   const Interpolation& one);
-
-/// Writes `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file,
-/// predicted.png and spatio_temporal.mat: receptances at the sensors outside the fit and at the
-/// points of interest.
-void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
-/// Name of the picture: predicted.png for predicted.csv.
-[[nodiscard]] std::string predictions_picture(const std::string& file);
-/// At most 24 predicted responses, over the measured ones.
-/// @param predicted  with variances
-void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,
-                      const std::filesystem::path& png);
 
 /// A sensor or actuator of the study at its place on the body.
 struct ChannelSite {
@@ -120,13 +117,5 @@ struct ChannelSite {
 [[nodiscard]] priors::Places places_at(const std::vector<ChannelSite>& channels,
                                        const modal::Modes& modes,
                                        const fem::LaplaceSpectrum& harmonics = {});
-
-[[nodiscard]] std::string interpolation_table(const Interpolated& result);
-[[nodiscard]] io::JsonObject interpolation_json(const Interpolated& result);
-
-/// interpolation.json, mode_field.vtu, mode_field.png, and on request mode_field.csv (a lookup
-/// table) and mode_field_polynomial.json.
-void leave_interpolation(const Study& study, const Solution& solution, const Interpolated& result,
-                         Run& run, bool main_result);
 
 }  // namespace chladni::app

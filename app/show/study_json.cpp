@@ -1,6 +1,8 @@
 // A study in SI units: the output of `chladni check`.
+#include "app/show/interpolation.h"
+#include "app/show/solution.h"
+#include "app/show/study_measured_json.h"
 #include "app/stage/solution.h"
-#include "app/study/study_measured_json.h"
 #include "mesh/tetrahedralize.h"
 
 namespace chladni::app {

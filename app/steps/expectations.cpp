@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/stage/solution.h"
+#include "app/steps/expectations.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -37,18 +37,18 @@ std::string verdict_line(const Expectation& expectation, double found, bool met)
 /// An implicit expectation of every study: the modes satisfy their equation.
 constexpr double kLargestResidual = 1e-8;
 
-bool residuals_are_small(const Solution& solution, Run& run) {
+bool residuals_are_small(const Solution& solution, Work& work) {
   const double found =
       solution.summary.residual.size() > 0 ? solution.summary.residual.maxCoeff() : 0.0;
   const bool met = found <= kLargestResidual;
-  run.show(fmt::format("{}  {:<18} expected at most {:.0e}, found {:.1e}\n",
-                       met ? "met   " : "FAILED", "residual", kLargestResidual, found));
+  work.show(fmt::format("{}  {:<18} expected at most {:.0e}, found {:.1e}\n",
+                        met ? "met   " : "FAILED", "residual", kLargestResidual, found));
   return met;
 }
 
 }  // namespace
 
-void judge(const Study& study, const Solution& solution, Run& run) {
+void judge(const Study& study, const Solution& solution, Work& work) {
   require(!study.expectations.empty(),
           study.file.string() +
               " expects nothing; add a table [expect], such as frequency_1 = { "
@@ -58,9 +58,9 @@ void judge(const Study& study, const Solution& solution, Run& run) {
     const double found = found_for(expectation, solution);
     const bool met = std::abs(found - expectation.value) <= expectation.within * (1.0 + 1e-12);
     failed += met ? 0 : 1;
-    run.show(verdict_line(expectation, found, met));
+    work.show(verdict_line(expectation, found, met));
   }
-  const bool solved = residuals_are_small(solution, run);
+  const bool solved = residuals_are_small(solution, work);
   if (failed > 0) {
     throw NumericalFailure(fmt::format("{}: {} of {} expectations not met", study.file.string(),
                                        failed, study.expectations.size()));

@@ -1,5 +1,5 @@
 // Measurement, experiment and identification of a study, in SI units.
-#include "app/study/study_measured_json.h"
+#include "app/show/study_measured_json.h"
 
 namespace chladni::app {
 

@@ -5,9 +5,9 @@
 #include <ostream>
 #include <system_error>
 
-#include "app/command.h"
+#include "app/show/run.h"
+#include "app/show/version.h"
 #include "app/study/sha256.h"
-#include "app/version.h"
 #include "base/error.h"
 
 namespace chladni::app {
@@ -19,6 +19,15 @@ std::filesystem::path folder_of(const Study& study, const Options& options) {
 
 unsigned seed_of(const Study& study, const Options& options) {
   return options.seed >= 0 ? static_cast<unsigned>(options.seed) : study.seed.value_or(1);
+}
+
+WorkOptions work_options(const Study& study, const Options& options) {
+  return {.seed = seed_of(study, options),
+          .certificate = options.certificate,
+          .keep_best = options.keep_best,
+          .keep_times = !options.reproducible,
+          .allowed = options.allowed,
+          .folder = folder_of(study, options)};
 }
 
 /// True if the result depends on the measurement.
@@ -38,12 +47,12 @@ io::JsonArray inputs_of(const Origin& origin) {
 }  // namespace
 
 Run::Run(const Study& study, Options options, std::ostream& results, Talk& talk)
-    : study_(study),
+    : Work(work_options(study, options)),
+      study_(study),
       options_(std::move(options)),
       results_(results),
       talk_(talk),
-      folder_(folder_of(study, options_)),
-      seed_(seed_of(study, options_)) {}
+      folder_(choices().folder) {}
 
 Run::~Run() {
   try {
@@ -103,11 +112,7 @@ std::filesystem::path Run::operator/(std::string_view name) const { return folde
 
 void Run::show(std::string_view text) {
   talk_.clear_progress();
-  if (!options_.json) results_ << part_ << text << std::flush;
-}
-
-std::vector<std::pair<std::string, double>> Run::seconds() const {
-  return options_.reproducible ? std::vector<std::pair<std::string, double>>() : seconds_;
+  if (!options_.json) results_ << part() << text << std::flush;
 }
 
 void Run::leave(const std::string& file, io::JsonObject content, bool main_result) {
@@ -118,7 +123,7 @@ void Run::leave(const std::string& file, io::JsonObject content, bool main_resul
       {"study", io::JsonObject{{"title", study_.title},
                                {"sha256", study_.sha256},
                                {"inputs", inputs_of(origin(stands_on_measured(file)))}}},
-      {"seed", static_cast<long long>(seed_)},
+      {"seed", static_cast<long long>(seed())},
       {"seconds", seconds}};
   all.insert(all.end(), content.begin(), content.end());
   const io::Json json(std::move(all));

@@ -1,10 +1,10 @@
-#include "app/show/percent.h"
+#include "base/percent.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace chladni::app {
+namespace chladni {
 
 std::string percent(double part) {
   return std::isfinite(part) ? fmt::format("{:.3g} %", 100.0 * part) : "-";
@@ -14,4 +14,4 @@ std::string percent_cell(double part) {
   return std::isfinite(part) ? fmt::format("{:.3g}", 100.0 * part) : "\u2013";
 }
 
-}  // namespace chladni::app
+}  // namespace chladni

@@ -1,12 +1,11 @@
-// Trust in an identified model: as text, as JSON and as an exit code.
+// Trust in an identified model, as text and as JSON.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <vector>
 
-#include "app/steps/identification.h"
-#include "base/error.h"
+#include "app/show/identification.h"
 
 namespace chladni::app {
 namespace {
@@ -92,16 +91,6 @@ io::Json trust_json(const IdentifiedModel& model) {
                         {"doubtful_part", judgement.doubtful_part},
                         {"doubtful_modes", doubtful},
                         {"outlying", outlying}};
-}
-
-void require_trust(const IdentifiedModel& model) {
-  const auto& judgement = model.judgement;
-  if (judgement.trust != identification::Trust::none) return;
-  std::string text = "the identified model is not to be trusted, though the results are written";
-  for (const auto& reason : judgement.reasons) text += "; " + reason;
-  throw NumericalFailure(text +
-                         ". See \"trust\" in identified.json; look at fit.png, at the "
-                         "lines named there and at identification.band");
 }
 
 }  // namespace chladni::app
