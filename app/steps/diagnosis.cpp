@@ -13,7 +13,6 @@
 #include "app/stage/channel_paths.h"
 #include "app/stage/reduction/diagnosis_faces.h"
 #include "app/stage/reduction/diagnosis_structure.h"
-#include "app/study/study_parts.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"

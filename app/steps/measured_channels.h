@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/command.h"
+#include "app/stage/work.h"
 #include "app/study/study.h"
 #include "modal/frf_set.h"
 

@@ -6,7 +6,6 @@
 #include "app/stage/channel_paths.h"
 #include "app/steps/identification.h"
 #include "app/steps/measured_channels.h"
-#include "app/study/study_parts.h"
 #include "base/error.h"
 #include "identification/closed_loop.h"
 #include "identification/frf_estimate.h"

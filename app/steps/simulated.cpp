@@ -7,7 +7,6 @@
 
 #include "app/stage/at_channels.h"
 #include "app/stage/channel_paths.h"
-#include "app/study/study_parts.h"
 #include "base/error.h"
 #include "identification/closed_loop.h"
 #include "identification/delay.h"

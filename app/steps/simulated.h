@@ -1,7 +1,7 @@
 // The virtual laboratory of a study: its bench and its results.
 #pragma once
 
-#include "app/command.h"
+#include "app/stage/work.h"
 #include "identification/frf_estimate.h"
 #include "identification/virtual_experiment.h"
 

@@ -272,6 +272,10 @@ struct Study {
   std::vector<std::string> warnings;  ///< implausible values: "<file>:<line>:<column>: ..."
 };
 
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
+/// Names of the sensors, then of the actuators.
+[[nodiscard]] std::vector<std::string> channel_names(const Study& study);
+
 /// The study in `file`. Its paths are relative to its folder and must stay below it, or below one
 /// of the folders `allowed`.
 /// @throws InvalidInput  all errors, the first 20, each with line and column

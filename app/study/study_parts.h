@@ -53,10 +53,6 @@ void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, 
 
 inline constexpr int kMostModes = 5000;
 
-[[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
-/// Names of the sensors, then of the actuators.
-[[nodiscard]] std::vector<std::string> channel_names(const Study& study);
-
 /// Reports each name of `key` that is not `known`, with the nearest known one.
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
                       const std::vector<std::string>& wanted,

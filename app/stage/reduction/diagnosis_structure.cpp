@@ -10,7 +10,6 @@
 #include "app/stage/reduction/modal_stiffness.h"
 #include "app/stage/reduction/plane_stress.h"
 #include "app/stage/reduction/upper_face.h"
-#include "app/study/study_parts.h"
 #include "base/error.h"
 #include "fem/field_matrices.h"
 
