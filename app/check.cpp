@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "app/command.h"
-#include "app/show/solution.h"
-#include "app/stage/forecast.h"
-#include "app/stage/solution.h"
-#include "app/steps/expectations.h"
-#include "app/study/toml/problems.h"
+#include "show/solution.h"
+#include "stage/forecast.h"
+#include "stage/solution.h"
+#include "steps/expectations.h"
+#include "study/problems.h"
 
 namespace chladni::app {
 namespace {

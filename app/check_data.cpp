@@ -7,9 +7,9 @@
 #include <span>
 
 #include "app/command.h"
-#include "app/show/version.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
+#include "show/version.h"
 
 namespace chladni::app {
 namespace {

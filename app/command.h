@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/show/run.h"
+#include "show/run.h"
 
 namespace chladni::app {
 

@@ -1,7 +1,7 @@
 // chladni diagnose STUDY: errors of the simulation, their causes, the extended study, the gain.
 #include "app/command.h"
-#include "app/show/diagnosis.h"
-#include "app/steps/diagnosis.h"
+#include "show/diagnosis.h"
+#include "steps/diagnosis.h"
 
 namespace chladni::app {
 namespace {

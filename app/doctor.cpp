@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/show/version.h"
 #include "app/workers.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -20,6 +19,7 @@
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
+#include "show/version.h"
 
 namespace chladni::app {
 namespace {

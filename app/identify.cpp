@@ -1,7 +1,7 @@
 // chladni identify STUDY: a modal model from measured responses.
 #include "app/command.h"
-#include "app/show/identification.h"
-#include "app/steps/identification.h"
+#include "show/identification.h"
+#include "steps/identification.h"
 
 namespace chladni::app {
 namespace {

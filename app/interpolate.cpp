@@ -1,12 +1,12 @@
 // chladni interpolate STUDY: all mode shapes on the whole body, from a few measured points.
 #include "app/command.h"
-#include "app/steps/interpolation.h"
+#include "steps/interpolation.h"
 
 #include <filesystem>
 
-#include "app/show/identification.h"
-#include "app/show/interpolation.h"
 #include "base/error.h"
+#include "show/identification.h"
+#include "show/interpolation.h"
 
 namespace chladni::app {
 namespace {

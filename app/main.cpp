@@ -7,13 +7,13 @@
 #include <system_error>
 
 #include "app/command.h"
-#include "app/show/new_output.h"
-#include "app/show/version.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "dense/blas.h"
 #include "io/frf_file.h"
+#include "show/new_output.h"
+#include "show/version.h"
 
 namespace {
 

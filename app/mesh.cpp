@@ -1,7 +1,7 @@
 // chladni mesh STUDY: checks the body's surface and fills it with tetrahedra.
 #include "app/command.h"
-#include "app/show/solution.h"
-#include "app/stage/body.h"
+#include "show/solution.h"
+#include "stage/body.h"
 
 namespace chladni::app {
 namespace {

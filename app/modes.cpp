@@ -1,6 +1,6 @@
 // chladni modes STUDY: natural frequencies and mode shapes of the body in the study.
 #include "app/command.h"
-#include "app/show/solution.h"
+#include "show/solution.h"
 
 namespace chladni::app {
 namespace {

@@ -1,7 +1,7 @@
 // chladni place STUDY: the best places of collocated pairs, and the quality of layouts.
 #include "app/command.h"
-#include "app/show/placement.h"
-#include "app/steps/placement/placement.h"
+#include "show/placement.h"
+#include "steps/placement.h"
 
 namespace chladni::app {
 namespace {

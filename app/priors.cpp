@@ -1,7 +1,7 @@
 // chladni priors STUDY: length scales, amplitudes and noise from the simulated modes.
-#include "app/show/priors.h"
 #include "app/command.h"
-#include "app/steps/priors.h"
+#include "show/priors.h"
+#include "steps/priors.h"
 
 namespace chladni::app {
 namespace {

@@ -5,13 +5,13 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "app/stage/solution.h"
-#include "app/steps/simulated.h"
-#include "app/study/sha256.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
+#include "stage/solution.h"
+#include "steps/simulated.h"
+#include "study/sha256.h"
 
 namespace chladni::app {
 namespace {

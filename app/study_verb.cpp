@@ -3,13 +3,13 @@
 #include <optional>
 
 #include "app/command.h"
-#include "app/show/diagnosis.h"
-#include "app/show/identification.h"
-#include "app/show/interpolation.h"
-#include "app/show/placement.h"
-#include "app/show/report.h"
-#include "app/show/solution.h"
-#include "app/steps/expectations.h"
+#include "show/diagnosis.h"
+#include "show/identification.h"
+#include "show/interpolation.h"
+#include "show/placement.h"
+#include "show/report.h"
+#include "show/solution.h"
+#include "steps/expectations.h"
 
 namespace chladni::app {
 namespace {

@@ -16,8 +16,14 @@ MAY_INCLUDE = {
     "identification": "base dense mesh modal priors",
     "diagnosis": "base dense mesh modal fem priors identification",
     "io": "base dense mesh modal fem priors placement identification diagnosis",
-    "app": "base dense mesh modal fem priors placement identification diagnosis io",
-    "python": "base dense mesh modal fem priors placement identification diagnosis io app",
+    "study": "base dense mesh modal fem priors placement identification diagnosis io",
+    "stage": "base dense mesh modal fem priors placement identification diagnosis io study",
+    "steps": "base dense mesh modal fem priors placement identification diagnosis io study stage",
+    "show": "base dense mesh modal fem priors placement identification diagnosis io study stage steps",
+    "app": "base dense mesh modal fem priors placement identification diagnosis io study stage steps "
+           "show",
+    "python": "base dense mesh modal fem priors placement identification diagnosis io study stage "
+              "steps show",
 }
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],
@@ -34,7 +40,7 @@ DOORS = {
     r".*\.hxx": ["io/surface/step*.cpp"],
     r"pybind11/": ["python/*.cpp", "python/*.h"],
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],
-    r"toml": ["app/study/toml/study_source.cpp"],
+    r"toml": ["study/toml/study_source.cpp"],
     r"CLI/": ["app/main.cpp"],
 }
 # std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,

@@ -50,7 +50,7 @@ commit_of_archive(commit)
 commit_of_checkout(commit)
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // Made by cmake/write_version.cmake.
-#include "app/show/version.h"
+#include "show/version.h"
 
 namespace chladni::app {
 

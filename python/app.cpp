@@ -9,13 +9,13 @@
 #include <optional>
 #include <sstream>
 
-#include "app/show/identification.h"
-#include "app/show/interpolation.h"
-#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "mesh/site.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
+#include "show/identification.h"
+#include "show/interpolation.h"
+#include "steps/interpolation.h"
 
 namespace chladni::python {
 namespace {

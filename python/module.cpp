@@ -4,11 +4,11 @@
 
 #include <filesystem>
 
-#include "app/show/version.h"
 #include "base/error.h"
 #include "base/worker.h"
 #include "dense/blas.h"
 #include "python/rooms.h"
+#include "show/version.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // A comparison as people and programs see it.
-#include "app/show/comparison.h"
+#include "show/comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/show/interpolation.h"
-#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "quiet_run.h"
+#include "show/interpolation.h"
 #include "simulators/frf_cases.h"
+#include "steps/interpolation.h"
 
 namespace chladni::app {
 namespace {

@@ -1,5 +1,5 @@
 // What may be wrong of a body, against a body of which it is wrong.
-#include "app/stage/corrections.h"
+#include "stage/corrections.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What an experiment would find, as people read it.
-#include "app/show/detectable_text.h"
+#include "show/diagnosis/detectable_text.h"
 
 #include <gtest/gtest.h>
 

@@ -6,12 +6,12 @@
 #include <fstream>
 
 #include "app/command.h"
-#include "app/show/diagnosis.h"
-#include "app/steps/diagnosis.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "quiet_run.h"
+#include "show/diagnosis.h"
 #include "simulators/hidden_effect.h"
+#include "steps/diagnosis.h"
 
 namespace chladni::app {
 namespace {

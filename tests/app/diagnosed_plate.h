@@ -5,9 +5,9 @@
 #include <numbers>
 #include <string>
 
-#include "app/stage/reduction/diagnosis_structure.h"
 #include "modal/frf.h"
 #include "solved_text.h"
+#include "stage/diagnosis_structure.h"
 
 namespace chladni::app {
 

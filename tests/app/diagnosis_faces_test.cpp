@@ -1,5 +1,5 @@
 // A diagnosis looks at the faces that `on` names, by the rule of placement and priors.
-#include "app/stage/reduction/diagnosis_faces.h"
+#include "stage/diagnosis_faces.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <memory>
 
-#include "app/stage/faces.h"
-#include "app/stage/reduction/diagnosis_structure.h"
 #include "base/error.h"
 #include "quiet_run.h"
+#include "stage/diagnosis_structure.h"
+#include "stage/faces.h"
 
 namespace chladni::app {
 namespace {

@@ -1,5 +1,5 @@
 // What a cause gains, on responses that are made up.
-#include "app/steps/diagnosis_gain.h"
+#include "steps/diagnosis/diagnosis_gain.h"
 
 #include <gtest/gtest.h>
 

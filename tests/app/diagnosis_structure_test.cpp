@@ -1,5 +1,5 @@
 // The simulation on its modes: sums over the body, derivatives along it, what is left out.
-#include "app/stage/reduction/diagnosis_structure.h"
+#include "stage/diagnosis_structure.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,12 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/stage/at_channels.h"
-#include "app/stage/reduction/upper_face.h"
 #include "base/parallel.h"
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
 #include "modal/frf.h"
+#include "stage/at_channels.h"
+#include "stage/reduction/upper_face.h"
 
 namespace chladni::app {
 namespace {

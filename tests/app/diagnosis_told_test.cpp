@@ -8,13 +8,13 @@
 #include <random>
 #include <sstream>
 
-#include "app/show/diagnosis.h"
-#include "app/stage/reduction/diagnosis_structure.h"
-#include "app/steps/diagnosis.h"
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"
 #include "io/frf_file.h"
 #include "quiet_run.h"
+#include "show/diagnosis.h"
+#include "stage/diagnosis_structure.h"
+#include "steps/diagnosis.h"
 
 namespace chladni::app {
 namespace {

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <numbers>
 
-#include "app/stage/at_channels.h"
-#include "app/stage/channel_paths.h"
-#include "app/stage/reduction/diagnosis_structure.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/fit/responses.h"
 #include "extended_plate.h"
 #include "modal/frf.h"
 #include "solved_text.h"
+#include "stage/at_channels.h"
+#include "stage/channel_paths.h"
+#include "stage/diagnosis_structure.h"
 
 namespace chladni::app {
 namespace {

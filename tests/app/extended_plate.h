@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/study/extend/extended_study.h"
 #include "diagnosis/diagnosed.h"
+#include "steps/extend/extended_study.h"
 
 namespace chladni::app {
 

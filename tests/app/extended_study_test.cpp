@@ -1,5 +1,5 @@
 // A study that says what was wrong with it, read back.
-#include "app/study/extend/extended_study.h"
+#include "steps/extend/extended_study.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/study/extend/extension.h"
 #include "base/error.h"
 #include "diagnosis/effect.h"
 #include "extended_plate.h"
+#include "steps/extend/extension.h"
 
 namespace chladni::app {
 namespace {

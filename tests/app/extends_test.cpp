@@ -1,17 +1,17 @@
 // A study that extends another: what is merged, what is refused, and trees that are texts again.
-#include "app/study/toml/extends.h"
+#include "study/extends.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "app/study/extend/extended_study.h"
-#include "app/study/study.h"
-#include "app/study/toml/toml_text.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "quiet_run.h"
+#include "steps/extend/extended_study.h"
+#include "study/study.h"
+#include "study/toml/toml_text.h"
 
 namespace chladni::app {
 namespace {

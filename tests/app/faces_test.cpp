@@ -1,5 +1,5 @@
 // On which faces priors, places and layouts are: the same whatever file the body came from.
-#include "app/stage/faces.h"
+#include "stage/faces.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/steps/interpolation.h"
-#include "app/steps/placement/placement.h"
-#include "app/steps/priors.h"
 #include "base/error.h"
 #include "mesh/bodies.h"
 #include "quiet_run.h"
+#include "steps/interpolation.h"
+#include "steps/placement.h"
+#include "steps/priors.h"
 
 namespace chladni::app {
 namespace {

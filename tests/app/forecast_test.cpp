@@ -4,13 +4,13 @@
 #include <cmath>
 #include <fstream>
 
-#include "app/stage/forecast.h"
-#include "app/stage/solution.h"
-#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/surface.h"
 #include "quiet_run.h"
+#include "stage/forecast.h"
+#include "stage/solution.h"
+#include "steps/interpolation.h"
 
 namespace chladni::app {
 namespace {

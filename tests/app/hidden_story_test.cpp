@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "app/show/diagnosis.h"
-#include "app/steps/diagnosis.h"
 #include "quiet_run.h"
+#include "show/diagnosis.h"
+#include "steps/diagnosis.h"
 
 namespace chladni::app {
 namespace {

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/show/interpolation.h"
-#include "app/steps/interpolation.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
 #include "quiet_run.h"
+#include "show/interpolation.h"
+#include "steps/interpolation.h"
 
 namespace chladni::app {
 namespace {

@@ -4,12 +4,12 @@
 
 #include <complex>
 
-#include "app/steps/identification.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/json.h"
 #include "quiet_run.h"
+#include "steps/identification.h"
 #include "tests/io/uff_samples.h"
 
 namespace chladni::app {

@@ -1,8 +1,8 @@
 // Results say which state of a study and of its files they come from.
-#include "app/study/origin.h"
+#include "study/origin.h"
 
-#include "app/study/sha256.h"
 #include "io/json.h"
+#include "study/sha256.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/show/placement.h"
-#include "app/steps/placement/placement.h"
 #include "base/error.h"
 #include "io/json.h"
+#include "show/placement.h"
+#include "steps/placement.h"
 
 namespace chladni::app {
 namespace {

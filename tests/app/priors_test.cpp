@@ -1,5 +1,5 @@
 // chladni priors: what it learns of bodies whose shapes are known, what it leaves, what it refuses.
-#include "app/steps/priors.h"
+#include "steps/priors.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <sstream>
 
-#include "app/show/priors.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "quiet_run.h"
+#include "show/priors.h"
 
 namespace chladni::app {
 namespace {

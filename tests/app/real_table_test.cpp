@@ -2,9 +2,9 @@
 // model. docs/reference/oat_interpolation.md shows the figures.
 #include <gtest/gtest.h>
 
-#include "app/steps/interpolation.h"
-#include "app/steps/priors.h"
 #include "quiet_run.h"
+#include "steps/interpolation.h"
+#include "steps/priors.h"
 
 namespace chladni::app {
 namespace {

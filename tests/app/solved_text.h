@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "app/stage/solution.h"
 #include "quiet_run.h"
+#include "stage/solution.h"
 
 namespace chladni::app {
 

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/stage/channel_paths.h"
-#include "app/study/study.h"
 #include "base/error.h"
 #include "quiet_run.h"
+#include "stage/channel_paths.h"
+#include "study/study.h"
 
 namespace chladni::app {
 namespace {

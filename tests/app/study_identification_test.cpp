@@ -1,8 +1,8 @@
 // [identification] of a study: what it takes, and what it refuses where it would change nothing.
 #include <gtest/gtest.h>
 
-#include "app/study/study.h"
 #include "base/error.h"
+#include "study/study.h"
 
 namespace chladni::app {
 namespace {

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "app/show/solution.h"
-#include "app/stage/solution.h"
+#include "show/solution.h"
+#include "stage/solution.h"
 
 namespace chladni::app {
 namespace {

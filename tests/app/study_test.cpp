@@ -1,5 +1,5 @@
 // The study reader: what it takes, and what it says of what it does not take.
-#include "app/study/study.h"
+#include "study/study.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/study/sha256.h"
-#include "app/study/toml/problems.h"
 #include "base/error.h"
+#include "study/problems.h"
+#include "study/sha256.h"
 
 namespace chladni::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "app/stage/reduction/upper_face.h"
+#include "stage/reduction/upper_face.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // Bodies that vary against bodies that are so.
-#include "app/stage/variation.h"
+#include "stage/variation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "app/stage/solution.h"
 #include "base/error.h"
 #include "quiet_run.h"
+#include "stage/solution.h"
 
 namespace chladni::app {
 namespace {

@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-#include "app/study/toml/toml_tree.h"
 #include "io/bytes/message.h"
 #include "io/json.h"
 #include "io/shape_table.h"
+#include "study/toml/toml_tree.h"
 
 namespace chladni::io {
 

@@ -1,7 +1,7 @@
 #include "hidden_effects/shipped_structure.h"
 
 #include "app/quiet_run.h"
-#include "app/stage/reduction/diagnosis_structure.h"
+#include "stage/diagnosis_structure.h"
 
 namespace chladni::hidden_effects {
 

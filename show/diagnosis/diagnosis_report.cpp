@@ -1,0 +1,134 @@
+// The diagnosis as a section of the report.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include "base/percent.h"
+#include "io/report_sections.h"
+#include "show/comparison.h"
+#include "show/diagnosis.h"
+#include "show/diagnosis/detectable_text.h"
+#include "show/solution.h"
+#include "steps/diagnosis.h"
+
+namespace chladni::app {
+namespace {
+
+io::Table causes_table(const Diagnosed& one) {
+  io::Table table{
+      "Causes", {{"cause", false}, {"probability"}, {"ln evidence"}, {"of the misfit [%]"}}, {}};
+  for (const auto& cause : one.result.best.causes) {
+    table.rows.push_back(
+        {{cause_text(cause), fmt::format("{:.3f}", cause.probability),
+          fmt::format("{:.1f}", cause.log_evidence_gain), percent_cell(cause.share)}});
+  }
+  return table;
+}
+
+io::Table gain_table(const Gain& gain) {
+  io::Table table{"Relative error of the predicted responses [%]",
+                  {{"", false}, {"before"}, {"after"}, {"noise"}},
+                  {}};
+  const auto add = [&](const std::string& what, double before, double after, double noise) {
+    const bool changed = gain.from != GainFrom::nothing;
+    table.rows.push_back({{what, percent_cell(before), percent_cell(changed ? after : Gain::kNone),
+                           percent_cell(noise)}});
+  };
+  add("fitted: " + words(gain.fitted), gain.fit_before, gain.fit_after, gain.noise_floor);
+  if (!gain.held_out.empty()) {
+    add(fmt::format("held out: {}", fmt::join(gain.held_out, ", ")), gain.held_out_before,
+        gain.held_out_after, gain.held_out_noise);
+  }
+  return table;
+}
+
+io::Table modes_table(const diagnosis::ModeComparison& modes) {
+  io::Table table{"Simulated and measured modes",
+                  {{"simulated [Hz]"},
+                   {"measured [Hz]"},
+                   {"+-"},
+                   {"change [%]"},
+                   {"MAC"},
+                   {"paired by", false}},
+                  {}};
+  for (const auto& pair : modes.pairs) {
+    table.rows.push_back(
+        {{fmt::format("{:.2f}", pair.simulated_hz), fmt::format("{:.3f}", pair.measured_hz),
+          fmt::format("{:.2g}", pair.measured_std_hz), fmt::format("{:+.3f}", 100.0 * pair.change),
+          fmt::format("{:.3f}", pair.mac), pair.by_shape ? "shape" : "frequency"}});
+  }
+  return table;
+}
+
+std::string sentence(std::string line) {
+  line.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(line.front())));
+  return line + ".";
+}
+
+void add_modes(io::Section& section, const diagnosis::ModeComparison& modes) {
+  if (!modes.pairs.empty()) section.blocks.emplace_back(modes_table(modes));
+  for (const auto& line : unpaired_lines(modes)) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(line)});
+  }
+}
+
+void add_picture(io::Section& section, const Run& run, const char* file, const char* caption) {
+  if (!run.has_painted(file)) return;
+  const auto picture = io::picture_section("", run / file, caption);
+  section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
+}
+
+void add_remarks(io::Section& section, const diagnosis::Diagnosis& result) {
+  for (const auto& note : result.notes) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(note)});
+  }
+  for (const auto& breach : result.breaches) {
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::warning, "Beyond its tolerance: " + breach + "."});
+  }
+}
+
+}  // namespace
+
+io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
+  io::Section section{"What the simulation gets wrong, and why", {}};
+  const auto verdict = one.result.verdict;
+  const bool settled =
+      verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
+  if (auto advice = advice_against(one.gain); !advice.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
+  }
+  section.blocks.emplace_back(
+      io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
+  if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
+  if (!one.result.measure_next.empty()) {
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::plain, "Measure next: " + one.result.measure_next + "."});
+  }
+  if (one.result.map.explained.size() > 0) {
+    add_picture(section, run, "cause_map.png",
+                "How much of the difference one thing in one place would explain.");
+  }
+  section.blocks.emplace_back(gain_table(one.gain));
+  for (auto line : gain_lines(one.gain)) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
+  }
+  add_picture(section, run, "prediction.png",
+              "Measured responses, the simulation, and the simulation with the cause.");
+  add_modes(section, one.comparison.modes);
+  if (one.comparison.modes.mac.size() > 0) {
+    add_picture(section, run, "mac.png",
+                "How much alike shapes are at the channels; repeated modes by themselves turn.");
+  }
+  if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
+    section.blocks.emplace_back(detectable_sizes(one.detectable));
+  }
+  add_remarks(section, one.result);
+  return section;
+}
+
+}  // namespace chladni::app

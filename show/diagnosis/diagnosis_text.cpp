@@ -1,0 +1,262 @@
+// A diagnosis as a text table and as JSON.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "base/percent.h"
+#include "show/comparison.h"
+#include "show/diagnosis.h"
+#include "show/diagnosis/detectable_text.h"
+#include "show/readable.h"
+#include "steps/diagnosis.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kTold = 1e-3;  // probability; less likely rivals get no line
+
+// A value with its standard deviation, in a readable unit.
+std::string quantity(const diagnosis::CauseParameter& one) {
+  const auto [scale, unit] = readable(one.name, one.unit, one.value);
+  return fmt::format("{} {:.4g} +- {:.2g}{}{}", one.name, scale * one.value, scale * one.std,
+                     unit.empty() ? "" : " ", unit);
+}
+
+std::string explanation_text(const diagnosis::Explanation& one) {
+  if (one.causes.empty()) return "nothing beyond the tolerances";
+  std::string text;
+  for (const auto& cause : one.causes) text += (text.empty() ? "" : "; and ") + cause_text(cause);
+  return text;
+}
+
+std::string superclass_text(const diagnosis::Superclass& one) {
+  std::string text = one.name;
+  if (!one.channel.empty()) text += " " + one.channel;
+  if (one.place) {
+    text += fmt::format(" at ({:.1f}, {:.1f}) mm", 1e3 * (*one.place)(0), 1e3 * (*one.place)(1));
+  }
+  return text + fmt::format(": {:.0f} % of what is left", 100.0 * one.explained);
+}
+
+io::JsonObject json_of(const diagnosis::Cause& cause) {
+  io::JsonObject parameters;
+  const auto add = [&](const std::vector<diagnosis::CauseParameter>& numbers) {
+    for (const auto& one : numbers) {
+      parameters.emplace_back(
+          one.name, io::JsonObject{{"value", one.value}, {"std", one.std}, {"unit", one.unit}});
+    }
+  };
+  add(cause.parameters);
+  add(cause.fixed);
+  io::JsonObject json{{"effect", cause.effect}, {"channels", io::Json::texts(cause.channels)}};
+  if (!cause.option.empty()) json.emplace_back("option", cause.option);
+  json.emplace_back("parameters", parameters);
+  json.emplace_back("log_evidence_gain", cause.log_evidence_gain);
+  json.emplace_back("probability", cause.probability);
+  json.emplace_back("share", cause.share);
+  return json;
+}
+
+io::JsonArray json_of(const std::vector<diagnosis::Cause>& causes) {
+  io::JsonArray array;
+  for (const auto& cause : causes) array.emplace_back(json_of(cause));
+  return array;
+}
+
+io::JsonArray alternatives_json(const diagnosis::Diagnosis& result) {
+  io::JsonArray array;
+  for (const auto& rival : result.rivals) {
+    if (rival.causes.empty()) continue;
+    array.emplace_back(io::JsonObject{{"causes", json_of(rival.causes)},
+                                      {"log_evidence", rival.log_evidence},
+                                      {"probability", rival.probability},
+                                      {"measure_next", result.measure_next}});
+  }
+  return array;
+}
+
+io::JsonObject discrepancy_json(const Diagnosed& one) {
+  auto json = comparison_json(one.comparison);
+  json.emplace_back("excess", one.result.excess_before);
+  json.emplace_back("chi_square_per_sensor", io::Json(one.result.before.per_output));
+  json.emplace_back("chi_square_per_actuator", io::Json(one.result.before.per_input));
+  json.emplace_back("chi_square_band_edges_hz", io::Json(one.result.before.band_edges_hz));
+  json.emplace_back("chi_square_per_band", io::Json(one.result.before.per_band));
+  return json;
+}
+
+io::JsonObject superclass_json(const diagnosis::Superclass& one) {
+  io::JsonObject json{{"name", one.name}, {"channel", one.channel}, {"explained", one.explained}};
+  if (one.place) json.emplace_back("place_m", io::Json(Eigen::VectorXd(*one.place)));
+  json.emplace_back("frequency_hz", io::Json(one.frequency_hz));
+  json.emplace_back("curve_re", io::Json(Eigen::VectorXd(one.curve.real())));
+  json.emplace_back("curve_im", io::Json(Eigen::VectorXd(one.curve.imag())));
+  return json;
+}
+
+io::Json bands_json(const std::vector<std::pair<double, double>>& bands) {
+  io::JsonArray array;
+  for (const auto& [low, high] : bands) array.push_back(io::JsonArray{low, high});
+  return array;
+}
+
+io::JsonObject gain_json(const Gain& gain) {
+  io::JsonObject json{
+      {"from",
+       gain.from == GainFrom::nothing ? io::Json() : io::Json(std::string(name(gain.from)))},
+      {"fit", io::JsonObject{{"before", gain.fit_before}, {"after", gain.fit_after}}},
+      {"held_out",
+       io::JsonObject{{"before", gain.held_out_before}, {"after", gain.held_out_after}}},
+      {"fitted", io::JsonObject{{"sensors", io::Json::texts(gain.fitted.sensors)},
+                                {"actuators", io::Json::texts(gain.fitted.actuators)},
+                                {"bands_hz", bands_json(gain.fitted.bands_hz)},
+                                {"lines", static_cast<long long>(gain.fitted.lines)}}},
+      {"held_out_channels", io::Json::texts(gain.held_out)},
+      {"held_out_bands_hz", bands_json(gain.held_out_band_hz)},
+      {"noise_floor", gain.noise_floor},
+      {"held_out_noise_floor", gain.held_out_noise},
+      {"pays", gain.pays ? io::Json(*gain.pays) : io::Json()}};
+  if (gain.from == GainFrom::fitted_model && gain.pays) {
+    json.emplace_back("extended_study", io::JsonObject{{"fit", gain.fit_extended},
+                                                       {"held_out", gain.held_out_extended}});
+  }
+  const auto advice = advice_against(gain);
+  if (!advice.empty()) json.emplace_back("advice", advice);
+  return json;
+}
+
+std::string gain_row(const char* what, double before, double after, double noise, bool changed,
+                     const std::string& of) {
+  return fmt::format("  {:<20} {:<10} {:<10} {:<10} {}\n", what, percent(before),
+                     changed ? percent(after) : "-", percent(noise), of);
+}
+
+std::string gain_text(const Gain& gain) {
+  const bool changed = gain.from != GainFrom::nothing;
+  std::string text = "\nresponses off by       before     after      noise\n";
+  text += gain_row("fitted", gain.fit_before, gain.fit_after, gain.noise_floor, changed,
+                   words(gain.fitted));
+  if (!gain.held_out.empty()) {
+    text += gain_row("held out", gain.held_out_before, gain.held_out_after, gain.held_out_noise,
+                     changed, fmt::format("{}", fmt::join(gain.held_out, ", ")));
+  }
+  for (const auto& line : gain_lines(gain)) text += "  " + line + "\n";
+  return text;
+}
+
+std::string name_of(const diagnosis::Cause& cause) {
+  if (cause.channels.empty()) return cause.effect;
+  return fmt::format("{} of {}", cause.effect, fmt::join(cause.channels, ", "));
+}
+
+std::string causes_text(const diagnosis::Diagnosis& result) {
+  std::string text;
+  for (const auto& cause : result.best.causes) {
+    text += fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}, {:.1f} % of the misfit\n",
+                        name_of(cause), cause.probability, cause.log_evidence_gain,
+                        100.0 * cause.share);
+  }
+  if (result.superclass) text += "  unknown, in: " + superclass_text(*result.superclass) + "\n";
+  int shown = 0;
+  for (const auto& rival : result.rivals) {
+    if (rival.causes.empty() || rival.probability < kTold) continue;
+    if (++shown > 3) break;
+    text += fmt::format("  instead: {} (probability {:.2g})\n", explanation_text(rival),
+                        rival.probability);
+  }
+  text += fmt::format("  misfit over noise and tolerances: z = {:.1f} before, {:.1f} after\n",
+                      result.excess_before, result.best.excess);
+  for (const auto& breach : result.breaches) text += "  beyond its tolerance: " + breach + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string cause_text(const diagnosis::Cause& cause) {
+  const std::string text = name_of(cause);
+  std::string numbers = cause.option;
+  for (const auto& one : cause.parameters) {
+    numbers += (numbers.empty() ? "" : ", ") + quantity(one);
+  }
+  return numbers.empty() ? text : text + ": " + numbers;
+}
+
+std::string verdict_text(const diagnosis::Diagnosis& result) {
+  switch (result.verdict) {
+    case diagnosis::Verdict::no_discrepancy:
+      return "The simulation agrees with what was measured, within noise and tolerances.";
+    case diagnosis::Verdict::named:
+      return "Named, down to the noise: " + explanation_text(result.best) + ".";
+    case diagnosis::Verdict::ambiguous:
+      return "Two or more explanations are equally good; the likeliest: " +
+             explanation_text(result.best) + ".";
+    case diagnosis::Verdict::partial:
+      return "Much of it, not all: " + explanation_text(result.best) +
+             ". Something more is at work.";
+    case diagnosis::Verdict::unexplained:
+      break;
+  }
+  return "None of the known causes explains it.";
+}
+
+std::string verdict_text(const Diagnosed& one) {
+  const auto advice = advice_against(one.gain);
+  return (advice.empty() ? advice : advice + " ") + verdict_text(one.result);
+}
+
+std::vector<std::string> gain_lines(const Gain& gain) {
+  std::vector<std::string> lines;
+  if (gain.from == GainFrom::extended_study) {
+    lines.emplace_back("after: the finite elements of extended.toml");
+  }
+  if (gain.from == GainFrom::fitted_model) {
+    lines.emplace_back(
+        "after: the reduced model of the fit with all causes (extended.toml lacks one, or was not "
+        "solved)");
+  }
+  if (gain.from == GainFrom::fitted_model && gain.pays) {
+    lines.push_back(fmt::format("extended.toml alone: off by {} fitted, by {} held out",
+                                percent(gain.fit_extended), percent(gain.held_out_extended)));
+  }
+  return lines;
+}
+
+std::string diagnosis_table(const Diagnosed& one) {
+  const auto& result = one.result;
+  std::string text = fmt::format("verdict: {}\n{}\n\n{}", diagnosis::name(result.verdict),
+                                 verdict_text(one), causes_text(result));
+  if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
+  for (const auto& note : result.notes) text += "note: " + note + "\n";
+  text += gain_text(one.gain);
+  if (one.extended) {
+    for (const auto& line : one.extended->unexpressed) {
+      text += "  not in extended.toml: " + line + "\n";
+    }
+  }
+  text += fmt::format("\n{}", comparison_table(one.comparison));
+  const auto sizes = detectable_table(one.detectable, one.least_evidence);
+  return sizes.empty() ? text : fmt::format("{}\n{}", text, sizes);
+}
+
+io::JsonObject diagnosis_json(const Diagnosed& one) {
+  const auto& result = one.result;
+  io::JsonObject json{{"verdict", std::string(diagnosis::name(result.verdict))},
+                      {"summary", verdict_text(one)},
+                      {"discrepancy", discrepancy_json(one)},
+                      {"causes", json_of(result.best.causes)},
+                      {"alternatives", alternatives_json(result)},
+                      {"measure_next", result.measure_next},
+                      {"excess_after", result.best.excess},
+                      {"gain", gain_json(one.gain)},
+                      {"detectable", detectable_json(one.detectable)},
+                      {"breaches", io::Json::texts(result.breaches)},
+                      {"notes", io::Json::texts(result.notes)}};
+  if (one.extended) {
+    json.emplace_back("not_in_extended_study", io::Json::texts(one.extended->unexpressed));
+  }
+  if (result.superclass) json.emplace_back("superclass", superclass_json(*result.superclass));
+  return json;
+}
+
+}  // namespace chladni::app

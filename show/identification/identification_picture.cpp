@@ -1,0 +1,117 @@
+// fit.png: measured responses, the fit and the residual; the stabilisation diagram.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/plot.h"
+#include "show/identification.h"
+#include "show/identification/response_series.h"
+#include "steps/identification.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr Eigen::Index kMostPanels = 24;
+constexpr int kInk = 0, kVermilion = 2, kGrey = 6;
+
+io::PlotPanel response_panel(const IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
+                             Eigen::Index e) {
+  const auto& data = model.data;
+  const auto i = static_cast<std::size_t>(e % data.outputs);
+  const auto j = static_cast<std::size_t>(e / data.outputs);
+  const double wide = data.frequency_hz(data.line_count() - 1) / data.frequency_hz(0);
+  io::PlotPanel panel;
+  panel.title = model.seen.outputs[i].name + " by " + model.seen.inputs[j].name;
+  panel.x = {.label = "frequency [Hz]", .logarithmic = wide > 5.0};
+  panel.y = {.label = receptance_label(model.seen.inputs[j]), .logarithmic = true};
+  const Eigen::VectorXd size = data.value.col(e).cwiseAbs();
+  panel.series.push_back({.name = "measured",
+                          .x = data.frequency_hz,
+                          .y = size,
+                          .upper = {},
+                          .style = io::PlotSeries::Style::dots,
+                          .colour = kGrey,
+                          .width = 0.0});
+  const Eigen::VectorXd left = (data.value.col(e) - fitted.col(e)).cwiseAbs();
+  panel.series.push_back({.name = "measured less fitted",
+                          .x = data.frequency_hz,
+                          .y = left,
+                          .upper = {},
+                          .style = io::PlotSeries::Style::dots,
+                          .colour = kVermilion,
+                          .width = 0.0});
+  panel.series.push_back({.name = "fitted",
+                          .x = data.frequency_hz,
+                          .y = fitted.col(e).cwiseAbs(),
+                          .upper = {},
+                          .style = io::PlotSeries::Style::line,
+                          .colour = kInk,
+                          .width = 1.2});
+  panel.y.low = std::max(1e-6 * size.maxCoeff(), 0.1 * left.minCoeff());
+  panel.y.high = 2.0 * size.maxCoeff();
+  return panel;
+}
+
+io::PlotPanel stabilisation_panel(const IdentifiedModel& model) {
+  io::PlotPanel panel;
+  panel.title = "Poles of rising order; dashed: the modes of the fit";
+  panel.x = {.label = "frequency [Hz]",
+             .low = model.data.frequency_hz(0),
+             .high = model.data.frequency_hz(model.data.line_count() - 1)};
+  panel.y = {.label = "order"};
+  const auto add = [&](const char* name, io::PlotSeries::Style style, int colour, auto wanted) {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (const auto& point : model.stabilisation) {
+      if (!wanted(point)) continue;
+      x.push_back(point.frequency_hz);
+      y.push_back(static_cast<double>(point.order));
+    }
+    const auto n = static_cast<Eigen::Index>(x.size());
+    panel.series.push_back({.name = name,
+                            .x = Eigen::Map<const Eigen::VectorXd>(x.data(), n),
+                            .y = Eigen::Map<const Eigen::VectorXd>(y.data(), n),
+                            .upper = {},
+                            .style = style,
+                            .colour = colour,
+                            .width = 0.0});
+  };
+  using Style = io::PlotSeries::Style;
+  const auto stable = [](const auto& p) { return p.stable_damping && p.stable_shape; };
+  add("new", Style::dots, kGrey, [](const auto& p) { return !p.stable_frequency; });
+  add("frequency within 0.1 %", Style::crosses, kVermilion,
+      [&](const auto& p) { return p.stable_frequency && !stable(p); });
+  add("damping within 5 % and MAC above 0.98 too", Style::circles, 3, stable);
+  const auto& frequency = model.found.fit.model.frequency_hz;
+  panel.verticals.assign(frequency.begin(), frequency.end());
+  return panel;
+}
+
+}  // namespace
+
+void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png) {
+  const auto& data = model.data;
+  const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
+  io::Plot plot{.title = "Measured and fitted responses", .panels = {}, .columns = 0};
+  plot.columns = static_cast<int>(std::min<Eigen::Index>(data.inputs, 4));
+  for (Eigen::Index i = 0; i < data.outputs; ++i) {
+    for (Eigen::Index j = 0; j < data.inputs; ++j) {
+      if (static_cast<Eigen::Index>(plot.panels.size()) >= kMostPanels) break;
+      const auto e = i + data.outputs * j;
+      if (data.weight.col(e).maxCoeff() > 0.0) {
+        plot.panels.push_back(response_panel(model, fitted, e));
+      }
+    }
+  }
+  io::draw_plot(png, plot);
+}
+
+void draw_stabilisation(const IdentifiedModel& model, const std::filesystem::path& png) {
+  io::draw_plot(png, {.title = "Stabilisation diagram",
+                      .panels = {stabilisation_panel(model)},
+                      .columns = 1,
+                      .aspect = 0.6});
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,321 @@
+// An identified model as a table, JSON and files.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/csv.h"
+#include "io/mat.h"
+#include "io/shape_table.h"
+#include "modal/state_space.h"
+#include "show/identification.h"
+#include "steps/identification.h"
+
+namespace chladni::app {
+namespace {
+
+std::string percent(double part) { return fmt::format("{:.3g} %", 100.0 * part); }
+
+std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& channels) {
+  std::vector<std::string> names;
+  for (const auto& one : channels) names.push_back(one.name);
+  return names;
+}
+
+const char* matched_by(identification::MatchedBy by) {
+  switch (by) {
+    case identification::MatchedBy::pairs:
+      return "pairs";
+    case identification::MatchedBy::geometry:
+      return "geometry";
+    case identification::MatchedBy::prior:
+      return "simulation";
+    case identification::MatchedBy::nothing:
+      return "nothing";
+  }
+  return "";
+}
+
+std::vector<std::string> row_names(const IdentifiedModel& model) {
+  std::vector<std::string> names;
+  for (const auto& row : model.match.rows) {
+    const auto& side = row.actuator ? model.seen.inputs : model.seen.outputs;
+    names.push_back(side[static_cast<std::size_t>(row.channel)].name);
+  }
+  return names;
+}
+
+io::Json modes_list(const identification::ModalFit& fit) {
+  io::JsonArray modes;
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    modes.push_back(io::JsonObject{{"frequency_hz", fit.model.frequency_hz(m)},
+                                   {"damping_ratio", fit.model.damping_ratio(m)},
+                                   {"frequency_std_hz", fit.frequency_std_hz(m)},
+                                   {"damping_std", fit.damping_std(m)},
+                                   {"rigid", m < fit.model.rigid_count}});
+  }
+  return modes;
+}
+
+io::Json gain_json(const IdentifiedModel& model) {
+  const auto& modes = model.match.modes;
+  const auto n = static_cast<Eigen::Index>(modes.size());
+  Eigen::VectorXd alpha(n);
+  Eigen::VectorXd deviation(n);
+  std::vector<std::string> by;
+  for (Eigen::Index m = 0; m < n; ++m) {
+    const auto& one = modes[static_cast<std::size_t>(m)];
+    alpha(m) = one.alpha * one.sign;
+    deviation(m) = one.by == identification::MatchedBy::nothing ? NAN : one.alpha_std;
+    by.emplace_back(matched_by(one.by));
+  }
+  io::JsonArray pairs;
+  for (std::size_t c = 0; c < model.pairs.size(); ++c) {
+    const auto& gain = model.match.pairs[c];
+    pairs.push_back(io::JsonObject{
+        {"sensor", model.seen.outputs[static_cast<std::size_t>(model.pairs[c].output)].name},
+        {"actuator", model.seen.inputs[static_cast<std::size_t>(model.pairs[c].input)].name},
+        {"gain_ratio", gain.ratio},
+        {"gain_ratio_std", gain.ratio_std},
+        {"turned", gain.turned}});
+  }
+  return io::JsonObject{{"alpha", io::Json(alpha)},
+                        {"alpha_std", io::Json(deviation)},
+                        {"by", io::Json::texts(by)},
+                        {"pairs", pairs}};
+}
+
+// Phase collinearity of each mode's shapes at the sensors and at the actuators.
+struct Collinearity {
+  Eigen::VectorXd outputs, inputs;
+};
+
+Collinearity collinearity(const identification::ComplexShapes& shapes) {
+  const auto n = shapes.outputs.cols();
+  Collinearity result{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index m = 0; m < n; ++m) {
+    result.outputs(m) = identification::phase_collinearity(shapes.outputs.col(m));
+    result.inputs(m) = identification::phase_collinearity(shapes.inputs.row(m).transpose());
+  }
+  return result;
+}
+
+io::Json complex_json(const identification::ComplexShapes& shapes) {
+  const auto phases = collinearity(shapes);
+  return io::JsonObject{{"output_real", io::Json::rows(shapes.outputs.real())},
+                        {"output_imaginary", io::Json::rows(shapes.outputs.imag())},
+                        {"output_real_std", io::Json::rows(shapes.output_real_std)},
+                        {"output_imaginary_std", io::Json::rows(shapes.output_imaginary_std)},
+                        {"input_real", io::Json::rows(shapes.inputs.real())},
+                        {"input_imaginary", io::Json::rows(shapes.inputs.imag())},
+                        {"input_real_std", io::Json::rows(shapes.input_real_std)},
+                        {"input_imaginary_std", io::Json::rows(shapes.input_imaginary_std)},
+                        {"output_phase_collinearity", io::Json(phases.outputs)},
+                        {"input_phase_collinearity", io::Json(phases.inputs)}};
+}
+
+std::string complex_table(const identification::ModalFit& fit) {
+  const auto phases = collinearity(*fit.complex);
+  std::string text = fmt::format("\n{:>4} {:>34} {:>24}\n", "mode", "phase collinearity at sensors",
+                                 "at actuators");
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    text += fmt::format("{:>4} {:>34.5f} {:>24.5f}\n", m + 1, phases.outputs(m), phases.inputs(m));
+  }
+  return text;
+}
+
+io::Json fit_json(const IdentifiedModel& model) {
+  io::JsonArray channels;
+  for (Eigen::Index j = 0; j < model.error.cols(); ++j) {
+    for (Eigen::Index i = 0; i < model.error.rows(); ++i) {
+      io::JsonObject one{{"sensor", model.seen.outputs[static_cast<std::size_t>(i)].name},
+                         {"actuator", model.seen.inputs[static_cast<std::size_t>(j)].name},
+                         {"relative_error", model.error(i, j)},
+                         {"noise_floor", model.noise(i, j)}};
+      if (model.drift.size() > 0)
+        one.emplace_back("drift", model.drift(i + model.error.rows() * j));
+      channels.emplace_back(std::move(one));
+    }
+  }
+  const auto& fit = model.found.fit;
+  return io::JsonObject{{"relative_error", overall_error(model)},
+                        {"noise_floor", noise(model)},
+                        {"per_channel", channels},
+                        {"cost", fit.cost},
+                        {"expected_cost", fit.expected_cost},
+                        {"expected_cost_std", fit.cost_deviation},
+                        {"noise_known", model.data.noise_known},
+                        {"parameters", static_cast<long long>(fit.parameter_count)},
+                        {"measured_numbers", static_cast<long long>(fit.measured_count)},
+                        {"iterations", fit.iterations},
+                        {"converged", fit.converged}};
+}
+
+io::Json steps_json(const identification::Identified& found) {
+  io::JsonArray steps;
+  for (const auto& step : found.steps) {
+    steps.push_back(io::JsonObject{{"modes", static_cast<long long>(step.modes)},
+                                   {"cost", step.cost},
+                                   {"excess", step.excess},
+                                   {"taken", step.taken}});
+  }
+  return steps;
+}
+
+io::Json stabilisation_json(const std::vector<identification::StabilisationPoint>& points) {
+  io::JsonArray all;
+  for (const auto& point : points) {
+    all.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
+                                 {"frequency_hz", point.frequency_hz},
+                                 {"damping_ratio", point.damping_ratio},
+                                 {"stable_frequency", point.stable_frequency},
+                                 {"stable_damping", point.stable_damping},
+                                 {"stable_shape", point.stable_shape}});
+  }
+  return all;
+}
+
+// The state space of real modes has all places of the extended model as outputs; that of complex
+// modes has the sensors.
+io::MatFields matlab_variables(const Study& study, const IdentifiedModel& model,
+                               const modal::ReducedModel& extended) {
+  const auto& fit = model.found.fit;
+  const auto space = fit.complex ? identification::state_space(fit.model, *fit.complex)
+                                 : modal::state_space(extended);
+  io::MatFields fields{{"A", space.a},
+                       {"B", space.b},
+                       {"C", space.c},
+                       {"D", space.d},
+                       {"delay_s", fit.delay_s},
+                       {"outputs", fit.complex ? names_of(model.seen.outputs) : row_names(model)},
+                       {"inputs", names_of(model.seen.inputs)},
+                       {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
+                       {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
+                       {"title", study.title}};
+  if (fit.complex) {
+    fields.emplace_back("L", fit.complex->outputs);
+    fields.emplace_back("R", fit.complex->inputs);
+  }
+  return fields;
+}
+
+std::string gain_text(const identification::ModeMatch& match) {
+  if (match.by == identification::MatchedBy::nothing) return "unknown";
+  return fmt::format("{}{:.4g} +- {:.2g}", match.sign < 0 ? "-" : "", match.alpha, match.alpha_std);
+}
+
+// Model error over the band: at the median line, and the largest.
+std::string model_error_text(const IdentifiedModel& model) {
+  if (model.model_error.size() == 0) return " and the stated error of the model";
+  Eigen::VectorXd sorted = model.model_error;
+  std::sort(sorted.begin(), sorted.end());
+  return fmt::format(" and the stated error of the model; as fitted it is off by {}, at most {}",
+                     percent(sorted(sorted.size() / 2)), percent(sorted(sorted.size() - 1)));
+}
+
+}  // namespace
+
+std::string identification_table(const IdentifiedModel& model) {
+  const auto& fit = model.found.fit;
+  const auto& data = model.data;
+  std::string text = fmt::format(
+      "{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{:>4} {:>24} {:>26} {:>22}\n",
+      data.outputs, data.inputs, data.line_count(), data.frequency_hz(0),
+      data.frequency_hz(data.line_count() - 1), "mode", "Hz", "damping ratio", "gain of L over R");
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const auto gain = gain_text(model.match.modes[static_cast<std::size_t>(m)]);
+    if (m < fit.model.rigid_count) {
+      text += fmt::format("{:>4} {:>24} {:>26} {:>22}\n", m + 1, "0, rigid body", "", gain);
+      continue;
+    }
+    text += fmt::format(
+        "{:>4} {:>24} {:>26} {:>22}\n", m + 1,
+        fmt::format("{:.4f} +- {:.2g}", fit.model.frequency_hz(m), fit.frequency_std_hz(m)),
+        fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
+  }
+  if (fit.complex) text += complex_table(fit);
+  text += fmt::format("\nresponses off by {} of their size, {} {}", percent(overall_error(model)),
+                      data.noise_known ? "noise" : "noise with the error that the model may have",
+                      percent(noise(model)));
+  if (fit.delay_std_s > 0.0) {
+    text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
+  }
+  const std::string noise_is = data.noise_known    ? ""
+                               : data.noise_stated ? model_error_text(model)
+                                                   : " (noise estimated from the lines' scatter, "
+                                                     "and the error that the model may have)";
+  text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {:.2g}{}\n", fit.cost,
+                      fit.expected_cost, fit.cost_deviation, noise_is);
+  return text + trust_text(model);
+}
+
+io::JsonObject identified_json(const IdentifiedModel& model) {
+  const auto& fit = model.found.fit;
+  io::JsonArray groups;
+  for (const auto& group : fit.groups) {
+    if (group.size > 1) {
+      groups.push_back(io::JsonObject{{"first", static_cast<long long>(group.first)},
+                                      {"size", static_cast<long long>(group.size)}});
+    }
+  }
+  io::JsonObject json{{"damping", fit.complex ? "general" : "modal"},
+                      {"sensors", io::Json::texts(names_of(model.seen.outputs))},
+                      {"actuators", io::Json::texts(names_of(model.seen.inputs))},
+                      {"modes", modes_list(fit)},
+                      {"output_matrix", io::Json::rows(fit.model.output_shapes)},
+                      {"input_matrix", io::Json::rows(fit.model.input_shapes)},
+                      {"output_std", io::Json::rows(fit.output_std)},
+                      {"input_std", io::Json::rows(fit.input_std)},
+                      {"residual", io::Json::rows(fit.model.residual)},
+                      {"delay_s", fit.delay_s},
+                      {"delay_std_s", fit.delay_std_s},
+                      {"channel_delay_s", io::Json(fit.channel_delay_s)},
+                      {"channel_delay_std_s", io::Json(fit.channel_delay_std_s)},
+                      {"model_error", io::Json(model.model_error)},
+                      {"groups", groups},
+                      {"gain_match", gain_json(model)},
+                      {"shapes", io::JsonObject{{"channels", io::Json::texts(row_names(model))},
+                                                {"value", io::Json::rows(model.match.shapes)},
+                                                {"std", io::Json::rows(model.match.deviation)}}},
+                      {"fit", fit_json(model)},
+                      {"trust", trust_json(model)},
+                      {"noise_floor", io::Json::rows(model.noise)},
+                      {"order", steps_json(model.found)},
+                      {"stabilisation", stabilisation_json(model.stabilisation)},
+                      {"notes", io::Json::texts(fit.notes)}};
+  if (fit.complex) {
+    json.emplace_back("complex_shapes", complex_json(*fit.complex));
+    json.emplace_back("imaginary_shapes",
+                      io::JsonObject{{"channels", io::Json::texts(row_names(model))},
+                                     {"value", io::Json::rows(model.match.imaginary)},
+                                     {"std", io::Json::rows(model.match.imaginary_deviation)}});
+  }
+  return json;
+}
+
+void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
+                          bool main_result) {
+  const auto& fit = model.found.fit;
+  const auto extended = identification::extended_model(fit, model.match);
+  io::write_mat(run / "identified.mat", matlab_variables(study, model, extended));
+  io::write_shapes(run / "identified_shapes.csv",
+                   {row_names(model), extended.frequency_hz, extended.damping_ratio,
+                    model.match.shapes, model.match.deviation});
+  if (run.options().pictures) {
+    tell(run.progress(), "drawing");
+    run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
+    if (!model.stabilisation.empty()) {
+      run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
+    }
+  }
+  run.leave("identified.json", identified_json(model), main_result);
+}
+
+std::function<void(const IdentifiedModel&)> shown_and_left(const Study& study, Run& run) {
+  return [&study, &run](const IdentifiedModel& model) {
+    run.show(identification_table(model) + "\n");
+    leave_identification(study, model, run, false);
+  };
+}
+
+}  // namespace chladni::app

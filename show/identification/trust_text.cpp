@@ -1,0 +1,96 @@
+// Trust in an identified model, as text and as JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "show/identification.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr std::size_t kMostLines = 8;  // named on the terminal
+
+std::string response_name(const IdentifiedModel& model, Eigen::Index e) {
+  const auto p = model.data.outputs;
+  return model.seen.outputs[static_cast<std::size_t>(e % p)].name + "/" +
+         model.seen.inputs[static_cast<std::size_t>(e / p)].name;
+}
+
+// Lists the outlying responses line by line, the worst first.
+std::string outlying_text(const IdentifiedModel& model) {
+  std::map<Eigen::Index, std::vector<identification::OutlyingValue>> lines;
+  for (const auto& one : model.judgement.outlying) lines[one.line].push_back(one);
+  std::string text;
+  std::size_t count = 0;
+  for (auto& [line, values] : lines) {
+    if (count++ == kMostLines) {
+      text += fmt::format("  and {} more lines\n", lines.size() - kMostLines);
+      break;
+    }
+    std::stable_sort(values.begin(), values.end(),
+                     [](const auto& a, const auto& b) { return a.residual > b.residual; });
+    const auto& worst = values.front();
+    text += fmt::format(
+        "  outlying at {:.6g} Hz: {} by {:.3g} deviations ({:.2g} beside it){}\n",
+        model.data.frequency_hz(line), response_name(model, worst.response), worst.residual,
+        worst.neighbours,
+        values.size() > 1 ? fmt::format(", and {} more responses", values.size() - 1) : "");
+  }
+  return text;
+}
+
+// Size of the residual, and what it is compared with.
+std::string left_text(const IdentifiedModel& model) {
+  const auto& judgement = model.judgement;
+  const auto& data = model.data;
+  const auto against = data.noise_known    ? "the stated noise's"
+                       : data.noise_stated ? "those of the noise and the stated error of the model"
+                                           : "those of the noise and of an error of the model that "
+                                             "are assumed";
+  return fmt::format("squares of what is left are {:.3g} times {}", judgement.level, against);
+}
+
+}  // namespace
+
+std::string trust_text(const IdentifiedModel& model) {
+  const auto& judgement = model.judgement;
+  std::string text = fmt::format("trust: {}; {}\n", word(judgement.trust), left_text(model));
+  for (const auto& reason : judgement.reasons) text += "  " + reason + "\n";
+  for (const auto& one : judgement.doubtful) {
+    text += fmt::format("  mode {} ({:.4f} Hz): {}\n", one.mode + 1,
+                        model.found.fit.model.frequency_hz(one.mode), one.why);
+  }
+  return text + outlying_text(model);
+}
+
+io::Json trust_json(const IdentifiedModel& model) {
+  const auto& judgement = model.judgement;
+  io::JsonArray outlying;
+  for (const auto& one : judgement.outlying) {
+    const auto p = model.data.outputs;
+    outlying.push_back(io::JsonObject{
+        {"frequency_hz", model.data.frequency_hz(one.line)},
+        {"sensor", model.seen.outputs[static_cast<std::size_t>(one.response % p)].name},
+        {"actuator", model.seen.inputs[static_cast<std::size_t>(one.response / p)].name},
+        {"residual", one.residual},
+        {"neighbours", one.neighbours}});
+  }
+  io::JsonArray doubtful;
+  for (const auto& one : judgement.doubtful) {
+    doubtful.push_back(
+        io::JsonObject{{"mode", static_cast<long long>(one.mode + 1)}, {"why", one.why}});
+  }
+  return io::JsonObject{{"verdict", word(judgement.trust)},
+                        {"trusted", judgement.trust != identification::Trust::none},
+                        {"reasons", io::Json::texts(judgement.reasons)},
+                        {"noise_level", judgement.level},
+                        {"excess", model.found.fit.excess()},
+                        {"unexplained", judgement.unexplained},
+                        {"doubtful_part", judgement.doubtful_part},
+                        {"doubtful_modes", doubtful},
+                        {"outlying", outlying}};
+}
+
+}  // namespace chladni::app

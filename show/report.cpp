@@ -1,0 +1,264 @@
+// report.html: all present results on one page.
+#include "show/report.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+
+#include "base/parallel.h"
+#include "base/percent.h"
+#include "dense/blas.h"
+#include "io/report.h"
+#include "io/report_sections.h"
+#include "show/diagnosis.h"
+#include "show/interpolation.h"
+#include "show/placement.h"
+#include "show/version.h"
+
+namespace chladni::app {
+namespace {
+
+io::Section channels_of(const Study& study, const Solution& solution) {
+  auto markers = markers_of(study, solution.model);
+  markers.resize(study.sensors.size() + study.actuators.size());
+  const auto& modes = solution.modes;
+  Eigen::MatrixXd shapes(static_cast<Eigen::Index>(markers.size()), modes.mode_count());
+  shapes << shapes_at(study.sensors, solution.model.sensors, modes),
+      shapes_at(study.actuators, solution.model.actuators, modes);
+  return io::channels_section(markers, modes, shapes);
+}
+
+io::Table best_table(const Solution& solution, const Placed& placement) {
+  io::Table table{"Best places of one collocated pair",
+                  {{"x [mm]"}, {"y [mm]"}, {"z [mm]"}, {"value"}, {"limited by mode", false}},
+                  {}};
+  for (const auto& pair : placement.best) {
+    const Eigen::Vector3d mm = 1e3 * pair.position;
+    table.rows.push_back({{fmt::format("{:.1f}", mm.x()), fmt::format("{:.1f}", mm.y()),
+                           fmt::format("{:.1f}", mm.z()),
+                           fmt::format("{:.3g}", placement.criterion->for_people(pair.score)),
+                           group_name(solution, placement.wanted, pair.limiting)}});
+  }
+  return table;
+}
+
+io::Table layouts_table(const Placed& placement) {
+  io::Table table{"Layouts", {{"criterion", false}, {"better", false}}, {}};
+  for (const auto& layout : placement.layouts) table.columns.push_back({layout.name});
+  const auto criteria = placement::layout_criteria();
+  for (std::size_t c = 0; c < criteria.size(); ++c) {
+    const auto& one = *criteria[c];
+    io::Table::Row row{
+        {std::string(one.name) + (one.unit == "1" ? "" : " [" + std::string(one.unit) + "]"),
+         one.larger_is_better ? "more" : "less"}};
+    for (const auto& layout : placement.layouts) {
+      const double value = layout.scores(static_cast<Eigen::Index>(c));
+      row.cells.push_back(std::isfinite(value) ? fmt::format("{:.4g}", value) : "\u2013");
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+io::Section placement_section(const Solution& solution, const Placed& placement, const Run& run) {
+  io::Section section{"Placement", {}};
+  if (run.has_painted("heat_map.png")) {
+    const auto picture = io::picture_section("", run / "heat_map.png",
+                                             std::string(placement.criterion->summary) + ".");
+    section.blocks = picture.blocks;
+  }
+  section.blocks.emplace_back(best_table(solution, placement));
+  if (!placement.layouts.empty()) section.blocks.emplace_back(layouts_table(placement));
+  if (run.has_painted("layouts.png")) {
+    const auto picture = io::picture_section(
+        "", run / "layouts.png", "Where shapes interpolated from each layout will be wrong.");
+    section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
+  }
+  for (const auto& optimum : placement.optima) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, optimum_text(optimum)});
+  }
+  for (const auto& layout : placement.layouts) {
+    if (layout.blind.empty()) continue;
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::warning, blind_text(solution, layout) + "."});
+  }
+  return section;
+}
+
+io::Table methods_table(const Interpolated& shapes) {
+  const bool has_truth = shapes.measured.truth.size() > 0;
+  const bool has_hidden = !shapes.measured.hidden_channels.empty();
+  io::Table table{"Ways to interpolate", {{"method", false}}, {}};
+  if (has_truth) {
+    table.columns.push_back({"squared error [%]"});
+    table.columns.push_back({"95 % band covers [%]"});
+  }
+  if (has_hidden) {
+    table.columns.push_back({"held-out shapes, error [%]"});
+    table.columns.push_back({"held-out FRFs, error [%]"});
+  }
+  for (const auto& one : shapes.methods) {
+    io::Table::Row row{{one.method->name}};
+    if (has_truth) {
+      row.cells.push_back(percent_cell(one.error.mean()));
+      row.cells.push_back(percent_cell(one.covered.mean()));
+    }
+    if (has_hidden) {
+      row.cells.push_back(percent_cell(one.hidden_error.mean()));
+      row.cells.push_back(percent_cell(one.hidden_frf_error.mean()));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+io::Section identification_section(const IdentifiedModel& model, const Run& run) {
+  io::Section section{"Modal model of the measured responses", {}};
+  if (run.has_painted("fit.png")) {
+    section.blocks = io::picture_section("", run / "fit.png",
+                                         "What the fit leaves of the responses stands below them.")
+                         .blocks;
+  }
+  const auto& fit = model.found.fit;
+  io::Table table{"Modes, with standard deviations",
+                  {{"mode"}, {"Hz"}, {"+-"}, {"damping ratio [%]"}, {"+-"}, {"gain of L over R"}},
+                  {}};
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const auto& match = model.match.modes[static_cast<std::size_t>(m)];
+    const bool known = match.by != identification::MatchedBy::nothing;
+    table.rows.push_back(
+        {{std::to_string(m + 1), fmt::format("{:.4f}", fit.model.frequency_hz(m)),
+          fmt::format("{:.2g}", fit.frequency_std_hz(m)), percent_cell(fit.model.damping_ratio(m)),
+          percent_cell(fit.damping_std(m)),
+          known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
+  }
+  section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(
+      io::Note{io::Note::Tone::plain,
+               fmt::format("The responses are fitted to {} % of their size; the noise "
+                           "is {} %.",
+                           percent_cell(overall_error(model)), percent_cell(noise(model)))});
+  for (const auto& warning : model.match.warnings) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, warning + "."});
+  }
+  return section;
+}
+
+io::Section shapes_section(const Study& study, const Interpolated& shapes, const Run& run) {
+  io::Section section{"Shapes between the sensors", {}};
+  const auto& shown = shapes.methods.front();
+  if (run.has_painted("mode_field.png")) {
+    const auto picture = io::picture_section(
+        "", run / "mode_field.png",
+        std::string("How well each shape is known: ") + shown.method->summary + ".");
+    section.blocks = picture.blocks;
+  }
+  const auto responses =
+      predictions_picture(study.interpolation.value_or(InterpolationPlan{}).predicted);
+  if (run.has_painted(responses)) {
+    const auto more = io::picture_section(
+        "", run / responses,
+        "Responses at the sensors that no fit saw and at the points of interest.");
+    section.blocks.insert(section.blocks.end(), more.blocks.begin(), more.blocks.end());
+  }
+  section.blocks.emplace_back(methods_table(shapes));
+  for (const auto& note : shown.field->summary().notes) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, note + "."});
+  }
+  return section;
+}
+
+// "isotropic: youngs_modulus 7e+10, poissons_ratio 0.33, density 2700 (SI)".
+std::string material_text(const StudyMaterial& material) {
+  std::string text = (material.region.empty() ? "" : material.region + ", ") + material.symmetry;
+  const char* before = ": ";
+  for (const auto& [name, value] : material.constants) {
+    text += fmt::format("{}{} {:.6g}", before, name, value);
+    before = ", ";
+  }
+  return text + " (SI)";
+}
+
+// Date of the report, in UTC: SOURCE_DATE_EPOCH if that is set, so that the file is reproducible
+// (reproducible-builds.org/specs/source-date-epoch).
+std::string date_text() {
+  std::time_t seconds = std::time(nullptr);
+  if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated != nullptr) {
+    const std::string_view text = stated;
+    static_cast<void>(std::from_chars(text.data(), text.data() + text.size(), seconds));
+  }
+  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(seconds));
+}
+
+io::Section provenance_of(const Study& study, Run& run) {
+  std::vector<std::pair<std::string, std::string>> lines = {{"chladni", version()},
+                                                            {"study", study.title}};
+  if (!run.options().reproducible) lines.emplace_back("date", date_text());
+  for (const auto& material : study.materials) {
+    lines.emplace_back("material", material_text(material));
+  }
+  const Origin origin = run.origin(true);
+  lines.emplace_back("sha256 of the study", origin.study);
+  for (const auto& [file, digits] : origin.inputs) lines.emplace_back("sha256 of " + file, digits);
+  lines.insert(lines.end(), {{"BLAS kernel", dense::blas_kernel()},
+                             {"threads", std::to_string(thread_count())},
+                             {"seed", std::to_string(run.seed())}});
+  for (const auto& [step, time] : run.seconds()) {
+    lines.emplace_back("seconds, " + step, fmt::format("{:.2f}", time));
+  }
+  return io::provenance_section(lines);
+}
+
+// True if flat faces bound the body. A mesh of a round body or of a file may be a little too small.
+bool is_filled_exactly(const Geometry& geometry) {
+  if (const auto* table = std::get_if<mesh::WaferTable>(&geometry.body)) {
+    return table->bores.empty() && !(table->wafer_diameter > 0.0);
+  }
+  return std::holds_alternative<mesh::Plate>(geometry.body) ||
+         std::holds_alternative<mesh::Quadrilateral>(geometry.body);
+}
+
+}  // namespace
+
+void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run) {
+  const auto& model = solution.model;
+  io::Report report;
+  report.title = study.title;
+  report.understood = solution.introduction.body.line();
+  report.warnings = solution.introduction.warnings;
+  report.sections.push_back(io::modes_section(model.body, solution.modes, solution.summary,
+                                              solution.frequency_error, markers_of(study, model),
+                                              is_filled_exactly(study.geometry)));
+  if (run.has_painted("modes.png")) {
+    report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
+                                                  "Nodal lines are black."));
+  }
+  if (found.diagnosis != nullptr) {
+    report.sections.push_back(diagnosis_section(*found.diagnosis, run));
+  }
+  if (found.placement != nullptr) {
+    report.sections.push_back(placement_section(solution, *found.placement, run));
+  }
+  if (found.shapes != nullptr && found.shapes->measured.identified) {
+    report.sections.push_back(identification_section(*found.shapes->measured.identified, run));
+  }
+  if (found.shapes != nullptr) report.sections.push_back(shapes_section(study, *found.shapes, run));
+  report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
+                                             solution.degrees_of_freedom));
+  if (run.has_painted("mesh.png")) {
+    report.sections.push_back(io::picture_section(
+        "Patches", run / "mesh.png",
+        "Names that `on`, `keep_out` and supports may take; on = { facing = \"z\" } needs none."));
+  }
+  if (!study.sensors.empty() || !study.actuators.empty()) {
+    report.sections.push_back(channels_of(study, solution));
+  }
+  report.sections.push_back(provenance_of(study, run));
+  io::write_report(run / "report.html", report);
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ostream>
+#include <system_error>
+
+#include "base/error.h"
+#include "show/run.h"
+#include "show/version.h"
+#include "study/sha256.h"
+
+namespace chladni::app {
+namespace {
+
+std::filesystem::path folder_of(const Study& study, const Options& options) {
+  return options.folder.empty() ? std::filesystem::path("out") / study.name : options.folder;
+}
+
+unsigned seed_of(const Study& study, const Options& options) {
+  return options.seed >= 0 ? static_cast<unsigned>(options.seed) : study.seed.value_or(1);
+}
+
+WorkOptions work_options(const Study& study, const Options& options) {
+  return {.seed = seed_of(study, options),
+          .certificate = options.certificate,
+          .keep_best = options.keep_best,
+          .keep_times = !options.reproducible,
+          .allowed = options.allowed,
+          .folder = folder_of(study, options)};
+}
+
+/// True if the result depends on the measurement.
+bool stands_on_measured(const std::string& file) {
+  constexpr std::array results = {"diagnosis.json", "identified.json", "interpolation.json"};
+  return std::find(results.begin(), results.end(), file) != results.end();
+}
+
+io::JsonArray inputs_of(const Origin& origin) {
+  io::JsonArray inputs;
+  for (const auto& [name, digits] : origin.inputs) {
+    inputs.emplace_back(io::JsonObject{{"file", name}, {"sha256", digits}});
+  }
+  return inputs;
+}
+
+}  // namespace
+
+Run::Run(const Study& study, Options options, std::ostream& results, Talk& talk)
+    : Work(work_options(study, options)),
+      study_(study),
+      options_(std::move(options)),
+      results_(results),
+      talk_(talk),
+      folder_(choices().folder) {}
+
+Run::~Run() {
+  try {
+    if (has_left_) put_outdated_aside();
+  } catch (const std::exception&) {
+    return;  // the results are complete
+  }
+}
+
+void Run::put_outdated_aside() {
+  std::string others;
+  for (const auto& name : outdated(folder_.path(), origin(true))) {
+    if (name == "report.html") {
+      std::filesystem::rename(*this / name, *this / "report_before.html");
+      talk_.warn(folder_.path().string() +
+                 ": report.html was of an earlier state of the study or of its files; it is "
+                 "report_before.html now, and `chladni study` writes a new one");
+    } else {
+      others += (others.empty() ? "" : ", ") + name;
+    }
+  }
+  if (others.empty()) return;
+  talk_.warn(folder_.path().string() + ": " + others +
+             " and the pictures and fields that were left with it are of an earlier state of the "
+             "study or of its files; run their verbs again, or choose another folder with -o");
+}
+
+Origin Run::origin(bool measured) {
+  Origin origin{study_.sha256, {}};
+  for (const auto& [name, file] : named_files(study_, measured)) {
+    auto known = fingerprint_.find(file);
+    if (known == fingerprint_.end()) known = fingerprint_.emplace(file, sha256_of_file(file)).first;
+    origin.inputs[name] = known->second;
+  }
+  return origin;
+}
+
+void Run::paint(const std::string& file,
+                const std::function<void(const std::filesystem::path& png)>& draw) {
+  if (!options_.pictures) return;
+  try {
+    draw(*this / file);
+    painted_.insert(file);
+  } catch (const WorkerDied& fault) {
+    std::error_code ignored;
+    std::filesystem::remove(*this / file, ignored);
+    const bool again = last_fault_ == fault.what();
+    talk_.warn(again ? file + " is not painted either"
+                     : fmt::format("{} is not painted: {}; everything else is there; "
+                                   "--no-pictures paints nothing",
+                                   file, fault.what()));
+    last_fault_ = fault.what();
+  }
+}
+
+std::filesystem::path Run::operator/(std::string_view name) const { return folder_.path() / name; }
+
+void Run::show(std::string_view text) {
+  talk_.clear_progress();
+  if (!options_.json) results_ << part() << text << std::flush;
+}
+
+void Run::leave(const std::string& file, io::JsonObject content, bool main_result) {
+  io::JsonObject seconds;
+  for (const auto& [step, time] : this->seconds()) seconds.emplace_back(step, time);
+  io::JsonObject all = {
+      {"chladni", version()},
+      {"study", io::JsonObject{{"title", study_.title},
+                               {"sha256", study_.sha256},
+                               {"inputs", inputs_of(origin(stands_on_measured(file)))}}},
+      {"seed", static_cast<long long>(seed())},
+      {"seconds", seconds}};
+  all.insert(all.end(), content.begin(), content.end());
+  const io::Json json(std::move(all));
+  io::write_json(*this / file, json);
+  has_left_ = true;
+  talk_.clear_progress();
+  if (options_.json && main_result) results_ << io::text(json) << std::flush;
+}
+
+}  // namespace chladni::app

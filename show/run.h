@@ -1,0 +1,88 @@
+// A run of a verb: what the user asked for, and where its results and messages go.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/json.h"
+#include "show/run/output_folder.h"
+#include "show/run/terminal.h"
+#include "stage/work.h"
+#include "study/origin.h"
+#include "study/study.h"
+
+namespace chladni::app {
+
+/// Options of the command line, in addition to the verb and the study.
+struct Options {
+  std::filesystem::path folder;                ///< -o; empty: out/<study name>
+  std::vector<std::filesystem::path> allowed;  ///< --allow-outside
+  int threads = 0;                             ///< 0: number of physical cores
+  long long seed = -1;                         ///< −1: that of the study, or 1
+  bool quiet = false, json = false;
+  bool certificate = true;  ///< the inertia count
+  bool pictures = true;
+  int animate = 0;             ///< mode, counted from 1, for the phase animation
+  bool expect = false;         ///< `check` computes the modes and compares
+  bool reproducible = false;   ///< no times in the results
+  bool keep_best = false;      ///< Ctrl-C stops a fit, not the program
+  std::string unit;            ///< for `check` of measured data without a unit
+  double sample_time_s = 0.0;  ///< likewise
+};
+
+/// One run of a verb: its output folder, its messages, and the times of its steps.
+class Run : public Work {
+ public:
+  /// @throws as OutputFolder
+  Run(const Study& study, Options options, std::ostream& results, Talk& talk);
+  /// Reports results in the folder that belong to another state of the study than those of this
+  /// run. A report of another state is kept as report_before.html.
+  ~Run() override;
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+  Run(Run&&) = delete;
+  Run& operator=(Run&&) = delete;
+
+  [[nodiscard]] const Options& options() const { return options_; }
+  [[nodiscard]] std::filesystem::path operator/(std::string_view name) const;
+  void note(std::string_view line) override { talk_.note(line); }
+  void warn(std::string_view message) override { talk_.warn(message); }
+  [[nodiscard]] Progress progress() override { return talk_.progress(); }
+  void clear_progress() override { talk_.clear_progress(); }
+  /// Text for the user, on stdout; nothing with --json.
+  void show(std::string_view text) override;
+  /// Writes `content` as a JSON file with the common header (version, study, seed, seconds).
+  /// `--json` prints only the verb's own `main_result`.
+  void leave(const std::string& file, io::JsonObject content, bool main_result);
+
+  /// Lets `draw` paint the picture `file`, unless pictures are switched off. A failure is a
+  /// warning, and an older picture of that name is removed.
+  void paint(const std::string& file,
+             const std::function<void(const std::filesystem::path& png)>& draw);
+  /// True if this run painted it.
+  [[nodiscard]] bool has_painted(const std::string& file) const { return painted_.contains(file); }
+  /// The fingerprints in the results of this run: of the study, of the body's file and, with
+  /// `measured`, of the measurement's files. Each file is read once.
+  [[nodiscard]] Origin origin(bool measured);
+
+ private:
+  void put_outdated_aside();
+
+  const Study& study_;
+  Options options_;
+  std::ostream& results_;
+  Talk& talk_;
+  OutputFolder folder_;
+  std::map<std::filesystem::path, std::string> fingerprint_;
+  std::set<std::string> painted_;
+  std::string last_fault_;  // of a picture
+  bool has_left_ = false;
+};
+
+}  // namespace chladni::app

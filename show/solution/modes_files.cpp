@@ -1,0 +1,28 @@
+#include "base/error.h"
+#include "io/csv.h"
+#include "io/picture.h"
+#include "io/vtu.h"
+#include "show/solution.h"
+
+namespace chladni::app {
+
+void leave_modes(const Study& study, const Solution& solution, Run& run) {
+  const auto& model = solution.model;
+  const auto& modes = solution.modes;
+  const auto markers = markers_of(study, model);
+  run.leave("modes.json", modes_json(study, solution), true);
+  io::write_csv(run / "modes.csv", modes_columns(solution));
+  io::write_modes_vtu(run / "modes.vtu", model.body, modes, study.title);
+  if (!markers.empty()) io::write_markers_vtu(run / "channels.vtu", markers);
+  if (const int mode = run.options().animate; mode > 0) {
+    require(mode <= modes.mode_count(), "--animate " + std::to_string(mode) + ": there are " +
+                                            std::to_string(modes.mode_count()) + " modes");
+    io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
+  }
+  if (run.options().pictures) tell(run.progress(), "painting the modes");
+  run.paint("modes.png", [&](const auto& png) {
+    io::draw_modes(png, model.body, modes, study.title, markers, 9, solution.summary.clusters);
+  });
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,337 @@
+// A study in SI units: the output of `chladni check`.
+#include "mesh/tetrahedralize.h"
+#include "show/interpolation.h"
+#include "show/solution.h"
+#include "show/solution/study_measured_json.h"
+#include "stage/solution.h"
+
+namespace chladni::app {
+namespace {
+
+io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
+
+io::Json body_json(const mesh::Plate& plate) {
+  return io::JsonObject{
+      {"length_m", plate.length}, {"width_m", plate.width}, {"thickness_m", plate.thickness}};
+}
+
+io::Json body_json(const mesh::Disc& disc) {
+  return io::JsonObject{{"diameter_m", disc.diameter},
+                        {"thickness_m", disc.thickness},
+                        {"hole_diameter_m", disc.hole_diameter}};
+}
+
+io::Json body_json(const mesh::Quadrilateral& plate) {
+  return io::JsonObject{{"corners_m", io::Json::rows(Eigen::MatrixXd(plate.corners))},
+                        {"thickness_m", plate.thickness}};
+}
+
+io::Json body_json(const mesh::Sphere& sphere) {
+  return io::JsonObject{{"diameter_m", sphere.diameter}, {"hole_diameter_m", sphere.hole_diameter}};
+}
+
+io::Json body_json(const mesh::WaferTable& table) {
+  io::JsonArray bores;
+  for (const auto& bore : table.bores) {
+    bores.push_back(io::JsonObject{
+        {"at_m", vector(bore.centre)}, {"diameter_m", bore.diameter}, {"depth_m", bore.depth}});
+  }
+  return io::JsonObject{{"length_m", table.length},
+                        {"width_m", table.width},
+                        {"height_m", table.height},
+                        {"face_sheet_m", table.face_sheet},
+                        {"pockets", io::JsonArray{table.pockets_x, table.pockets_y}},
+                        {"rib_m", table.rib},
+                        {"rim_m", table.rim},
+                        {"edge_cutout_length_m", table.edge_cutout_length},
+                        {"edge_cutout_depth_m", table.edge_cutout_depth},
+                        {"corner_cutout_m", table.corner_cutout},
+                        {"bores", bores},
+                        {"wafer_diameter_m", table.wafer_diameter},
+                        {"wafer_thickness_m", table.wafer_thickness}};
+}
+
+io::Json body_json(const FileGeometry& geometry) {
+  return io::JsonObject{{"file", geometry.file.filename().string()}, {"unit", geometry.unit}};
+}
+
+io::Json material_json(const StudyMaterial& material) {
+  io::JsonObject object = {{"region", material.region}, {"symmetry", material.symmetry}};
+  for (const auto& [name, value] : material.constants) object.emplace_back(name, value);
+  object.emplace_back("stiffness_pa", io::Json::rows(Eigen::MatrixXd(material.material.stiffness)));
+  return object;
+}
+
+io::Json place_json(const Place& place) {
+  return vector(place.point.head(place.from_above ? 2 : 3));
+}
+
+io::Json channels_json(const std::vector<Channel>& channels) {
+  io::JsonArray array;
+  for (const auto& channel : channels) {
+    io::JsonObject object = {{"name", channel.name},
+                             {"at_m", place_json(channel.at)},
+                             {"direction", vector(channel.direction)},
+                             {"quantity", channel.quantity}};
+    if (channel.node) object.emplace_back("node", *channel.node);
+    if (channel.gain != 1.0) object.emplace_back("gain", channel.gain);
+    if (channel.delay != 0.0) object.emplace_back("delay_s", channel.delay);
+    if (channel.low_pass_hz != 0.0) object.emplace_back("low_pass_hz", channel.low_pass_hz);
+    array.emplace_back(object);
+  }
+  return array;
+}
+
+void add(io::JsonObject& object, const fem::PointMass& mass) {
+  object.emplace_back("mass_kg", mass.mass);
+  object.emplace_back("inertia_kg_m2", vector(mass.inertia.diagonal()));
+}
+
+void add(io::JsonObject& object, const fem::GroundTorsionSpring& spring) {
+  object.emplace_back("axis", vector(spring.axis));
+  object.emplace_back("stiffness_n_m_per_rad", spring.stiffness);
+  object.emplace_back("damping_n_m_s_per_rad", spring.damping);
+}
+
+void add(io::JsonObject& object, const fem::Resonator& resonator) {
+  object.emplace_back("direction", vector(resonator.direction));
+  object.emplace_back("mass_kg", resonator.mass);
+  object.emplace_back("stiffness_n_per_m", resonator.stiffness);
+  object.emplace_back("damping_n_s_per_m", resonator.damping);
+}
+
+template <typename Spring>
+void add(io::JsonObject& object, const Spring& spring) {
+  object.emplace_back("direction", vector(spring.direction));
+  object.emplace_back("stiffness_n_per_m", spring.stiffness);
+  object.emplace_back("damping_n_s_per_m", spring.damping);
+}
+
+io::Json attachments_json(const std::vector<AttachmentPlan>& plans) {
+  io::JsonArray array;
+  for (const auto& plan : plans) {
+    io::JsonObject object = {{"kind", plan.kind},
+                             {"name", plan.name},
+                             {"at_m", place_json(plan.at)},
+                             {"footprint_m", plan.footprint}};
+    if (plan.to) object.emplace_back("to_m", place_json(*plan.to));
+    std::visit([&](const auto& what) { add(object, what); }, plan.what);
+    array.emplace_back(object);
+  }
+  return array;
+}
+
+io::Json variations_json(const std::vector<VariationPlan>& plans) {
+  io::JsonArray array;
+  for (const auto& plan : plans) {
+    io::JsonObject object = {{"of", plan.of}};
+    if (plan.at) {
+      object.emplace_back("at_m", place_json(*plan.at));
+      object.emplace_back("radius_m", plan.radius);
+      object.emplace_back("relative", plan.relative);
+    }
+    for (std::size_t k = 0; k < kVariationWaves.size(); ++k) {
+      object.emplace_back(std::string(kVariationWaves[k]), plan.waves[k]);
+    }
+    array.emplace_back(object);
+  }
+  return array;
+}
+
+io::Json supports_json(const std::vector<fem::Support>& supports) {
+  io::JsonArray array;
+  for (const auto& support : supports) {
+    const std::string fixed =
+        std::string(support.x ? "x" : "") + (support.y ? "y" : "") + (support.z ? "z" : "");
+    array.push_back(io::JsonObject{{"patch", support.patch}, {"fixed", fixed}});
+  }
+  return array;
+}
+
+io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
+  io::JsonArray array;
+  for (const auto& layout : layouts) {
+    array.push_back(io::JsonObject{{"name", layout.name},
+                                   {"sensors", io::Json::texts(layout.sensors)},
+                                   {"actuators", io::Json::texts(layout.actuators)}});
+  }
+  return array;
+}
+
+io::Json faces_json(const FacePlan& on) {
+  if (on.facing) return io::JsonObject{{"facing", vector(*on.facing)}};
+  return io::Json::texts(on.patches);
+}
+
+io::Json placement_plan_json(const PlacementPlan& plan) {
+  io::JsonArray modes;
+  for (const int mode : plan.modes) modes.emplace_back(mode);
+  io::JsonArray zones;
+  for (const auto& zone : plan.keep_out) {
+    zones.push_back(io::JsonObject{{"shape", zone.shape},
+                                   {"from_m", vector(zone.from)},
+                                   {"to_m", vector(zone.to)},
+                                   {"diameter_m", zone.diameter},
+                                   {"patch", zone.patch}});
+  }
+  io::JsonArray interest;
+  for (const auto& place : plan.interest) interest.push_back(place_json(place));
+  io::JsonObject object = {
+      {"modes", modes},
+      {"up_to_hz", plan.up_to_hz},
+      {"criterion", plan.criterion},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
+      {"on", faces_json(plan.on)},
+      {"keep_out", zones},
+      {"edge_distance_m", plan.edge_distance},
+      {"footprint_m", plan.footprint},
+      {"spacing_m", plan.spacing},
+      {"there", io::Json::texts(plan.there)},
+      {"pairs", plan.pairs},
+      {"noise", plan.noise},
+      {"frf_noise_m_per_n", plan.frf_noise},
+      {"frequency_resolution_hz", plan.resolution_hz},
+      {"position_error_m", plan.position_error},
+      {"frequency_tolerance", plan.frequency_tolerance},
+      {"interest_m", interest},
+      {"choose", io::JsonObject{{"sites", plan.sites}, {"by", plan.choose_by}}}};
+  if (const auto& grid = plan.grid) {
+    object.emplace_back("grid", io::JsonObject{{"pitch_m", vector(grid->pitch)},
+                                               {"centre_m", vector(grid->centre)},
+                                               {"columns", grid->columns},
+                                               {"rows", grid->rows}});
+  }
+  if (const auto& unknown = plan.uncertainty) {
+    object.emplace_back("uncertainty", io::JsonObject{{"modulus", unknown->modulus},
+                                                      {"density", unknown->density},
+                                                      {"thickness", unknown->thickness},
+                                                      {"attached_mass_kg", unknown->attached_mass},
+                                                      {"members", unknown->members},
+                                                      {"take", unknown->worst ? "worst" : "mean"}});
+  }
+  return object;
+}
+
+io::Json priors_plan_json(const PriorsPlan& plan) {
+  io::JsonArray samples;
+  for (const int count : plan.samples) samples.emplace_back(count);
+  return io::JsonObject{
+      {"kernel", plan.kernel},
+      {"axes", plan.per_axis ? "per_axis" : "isotropic"},
+      {"by", plan.by},
+      {"modes", plan.modes},
+      {"samples", samples},
+      {"noise_ratio", plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio)},
+      {"on", faces_json(plan.on)},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
+}
+
+io::Json interpolation_json(const InterpolationPlan& plan) {
+  io::JsonArray points;
+  for (const auto& point : plan.points) {
+    points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
+  }
+  return io::JsonObject{
+      {"methods", io::Json::texts(plan.methods)},
+      {"on", faces_json(plan.on)},
+      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
+      {"points", points},
+      {"predicted", plan.predicted},
+      {"table_pitch_m", plan.table_pitch},
+      {"polynomial_degree", plan.polynomial_degree}};
+}
+
+io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
+  const auto& t = plan.tolerances;
+  return io::JsonObject{
+      {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
+      {"tolerances", io::JsonObject{{"gain", t.gain},
+                                    {"position_m", t.position},
+                                    {"delay_s", t.delay},
+                                    {"modulus", t.modulus},
+                                    {"density", t.density},
+                                    {"thickness", t.thickness},
+                                    {"orthotropy", t.orthotropy},
+                                    {"residual", t.residual},
+                                    {"frequency", t.frequency},
+                                    {"damping", t.damping},
+                                    {"loaded_damping", t.loaded_damping},
+                                    {"response", t.response},
+                                    {"scale", t.scale},
+                                    {"mass_kg", t.mass}}},
+      {"on", faces_json(plan.on)},
+      {"effects", io::Json::texts(plan.effects)},
+      {"most_causes", plan.most_causes},
+      {"least_evidence", plan.least_evidence},
+      {"rival_within", plan.rival_within},
+      {"lines", plan.lines},
+      {"hold_out_band_hz", io::JsonArray{plan.hold_out_low_hz, plan.hold_out_high_hz}}};
+}
+
+io::Json expectations_json(const std::vector<Expectation>& expectations) {
+  io::JsonObject object;
+  for (const auto& one : expectations) {
+    object.emplace_back(
+        one.key, io::JsonObject{{"value", one.value}, {"within", one.within}, {"unit", one.unit}});
+  }
+  return object;
+}
+
+io::Json mesh_plan_json(const MeshPlan& plan) {
+  return io::JsonObject{{"edge_length_m", plan.edge_length},
+                        {"order", plan.order},
+                        {"layers", plan.layers},
+                        {"across_ribs", plan.across_ribs},
+                        {"mesher", plan.mesher},
+                        {"remesh", plan.remesh},
+                        {"repair", plan.fill_holes ? "fill" : "safe"}};
+}
+
+io::Json estimate_json(const Understood& body, const Cost& cost) {
+  return io::JsonObject{
+      {"extent_m", vector(body.extent_m)}, {"volume_m3", body.volume_m3},
+      {"mass_kg", body.mass_kg},           {"first_frequency_hz", body.first_frequency_hz},
+      {"taken_for", body.estimate_name},   {"degrees_of_freedom", cost.degrees_of_freedom},
+      {"memory_bytes", cost.memory_bytes}, {"seconds", cost.seconds}};
+}
+
+}  // namespace
+
+io::JsonObject study_json(const Study& study, const Introduction& introduction) {
+  io::JsonArray materials;
+  for (const auto& material : study.materials) materials.push_back(material_json(material));
+  io::JsonObject object = {
+      {"geometry",
+       io::JsonObject{{study.geometry.kind, std::visit([](const auto& b) { return body_json(b); },
+                                                       study.geometry.body)}}},
+      {"materials", materials},
+      {"mesh", mesh_plan_json(study.mesh)},
+      {"modes", io::JsonObject{{"count", study.modes.count},
+                               {"up_to_hz", study.modes.up_to_hz},
+                               {"damping_ratio", study.modes.damping_ratio}}},
+      {"supports", supports_json(study.supports)},
+      {"attachments", attachments_json(study.attachments)},
+      {"variations", variations_json(study.variations)},
+      {"sensors", channels_json(study.sensors)},
+      {"actuators", channels_json(study.actuators)},
+      {"layouts", layouts_json(study.layouts)}};
+  if (study.placement) object.emplace_back("placement", placement_plan_json(*study.placement));
+  if (study.measurement) {
+    object.emplace_back("measurement", measurement_json(*study.measurement));
+  }
+  if (study.experiment) object.emplace_back("experiment", experiment_json(*study.experiment));
+  if (study.identification) {
+    object.emplace_back("identification", identification_json(*study.identification));
+  }
+  if (study.interpolation) {
+    object.emplace_back("interpolation", interpolation_json(*study.interpolation));
+  }
+  if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
+  if (study.diagnosis) object.emplace_back("diagnosis", diagnosis_plan_json(*study.diagnosis));
+  object.emplace_back("expect", expectations_json(study.expectations));
+  object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
+  object.emplace_back("warnings", io::Json::texts(introduction.warnings));
+  return object;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,174 @@
+#include "stage/body.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "io/read.h"
+#include "mesh/check.h"
+#include "mesh/disc.h"
+#include "mesh/patches.h"
+#include "mesh/tetrahedralize.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr int kPreferredOrder = 3;
+constexpr Eigen::Index kMostCubicTets = 60000;
+
+bool is_layered(const Study& study) {
+  const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
+  const bool cut = table != nullptr && (!table->bores.empty() || table->wafer_diameter > 0.0);
+  const bool can = study.geometry.kind != "file" && !cut;
+  require(can || study.mesh.mesher != "layered",
+          study.file.string() + ": mesh.mesher is \"layered\", but " +
+              (cut ? "a table with bores or a wafer" : "a body from a file") +
+              " can only be meshed by \"tetgen\"");
+  require(study.geometry.kind != "quadrilateral" || study.mesh.mesher != "tetgen",
+          study.file.string() + ": a quadrilateral is laid in layers only; leave mesh.mesher out");
+  return can && study.mesh.mesher != "tetgen";
+}
+
+template <typename Body>
+mesh::Layering layering_of(const Body& body, const MeshPlan& plan) {
+  const int order = plan.order == 0 ? kPreferredOrder : plan.order;
+  mesh::Layering layering = default_layering(body, order);
+  if (plan.edge_length > 0.0) layering.edge_length = plan.edge_length;
+  if (plan.layers > 0) layering.layers = plan.layers;
+  if (plan.across_ribs > 0) layering.across_ribs = plan.across_ribs;
+  if (layering.edge_strip > 0.5 * layering.edge_length) layering.edge_strip = 0.0;
+  return layering;
+}
+
+/// Layers of a plate on four corners: those of the rectangle around it.
+mesh::Layering layering_of(const mesh::Quadrilateral& body, const MeshPlan& plan) {
+  const Eigen::Vector2d extent =
+      body.corners.colwise().maxCoeff() - body.corners.colwise().minCoeff();
+  auto layering = layering_of(
+      mesh::Plate{.length = extent(0), .width = extent(1), .thickness = body.thickness}, plan);
+  layering.edge_strip = 0.0;
+  return layering;
+}
+
+mesh::TetMesh layered_body(const Geometry& geometry, const MeshPlan& plan) {
+  if (const auto* sphere = std::get_if<mesh::Sphere>(&geometry.body)) {
+    const double edge = plan.edge_length > 0.0 ? plan.edge_length : sphere->diameter / 8.0;
+    return layered(*sphere, edge);
+  }
+  return std::visit(
+      [&](const auto& body) -> mesh::TetMesh {
+        using Body = std::decay_t<decltype(body)>;
+        if constexpr (std::is_same_v<Body, FileGeometry> || std::is_same_v<Body, mesh::Sphere>) {
+          throw InvalidInput("this body cannot be laid in layers");
+        } else {
+          return layered(body, layering_of(body, plan));
+        }
+      },
+      geometry.body);
+}
+
+/// The surface for TetGen, of a body that is given by its dimensions.
+mesh::Surface parametric_surface(const Geometry& geometry, double edge_length) {
+  if (const auto* plate = std::get_if<mesh::Plate>(&geometry.body)) return surface(*plate);
+  if (const auto* disc = std::get_if<mesh::Disc>(&geometry.body)) {
+    return surface(*disc, edge_length > 0.0 ? edge_length : disc->diameter / 40.0);
+  }
+  if (const auto* sphere = std::get_if<mesh::Sphere>(&geometry.body)) {
+    return surface(*sphere, edge_length > 0.0 ? edge_length : sphere->diameter / 12.0);
+  }
+  const auto& table = std::get<mesh::WaferTable>(geometry.body);
+  return surface(table, edge_length > 0.0 ? edge_length : table.length / 40.0);
+}
+
+/// Its triangles as the boundary of a mesh that has no cells yet.
+mesh::TetMesh shell_of(const mesh::Surface& surface) {
+  mesh::TetMesh shell;
+  shell.points = surface.points;
+  shell.faces = surface.triangles;
+  shell.face_patch = surface.patch;
+  shell.patch_names = surface.patch_names;
+  shell.tets.resize(0, 4);
+  for (const auto& region : surface.regions) shell.region_names.push_back(region.name);
+  if (shell.region_names.empty()) shell.region_names = {"body"};
+  return shell;
+}
+
+/// @param nameless  its patches are found by angle
+Outline outline_of_surface(mesh::Surface surface, const MeshPlan& plan, bool nameless,
+                           std::vector<std::string> notes) {
+  Outline outline;
+  outline.notes = std::move(notes);
+  const auto report = check_and_repair(surface, {.fill_holes = plan.fill_holes});
+  require(report.fit(), report.text());
+  if (nameless) mesh::name_patches(surface);
+  for (const auto& finding : report.findings) outline.notes.push_back(finding.what);
+  outline.volume = report.volume;
+  outline.shell = shell_of(surface);
+  outline.surface = std::move(surface);
+  return outline;
+}
+
+Outline outline_of_tets(mesh::TetMesh mesh, std::vector<std::string> notes) {
+  check(mesh);
+  Outline outline;
+  outline.notes = std::move(notes);
+  outline.volume = mesh::volume(mesh);
+  outline.shell = std::move(mesh);
+  return outline;
+}
+
+}  // namespace
+
+Outline outline_of(const Study& study, const Progress& progress) {
+  tell(progress, "reading the geometry");
+  if (is_layered(study)) return outline_of_tets(layered_body(study.geometry, study.mesh), {});
+  if (const auto* file = std::get_if<FileGeometry>(&study.geometry.body)) {
+    auto geometry = io::read_geometry(file->file, file->unit);
+    if (auto* tets = std::get_if<mesh::TetMesh>(&geometry.body)) {
+      return outline_of_tets(std::move(*tets), std::move(geometry.notes));
+    }
+    auto& surface = std::get<mesh::Surface>(geometry.body);
+    const bool nameless = surface.patch_names.size() < 2;  // one solid, or none with a name
+    return outline_of_surface(std::move(surface), study.mesh, nameless, std::move(geometry.notes));
+  }
+  return outline_of_surface(parametric_surface(study.geometry, study.mesh.edge_length), study.mesh,
+                            false, {});
+}
+
+mesh::TetMesh body_of(const Study& study, const Outline& outline, const Progress& progress) {
+  mesh::TetMesh body = outline.shell;
+  const bool from_file = study.geometry.kind == "file";
+  if (outline.surface) {
+    mesh::MesherOptions options;
+    options.edge_length = study.mesh.edge_length;
+    options.remesh_surface = study.mesh.remesh;
+    body = tetrahedralize(*outline.surface, options, progress);
+  }
+  const int own_order = from_file && !outline.surface ? body.order() : 0;
+  const int order = order_for(study, body.tet_count(), own_order);
+  tell(progress, "placing nodes");
+  const auto* disc = order > 1 ? std::get_if<mesh::Disc>(&study.geometry.body) : nullptr;
+  if (disc != nullptr) project_to_disc(body, *disc, order);
+  if (order != body.order()) body = with_order(body, order);
+  if (disc != nullptr) project_to_disc(body, *disc, order);
+  const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body);
+  if (sphere != nullptr && !outline.surface) project_to_sphere(body, *sphere);
+  if (own_order > 0) sort_in_space(body);
+  return body;
+}
+
+int order_for(const Study& study, Eigen::Index tets, int own_order) {
+  if (study.mesh.order > 0) return study.mesh.order;
+  if (own_order > 1) return own_order;
+  return tets <= kMostCubicTets ? kPreferredOrder : 2;
+}
+
+double node_count(const mesh::TetMesh& linear, int order) {
+  const auto vertices = static_cast<double>(linear.node_count());
+  const auto tets = static_cast<double>(linear.tet_count());
+  const double faces = 0.5 * (4.0 * tets + static_cast<double>(linear.faces.rows()));
+  const double edges = vertices + faces - tets - 1.0;
+  return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
+}
+
+}  // namespace chladni::app

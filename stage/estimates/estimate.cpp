@@ -1,0 +1,293 @@
+#include "stage/forecast.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "fem/error_estimate.h"
+#include "mesh/surface.h"
+#include "mesh/tetrahedralize.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRigid = 6.0;
+constexpr double kInPlane = 3.0;         // rigid-body motions that Weyl's law of a plate leaves out
+constexpr double kFreeRim = 1.75;        // share of a free rim in the modes of a plate, per wave
+constexpr double kFittedModes = 26.0;    // modes in the runs that the forecast is fitted to
+constexpr double kVectorsPerMode = 5.5;  // shapes and the iteration: 20 and 200 modes of a plate
+constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of freedom, order 2
+constexpr double kTimePerMode = 0.02;    // part of the total time, per mode beyond kFittedModes
+constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
+constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
+
+/// Length, width and thickness: the box's sides by size, and the thickness that fits its volume.
+struct Slab {
+  double length, width, thickness;
+};
+
+Slab slab_of(const Understood& body) {
+  Eigen::Vector3d sides = body.extent_m;
+  std::sort(sides.data(), sides.data() + 3);
+  return {sides(2), sides(1), body.volume_m3 / (sides(2) * sides(1))};
+}
+
+/// Young's modulus and Poisson's ratio in the plane, averaged over x and y.
+std::pair<double, double> plane_constants(const fem::Material& material) {
+  const Eigen::Matrix<double, 6, 6> compliance = material.stiffness.inverse();
+  const double mean = 0.5 * (compliance(0, 0) + compliance(1, 1));
+  return {1.0 / mean, -compliance(0, 1) / mean};
+}
+
+/// The material of most of the body: that of the first region.
+const StudyMaterial& main_material(const Study& study, const Outline& outline) {
+  const std::string& region = outline.shell.region_names.front();
+  const auto named = std::find_if(study.materials.begin(), study.materials.end(),
+                                  [&](const auto& m) { return m.region == region; });
+  return named != study.materials.end() ? *named : study.materials.front();
+}
+
+const StudyMaterial& wafer_material(const Study& study, const StudyMaterial& fallback) {
+  const auto named = std::find_if(study.materials.begin(), study.materials.end(),
+                                  [](const auto& m) { return m.region == "wafer"; });
+  return named != study.materials.end() ? *named : fallback;
+}
+
+double mass_of(const Study& study, const Outline& outline) {
+  const auto& main = main_material(study, outline);
+  double mass = main.material.density * outline.volume;
+  const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
+  if (table != nullptr && table->wafer_diameter > 0.0) {
+    const double wafer =
+        0.25 * kPi * table->wafer_diameter * table->wafer_diameter * table->wafer_thickness;
+    mass += wafer * (wafer_material(study, main).material.density - main.material.density);
+  }
+  for (const auto& plan : study.attachments) {
+    if (const auto* point = std::get_if<fem::PointMass>(&plan.what)) mass += point->mass;
+    if (const auto* resonator = std::get_if<fem::Resonator>(&plan.what)) mass += resonator->mass;
+  }
+  return mass;
+}
+
+struct Estimate {
+  double hz;
+  const char* name;
+};
+
+Estimate first_frequency(const Study& study, const Understood& body,
+                         const fem::Material& material) {
+  const auto [modulus, poisson] = plane_constants(material);
+  const Slab slab = slab_of(body);
+  const double areal_mass = body.mass_kg / (slab.length * slab.width);
+  const double h = slab.thickness;
+  const double bending = 22.373 / (2.0 * kPi * slab.length * slab.length) *
+                         std::sqrt(modulus * h * h * h / 12.0 / areal_mass);
+  const double rigidity = modulus * h * h * h / (12.0 * (1.0 - poisson * poisson));
+  const double plate = std::sqrt(rigidity / areal_mass) / (2.0 * kPi);
+  if (study.geometry.kind == "disc") {
+    const double radius = 0.5 * slab.length;
+    const double per_disc_area = areal_mass * slab.length * slab.length / (kPi * radius * radius);
+    const double true_h = std::get<mesh::Disc>(study.geometry.body).thickness;
+    const double d = modulus * true_h * true_h * true_h / (12.0 * (1.0 - poisson * poisson));
+    return {5.253 / (2.0 * kPi * radius * radius) * std::sqrt(d / per_disc_area), "disc"};
+  }
+  const double twist = 13.49 * plate / (slab.length * slab.width);
+  const bool flat = study.geometry.kind == "plate" || study.geometry.kind == "beam";
+  if (slab.length > 4.0 * slab.width) return {std::min(bending, twist), flat ? "beam" : "box"};
+  return {std::min(bending, twist), flat ? "plate" : "box"};
+}
+
+/// "0.52 GB", "140 MB".
+std::string bytes_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
+                     : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+/// Numbers of cells and boundary triangles of TetGen on an isotropic surface, from volume and area.
+/// Fitted to plates, a disc, a torus and a ribbed table, within a factor of 1.2. A part thinner
+/// than an edge has only cells between the two sides of its surface.
+struct Count {
+  double tets, faces;
+};
+
+Count tetgen_count(const Outline& outline, double edge) {
+  const double surface = mesh::area(outline.shell.points, outline.shell.faces);
+  const double faces = 1.16 * surface / (0.433 * edge * edge);
+  const double core = std::max(0.0, outline.volume - 0.5 * edge * surface);
+  return {1.6 * faces + 1.22 * core / (0.1179 * edge * edge * edge), faces};
+}
+
+/// Nodes by Euler's formula.
+double node_count(const Count& count, int order) {
+  const double inner = std::max(0.0, count.tets - 1.6 * count.faces) / 5.5;
+  const double vertices = 0.5 * count.faces + inner;
+  const double faces = 2.0 * count.tets + 0.5 * count.faces;
+  const double edges = vertices + faces - count.tets;
+  return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
+}
+
+/// Time and memory for this number of nodes, tetrahedra and modes. The peak is that of the
+/// solution, or that of the mesh error's estimate after the factor is freed: system, shapes twice,
+/// its own data.
+Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
+  Cost cost;
+  cost.exact = exact;
+  cost.degrees_of_freedom = 3.0 * nodes;
+  const double size = cost.degrees_of_freedom / 1e5;
+  const double more = std::max(0.0, modes - kFittedModes);
+  const double vector = 8.0 * cost.degrees_of_freedom;
+  const double solving =
+      (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) + kVectorsPerMode * vector * more;
+  const double estimating = kSystemBytes * cost.degrees_of_freedom + 2.0 * modes * vector +
+                            fem::frequency_error_bytes(tets);
+  cost.memory_bytes = 50e6 + std::max(solving, estimating);
+  cost.seconds = 7.8 * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
+  return cost;
+}
+
+/// Factor on `hz` at which the estimate is at most half of `most` modes, so that `most` is safe.
+double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
+                       double most) {
+  double ratio = 1.0;
+  while (modes_below(body, material, ratio * hz) > 0.5 * most) ratio *= 0.9;
+  return ratio;
+}
+
+}  // namespace
+
+std::string Understood::line() const {
+  const Eigen::Vector3d mm = 1e3 * extent_m;
+  const std::string round =
+      estimate_name == "disc" ? fmt::format(" (diameter {:.1f} mm)", mm(0)) : "";
+  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}  {:.{}f} {}  first {} estimate {:.{}f} Hz",
+                     mm(0), mm(1), mm(2), round, mass_kg < 1.0 ? 1e3 * mass_kg : mass_kg, 2,
+                     mass_kg < 1.0 ? "g" : "kg", estimate_name, first_frequency_hz,
+                     first_frequency_hz < 100.0 ? 1 : 0);
+}
+
+Understood understood(const Study& study, const Outline& outline) {
+  Understood body;
+  const auto box = mesh::bounding_box(outline.shell.points);
+  body.extent_m = (box.row(1) - box.row(0)).transpose();
+  if (const auto* disc = std::get_if<mesh::Disc>(&study.geometry.body)) {
+    body.extent_m = {disc->diameter, disc->diameter, disc->thickness};  // the outline is a polygon
+  }
+  body.volume_m3 = outline.volume;
+  body.mass_kg = mass_of(study, outline);
+  const auto estimate = first_frequency(study, body, main_material(study, outline).material);
+  body.first_frequency_hz = estimate.hz;
+  body.estimate_name = estimate.name;
+  return body;
+}
+
+double modes_below(const Understood& body, const fem::Material& material, double hz) {
+  const auto [modulus, poisson] = plane_constants(material);
+  Slab slab = slab_of(body);
+  const double area =
+      body.estimate_name == "disc" ? body.volume_m3 / body.extent_m(2) : slab.length * slab.width;
+  slab.thickness = body.volume_m3 / area;
+  const double density = body.mass_kg / body.volume_m3;
+  const double omega = 2.0 * kPi * hz;
+  const double in_plane = modulus / (density * (1.0 - poisson * poisson));  // c², of a thin plate
+  const double shear = 0.5 * modulus / (density * (1.0 + poisson));         // c²
+  const double wave = std::sqrt(omega * std::sqrt(12.0 / in_plane) / slab.thickness);  // [1/m]
+  const double rim = 2.0 * (slab.length + slab.width);
+  const double bending = (area * wave * wave + kFreeRim * rim * wave) / (4.0 * kPi);
+  const double membrane = omega * omega / (4.0 * kPi) * area * (1.0 / in_plane + 1.0 / shear);
+  const double pressure = shear * (2.0 - 2.0 * poisson) / std::max(1e-3, 1.0 - 2.0 * poisson);
+  const double solid = std::pow(omega, 3) / (6.0 * kPi * kPi) * body.volume_m3 *
+                       (std::pow(pressure, -1.5) + 2.0 * std::pow(shear, -1.5));
+  double beam = 0.0;
+  if (slab.length > 4.0 * slab.width) {
+    for (const double h : {slab.thickness, slab.width}) {
+      beam += slab.length / kPi * std::sqrt(omega / h) * std::pow(12.0 * density / modulus, 0.25);
+    }
+  }
+  return kInPlane + std::max(beam, bending + membrane) + solid;
+}
+
+double modes_wanted(const Study& study, const Understood& body) {
+  if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(study.modes.count);
+  return std::max(kRigid,
+                  modes_below(body, study.materials.front().material, study.modes.up_to_hz));
+}
+
+Cost forecast(const Study& study, const Outline& outline) {
+  const double modes = modes_wanted(study, understood(study, outline));
+  if (!outline.surface) {
+    const int own_order = study.geometry.kind == "file" ? outline.shell.order() : 0;
+    const int order = order_for(study, outline.shell.tet_count(), own_order);
+    const double nodes = order == outline.shell.order()
+                             ? static_cast<double>(outline.shell.node_count())
+                             : node_count(outline.shell, order);
+    return cost_of(nodes, static_cast<double>(outline.shell.tet_count()), order, modes, true);
+  }
+  const double edge =
+      study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
+  const Count count = tetgen_count(outline, edge);
+  const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
+  return cost_of(node_count(count, order), count.tets, order, modes, false);
+}
+
+Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body) {
+  return cost_of(static_cast<double>(mesh.node_count()), static_cast<double>(mesh.tet_count()),
+                 mesh.order(), modes_wanted(study, body), true);
+}
+
+void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost) {
+  const double up_to = study.modes.up_to_hz;
+  const double modes = modes_wanted(study, body);
+  const double most = kModesPerFreedom * cost.degrees_of_freedom;
+  if (up_to > 0.0 && modes > most) {
+    throw InvalidInput(
+        fmt::format("{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of "
+                    "{:.0f} degrees "
+                    "of freedom has {:.0f} at most. Ask for less than about {:.2g} Hz, or shorten "
+                    "mesh.edge_length",
+                    study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
+                    up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
+  }
+  const double have = static_cast<double>(available_memory());
+  if ((cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have) return;
+  throw OutOfResources(fmt::format(
+      "{}: {:.0f} degrees of freedom and {:.0f} modes are forecast to need {:.1f} GB of memory and "
+      "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer modes",
+      study.file.string(), cost.degrees_of_freedom, modes, 1e-9 * cost.memory_bytes, 1e-9 * have,
+      std::pow(cost.memory_bytes / have, 0.4)));
+}
+
+std::string Cost::line() const {
+  return fmt::format(
+      "forecast: {}{:.0f} degrees of freedom, about {} of memory and {} s of one core",
+      exact ? "" : "about ", degrees_of_freedom, bytes_text(memory_bytes),
+      fmt::format("{:.{}f}", seconds, seconds < 9.5 ? 1 : 0));
+}
+
+std::vector<std::string> implausible(const Understood& body) {
+  std::vector<std::string> warnings;
+  const double longest = body.extent_m.maxCoeff();
+  const auto unit_question = " long: is the length unit right?";
+  if (longest > 10.0 * (1.0 + 1e-9)) {
+    warnings.push_back(fmt::format("the body is {:.4g} m{}", longest, unit_question));
+  }
+  if (longest < 1e-3) {
+    warnings.push_back(fmt::format("the body is {:.4g} mm{}", 1e3 * longest, unit_question));
+  }
+  const double hz = body.first_frequency_hz;
+  if (hz < 1.0 || hz > 1e5) {
+    warnings.push_back(
+        fmt::format("its first flexible mode is estimated at {:.4g} Hz, outside 1 Hz "
+                    "to 100 kHz: are the dimensions and the material right?",
+                    hz));
+  }
+  return warnings;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,26 @@
+// Number of modes and cost of a mesh, and refusal of impossible tasks before solving.
+#pragma once
+
+#include "stage/estimates/estimate.h"
+
+namespace chladni::app {
+
+/// Number of modes below `hz` of a free body of this size and material, with rigid-body modes. It
+/// is the sum for a thin plate that bends and moves in its plane and for a solid (Weyl's law:
+/// Courant and Hilbert, VI.4; the rim's share is fitted to a square plate). For a slender body it
+/// is the number of a beam that bends in both directions, if that is larger. Within a factor of 1.5
+/// for ten modes or more.
+[[nodiscard]] double modes_below(const Understood& body, const fem::Material& material, double hz);
+
+/// Number of modes that the study asks for, with the rigid-body ones; estimated for `up_to`.
+[[nodiscard]] double modes_wanted(const Study& study, const Understood& body);
+
+/// The `forecast` of a study with an existing mesh.
+[[nodiscard]] Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body);
+
+/// @throws InvalidInput    more modes below a frequency than the mesh can have
+/// @throws OutOfResources  more memory than there is; an estimate without a mesh is reduced first,
+///                         because it is right only to a third
+void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost);
+
+}  // namespace chladni::app

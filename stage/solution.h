@@ -1,0 +1,47 @@
+// The modes of a study's body.
+#pragma once
+
+#include "fem/modes.h"
+#include "stage/estimates/estimate.h"
+#include "stage/model.h"
+#include "stage/work.h"
+
+namespace chladni::app {
+
+/// A study before its long step.
+struct Introduction {
+  Outline outline;
+  Understood body;
+  Cost cost;
+  std::vector<std::string> warnings;
+};
+
+struct Solution {
+  Introduction introduction;
+  Model model;
+  modal::Modes modes;               ///< on all nodes: 3·nodes rows
+  Eigen::MatrixXd extra_shapes;     ///< for the degrees of freedom that attachments add
+  Eigen::VectorXd frequency_error;  ///< per mode, relative; 0 for rigid-body modes
+  fem::ModesSummary summary;
+  Eigen::Index degrees_of_freedom = 0;  ///< free ones
+};
+
+/// Geometry, mesh, assembly and modes. Prints the first line, the forecast and the progress.
+/// @throws as its steps
+[[nodiscard]] Solution solved(const Study& study, Work& work);
+/// The same for a study that was introduced before.
+[[nodiscard]] Solution solved(const Study& study, Introduction introduction, Work& work);
+
+/// Prints the first line, the notes and the warnings.
+[[nodiscard]] Introduction introduced(const Study& study, Work& work);
+
+/// Values of the shapes at sites along `directions`, n×3: n×modes [kg^-1/2].
+[[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites,
+                                        const Points& directions, const modal::Modes& modes);
+
+/// Values of the shapes at the channels: channels×modes [kg^-1/2].
+[[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
+                                        const std::vector<mesh::Site>& sites,
+                                        const modal::Modes& modes);
+
+}  // namespace chladni::app

@@ -1,0 +1,331 @@
+#include "steps/diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <exception>
+#include <limits>
+#include <new>
+#include <numbers>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "diagnosis/hypothesis.h"
+#include "diagnosis/observed.h"
+#include "identification/fit_data.h"
+#include "identification/identified.h"
+#include "stage/channel_paths.h"
+#include "stage/diagnosis_faces.h"
+#include "stage/diagnosis_structure.h"
+
+namespace chladni::app {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
+
+DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(DiagnosisPlan{}); }
+
+// Estimates variances that the file does not state from the scatter of the lines.
+void state_variance(modal::FrfSet& set, Work& work) {
+  if (!set.variance.empty()) return;
+  const auto data = identification::fit_data(set);
+  work.warn(
+      "the measured responses state no variance: it is estimated from their scatter, and "
+      "with it every probability");
+  Eigen::MatrixXd nothing = Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNone);
+  set.variance.assign(set.value.size(), nothing);
+  Index line = 0;
+  for (Index k = 0; k < set.line_count(); ++k) {
+    if (set.frequency_hz(k) <= 0.0) continue;
+    const Eigen::VectorXd weight = data.weight.row(line++).transpose();
+    set.variance[static_cast<std::size_t>(k)] =
+        (weight.array() > 0.0)
+            .select(weight.array().square().inverse(), kNone)
+            .matrix()
+            .reshaped(set.output_count(), set.input_count());
+  }
+}
+
+// The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`.
+MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
+                         double highest_hz, Work& work) {
+  auto& set = measured.all;
+  set = modal::converted(set, modal::FrfKind::receptance);
+  const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
+  const double last_hz = std::min(high, highest_hz);
+  const double first_hz = std::max(plan.low_hz, 1e-9);
+  const auto within =
+      (set.frequency_hz.array() >= first_hz && set.frequency_hz.array() <= last_hz).count();
+  require(within >= 16,
+          fmt::format("{}: {} measured lines ({:.6g} to {:.6g} Hz were measured) lie within the "
+                      "band of the diagnosis and below {:.6g} Hz, where the simulation's modes "
+                      "end; at least 16 are expected",
+                      study.file.string(), within, set.frequency_hz.minCoeff(),
+                      set.frequency_hz.maxCoeff(), highest_hz));
+  set = modal::band(set, first_hz, last_hz);
+  state_variance(set, work);
+  return measured;
+}
+
+// The measurement without held-out channels and lines.
+modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
+  const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
+  if (plan.hold_out_high_hz <= 0.0) return part;
+  auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
+  const auto above = modal::band(part, std::nextafter(plan.hold_out_high_hz, HUGE_VAL),
+                                 part.frequency_hz.maxCoeff());
+  const Index lines = below.line_count() + above.line_count();
+  Eigen::VectorXd frequency(lines);
+  frequency << below.frequency_hz, above.frequency_hz;
+  below.frequency_hz = frequency;
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(below.value, above.value);
+  append(below.variance, above.variance);
+  append(below.noise_variance, above.noise_variance);
+  append(below.coherence, above.coherence);
+  return below;
+}
+
+// Number of time derivatives in the record of a sensor.
+Index derivatives(const Study& study, const std::string& sensor) {
+  const auto at = index_of(study.sensors, sensor);
+  if (at < 0) return 0;
+  const auto& quantity = study.sensors[static_cast<std::size_t>(at)].quantity;
+  return quantity == "acceleration" ? 2 : quantity == "velocity" ? 1 : 0;
+}
+
+std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
+                          const std::vector<std::string>& names) {
+  std::vector<Index> rows;
+  for (const auto& channel : channels) {
+    rows.push_back(std::ranges::find(names, channel.name) - names.begin());
+  }
+  return rows;
+}
+
+// Prediction of a study on the measured channels and lines, in the form that `recorder` records
+// them. If a sensor's quantity differs, its row is multiplied by a power of s.
+std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Structure& structure,
+                                        const Study& recorder, const modal::FrfSet& measured) {
+  const auto model = diagnosis::reduced_model(structure);
+  const auto simulated = modal::frf(model, measured.frequency_hz);
+  modal::FrfSet set = measured;
+  const auto rows = places(measured.outputs, structure.outputs.names);
+  const auto cols = places(measured.inputs, structure.inputs.names);
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k] = simulated.value[k](rows, cols);
+    const std::complex<double> s(
+        0.0, 2.0 * std::numbers::pi * measured.frequency_hz(static_cast<Index>(k)));
+    for (std::size_t i = 0; i < measured.outputs.size(); ++i) {
+      const auto& sensor = measured.outputs[i].name;
+      const auto more = derivatives(study, sensor) - derivatives(recorder, sensor);
+      if (more != 0) set.value[k].row(static_cast<Index>(i)) *= std::pow(s, more);
+    }
+  }
+  return without_paths(recorder, recorded(study, std::move(set))).value;
+}
+
+// Modes of the measured responses, for the comparison; none if they cannot be identified.
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Work& work) {
+  if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
+  try {
+    identification::IdentificationOptions options;
+    options.rigid_count = -1;
+    options.fit.delay = true;
+    return identification::identified(identification::fit_data(seen), options).fit;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& e) {
+    work.note(std::string("no modes were identified for the comparison: ") + e.what());
+    return std::nullopt;
+  }
+}
+
+diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Work& work) {
+  diagnosis::DiagnosisOptions options;
+  options.tolerances = plan.tolerances;
+  options.lines = plan.lines;
+  options.most_causes = plan.most_causes;
+  options.least_evidence = plan.least_evidence;
+  options.rival_within = plan.rival_within;
+  options.only = plan.effects;
+  options.progress = work.progress();
+  return options;
+}
+
+void compare(Diagnosed& one, Work& work) {
+  const auto fit = modes_of(one.seen, work);
+  one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
+}
+
+// Records without units have an unknown scale, so they get the scale of the simulation. Returns
+// true if the scale was changed.
+bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Work& work) {
+  const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
+  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
+  const double level = one.comparison.responses.level;
+  if (!(level > 0.0) || !std::isfinite(level)) return false;
+  work.note(
+      fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
+                  "of measured over simulated; what scales them all is not told",
+                  level));
+  for (auto* set : {&one.measured.all, &one.seen}) {
+    for (auto& value : set->value) value /= level;
+    for (auto& variance : set->variance) variance /= level * level;
+  }
+  tolerances.scale = std::max(tolerances.scale, 0.3);
+  return true;
+}
+
+// Folders from which the files of the extended study may be read.
+std::vector<std::filesystem::path> allowed_for(const Study& study, const Work& work) {
+  auto allowed = work.choices().allowed;
+  allowed.push_back(std::filesystem::absolute(study.file).parent_path());
+  return allowed;
+}
+
+// Writes the extended study, and solves it in full if a cause changed it.
+void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+            Work& work) {
+  const auto& causes = one.result.best.causes;
+  const auto allowed = allowed_for(study, work);
+  const auto& body = one.before.model.body;
+  const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
+  one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
+                                work.choices().folder, allowed, fits);
+  if (one.extended->unexpressed.size() == causes.size()) return;
+  const auto part = work.part("extended: ");
+  const Study extended = with_modes_for_diagnosis(
+      parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
+  one.after = solve(extended, work);
+  one.predictions.extended =
+      predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
+}
+
+// If a wrong unit or quantity applies to all sensors of the fit, it also applies to those held out.
+std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> causes,
+                                              const diagnosis::Structure& seen,
+                                              const diagnosis::Structure& all) {
+  for (auto& cause : causes) {
+    if (!cause.option.empty() && cause.channels == seen.outputs.names) {
+      cause.channels = all.outputs.names;
+    }
+  }
+  return causes;
+}
+
+// Prediction of the reduced model with all causes. The channels of the fit use the structure as it
+// was fitted. The other channels use the structure with all its channels and the same causes.
+std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
+  const auto& set = one.measured.all;
+  const auto& causes = one.result.best.causes;
+  const auto own = diagnosis::seen(one.structure, one.seen, HUGE_VAL).structure;
+  const auto seen = diagnosis::predicted(own, causes, set.frequency_hz);
+  const auto all = diagnosis::predicted(one.structure, of_all_channels(causes, own, one.structure),
+                                        set.frequency_hz);
+  const auto rows = places(set.outputs, one.structure.outputs.names);
+  const auto cols = places(set.inputs, one.structure.inputs.names);
+  const auto own_rows = places(one.seen.outputs, own.outputs.names);
+  const auto own_cols = places(one.seen.inputs, own.inputs.names);
+  std::vector<Eigen::MatrixXcd> value;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    value.emplace_back(all[k](rows, cols));
+    value.back()(one.measured.outputs, one.measured.inputs) = seen[k](own_rows, own_cols);
+  }
+  return value;
+}
+
+// Runs a step that may fail. A failure is reported and noted, and the diagnosis continues without
+// the step. Returns true if the step succeeded.
+template <typename Step>
+bool attempted(const char* what, Diagnosed& one, Work& work, Step step) {
+  const auto note = [&](const std::exception& e) {
+    one.result.notes.push_back(fmt::format("{}: {}", what, e.what()));
+    work.warn(one.result.notes.back());
+  };
+  try {
+    step();
+    return true;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const InvalidInput& e) {
+    note(e);
+  } catch (const NumericalFailure& e) {
+    note(e);
+  } catch (const std::bad_alloc& e) {
+    note(e);
+  }
+  return false;
+}
+
+// Adds a comment at the top of the extended study.
+void comment_on(const std::string& comment, Diagnosed& one) {
+  if (one.extended) one.extended->text = "# " + comment + "\n" + one.extended->text;
+}
+
+void add_gain(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+              Work& work) {
+  const bool named =
+      !one.result.best.causes.empty() && one.result.verdict != diagnosis::Verdict::unexplained;
+  if (named) {
+    const bool is_solved = attempted("the extended study cannot be solved", one, work,
+                                     [&] { extend(study, band_hz, solve, one, work); });
+    if (!is_solved) comment_on("This study could not be solved.", one);
+    if (one.predictions.extended.empty() || !one.extended->unexpressed.empty()) {
+      attempted("the fitted model cannot predict", one, work,
+                [&] { one.predictions.fitted = fitted_model(one); });
+    }
+  }
+  one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions);
+  const auto advice = advice_against(one.gain);
+  if (advice.empty()) return;
+  work.warn(advice);
+  if (one.gain.pays) comment_on(advice, one);
+}
+
+}  // namespace
+
+Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended) {
+  const auto plan = plan_of(study);
+  Diagnosed one;
+  one.least_evidence = plan.least_evidence;
+  auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
+  one.before = solved(with_modes_for_diagnosis(study), work);
+  const Solution& solution = one.before;
+  const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
+  one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
+  one.seen = seen_of(one.measured, plan);
+  const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
+  for (const auto& note : diagnosed_faces(study, solution.model.body).notes) {
+    work.note(note);
+  }
+  one.structure = work.timed("structure", [&] { return structure_of(study, solution, band_hz); });
+  auto options = options_of(plan, work);
+  work.timed("comparison", [&] {
+    compare(one, work);
+    if (take_scale(one, options.tolerances, work)) compare(one, work);
+    return 0;
+  });
+  one.result = work.timed("diagnosis",
+                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
+  one.detectable = work.timed(
+      "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
+  one.predictions.before = predicted(study, one.structure, study, one.measured.all);
+  add_gain(study, band_hz, solve_extended, one, work);
+  return one;
+}
+
+Diagnosed diagnosed(const Study& study, Work& work) {
+  return diagnosed(study, work, [](const Study& extended, Work& its_work) {
+    return solved(extended, its_work);
+  });
+}
+
+}  // namespace chladni::app

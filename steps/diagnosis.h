@@ -1,0 +1,44 @@
+// Diagnosis of a study: what its simulation gets wrong, why, and the gain of naming it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/compare.h"
+#include "diagnosis/detectable.h"
+#include "diagnosis/diagnosed.h"
+#include "stage/solution.h"
+#include "steps/diagnosis/diagnosis_gain.h"
+#include "steps/extend/extended_study.h"
+#include "steps/identification.h"
+
+namespace chladni::app {
+
+struct Diagnosed {
+  MeasuredFrfs measured;  ///< receptances within the band, all channels of the study
+  modal::FrfSet seen;     ///< without the held-out channels and lines
+  Solution before;        ///< solution of the study, with enough modes for a diagnosis
+  diagnosis::Structure structure;
+  diagnosis::Comparison comparison;
+  diagnosis::Diagnosis result;
+  std::vector<diagnosis::Detectable> detectable;  ///< detectable effects of the same experiment
+  double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence
+  std::optional<ExtendedStudy> extended;          ///< if a cause was named
+  std::optional<Solution> after;                  ///< the extended study, solved in full
+  Predictions predictions;                        ///< on `measured`
+  Gain gain;
+};
+
+/// Reads the measured responses, makes the structure and the comparison, diagnoses, solves the
+/// extended study again, and computes the gain. For causes that no study can express, the gain is
+/// that of the reduced model. If the extended study does not change or cannot be solved, there is
+/// only a note.
+/// @throws as its steps, except those of the extended study
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work);
+/// The same with another function that solves the extended study.
+using SolveStudy = std::function<Solution(const Study& study, Work& work)>;
+[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended);
+
+}  // namespace chladni::app

@@ -1,0 +1,70 @@
+// Gain of naming a cause: errors of the predicted responses before and after, on fitted data and on
+// held-out data.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "steps/identification.h"
+#include "study/diagnosis_plan.h"
+
+namespace chladni::app {
+
+/// Origin of the responses after the diagnosis.
+enum class GainFrom {
+  nothing,         ///< no cause was named
+  extended_study,  ///< extended.toml, its finite elements solved
+  fitted_model     ///< the reduced model with all causes, if a study cannot express one
+};
+[[nodiscard]] std::string_view name(GainFrom from);
+
+/// Channels and lines of one kind: fitted, or held out.
+struct MeasuredPart {
+  std::vector<std::string> sensors, actuators;
+  std::vector<std::pair<double, double>> bands_hz;  ///< from first to last line, ascending
+  Eigen::Index lines = 0;
+};
+
+/// Relative errors |G − Ĝ| over |G|, over all responses and lines of a set; NaN: nothing to
+/// compare.
+struct Gain {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double fit_before = kNone, fit_after = kNone;            ///< on the data of the fit
+  double held_out_before = kNone, held_out_after = kNone;  ///< on held-out channels and lines
+  double noise_floor = kNone, held_out_noise = kNone;
+  GainFrom from = GainFrom::nothing;  ///< origin of the values after
+  /// Errors of extended.toml, if it was solved but lacks a cause; the values after are then those
+  /// of the fitted model.
+  double fit_extended = kNone, held_out_extended = kNone;
+  MeasuredPart fitted;
+  std::vector<std::string> held_out;                        ///< in words: channels, bands
+  std::vector<std::pair<double, double>> held_out_band_hz;  ///< one or none
+  /// True if the extended study is nearer to the measurement, on held-out data and (if known) on
+  /// fitted data; none if no extended study was solved.
+  std::optional<bool> pays;
+};
+
+/// Responses [k], each p×q as MeasuredFrfs::all; empty: not known.
+struct Predictions {
+  std::vector<Eigen::MatrixXcd> before, extended, fitted;
+};
+
+/// @param predictions  `before` for every measured line
+[[nodiscard]] Gain gain_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan,
+                           const std::vector<std::string>& held_out_channels,
+                           const Predictions& predictions);
+
+/// The reason not to use the named causes, or empty: "The extended study predicts what was held out
+/// worse than the study does (38 % off, 24 % before): it is not recommended."
+[[nodiscard]] std::string advice_against(const Gain& gain);
+
+/// "s1, s2 by a1, a2; 300 lines, 20 to 900 Hz"
+[[nodiscard]] std::string words(const MeasuredPart& part);
+
+/// True if the line is held out of every fit.
+[[nodiscard]] bool line_held_out(const DiagnosisPlan& plan, double frequency_hz);
+
+}  // namespace chladni::app

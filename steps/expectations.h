@@ -1,0 +1,13 @@
+// A study is also a test: compares its expectations with the results.
+#pragma once
+
+#include "stage/solution.h"
+
+namespace chladni::app {
+
+/// Shows each expectation beside the result.
+/// @throws InvalidInput  the study expects nothing
+/// @throws NumericalFailure  some are not met (their number), after all were shown
+void judge(const Study& study, const Solution& solution, Work& work);
+
+}  // namespace chladni::app

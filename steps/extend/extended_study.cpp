@@ -1,0 +1,60 @@
+#include "steps/extend/extended_study.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "steps/extend/extension.h"
+#include "study/extends.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Changes relative paths so that they are right in the extended study's folder:
+// "../../models/beam/measured.csv".
+void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
+  const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
+  const fs::path to = fs::weakly_canonical(fs::absolute(folder));
+  if (from == to) return;
+  const auto files = relative_files(edit.tree());
+  for (const auto* file_name : files) {
+    edit.replace(*file_name,
+                 toml_text((from / file_name->text).lexically_relative(to).generic_string()));
+  }
+  if (files.empty()) return;
+  edit.append_comment(fmt::format(
+      "Its files lie with the study that was diagnosed: --allow-outside {}", from.string()));
+}
+
+}  // namespace
+
+ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
+                             const diagnosis::Surface& chart,
+                             const std::vector<diagnosis::Cause>& causes, const fs::path& folder,
+                             const std::vector<fs::path>& allowed, bool fits_variations) {
+  ExtendedStudy result{std::string(bytes), {}};
+  for (const auto& cause : causes) {
+    // One cause after the other: each starts from the text that the one before left.
+    const Study study = parse_study(result.text, file, allowed);
+    TomlEdit edit(result.text, file.string());
+    const Extension by{edit, study, chart, cause, fits_variations};
+    const auto how = extend(cause.effect);
+    const auto refused = how == nullptr ? std::string("a study has no key for it") : how(by);
+    if (!refused.empty()) {
+      result.unexpressed.push_back(cause.effect + ": " + refused);
+      TomlEdit untouched(result.text, file.string());
+      untouched.append_comment(by.comment() + "\nNot in this study: " + refused + ".");
+      result.text = untouched.text();
+      continue;
+    }
+    result.text = edit.text();
+  }
+  static_cast<void>(parse_study(result.text, file, allowed));
+  TomlEdit edit(result.text, file.string());
+  lead_paths(edit, file, folder);
+  result.text = edit.text();
+  return result;
+}
+
+}  // namespace chladni::app

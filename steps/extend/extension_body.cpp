@@ -1,0 +1,200 @@
+// Causes in the body as a whole: materials, geometry, damping.
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "stage/plane_stress.h"
+#include "steps/extend/extension.h"
+
+namespace chladni::app {
+namespace {
+
+// Scales every value of these keys in every material.
+std::string scale_materials(const Extension& by, std::initializer_list<const char*> keys,
+                            double factor) {
+  for (const auto* table : tables_of(by.edit.tree(), "material")) {
+    for (const auto* key : keys) {
+      if (const auto* value = member(*table, key)) scale(by, *value, factor);
+    }
+  }
+  return {};
+}
+
+std::string youngs_modulus(const Extension& by) {
+  return scale_materials(by, {"youngs_modulus", "shear_modulus", "c11", "c12", "c44"},
+                         1.0 + by.number("relative"));
+}
+
+std::string density(const Extension& by) {
+  return scale_materials(by, {"density"}, 1.0 + by.number("relative"));
+}
+
+// True if the chart is seen from above or from below.
+bool looks_along_z(const Extension& by) {
+  return by.chart.axis_u.cross(by.chart.axis_v).cwiseAbs().z() > 1.0 - 1e-9;
+}
+
+// Scales all dimensions along z.
+void scale_heights(const Extension& by, const TomlNode& body, double factor) {
+  for (const auto* key : {"thickness", "height", "face_sheet"}) {
+    if (const auto* value = member(body, key)) scale(by, *value, factor);
+  }
+  if (const auto* wafer = member(body, "wafer")) {
+    if (const auto* value = member(*wafer, "thickness")) scale(by, *value, factor);
+  }
+  for (const auto* bore : tables_of(body, "bores")) {
+    if (const auto* value = member(*bore, "depth")) scale(by, *value, factor);
+  }
+}
+
+constexpr auto kOtherChart = "the diagnosis looks at the body along another axis than the key";
+
+std::string thickness(const Extension& by) {
+  const auto* geometry = member(by.edit.tree(), "geometry");
+  if (by.study.geometry.kind == "file") return "the body's thickness is in a file of geometry";
+  if (by.study.geometry.kind == "sphere") return "a sphere has no thickness";
+  if (!looks_along_z(by)) return kOtherChart;
+  scale_heights(by, *member(*geometry, by.study.geometry.kind), 1.0 + by.number("relative"));
+  return {};
+}
+
+// Scales the size seen along z. Holes in the body keep their size.
+std::string size_error(const Extension& by) {
+  const auto& kind = by.study.geometry.kind;
+  if (kind == "file") return "the body's size is in a file of geometry";
+  if (kind == "sphere") return "a sphere has no size seen along z alone";
+  if (!looks_along_z(by)) return kOtherChart;
+  const auto* body = member(*member(by.edit.tree(), "geometry"), kind);
+  for (const auto* key : {"length", "width", "diameter"}) {
+    if (const auto* value = member(*body, key)) scale(by, *value, 1.0 + by.number("relative"));
+  }
+  return {};
+}
+
+std::string drift(const Extension& /*by*/) {
+  return "it is the experiment's: measure in a shorter time or at one temperature, or diagnose the "
+         "first columns alone";
+}
+
+std::string modes_above(const Extension& /*by*/) {
+  return "no key holds what modes above the band yield: look for what gives way locally, under the "
+         "sensors and actuators";
+}
+
+std::string modal_damping(const Extension& by) {
+  const auto* modes = member(by.edit.tree(), "modes");
+  const auto* ratio = modes == nullptr ? nullptr : member(*modes, "damping_ratio");
+  if (ratio == nullptr || by.study.modes.damping_ratio == 0.0) {
+    return "the study says no damping ratio that could be multiplied";
+  }
+  scale(by, *ratio, by.number("factor"));
+  return {};
+}
+
+std::string gigapascals(double value) { return toml_text(digits(1e-9 * value) + " GPa"); }
+
+// True if strains along the axes and shears are not coupled with each other, nor two shears.
+bool is_orthotropic(const Eigen::Matrix<double, 6, 6>& stiffness) {
+  Eigen::Matrix<double, 6, 6> rest = stiffness;
+  rest.topLeftCorner<3, 3>().setZero();
+  rest.diagonal().setZero();
+  return rest.cwiseAbs().maxCoeff() <= 1e-9 * stiffness.cwiseAbs().maxCoeff();
+}
+
+void write_orthotropic(const Extension& by, const TomlNode& table,
+                       const Eigen::Matrix<double, 6, 6>& stiffness) {
+  const Eigen::Matrix<double, 6, 6> compliance = stiffness.inverse();
+  const auto modulus = [&](Eigen::Index i) { return 1.0 / compliance(i, i); };
+  const auto ratio = [&](Eigen::Index i, Eigen::Index j) {
+    return digits(-compliance(i, j) / compliance(i, i));
+  };
+  const auto set = [&](const char* key, const std::string& written) {
+    const auto* before = member(table, key);
+    by.edit.set(table, "density", key, written,
+                by.comment(before == nullptr ? std::string_view() : by.edit.written(*before)));
+  };
+  set("symmetry", toml_text("orthotropic"));
+  set("youngs_modulus", fmt::format("[{}, {}, {}]", gigapascals(modulus(0)),
+                                    gigapascals(modulus(1)), gigapascals(modulus(2))));
+  set("poissons_ratio", fmt::format("[{}, {}, {}]", ratio(1, 2), ratio(0, 2), ratio(0, 1)));
+  set("shear_modulus", fmt::format("[{}, {}, {}]", gigapascals(modulus(3)), gigapascals(modulus(4)),
+                                   gigapascals(modulus(5))));
+}
+
+// Changes orthotropy by plane-stress constants: the increase of stiffness along u and in shear
+// (stage/diagnosis_structure.h).
+std::string orthotropy(const Extension& by) {
+  Eigen::Index u = 0;
+  Eigen::Index v = 0;
+  if (by.chart.axis_u.maxCoeff(&u) != 1.0 || by.chart.axis_v.maxCoeff(&v) != 1.0) {
+    return "the chart does not lie along the body's axes";
+  }
+  const auto tables = tables_of(by.edit.tree(), "material");
+  for (std::size_t m = 0; m < tables.size(); ++m) {
+    const auto& table = *tables[m];
+    if (by.study.materials.at(m).symmetry == "cubic") return "a cubic material has one stiffness";
+    if (member(table, "angle") != nullptr || member(table, "axes") != nullptr) {
+      return "the material's axes do not lie along the body's";
+    }
+    Eigen::Matrix<double, 6, 6> stiffness = by.study.materials[m].material.stiffness;
+    const Eigen::Matrix3d constants = plane_stress(stiffness, u, v);
+    stiffness(u, u) += by.number("along_u") * constants(0, 0);
+    stiffness(shear_of(u, v), shear_of(u, v)) += by.number("shear") * constants(2, 2);
+    require(is_orthotropic(stiffness), "orthotropy of a material that shears when it is stretched");
+    write_orthotropic(by, table, stiffness);
+  }
+  return {};
+}
+
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+std::string append_waves(const Extension& by, const char* of) {
+  if (!by.fits_variations) return kOtherChart;
+  Members members{{"of", toml_text(of)}};
+  for (const auto wave : kVariationWaves) {
+    if (by.has(wave)) members.emplace_back(std::string(wave), digits(by.number(wave)));
+  }
+  by.edit.append("variation", members, by.comment());
+  return {};
+}
+std::string modulus_field(const Extension& by) { return append_waves(by, "stiffness"); }
+std::string thickness_field(const Extension& by) { return append_waves(by, "thickness"); }
+
+std::string local_stiffness(const Extension& by) {
+  if (!by.fits_variations) return kOtherChart;
+  by.edit.append("variation",
+                 {{"of", toml_text("stiffness")},
+                  {"at", place(by)},
+                  {"radius", toml_text(digits(1e3 * by.number("radius")) + " mm")},
+                  {"relative", digits(by.number("factor"))}},
+                 by.comment());
+  return {};
+}
+
+constexpr std::array<std::pair<std::string_view, Extend>, 11> kTable{
+    {{"youngs_modulus", youngs_modulus},
+     {"density", density},
+     {"thickness", thickness},
+     {"size_error", size_error},
+     {"drift", drift},
+     {"modes_above", modes_above},
+     {"modulus_field", modulus_field},
+     {"thickness_field", thickness_field},
+     {"local_stiffness", local_stiffness},
+     {"modal_damping", modal_damping},
+     {"orthotropy", orthotropy}}};
+
+}  // namespace
+
+Extend extend_body(std::string_view effect) {
+  for (const auto& [name, how] : kTable) {
+    if (name == effect) return how;
+  }
+  return nullptr;
+}
+
+}  // namespace chladni::app

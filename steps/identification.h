@@ -1,0 +1,80 @@
+// A modal model identified from the measurement, on the study's channels.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identification/gain_match.h"
+#include "identification/identified.h"
+#include "identification/trust.h"
+#include "modal/frf_set.h"
+#include "stage/solution.h"
+
+namespace chladni::app {
+
+/// The measured responses on the study's channels. Names, directions and kinds are those of the
+/// study. The gains, delays and low-passes that it states are removed.
+struct MeasuredFrfs {
+  std::string file;
+  modal::FrfSet all;
+  std::vector<Eigen::Index> outputs, inputs;  ///< channels that a fit may use
+};
+
+/// True if `[measurement]` names a file of responses or recordings.
+[[nodiscard]] bool has_responses(const MeasurementPlan& plan);
+
+/// The file of `[measurement]`, or the FRFs estimated from its recordings.
+/// @throws InvalidInput  no file is named; no channel of the study is in it; the unit of a channel
+///                       does not fit the quantity in the study
+[[nodiscard]] MeasuredFrfs measured_frfs(const Study& study, Work& work);
+
+struct IdentifiedModel {
+  MeasuredFrfs measured;
+  modal::FrfSet seen;            ///< responses used by the fit
+  identification::FitData data;  ///< corrected to one structure if `drift` is not empty
+  identification::Identified found;
+  /// K, relative to |G|: model error that the data show, at most the study's; empty: not estimated.
+  Eigen::VectorXd model_error;
+  Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, corrected;
+                          ///< empty: no significant drift
+  identification::GainMatch match;
+  std::vector<identification::CollocatedPair> pairs;
+  bool corrects_gains = false;  ///< `gain_errors` names a side
+  std::vector<identification::StabilisationPoint> stabilisation;
+  Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
+  Eigen::MatrixXd noise;  ///< per response: standard deviation over |G|, likewise
+  identification::Judgement judgement;
+};
+
+/// Index of the first element with this name; −1: there is none.
+template <typename Named>
+[[nodiscard]] Eigen::Index index_of(const std::vector<Named>& all, const std::string& name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Named& one) { return one.name == name; });
+  return found == all.end() ? -1 : found - all.begin();
+}
+
+/// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
+[[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);
+/// Other responses of the same measurement, prepared as for the model's own fit.
+[[nodiscard]] identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
+                                                  const modal::FrfSet& set);
+/// Rigid-body motion with this number of rigid-body modes, all channels along z.
+[[nodiscard]] identification::RigidMotion rigid_motion(Eigen::Index rigid_count);
+
+/// @param solution  of the study; null: solved only if the gains need a simulation
+/// @throws as its steps
+[[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Work& work);
+
+/// |G − Ĝ| over |G|, over all responses and lines.
+[[nodiscard]] double overall_error(const IdentifiedModel& model);
+/// Noise over |G|, over all responses and lines: the overall_error of a perfect model. Stated or
+/// assumed model error is included.
+[[nodiscard]] double noise(const IdentifiedModel& model);
+/// Ends a verb that depends on the model, after its results are written.
+/// @throws NumericalFailure  the fit is not to be trusted; the message says why
+void require_trust(const IdentifiedModel& model);
+
+}  // namespace chladni::app

@@ -1,0 +1,20 @@
+// Scale between sensors and actuators of an identified model, from the study and its simulation.
+#pragma once
+
+#include "steps/identification.h"
+
+namespace chladni::app {
+
+[[nodiscard]] inline IdentificationPlan identification_plan(const Study& study) {
+  return study.identification.value_or(IdentificationPlan{});
+}
+
+/// Fills model.pairs and matches the gains. For modes without a pair the simulation gives the
+/// scale, with the errors and corrections that the shapes of the side with more channels show.
+/// @param solution  of the study; null: solved only if the two places of a pair differ; modes
+///                  without a pair then have no scale
+/// @throws as its steps
+[[nodiscard]] identification::GainMatch matched(const Study& study, const Solution* solution,
+                                                IdentifiedModel& model, Work& work);
+
+}  // namespace chladni::app

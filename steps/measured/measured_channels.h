@@ -1,0 +1,33 @@
+// Matching of the channels of a file with those of the study, and their directions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "modal/frf_set.h"
+#include "stage/work.h"
+#include "study/study.h"
+
+namespace chladni::app {
+
+/// A channel of the study and its index in the file.
+struct MatchedChannel {
+  const Channel* channel = nullptr;
+  Eigen::Index of_file = 0;
+  bool turned = false;  ///< the file has the opposite direction
+};
+
+/// The study's channels that the file has, in the study's order. A channel matches by name, or else
+/// by node and axis, in either direction. If the file states a direction, it must be that of the
+/// study, up to the sign. Notes name channels that are not in the file and turned signs. Warnings
+/// name channels of the file that are left out.
+/// Cost: channels of the study times those of the file.
+/// @param file  the name at the start of messages
+/// @throws InvalidInput  two of the file fit one of the study, or one fits two; the one at the node
+///                       has no direction or an oblique one; a name fits but its direction does
+///                       not. The message names the candidates
+[[nodiscard]] std::vector<MatchedChannel> matched_channels(
+    const std::vector<modal::MeasuredChannel>& measured, const std::vector<Channel>& channels,
+    const std::string& file, Work& work);
+
+}  // namespace chladni::app

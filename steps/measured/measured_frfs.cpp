@@ -1,0 +1,165 @@
+// The measurement's responses on the study's channels.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "identification/closed_loop.h"
+#include "identification/frf_estimate.h"
+#include "identification/hammer.h"
+#include "io/frf_file.h"
+#include "io/time_file.h"
+#include "stage/channel_paths.h"
+#include "steps/identification.h"
+#include "steps/measured/measured_channels.h"
+
+namespace chladni::app {
+namespace {
+
+const char* quantity_of(modal::FrfKind kind) {
+  if (kind == modal::FrfKind::mobility) return "velocity";
+  return kind == modal::FrfKind::accelerance ? "acceleration" : "displacement";
+}
+
+std::vector<std::pair<std::string, std::string>> named_pairs(const Study& study) {
+  return study.identification ? study.identification->pairs
+                              : std::vector<std::pair<std::string, std::string>>{};
+}
+
+modal::FrfSet read_responses(const Study& study, const std::filesystem::path& path, Work& work) {
+  io::FrfOptions options;
+  options.sensor_names = names_of(study.sensors);
+  options.actuator_names = names_of(study.actuators);
+  options.collocated = named_pairs(study);
+  if (study.identification) options.unit = study.identification->unit;
+  auto file = io::read_frf(path, options);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
+  return std::move(file.set);
+}
+
+// Periodic recordings with references come from a closed loop; those without a period, from a
+// hammer test.
+modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std::string>& notes) {
+  if (data.period == 0) {
+    auto hits = identification::hammer_estimate(data);
+    notes = std::move(hits.notes);
+    return std::move(hits.h1);
+  }
+  auto estimate = data.references.empty() ? identification::frf_estimate(data)
+                                          : identification::closed_loop_estimate(data).estimate;
+  notes = std::move(estimate.notes);
+  return std::move(estimate.set);
+}
+
+modal::FrfSet estimated_responses(const Study& study, const std::filesystem::path& path,
+                                  Work& work) {
+  io::TimeOptions options;
+  options.sensor_names = names_of(study.sensors);
+  options.actuator_names = names_of(study.actuators);
+  if (study.identification) options.unit = study.identification->unit;
+  const auto file = io::read_time(path, options);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
+  std::vector<std::string> notes;
+  auto set = responses_of(file.data, notes);
+  for (const auto& note : notes) work.note(path.string() + ": " + note);
+  return set;
+}
+
+std::vector<Eigen::Index> places_of(const std::vector<MatchedChannel>& matched) {
+  std::vector<Eigen::Index> places;
+  for (const auto& one : matched) places.push_back(one.of_file);
+  return places;
+}
+
+// The matched part of the set, with the study's directions.
+modal::FrfSet part_of(const modal::FrfSet& set, const std::vector<MatchedChannel>& outputs,
+                      const std::vector<MatchedChannel>& inputs) {
+  auto part = modal::part(set, places_of(outputs), places_of(inputs));
+  for (auto& line : part.value) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      if (outputs[i].turned) line.row(static_cast<Eigen::Index>(i)) *= -1.0;
+    }
+    for (std::size_t j = 0; j < inputs.size(); ++j) {
+      if (inputs[j].turned) line.col(static_cast<Eigen::Index>(j)) *= -1.0;
+    }
+  }
+  return part;
+}
+
+// Takes names, directions and places from the study; the signs are already turned.
+void rename(modal::MeasuredChannel& one, const Channel& channel) {
+  one.name = channel.name;
+  one.direction = channel.direction;
+  one.position = channel.at.point;
+}
+
+void set_kind(modal::MeasuredChannel& one, const Channel& channel, const std::string& file) {
+  const auto kind = kind_of(channel.quantity);
+  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance;
+  require(
+      is_stated,
+      fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
+                  "as [identification] unit = {}",
+                  file, channel.name, channel.quantity,
+                  kind == modal::FrfKind::mobility ? "\"m/s\" or \"mm/s\"" : "\"m/s^2\" or \"g\""));
+  require(one.unit.empty() || one.kind == kind,
+          fmt::format("{}: \"{}\" is measured in {}, {}, and the study says {}; correct the "
+                      "channel's quantity",
+                      file, channel.name, one.unit, quantity_of(one.kind), channel.quantity));
+  one.kind = kind;
+}
+
+std::vector<Eigen::Index> seen(const std::vector<modal::MeasuredChannel>& channels,
+                               const std::vector<std::string>& hold_out) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const bool hidden =
+        std::find(hold_out.begin(), hold_out.end(), channels[i].name) != hold_out.end();
+    if (!hidden) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  return rows;
+}
+
+}  // namespace
+
+modal::FrfKind kind_of(const std::string& quantity) {
+  if (quantity == "velocity") return modal::FrfKind::mobility;
+  if (quantity == "acceleration") return modal::FrfKind::accelerance;
+  return modal::FrfKind::receptance;
+}
+
+bool has_responses(const MeasurementPlan& plan) { return !plan.frf.empty() || !plan.time.empty(); }
+
+MeasuredFrfs measured_frfs(const Study& study, Work& work) {
+  require(study.measurement && has_responses(*study.measurement),
+          study.file.string() +
+              ": no responses are measured; expected [measurement] with frf = \"measured.uff\" or "
+              "time = \"recorded.csv\"");
+  const auto& plan = *study.measurement;
+  const auto& path = plan.frf.empty() ? plan.time : plan.frf;
+  require(std::filesystem::exists(path),
+          path.string() + ": there is no such file" + source_text(plan));
+  auto set =
+      plan.frf.empty() ? estimated_responses(study, path, work) : read_responses(study, path, work);
+  const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), work);
+  const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), work);
+  require(!outputs.empty() && !inputs.empty(),
+          path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
+              set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");
+  MeasuredFrfs result{path.string(), part_of(set, outputs, inputs), {}, {}};
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    set_kind(result.all.outputs[i], *outputs[i].channel, result.file);
+    rename(result.all.outputs[i], *outputs[i].channel);
+  }
+  for (std::size_t j = 0; j < inputs.size(); ++j) {
+    rename(result.all.inputs[j], *inputs[j].channel);
+  }
+  result.all = without_paths(study, std::move(result.all));
+  result.outputs = seen(result.all.outputs, plan.hold_out);
+  result.inputs = seen(result.all.inputs, plan.hold_out);
+  require(!result.outputs.empty() && !result.inputs.empty(),
+          study.file.string() + ": measurement.hold_out leaves no sensor or no actuator to a fit");
+  return result;
+}
+
+}  // namespace chladni::app

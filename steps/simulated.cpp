@@ -1,0 +1,243 @@
+#include "steps/simulated.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "identification/closed_loop.h"
+#include "identification/delay.h"
+#include "stage/at_channels.h"
+#include "stage/channel_paths.h"
+
+namespace chladni::app {
+namespace {
+
+using identification::ChainMatrices;
+
+modal::FrfKind kind_of(const Channel& sensor) {
+  if (sensor.quantity == "velocity") return modal::FrfKind::mobility;
+  return sensor.quantity == "acceleration" ? modal::FrfKind::accelerance
+                                           : modal::FrfKind::receptance;
+}
+
+std::string unit_of(modal::FrfKind kind) {
+  if (kind == modal::FrfKind::mobility) return "m/s";
+  return kind == modal::FrfKind::accelerance ? "m/s^2" : "m";
+}
+
+std::vector<modal::MeasuredChannel> channels_of(const std::vector<Channel>& channels,
+                                                bool sensors) {
+  std::vector<modal::MeasuredChannel> result;
+  for (const auto& channel : channels) {
+    const auto kind = sensors ? kind_of(channel) : modal::FrfKind::receptance;
+    result.push_back({.name = channel.name,
+                      .node = channel.node,
+                      .direction = channel.direction,
+                      .position = std::nullopt,
+                      .unit = sensors ? unit_of(kind) : "N",
+                      .kind = kind});
+  }
+  return result;
+}
+
+// Positions of channels along the thesis' strip [m from its left end].
+Eigen::VectorXd along(const Study& study, const std::vector<Channel>& channels) {
+  const auto* strip = std::get_if<mesh::Plate>(&study.geometry.body);
+  const identification::RigidChain thesis;
+  require(strip != nullptr && std::abs(strip->length - thesis.length_m) < 1e-9 &&
+              std::abs(strip->width - thesis.width_m) < 1e-9 &&
+              std::abs(strip->thickness - thesis.thickness_m) < 1e-9,
+          "experiment.structure: the chain of rigid bodies is the thesis' beam of 500 x 20 x 2 mm; "
+          "the study's body is another");
+  Eigen::VectorXd result(static_cast<Eigen::Index>(channels.size()));
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    require(std::abs(std::abs(channels[i].direction.z()) - 1.0) < 1e-9 &&
+                channels[i].quantity != "velocity" && channels[i].quantity != "acceleration",
+            "experiment.structure: the chain moves along z and is measured in displacement; \"" +
+                channels[i].name + "\" is not");
+    result(static_cast<Eigen::Index>(i)) = channels[i].at.point.x() + 0.5 * strip->length;
+  }
+  return result;
+}
+
+void set_chain(const Study& study, Bench& bench) {
+  const auto& plan = *study.experiment;
+  require(plan.controlled.empty(), "experiment: the chain hangs on flexures and takes no loop");
+  const auto chain = identification::matrices(plan.structure == "rigid_chain"
+                                                  ? identification::beam_with_coils()
+                                                  : identification::beam_with_carried_body());
+  bench.rig.plant =
+      identification::plant(chain, along(study, study.sensors), along(study, study.actuators), 1e9);
+}
+
+Eigen::Index place_of(const std::vector<Channel>& channels, const std::string& name) {
+  const auto names = names_of(channels);
+  return std::find(names.begin(), names.end(), name) - names.begin();
+}
+
+// Sets the loop around the rigid-body modes, or the suspension modes: all far below the bandwidth.
+void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench) {
+  const auto& plan = *study.experiment;
+  auto& rig = bench.rig;
+  for (const auto& sensor : study.sensors) {
+    require(kind_of(sensor) == modal::FrfKind::receptance,
+            "experiment.controlled: the loop needs sensors of displacement; \"" + sensor.name +
+                "\" is none");
+  }
+  std::vector<Eigen::Index> controlled;
+  for (const auto& name : plan.controlled) controlled.push_back(place_of(study.actuators, name));
+  const auto slow = (model.frequency_hz.array() < 0.5 * plan.bandwidth_hz).count();
+  rig.controller =
+      identification::stabiliser(model, slow, controlled, plan.bandwidth_hz, rig.sample_time_s);
+  if (rig.delay_s >= rig.sample_time_s) return;
+  rig.delay_s = rig.sample_time_s;
+  bench.notes.push_back(
+      fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
+}
+
+void set_structure(const Study& study, Work& work, Bench& bench) {
+  const auto& plan = *study.experiment;
+  if (plan.structure != "study") return set_chain(study, bench);
+  const Solution solution = solved(study, work);
+  const auto model = identification::in_view(
+      work.timed("reduction", [&] { return at_channels(study, solution); }));
+  bench.modes = model.mode_count();
+  std::vector<modal::FrfKind> kinds;
+  for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
+  bench.rig.plant = identification::plant(model, kinds);
+  require(model.rigid_count == 0 || !plan.controlled.empty(),
+          fmt::format("experiment: the body is free ({} rigid-body modes in view) and would drift; "
+                      "expected controlled = [...] and a bandwidth",
+                      model.rigid_count));
+  const double last = model.mode_count() > 0 ? model.frequency_hz.tail(1)(0) : 0.0;
+  if (last > 0.5 * plan.sample_rate_hz) {
+    bench.notes.push_back(fmt::format(
+        "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a laboratory "
+        "without anti-aliasing filters",
+        last));
+  }
+  if (!plan.controlled.empty()) set_loop(study, model, bench);
+}
+
+void set_excitation(const ExperimentPlan& plan, Bench& bench) {
+  using identification::ExcitedLines;
+  auto& multisine = bench.plan.multisine;
+  multisine.period = plan.samples;
+  multisine.sample_time_s = 1.0 / plan.sample_rate_hz;
+  multisine.low_hz = plan.low_hz;
+  multisine.high_hz = plan.high_hz > 0.0 ? plan.high_hz : 0.125 * plan.sample_rate_hz;
+  multisine.lines = plan.lines == "all"   ? ExcitedLines::all
+                    : plan.lines == "odd" ? ExcitedLines::odd
+                                          : ExcitedLines::odd_with_detection;
+  multisine.rms = plan.amplitude;
+  bench.plan.scheme = plan.inputs == "orthogonal" ? identification::InputScheme::orthogonal
+                                                  : identification::InputScheme::one_at_a_time;
+  bench.plan.periods = plan.periods;
+  bench.plan.warm_up = plan.warm_up;
+}
+
+// Noise: the root mean square of each sensor in a noise-free realisation, times the ratio.
+void set_noise(const Study& study, unsigned seed, Bench& bench) {
+  const auto& plan = *study.experiment;
+  auto& rig = bench.rig;
+  const auto p = static_cast<Eigen::Index>(rig.outputs.size());
+  const auto q = static_cast<Eigen::Index>(rig.inputs.size());
+  if (plan.noise > 0.0) rig.sensor_noise = Eigen::VectorXd::Constant(p, plan.noise);
+  if (plan.process_noise > 0.0)
+    rig.process_noise = Eigen::VectorXd::Constant(q, plan.process_noise);
+  if (plan.noise_ratio > 0.0) {
+    auto quiet = rig;
+    quiet.process_noise.resize(0);
+    Draw draw(seed);
+    const auto data = identification::realisation(quiet, bench.plan, 0, draw);
+    Eigen::VectorXd power = Eigen::VectorXd::Zero(p);
+    double samples = 0.0;
+    for (const auto& record : data.records) {
+      power += record.outputs.colwise().squaredNorm().transpose();
+      samples += static_cast<double>(record.outputs.rows());
+    }
+    rig.sensor_noise = plan.noise_ratio * (power / samples).cwiseSqrt();
+  }
+  if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
+}
+
+// Advises the warm-up that leaves less than a tenth of a deviation.
+void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
+  const auto& seen = estimate.transient;
+  if (seen.remaining <= 0.1) return;
+  const double more = std::ceil(std::log(10.0 * seen.remaining) / -std::log(seen.decay));
+  estimate.notes.push_back(fmt::format(
+      "experiment.warm_up = {:.0f} would leave less of the transient than a tenth of a deviation",
+      plan.warm_up + static_cast<double>(estimate.dropped) + more));
+}
+
+}  // namespace
+
+Bench bench_of(const Study& study, Work& work) {
+  require(study.experiment.has_value(),
+          "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
+  require(!study.sensors.empty() && !study.actuators.empty(),
+          "an experiment needs a sensor and an actuator or more");
+  const auto& plan = *study.experiment;
+  require(!plan.leaves_time || !has_paths(study),
+          "experiment.leaves: recordings pass through no gain, delay or low_pass of a channel; "
+          "expected leaves = \"frf\", or channels without them");
+  Bench bench;
+  auto& rig = bench.rig;
+  rig.sample_time_s = 1.0 / plan.sample_rate_hz;
+  rig.delay_s = plan.delay;
+  rig.outputs = channels_of(study.sensors, true);
+  rig.inputs = channels_of(study.actuators, false);
+  set_excitation(plan, bench);
+  set_structure(study, work, bench);
+  if (plan.cubic_stiffness != 0.0) {
+    rig.spring =
+        identification::CubicSpring{.stiffness = plan.cubic_stiffness,
+                                    .output = place_of(study.sensors, plan.cubic_sensor),
+                                    .input = place_of(study.actuators, plan.cubic_actuator)};
+  }
+  identification::check(rig);
+  set_noise(study, work.seed(), bench);
+  return bench;
+}
+
+Simulated simulated(const Study& study, const Bench& bench, Work& work) {
+  using namespace identification;
+  const auto& plan = *study.experiment;
+  Draw draw(work.seed());
+  Simulated result;
+  Spectra all;
+  const auto progress = work.progress();
+  for (int r = 0; r < plan.realisations; ++r) {
+    tell(progress, "shaking", static_cast<double>(r) / plan.realisations);
+    auto data = realisation(bench.rig, bench.plan, r, draw, &result.crest_factor);
+    const auto& sine = bench.plan.multisine;
+    append(all, spectra(data, sine.low_hz, sine.high_hz));
+    if (!plan.leaves_time) continue;
+    auto& records = result.recordings.records;
+    if (r == 0) {
+      result.recordings = std::move(data);
+    } else {
+      std::move(data.records.begin(), data.records.end(), std::back_inserter(records));
+    }
+  }
+  tell(progress, "estimating");
+  result.estimate = bench.rig.controller ? closed_loop_estimate(all).estimate : frf_estimate(all);
+  work.clear_progress();
+  advise(plan, result.estimate);
+  auto& set = result.estimate.set;
+  const auto seen = phase_delay(without_delay(set, 0.0, bench.rig.sample_time_s),
+                                plan.delay + 10.0 * bench.rig.sample_time_s);
+  result.phase_delay_s = seen.delay_s;
+  result.phase_delay_std_s = seen.std_s;
+  if (plan.compensate != "none") {
+    set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
+                        bench.rig.sample_time_s);
+  }
+  set = recorded(study, std::move(set));
+  return result;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,31 @@
+// The virtual laboratory of a study: its bench and its results.
+#pragma once
+
+#include "identification/frf_estimate.h"
+#include "identification/virtual_experiment.h"
+#include "stage/work.h"
+#include "study/study.h"
+
+namespace chladni::app {
+
+struct Bench {
+  identification::VirtualRig rig;
+  identification::VirtualExperimentPlan plan;
+  std::vector<std::string> notes;  ///< assumptions that were made
+  Eigen::Index modes = 0;          ///< in the structure; 0: the chain, which has all its poles
+};
+
+/// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
+///                       thesis' beam, an impossible loop
+[[nodiscard]] Bench bench_of(const Study& study, Work& work);
+
+struct Simulated {
+  identification::FrfEstimate estimate;  ///< compensated as the study asks
+  identification::TimeData recordings;   ///< if the study asks for them
+  double crest_factor = 0.0;
+  double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
+};
+
+[[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Work& work);
+
+}  // namespace chladni::app

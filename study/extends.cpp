@@ -1,0 +1,157 @@
+#include "study/extends.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "base/error.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBases = 8;
+
+using Kind = TomlNode::Kind;
+
+std::string name_of(const TomlNode& node) {
+  const auto* name = node.kind == Kind::table ? member(node, "name") : nullptr;
+  return name != nullptr && name->kind == Kind::text ? name->text : std::string();
+}
+
+bool are_named(const TomlNode& node) {
+  return node.kind == Kind::array && !node.elements.empty() &&
+         std::ranges::all_of(node.elements, [](const auto& e) { return !name_of(e).empty(); });
+}
+
+void put_at(TomlNode& node, const TomlNode& place) {
+  std::tie(node.line, node.column) = std::pair(place.line, place.column);
+  std::tie(node.end_line, node.end_column) = std::pair(place.end_line, place.end_column);
+  for (auto& entry : node.members) {
+    std::tie(entry.line, entry.column) = std::pair(place.line, place.column);
+    put_at(entry.value, place);
+  }
+  for (auto& element : node.elements) put_at(element, place);
+}
+
+// Changes the base's file names so that they start at the folder of the study that extends it.
+void lead_files(TomlNode& base, const fs::path& folder) {
+  if (folder.empty() || folder == ".") return;
+  for (auto* file : relative_files(base)) {
+    file->text = (folder / file->text).lexically_normal().generic_string();
+  }
+}
+
+bool is_removed(const TomlNode& element) {
+  const auto* removed = member(element, "removed");
+  return removed != nullptr && removed->kind == Kind::truth && removed->truth;
+}
+
+// Merges `own` into `base`.
+class Merge {
+ public:
+  explicit Merge(std::string file) : file_(std::move(file)) {}
+
+  void tables(TomlNode& base, const TomlNode& own) const {
+    for (const auto& entry : own.members) {
+      auto* there = member(base, entry.key);
+      if (there == nullptr) {
+        base.members.push_back(entry);
+      } else {
+        value(entry.key, *there, entry.value);
+      }
+    }
+  }
+
+ private:
+  void value(std::string_view key, TomlNode& base, const TomlNode& own) const {
+    if (base.kind == Kind::table && own.kind == Kind::table && !is_another_kind(key, base, own)) {
+      tables(base, own);
+      return;
+    }
+    if (are_named(base) && are_named(own)) {
+      named(key, base, own);
+      return;
+    }
+    base = own;
+  }
+
+  // True for geometry = { plate = ... } instead of { file = ... }.
+  static bool is_another_kind(std::string_view key, const TomlNode& base, const TomlNode& own) {
+    return key == "geometry" && std::ranges::none_of(own.members, [&](const auto& entry) {
+      return member(base, entry.key) != nullptr;
+    });
+  }
+
+  void named(std::string_view key, TomlNode& base, const TomlNode& own) const {
+    for (const auto& element : own.elements) {
+      const auto name = name_of(element);
+      const auto at = std::ranges::find(base.elements, name, name_of);
+      if (is_removed(element)) {
+        require(at != base.elements.end(),
+                fmt::format("{}:{}:{}: {} \"{}\" is to be removed, but the study that is extended "
+                            "has none of that name",
+                            file_, element.line, element.column, key, name));
+        base.elements.erase(at);
+      } else if (at == base.elements.end()) {
+        base.elements.push_back(element);
+      } else {
+        tables(*at, element);
+      }
+    }
+  }
+
+  std::string file_;
+};
+
+// Removes `extends` from the document and returns its value; none if there is none.
+std::optional<TomlNode> taken_out(TomlNode& document, const fs::path& file) {
+  const auto at = std::ranges::find(document.members, "extends", &TomlMember::key);
+  if (at == document.members.end()) return {};
+  TomlNode value = at->value;
+  require(value.kind == Kind::text && !value.text.empty(),
+          fmt::format("{}:{}:{}: extends is {}, expected the file of a study", file.string(),
+                      value.line, value.column, description(value)));
+  document.members.erase(at);
+  return value;
+}
+
+std::string place_of(const fs::path& file, const TomlNode& node) {
+  return fmt::format("{}:{}:{}: extends \"{}\": ", file.string(), node.line, node.column,
+                     node.text);
+}
+
+}  // namespace
+
+WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& read) {
+  WholeDocument whole{std::move(own), {}};
+  const auto folder = fs::absolute(file).parent_path();
+  while (const auto extends = taken_out(whole.tree, file)) {
+    fs::path base_file;
+    std::string text;
+    try {
+      text = read(extends->text, base_file);
+    } catch (const InvalidInput& e) {
+      throw InvalidInput(place_of(file, *extends) + e.what());
+    }
+    require(std::ranges::find(whole.bases, base_file) == whole.bases.end() &&
+                fs::weakly_canonical(base_file) != fs::weakly_canonical(file),
+            place_of(file, *extends) + "a study that extends itself");
+    require(whole.bases.size() < kMostBases,
+            place_of(file, *extends) + "more than eight studies that extend each other");
+    whole.bases.push_back(base_file);
+    TomlNode base = parse_toml(text, base_file.string());
+    std::erase_if(base.members, [](const auto& entry) { return entry.key == "expect"; });
+    lead_files(base, fs::absolute(base_file).parent_path().lexically_relative(folder));
+    put_at(base, *extends);
+    Merge(file.string()).tables(base, whole.tree);
+    whole.tree = std::move(base);
+  }
+  return whole;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,55 @@
+// A study that extends another one, merged into one document.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "study/toml/toml_tree.h"
+
+namespace chladni::app {
+
+/// Reads the text of the study that `extends` names, and returns its place.
+/// @throws InvalidInput  reading it is not allowed
+using BaseReader = std::function<std::string(const std::string& text, std::filesystem::path& file)>;
+
+struct WholeDocument {
+  TomlNode tree;                             ///< without the key `extends`
+  std::vector<std::filesystem::path> bases;  ///< the files that were read, the nearest first
+};
+
+/// Merges a document with the study that its key `extends` names, and so on.
+///
+/// Tables are merged key by key, and the values in `own` win. Elements of an array of tables that
+/// have a `name` are merged by name; a new name is appended, and `removed = true` removes an
+/// element. All other values are replaced, and so is a `geometry` of another kind. Expectations of
+/// a base are not expectations of the merged study.
+/// Values of the base get the position of `extends`, and its file names start at the folder of
+/// `own`.
+/// @param file  the file of `own`
+/// @throws InvalidInput  a base that cannot be read, that extends itself, or that is more than
+///                       eight studies away; a name that is removed but does not exist
+[[nodiscard]] WholeDocument with_bases(TomlNode own, const std::filesystem::path& file,
+                                       const BaseReader& read);
+
+/// The texts of a study's document that name a file from the study's folder.
+template <typename Node>
+[[nodiscard]] std::vector<Node*> relative_files(Node& document) {
+  constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
+      {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
+      {"measurement", "shapes"}, {"measurement", "truth"}, {"diagnosis", "tolerances"}};
+  std::vector<Node*> named{member(document, "extends")};
+  for (const auto& [part, key] : kKeys) {
+    if (auto* table = member(document, part)) named.push_back(member(*table, key));
+  }
+  std::erase_if(named, [](const Node* node) {
+    return node == nullptr || node->kind != TomlNode::Kind::text ||
+           std::filesystem::path(node->text).is_absolute();
+  });
+  return named;
+}
+
+}  // namespace chladni::app

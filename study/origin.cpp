@@ -1,0 +1,116 @@
+#include "study/origin.h"
+
+#include <algorithm>
+#include <string_view>
+#include <system_error>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/json.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestResult = std::size_t{256} << 20U;
+constexpr std::string_view kReportLine = "<dt>sha256 of ";
+constexpr std::size_t kDigits = 64;
+
+void add(std::vector<NamedFile>& files, const Study& study, const fs::path& file) {
+  std::error_code fault;
+  if (file.empty() || !fs::is_regular_file(file, fault)) return;
+  const fs::path folder = fs::absolute(study.file).parent_path().lexically_normal();
+  const fs::path name = fs::absolute(file).lexically_normal().lexically_relative(folder);
+  files.push_back({name.generic_string(), file});
+}
+
+void add_truth(std::vector<NamedFile>& files, const Study& study, const fs::path& truth) {
+  add(files, study, truth);
+  if (truth.empty() || files.empty() || files.back().file != truth) return;
+  try {
+    for (const auto& one : named_files(read_study(truth), true)) add(files, study, one.file);
+  } catch (const InvalidInput&) {
+    return;  // the step that needs the truth reports the error
+  }
+}
+
+Origin origin_in_json(const io::Json& json) {
+  const auto& study = json.at("study");
+  Origin origin{study.at("sha256").string(), {}};
+  const auto& keys = std::get<io::JsonObject>(study.value());
+  const bool has_inputs =
+      std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.first == "inputs"; });
+  if (!has_inputs) return origin;  // result of an earlier version
+  for (const auto& input : study.at("inputs").array()) {
+    origin.inputs[input.at("file").string()] = input.at("sha256").string();
+  }
+  return origin;
+}
+
+// Finds <dt>sha256 of NAME</dt><dd>64 digits</dd>, the form of facts in io/report/report.cpp.
+std::optional<Origin> origin_in_page(std::string_view page) {
+  constexpr std::string_view between = "</dt><dd>";
+  Origin origin;
+  for (auto at = page.find(kReportLine); at != page.npos; at = page.find(kReportLine, at)) {
+    at += kReportLine.size();
+    const auto end = page.find(between, at);
+    if (end == page.npos) break;
+    const std::string name(page.substr(at, end - at));
+    const std::string digits(page.substr(end + between.size(), kDigits));
+    (name == "the study" ? origin.study : origin.inputs[name]) = digits;
+  }
+  if (origin.study.empty()) return std::nullopt;
+  return origin;
+}
+
+}  // namespace
+
+std::vector<NamedFile> named_files(const Study& study, bool measured) {
+  std::vector<NamedFile> files;
+  for (const auto& base : study.bases) add(files, study, base);
+  if (const auto* body = std::get_if<FileGeometry>(&study.geometry.body)) {
+    add(files, study, body->file);
+  }
+  if (!measured) return files;
+  if (study.measurement) {
+    const auto& plan = *study.measurement;
+    for (const auto& file : {plan.frf, plan.time, plan.shapes}) add(files, study, file);
+    add_truth(files, study, plan.truth);
+  }
+  if (study.diagnosis) add(files, study, study.diagnosis->tolerances_file);
+  return files;
+}
+
+std::optional<Origin> origin_of(const fs::path& result) {
+  try {
+    const std::string text = read_whole(result, kLargestResult);
+    if (result.extension() == ".html") return origin_in_page(text);
+    return origin_in_json(io::parse_json(text));
+  } catch (const InvalidInput&) {
+    return std::nullopt;  // not a result of Chladni
+  }
+}
+
+bool differ(const Origin& one, const Origin& other) {
+  if (one.study != other.study) return true;
+  return std::any_of(one.inputs.begin(), one.inputs.end(), [&](const auto& input) {
+    const auto same = other.inputs.find(input.first);
+    return same != other.inputs.end() && same->second != input.second;
+  });
+}
+
+std::vector<std::string> outdated(const fs::path& folder, const Origin& now) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const auto extension = entry.path().extension();
+    if (extension != ".json" && entry.path().filename() != "report.html") continue;
+    const auto origin = origin_of(entry.path());
+    if (origin && differ(*origin, now)) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,41 @@
+// The version of a study, and of its files, from which a result comes.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/study.h"
+
+namespace chladni::app {
+
+/// A file that a study names: its name in the study, relative to the study's folder, and its path.
+struct NamedFile {
+  std::string name;
+  std::filesystem::path file;
+};
+
+/// The file of the body. With `measured` also the files of the measurement: responses, recordings,
+/// shapes, tolerances, the truth and its files. Only files that exist.
+[[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
+
+/// The fingerprints in a result: of the study, and of the files that it uses.
+struct Origin {
+  std::string study;
+  std::map<std::string, std::string> inputs;  ///< by name
+};
+
+/// The origin of a JSON file that `Run::leave` wrote, or of a report; none for any other file.
+[[nodiscard]] std::optional<Origin> origin_of(const std::filesystem::path& result);
+
+/// True if two results cannot be of one state: the studies differ, or a common file differs.
+[[nodiscard]] bool differ(const Origin& one, const Origin& other);
+
+/// The results in `folder` whose origin is not `now`, by name, ascending.
+[[nodiscard]] std::vector<std::string> outdated(const std::filesystem::path& folder,
+                                                const Origin& now);
+
+}  // namespace chladni::app

@@ -1,0 +1,110 @@
+#include "study/study.h"
+
+#include <system_error>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "study/extends.h"
+#include "study/sha256.h"
+#include "study/tables/tables.h"
+#include "study/toml/toml_text.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestStudy = std::size_t{16} << 20U;
+
+bool is_below(const fs::path& path, const fs::path& folder) {
+  const auto [in_folder, in_path] =
+      std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  return in_folder == folder.end() || (std::next(in_folder) == folder.end() && in_folder->empty());
+}
+
+/// models/oat/minimal/study.toml is "minimal"; models/beam.toml is "beam".
+std::string name_of(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const std::string parent =
+      fs::absolute(file).lexically_normal().parent_path().filename().string();
+  return stem == "study" && !parent.empty() ? parent : stem;
+}
+
+}  // namespace
+
+fs::path StudyFolder::resolved(const std::string& text) const {
+  const fs::path wanted = fs::path(text).is_absolute() ? fs::path(text) : folder / text;
+  std::error_code fault;  // a name that is too long, a loop of links
+  const fs::path real = fs::weakly_canonical(wanted, fault);
+  require(!fault, "the path \"" + text + "\" cannot be used: " + fault.message() +
+                      "; expected a file below the study's folder");
+  if (is_below(real, fs::weakly_canonical(folder))) return wanted;
+  for (const auto& other : allowed) {
+    if (is_below(real, fs::weakly_canonical(other))) return real;
+  }
+  throw InvalidInput("the path \"" + text +
+                     "\" leaves the study's folder; put the file there, or allow its folder on "
+                     "the command line with --allow-outside " +
+                     real.parent_path().string());
+}
+
+namespace {
+
+WholeDocument whole_document(std::string_view bytes, const fs::path& file,
+                             const StudyFolder& folder) {
+  const auto read = [&](const std::string& text, fs::path& base) {
+    base = folder.resolved(text);
+    return read_whole(base, kLargestStudy);
+  };
+  return with_bases(parse_toml(bytes, file.string()), file, read);
+}
+
+}  // namespace
+
+Study parse_study(std::string_view bytes, const fs::path& file,
+                  const std::vector<fs::path>& allowed) {
+  Study study;
+  study.file = file;
+  study.name = name_of(file);
+  study.sha256 = sha256(bytes);
+  const StudyFolder folder{fs::absolute(file).parent_path(), allowed};
+  auto document = whole_document(bytes, file, folder);
+  study.bases = std::move(document.bases);
+  study.text = study.bases.empty() ? std::string(bytes) : toml_text(document.tree);
+  const TomlNode& tree = document.tree;
+  Problems problems(file.string());
+  TableReader root(tree, "", problems);
+  study.title = root.text("title").value_or(study.name);
+  if (const auto seed = root.integer("seed", 0, 4294967295))
+    study.seed = static_cast<unsigned>(*seed);
+  read_geometry_part(root, folder, study);
+  read_materials(root, study);
+  read_mesh_part(root, study);
+  read_modes_part(root, study);
+  read_supports(root, study);
+  read_attachments(root, study);
+  read_variations(root, study);
+  read_channels(root, study);
+  read_layouts(root, study);
+  read_placement(root, study);
+  read_measurement(root, folder, study);
+  read_experiment(root, study);
+  read_identification(root, study);
+  read_interpolation(root, study);
+  read_priors(root, study);
+  read_diagnosis(root, folder, study);
+  read_expectations(root, study);
+  root.refuse_unknown();
+  problems.throw_if_any();
+  return study;
+}
+
+Study read_study(const fs::path& file, const std::vector<fs::path>& allowed) {
+  std::error_code ignored;  // read_whole reports the error
+  require(
+      !fs::is_directory(file, ignored),
+      file.string() + " is a folder; expected a study, such as " + (file / "study.toml").string());
+  return parse_study(read_whole(file, kLargestStudy), file, allowed);
+}
+
+}  // namespace chladni::app

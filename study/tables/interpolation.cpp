@@ -1,0 +1,91 @@
+// [measurement] and [interpolation] of a study: the measured data and what is computed from them.
+#include <algorithm>
+
+#include "base/error.h"
+#include "priors/interpolator.h"
+#include "study/tables/tables.h"
+
+namespace chladni::app {
+namespace {
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
+  return names;
+}
+
+}  // namespace
+
+std::string source_text(const MeasurementPlan& plan) {
+  return plan.source.empty() ? "" : "; it does not come with the study: " + plan.source;
+}
+
+std::filesystem::path read_path(TableReader& table, const StudyFolder& folder, std::string_view key,
+                                const std::string& hint) {
+  const auto text = table.text(key);
+  if (!text) return {};
+  try {
+    return folder.resolved(*text);
+  } catch (const InvalidInput& e) {
+    table.wrong(*table.find(key), table.name(key) + ": " + e.what() + hint);
+    return {};
+  }
+}
+
+void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
+  auto table = root.table("measurement");
+  if (!table) return;
+  auto& plan = study.measurement.emplace();
+  plan.source = table->text("source").value_or("");
+  plan.frf = read_path(*table, folder, "frf", source_text(plan));
+  plan.time = read_path(*table, folder, "time", source_text(plan));
+  plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
+  plan.truth = read_path(*table, folder, "truth");
+  for (const auto& [key, path] :
+       {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
+        std::pair("truth", plan.truth)}) {
+    if (path.empty()) continue;
+    const TomlNode& node = *table->find(key);
+    study.files.push_back({table->name(key), path, node.line, node.column});
+  }
+  if (!table->has("frf") && !table->has("time") && !table->has("shapes") && !table->has("truth")) {
+    table->missing("frf",
+                   "frf = \"measured.uff\", time = \"recorded.csv\", shapes = \"shapes.csv\" or "
+                   "truth = \"real.toml\" (a study whose modes stand for measured ones)");
+  }
+  if (table->has("shapes") && table->has("truth")) {
+    table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");
+  }
+  plan.noise = table->quantity("noise", "1", Sign::positive).value_or(0.01);
+  plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
+  plan.hold_out = table->texts("hold_out");
+  refuse_strangers(*table, "hold_out", "channel of the study", plan.hold_out, channel_names(study));
+  table->refuse_unknown();
+}
+
+void read_interpolation(TableReader& root, Study& study) {
+  auto table = root.table("interpolation");
+  if (!table) return;
+  auto& plan = study.interpolation.emplace();
+  plan.methods = table->texts("methods");
+  refuse_strangers(*table, "methods", "method", plan.methods, method_names());
+  plan.on = read_faces(*table, "on");
+  read_motion(*table, plan.direction, plan.along_normal);
+  Names names("point");
+  for (auto& point : table->tables("point")) {
+    plan.points.push_back({point.required_text("name"), read_place(point, "at")});
+    names.add(point, plan.points.back().name);
+    point.refuse_unknown();
+  }
+  plan.table_pitch = table->quantity("table_pitch", "m", Sign::positive).value_or(0.0);
+  plan.predicted = table->text("predicted").value_or(plan.predicted);
+  if (!plan.predicted.ends_with(".csv") || plan.predicted.find('/') != plan.predicted.npos) {
+    table->wrong(*table->find("predicted"),
+                 table->name("predicted") + ": found \"" + plan.predicted +
+                     "\", expected the name of a file such as \"predicted.csv\"");
+  }
+  plan.polynomial_degree = static_cast<int>(table->integer("polynomial_degree", 1, 30).value_or(0));
+  table->refuse_unknown();
+}
+
+}  // namespace chladni::app

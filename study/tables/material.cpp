@@ -1,0 +1,188 @@
+// material = { ... } or [[material]] of a study.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/error.h"
+#include "study/tables/tables.h"
+
+namespace chladni::app {
+namespace {
+
+double poissons_ratio_of(TableReader& table) {
+  const double ratio = table.required_quantity("poissons_ratio", "1");
+  if (std::isnan(ratio) || (ratio > -1.0 && ratio < 0.5)) return ratio;
+  table.wrong(*table.find("poissons_ratio"),
+              table.name("poissons_ratio") + " is " + std::to_string(ratio) +
+                  "; expected more than -1 and less than 0.5 (0.33 for aluminium)");
+  return std::nan("");
+}
+
+void keep(StudyMaterial& material, const std::string& name, double value) {
+  material.constants.emplace_back(name, value);
+}
+
+bool all_known(const StudyMaterial& material) {
+  for (const auto& [name, value] : material.constants) {
+    if (std::isnan(value)) return false;
+  }
+  return true;
+}
+
+void read_isotropic(TableReader& table, double density, StudyMaterial& out) {
+  const double modulus = table.required_quantity("youngs_modulus", "Pa", Sign::positive);
+  const double ratio = poissons_ratio_of(table);
+  keep(out, "youngs_modulus", modulus);
+  keep(out, "poissons_ratio", ratio);
+  keep(out, "density", density);
+  if (all_known(out)) out.material = fem::isotropic(modulus, ratio, density);
+}
+
+void read_cubic(TableReader& table, double density, StudyMaterial& out) {
+  const double c11 = table.required_quantity("c11", "Pa", Sign::positive);
+  const double c12 = table.required_quantity("c12", "Pa");
+  const double c44 = table.required_quantity("c44", "Pa", Sign::positive);
+  keep(out, "c11", c11);
+  keep(out, "c12", c12);
+  keep(out, "c44", c44);
+  keep(out, "density", density);
+  if (all_known(out)) out.material = fem::cubic(c11, c12, c44, density);
+}
+
+Eigen::Vector3d three(TableReader& table, std::string_view key, std::string_view unit, Sign sign,
+                      const std::string& order, StudyMaterial& out) {
+  if (!table.has(key)) table.missing(key, "three values, in the order " + order);
+  const auto values = table.quantities(key, unit, 3, sign);
+  const Eigen::Vector3d kept =
+      values ? Eigen::Vector3d(*values) : Eigen::Vector3d::Constant(std::nan(""));
+  for (int i = 0; i < 3; ++i) keep(out, std::string(key) + "_" + std::to_string(i + 1), kept(i));
+  return kept;
+}
+
+void read_orthotropic(TableReader& table, double density, StudyMaterial& out) {
+  fem::Orthotropic constants;
+  constants.youngs_modulus = three(table, "youngs_modulus", "Pa", Sign::positive, "E1 E2 E3", out);
+  constants.poissons_ratio = three(table, "poissons_ratio", "1", Sign::any, "nu23 nu13 nu12", out);
+  constants.shear_modulus = three(table, "shear_modulus", "Pa", Sign::positive, "G23 G13 G12", out);
+  keep(out, "density", density);
+  if (all_known(out)) out.material = fem::orthotropic(constants, density);
+}
+
+/// axes = three rows, the material's axes in the body's frame; angle = rotation about z.
+std::optional<Eigen::Matrix3d> axes_of(TableReader& table) {
+  const auto angle = table.quantity("angle", "rad");
+  const TomlNode* node = table.find("axes");
+  if (angle && node != nullptr) {
+    table.wrong(*node, table.name("axes") + " and angle are both given; expected one of them");
+  }
+  if (angle) {
+    return Eigen::AngleAxisd(*angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
+  if (node == nullptr) return std::nullopt;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  bool good = node->kind == TomlNode::Kind::array && node->elements.size() == 3;
+  for (std::size_t k = 0; good && k < 3; ++k) {
+    const auto& row = node->elements[k].elements;
+    good = row.size() == 3;
+    for (std::size_t i = 0; good && i < 3; ++i) {
+      axes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = row[i].number;
+    }
+    axes.col(static_cast<Eigen::Index>(k)).normalize();
+  }
+  good = good && axes.allFinite() && (axes.transpose() * axes).isIdentity(1e-9) &&
+         axes.determinant() > 0.0;
+  if (good) return axes;
+  table.wrong(*node, table.name("axes") +
+                         " must be three right-handed directions at right angles, such as "
+                         "[[1, 1, 0], [-1, 1, 0], [0, 0, 1]]");
+  return std::nullopt;
+}
+
+void read_constants(TableReader& table, StudyMaterial& out) {
+  const double density = table.required_quantity("density", "kg/m^3", Sign::positive);
+  if (out.symmetry == "cubic") {
+    read_cubic(table, density, out);
+  } else if (out.symmetry == "orthotropic") {
+    read_orthotropic(table, density, out);
+  } else {
+    read_isotropic(table, density, out);
+  }
+  const auto axes = axes_of(table);
+  if (axes && all_known(out)) out.material = fem::turned(out.material, *axes);
+}
+
+StudyMaterial material_of(TableReader& table, const TomlNode& node) {
+  StudyMaterial out;
+  out.region = table.text("region").value_or("");
+  out.symmetry =
+      table.choice("symmetry", {"isotropic", "cubic", "orthotropic"}).value_or("isotropic");
+  try {
+    read_constants(table, out);
+  } catch (const InvalidInput& e) {
+    table.wrong(node, table.path() + ": " + e.what());
+  }
+  table.refuse_unknown();
+  return out;
+}
+
+void warn(Study& study, const TomlNode& node, const std::string& message) {
+  study.warnings.push_back(study.file.string() + ":" + std::to_string(node.line) + ":" +
+                           std::to_string(node.column) + ": " + message);
+}
+
+/// Warns of a value that no solid has: usually the prefix of a unit is missing.
+void check_plausible(Study& study, const StudyMaterial& material, const TomlNode& node) {
+  for (const auto& [name, value] : material.constants) {
+    const bool modulus = name.starts_with("youngs_modulus") || name.starts_with("shear_modulus") ||
+                         name.starts_with("c1") || name.starts_with("c4");
+    const auto text = [&, n = name, v = value](const char* rest) {
+      char digits[32];
+      static_cast<void>(std::snprintf(digits, sizeof digits, "%.4g", v));
+      return "is the unit right? " + n + " is " + digits + rest;
+    };
+    if (modulus && (value < 1e6 || value > 2e12)) {
+      warn(study, node, text(" Pa; aluminium has 70e9 Pa, steel 210e9 Pa (is \"GPa\" meant?)"));
+    }
+    if (name == "density" && (value < 10.0 || value > 23000.0)) {
+      warn(study, node, text(" kg/m^3; aluminium has 2700, steel 7850 kg/m^3"));
+    }
+    if (name.starts_with("poissons_ratio") && value > 0.45 && material.symmetry == "isotropic") {
+      warn(study, node,
+           name +
+               " is above 0.45: nearly incompressible, elements of order 1 and 2 "
+               "lock; use order = 3 and compare two meshes");
+    }
+  }
+}
+
+}  // namespace
+
+void read_materials(TableReader& root, Study& study) {
+  const TomlNode* node = root.find("material");
+  if (node == nullptr) {
+    root.missing(
+        "material",
+        "{ youngs_modulus = \"70 GPa\", poissons_ratio = 0.33, density = \"2700 kg/m^3\" }");
+    return;
+  }
+  std::vector<TableReader> tables;
+  if (node->kind == TomlNode::Kind::array) {
+    tables = root.tables("material");
+  } else if (auto one = root.table("material")) {
+    tables.push_back(*one);
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const TomlNode& place = node->kind == TomlNode::Kind::array ? node->elements[i] : *node;
+    const auto material = material_of(tables[i], place);
+    for (const auto& other : study.materials) {
+      if (other.region == material.region) {
+        root.wrong(place, "two materials for " + (material.region.empty()
+                                                      ? std::string("every region")
+                                                      : "region \"" + material.region + "\""));
+      }
+    }
+    check_plausible(study, material, place);
+    study.materials.push_back(material);
+  }
+}
+
+}  // namespace chladni::app

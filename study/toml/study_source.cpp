@@ -1,0 +1,116 @@
+// The only file that uses toml++.
+#include <toml++/toml.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "io/scan.h"
+#include "study/toml/toml_tree.h"
+
+namespace chladni::app {
+namespace {
+
+constexpr int kDeepest = 16;  // levels of nesting; a study needs five
+
+TomlNode tree_of(const toml::node& node, const std::string& file, int depth);
+
+TomlNode::Kind kind_of(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return TomlNode::Kind::table;
+    case toml::node_type::array:
+      return TomlNode::Kind::array;
+    case toml::node_type::string:
+      return TomlNode::Kind::text;
+    case toml::node_type::integer:
+      return TomlNode::Kind::integer;
+    case toml::node_type::floating_point:
+      return TomlNode::Kind::real;
+    case toml::node_type::boolean:
+      return TomlNode::Kind::truth;
+    default:
+      return TomlNode::Kind::date;
+  }
+}
+
+std::string digits_of(double number) {
+  std::string digits(32, '\0');
+  const auto length = std::snprintf(digits.data(), digits.size(), "%.15g", number);
+  digits.resize(static_cast<std::size_t>(length));
+  return digits;
+}
+
+void take_value(const toml::node& node, TomlNode& out) {
+  if (const auto* text = node.as_string()) out.text = text->get();
+  if (const auto* truth = node.as_boolean()) out.truth = truth->get();
+  if (const auto* real = node.as_floating_point()) {
+    out.number = real->get();
+    out.text = digits_of(out.number);
+  }
+  if (const auto* integer = node.as_integer()) {
+    out.number = static_cast<double>(integer->get());
+    out.text = std::to_string(integer->get());
+  }
+}
+
+void take_members(const toml::table& table, const std::string& file, int depth, TomlNode& out) {
+  for (const auto& [key, value] : table) {
+    const auto place = key.source().begin;
+    out.members.push_back({std::string(key.str()), static_cast<int>(place.line),
+                           static_cast<int>(place.column), tree_of(value, file, depth + 1)});
+  }
+  // toml++ sorts by name, but the order of the file is better for messages and study.json.
+  std::stable_sort(out.members.begin(), out.members.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+}
+
+TomlNode tree_of(const toml::node& node, const std::string& file, int depth) {
+  TomlNode out;
+  out.kind = kind_of(node);
+  out.line = static_cast<int>(node.source().begin.line);
+  out.column = static_cast<int>(node.source().begin.column);
+  out.end_line = static_cast<int>(node.source().end.line);
+  out.end_column = static_cast<int>(node.source().end.column);
+  require(depth <= kDeepest, file + ":" + std::to_string(out.line) + ":" +
+                                 std::to_string(out.column) + ": nested more than 16 deep");
+  take_value(node, out);
+  if (const auto* table = node.as_table()) take_members(*table, file, depth, out);
+  if (const auto* array = node.as_array()) {
+    for (const auto& element : *array) out.elements.push_back(tree_of(element, file, depth + 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string description(const TomlNode& node) {
+  switch (node.kind) {
+    case TomlNode::Kind::table:
+      return "a table";
+    case TomlNode::Kind::array:
+      return "an array of " + std::to_string(node.elements.size()) + " values";
+    case TomlNode::Kind::text:
+      return "the text \"" + node.text + "\"";
+    case TomlNode::Kind::integer:
+    case TomlNode::Kind::real:
+      return "the number " + node.text;
+    case TomlNode::Kind::truth:
+      return node.truth ? "true" : "false";
+    default:
+      return "a date or time";
+  }
+}
+
+TomlNode parse_toml(std::string_view bytes, const std::string& file) {
+  io::refuse_utf16(bytes, file);
+  try {
+    return tree_of(toml::parse(bytes, file), file, 0);
+  } catch (const toml::parse_error& e) {
+    const auto place = e.source().begin;
+    throw InvalidInput(file + ":" + std::to_string(place.line) + ":" +
+                       std::to_string(place.column) + ": " + std::string(e.description()));
+  }
+}
+
+}  // namespace chladni::app
