@@ -130,7 +130,7 @@ io::JsonArray channels_json(const std::vector<modal::MeasuredChannel>& channels,
 io::Json summary(const std::filesystem::path& path, const io::FrfFile& file) {
   const auto& set = file.set;
   const Index lines = set.line_count();
-  return io::JsonObject{{"chladni", version()},
+  return io::JsonObject{{"chladni", show::version()},
                         {"file", path.string()},
                         {"format", file.format},
                         {"holds", "frequency responses"},
@@ -166,7 +166,7 @@ void show(const std::filesystem::path& path, const io::FrfFile& file, std::ostre
 
 io::Json summary(const std::filesystem::path& path, const io::TimeFile& file) {
   const auto& data = file.data;
-  return io::JsonObject{{"chladni", version()},
+  return io::JsonObject{{"chladni", show::version()},
                         {"file", path.string()},
                         {"format", file.format},
                         {"holds", "recordings"},
@@ -202,7 +202,7 @@ void show(const std::filesystem::path& path, const io::TimeFile& file, std::ostr
 }
 
 template <typename File>
-int told(const std::filesystem::path& path, const File& file, const Options& options,
+int told(const std::filesystem::path& path, const File& file, const show::Options& options,
          std::ostream& results) {
   if (options.json) {
     results << io::text(summary(path, file));
@@ -214,7 +214,8 @@ int told(const std::filesystem::path& path, const File& file, const Options& opt
 
 }  // namespace
 
-int check_data(const std::filesystem::path& file, const Options& options, std::ostream& results) {
+int check_data(const std::filesystem::path& file, const show::Options& options,
+               std::ostream& results) {
   try {
     io::FrfOptions frf;
     frf.unit = options.unit;

@@ -14,7 +14,7 @@ namespace chladni::app {
 struct Command {
   std::string_view name;     ///< the word typed
   std::string_view summary;  ///< one line for --help
-  void (*run)(const Study& study, Run& run);
+  void (*run)(const study::Study& study, show::Run& run);
 };
 
 extern const Command check_command;
@@ -35,7 +35,7 @@ extern const Command study_command;
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
                           const std::string& unit, std::ostream& results);
 /// Measured data: the content of a file and suspect values; conversion between formats.
-[[nodiscard]] int check_data(const std::filesystem::path& file, const Options& options,
+[[nodiscard]] int check_data(const std::filesystem::path& file, const show::Options& options,
                              std::ostream& results);
 [[nodiscard]] int convert_data(const std::filesystem::path& from, const std::filesystem::path& to,
                                const std::string& unit, std::ostream& results);

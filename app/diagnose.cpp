@@ -6,10 +6,10 @@
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const Diagnosed result = diagnosed(study, run);
-  run.show(diagnosis_table(result));
-  leave_diagnosis(study, result, run, true);
+void run(const study::Study& study, show::Run& run) {
+  const steps::Diagnosed result = steps::diagnosed(study, run);
+  run.show(show::diagnosis_table(result));
+  show::leave_diagnosis(study, result, run, true);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ Finding memory() {
 }  // namespace
 
 int doctor(std::ostream& results) {
-  std::vector<Finding> findings = {{true, "chladni", version()},
+  std::vector<Finding> findings = {{true, "chladni", show::version()},
                                    kernel(),
                                    {true, "threads", std::to_string(thread_count())},
                                    memory()};

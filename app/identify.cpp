@@ -6,11 +6,11 @@
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const IdentifiedModel model = identified(study, nullptr, run);
-  run.show(identification_table(model));
-  leave_identification(study, model, run, true);
-  require_trust(model);
+void run(const study::Study& study, show::Run& run) {
+  const steps::IdentifiedModel model = steps::identified(study, nullptr, run);
+  run.show(show::identification_table(model));
+  show::leave_identification(study, model, run, true);
+  steps::require_trust(model);
 }
 
 }  // namespace

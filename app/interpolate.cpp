@@ -11,24 +11,25 @@
 namespace chladni::app {
 namespace {
 
-void require_there(const MeasurementPlan& plan) {
+void require_there(const study::MeasurementPlan& plan) {
   for (const auto& path : {plan.shapes, plan.truth, plan.frf, plan.time}) {
     require(path.empty() || std::filesystem::exists(path),
-            path.string() + ": there is no such file" + source_text(plan));
+            path.string() + ": there is no such file" + study::source_text(plan));
   }
 }
 
-void run(const Study& study, Run& run) {
-  require(study.measurement && has_shapes(*study.measurement),  // before minutes of solving
+void run(const study::Study& study, show::Run& run) {
+  require(study.measurement && steps::has_shapes(*study.measurement),  // before minutes of solving
           study.file.string() +
               ": nothing is measured; expected [measurement] with frf, time, shapes "
               "or truth");
   require_there(*study.measurement);
-  const Solution solution = solved(study, run);
-  const Interpolated result = interpolated(study, solution, run, shown_and_left(study, run));
-  run.show(interpolation_table(result));
-  leave_interpolation(study, solution, result, run, true);
-  if (result.measured.identified) require_trust(*result.measured.identified);
+  const stage::Solution solution = stage::solved(study, run);
+  const steps::Interpolated result =
+      steps::interpolated(study, solution, run, show::shown_and_left(study, run));
+  run.show(show::interpolation_table(result));
+  show::leave_interpolation(study, solution, result, run, true);
+  if (result.measured.identified) steps::require_trust(*result.measured.identified);
 }
 
 }  // namespace

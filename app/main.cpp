@@ -18,6 +18,8 @@
 namespace {
 
 namespace app = chladni::app;
+namespace show = chladni::show;
+namespace study = chladni::study;
 
 // In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
@@ -38,13 +40,13 @@ enum ExitCode {
 };
 
 /// Runs `work` and turns any exception into a message and an exit code.
-int guarded(app::Talk& talk, const std::function<int()>& work) {
+int guarded(show::Talk& talk, const std::function<int()>& work) {
   const auto failed = [&](const std::exception& e, ExitCode code) {
     talk.error(e.what());
     return code;
   };
   const auto unforeseen = [&](const std::string& what) {
-    talk.error("chladni cannot go on: " + what + "; this is a fault of Chladni " + app::version());
+    talk.error("chladni cannot go on: " + what + "; this is a fault of Chladni " + show::version());
     return kNumericalFailure;
   };
   try {
@@ -83,15 +85,15 @@ std::string with_file(const std::filesystem::path& file, const std::string& mess
   return message.starts_with(file.string()) ? message : file.string() + ": " + message;
 }
 
-int run(const app::Command& command, const std::filesystem::path& file, app::Options options) {
-  app::Talk talk(std::cerr, app::manner_of_stderr(options.quiet));
+int run(const app::Command& command, const std::filesystem::path& file, show::Options options) {
+  show::Talk talk(std::cerr, show::manner_of_stderr(options.quiet));
   return guarded(talk, [&]() -> int {
     if (command.name == "check" && chladni::io::is_measured_file(file)) {
       return app::check_data(file, options, std::cout);
     }
     if (options.threads > 0) chladni::set_thread_count(options.threads);
-    const auto study = app::read_study(file, options.allowed);
-    app::Run run(study, std::move(options), std::cout, talk);
+    const auto study = study::read_study(file, options.allowed);
+    show::Run run(study, std::move(options), std::cout, talk);
     try {
       command.run(study, run);
     } catch (const chladni::InvalidInput& e) {
@@ -104,7 +106,7 @@ int run(const app::Command& command, const std::filesystem::path& file, app::Opt
 }
 
 void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
-                 app::Options& options) {
+                 show::Options& options) {
   verb.add_option("STUDY", file,
                   command.name == "check" ? "the study, a .toml file, or measured data: .csv, "
                                             ".uff, .unv, .mat"
@@ -148,7 +150,7 @@ struct OtherVerbs {
   bool force = false;
 };
 
-void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& status) {
+void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& status) {
   auto* convert =
       cli.add_subcommand("convert", "geometry or measured data, from one format to another");
   convert->add_option("IN", other.from, "file to read")->required();
@@ -158,7 +160,7 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& sta
   convert->add_flag("--force", other.force, "write over OUT where there is such a file");
   convert->callback([&] {
     status = guarded(talk, [&] {
-      app::require_new_output(other.from, other.to, other.force);
+      show::require_new_output(other.from, other.to, other.force);
       return app::convert(other.from, other.to, other.unit, std::cout);
     });
   });
@@ -170,13 +172,13 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, app::Talk& talk, int& sta
 }
 
 /// Reads the command line `argv` and runs its verb.
-int answer(int argc, char** argv, app::Talk& talk) {
+int answer(int argc, char** argv, show::Talk& talk) {
   CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
   cli.name("chladni");
   cli.require_subcommand(1);
-  cli.set_version_flag("--version", "chladni " + app::version());
+  cli.set_version_flag("--version", "chladni " + show::version());
   std::filesystem::path file;
-  app::Options options;
+  show::Options options;
   OtherVerbs other;
   int status = kDone;
   for (const auto* command : kCommands) {
@@ -196,7 +198,7 @@ int answer(int argc, char** argv, app::Talk& talk) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  app::Talk talk(std::cerr, app::manner_of_stderr(false));
+  show::Talk talk(std::cerr, show::manner_of_stderr(false));
   return guarded(talk, [&] {
     chladni::dense::use_best_blas_kernel(argv);
     chladni::catch_interrupts();

@@ -6,12 +6,13 @@
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const Outline outline = introduced(study, run).outline;
-  const auto body = run.timed("mesh", [&] { return body_of(study, outline, run.progress()); });
-  run.show(mesh_text(body));
-  leave_mesh(body, run, true);
-  paint_patches(study, body, run);
+void run(const study::Study& study, show::Run& run) {
+  const stage::Outline outline = stage::introduced(study, run).outline;
+  const auto body =
+      run.timed("mesh", [&] { return stage::body_of(study, outline, run.progress()); });
+  run.show(show::mesh_text(body));
+  show::leave_mesh(body, run, true);
+  show::paint_patches(study, body, run);
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const Solution solution = solved(study, run);
-  run.show(modes_table(solution));
-  leave_modes(study, solution, run);
+void run(const study::Study& study, show::Run& run) {
+  const stage::Solution solution = stage::solved(study, run);
+  run.show(show::modes_table(solution));
+  show::leave_modes(study, solution, run);
 }
 
 }  // namespace

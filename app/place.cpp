@@ -6,11 +6,11 @@
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const Solution solution = solved(study, run);
-  const Placed result = placed(study, solution, run);
-  run.show(placement_table(solution, result));
-  leave_placement(study, solution, result, run, true);
+void run(const study::Study& study, show::Run& run) {
+  const stage::Solution solution = stage::solved(study, run);
+  const steps::Placed result = steps::placed(study, solution, run);
+  run.show(show::placement_table(solution, result));
+  show::leave_placement(study, solution, result, run, true);
 }
 
 }  // namespace

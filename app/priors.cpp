@@ -1,17 +1,17 @@
 // chladni priors STUDY: length scales, amplitudes and noise from the simulated modes.
-#include "app/command.h"
 #include "show/priors.h"
+#include "app/command.h"
 #include "steps/priors.h"
 
 namespace chladni::app {
 namespace {
 
-void run(const Study& study, Run& run) {
-  const Solution solution = solved(study, run);
-  const LearnedPriors result = learned_priors(study, solution, run);
+void run(const study::Study& study, show::Run& run) {
+  const stage::Solution solution = stage::solved(study, run);
+  const steps::LearnedPriors result = steps::learned_priors(study, solution, run);
   for (const auto& note : result.notes) run.note(note);
-  run.show(priors_table(solution, result));
-  run.leave("priors.json", priors_json(solution, result), true);
+  run.show(show::priors_table(solution, result));
+  run.leave("priors.json", show::priors_json(solution, result), true);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr double kMostNumbers = 1e8;  // in a table of recordings: 2 GB of text
 
 // The file for the responses. A file that an earlier run did not write is not overwritten.
-fs::path target_of(const Study& study, Run& run) {
+fs::path target_of(const study::Study& study, show::Run& run) {
   const bool stated = study.measurement && !study.measurement->frf.empty();
   const fs::path file = stated ? study.measurement->frf : run / "measured.csv";
   if (!stated || !fs::exists(file)) return file;
@@ -33,14 +33,14 @@ fs::path target_of(const Study& study, Run& run) {
       own.clear();  // not ours, or from another version
     }
   }
-  require(own == sha256(read_whole(file)),
+  require(own == study::sha256(read_whole(file)),
           "measurement.frf: " + file.string() +
               " exists and is not what `simulate` left there before; it may be measured: move it "
               "away, or name another file");
   return file;
 }
 
-void refuse_too_much(const Study& study) {
+void refuse_too_much(const study::Study& study) {
   const auto& plan = *study.experiment;
   const double numbers = static_cast<double>(study.actuators.size()) * plan.realisations *
                          plan.periods * plan.samples *
@@ -52,8 +52,8 @@ void refuse_too_much(const Study& study) {
                   numbers, kMostNumbers));
 }
 
-io::JsonObject content_of(const Study& study, const Bench& bench, const Simulated& found,
-                          const fs::path& file) {
+io::JsonObject content_of(const study::Study& study, const steps::Bench& bench,
+                          const steps::Simulated& found, const fs::path& file) {
   const auto& plan = *study.experiment;
   const auto& estimate = found.estimate;
   io::JsonArray notes;
@@ -62,7 +62,7 @@ io::JsonObject content_of(const Study& study, const Bench& bench, const Simulate
   const auto& rig = bench.rig;
   return {
       {"file", file.filename().string()},
-      {"sha256", sha256(read_whole(file))},
+      {"sha256", study::sha256(read_whole(file))},
       {"structure", plan.structure},
       {"modes", static_cast<long long>(bench.modes)},
       {"sample_rate_hz", plan.sample_rate_hz},
@@ -88,8 +88,8 @@ io::JsonObject content_of(const Study& study, const Bench& bench, const Simulate
       {"notes", notes}};
 }
 
-std::string told(const Study& study, const Bench& bench, const Simulated& found,
-                 const fs::path& file) {
+std::string told(const study::Study& study, const steps::Bench& bench,
+                 const steps::Simulated& found, const fs::path& file) {
   const auto& set = found.estimate.set;
   const auto& plan = *study.experiment;
   std::string text = fmt::format(
@@ -103,13 +103,14 @@ std::string told(const Study& study, const Bench& bench, const Simulated& found,
   return text + "left in " + file.string() + "\n";
 }
 
-void run(const Study& study, Run& run) {
+void run(const study::Study& study, show::Run& run) {
   const auto file = target_of(study, run);
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
   refuse_too_much(study);
-  const Bench bench = bench_of(study, run);
-  const Simulated found = run.timed("experiment", [&] { return simulated(study, bench, run); });
+  const steps::Bench bench = steps::bench_of(study, run);
+  const steps::Simulated found =
+      run.timed("experiment", [&] { return steps::simulated(study, bench, run); });
   const auto left = study.experiment->leaves_time ? run / "time_data.csv" : file;
   if (study.experiment->leaves_time) {
     for (const auto& lost : io::write_time(left, found.recordings)) run.note(lost);

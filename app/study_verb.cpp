@@ -16,48 +16,48 @@ namespace {
 
 // True if there are measured data. A warning names a missing file: `simulate` must still write it,
 // or it does not come with the study.
-bool is_there(const MeasurementPlan& plan, Run& run) {
+bool is_there(const study::MeasurementPlan& plan, show::Run& run) {
   for (const auto& path : {plan.frf, plan.time}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
     run.warn(path.string() + ": there is no such file; what needs it is left out" +
-             source_text(plan));
+             study::source_text(plan));
     return false;
   }
-  return has_shapes(plan);
+  return steps::has_shapes(plan);
 }
 
-void run(const Study& study, Run& run) {
-  const Solution solution = solved(study, run);
-  run.show(modes_table(solution));
-  leave_mesh(solution.model.body, run, false);
+void run(const study::Study& study, show::Run& run) {
+  const stage::Solution solution = stage::solved(study, run);
+  run.show(show::modes_table(solution));
+  show::leave_mesh(solution.model.body, run, false);
   // If the body is given by its dimensions, the names of its patches are known.
-  if (study.geometry.kind == "file") paint_patches(study, solution.model.body, run);
-  leave_modes(study, solution, run);
-  std::optional<Placed> placement;
+  if (study.geometry.kind == "file") show::paint_patches(study, solution.model.body, run);
+  show::leave_modes(study, solution, run);
+  std::optional<steps::Placed> placement;
   if (study.placement) {
-    placement = placed(study, solution, run);
-    run.show("\n" + placement_table(solution, *placement));
-    leave_placement(study, solution, *placement, run, false);
+    placement = steps::placed(study, solution, run);
+    run.show("\n" + show::placement_table(solution, *placement));
+    show::leave_placement(study, solution, *placement, run, false);
   }
-  std::optional<Interpolated> shapes;
+  std::optional<steps::Interpolated> shapes;
   const bool measured = study.measurement && is_there(*study.measurement, run);
   if (measured && (study.interpolation || !study.diagnosis)) {
-    shapes = interpolated(study, solution, run, shown_and_left(study, run));
-    run.show("\n" + interpolation_table(*shapes));
-    leave_interpolation(study, solution, *shapes, run, false);
+    shapes = steps::interpolated(study, solution, run, show::shown_and_left(study, run));
+    run.show("\n" + show::interpolation_table(*shapes));
+    show::leave_interpolation(study, solution, *shapes, run, false);
   }
-  std::optional<Diagnosed> diagnosis;
+  std::optional<steps::Diagnosed> diagnosis;
   if (measured && study.diagnosis) {
-    diagnosis = diagnosed(study, run);
-    run.show("\n" + diagnosis_table(*diagnosis));
-    leave_diagnosis(study, *diagnosis, run, false);
+    diagnosis = steps::diagnosed(study, run);
+    run.show("\n" + show::diagnosis_table(*diagnosis));
+    show::leave_diagnosis(study, *diagnosis, run, false);
   }
-  leave_report(study, solution,
-               {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr,
-                diagnosis ? &*diagnosis : nullptr},
-               run);
-  if (!study.expectations.empty()) judge(study, solution, run);
-  if (shapes && shapes->measured.identified) require_trust(*shapes->measured.identified);
+  show::leave_report(study, solution,
+                     {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr,
+                      diagnosis ? &*diagnosis : nullptr},
+                     run);
+  if (!study.expectations.empty()) steps::judge(study, solution, run);
+  if (shapes && shapes->measured.identified) steps::require_trust(*shapes->measured.identified);
 }
 
 }  // namespace

@@ -52,9 +52,9 @@ file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // Made by cmake/write_version.cmake.
 #include "show/version.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 std::string version() { return "@VERSION@+@commit@"; }
 
-}  // namespace chladni::app
+}  // namespace chladni::show
 ]])

@@ -27,7 +27,7 @@ constexpr double kOnTheBody = 1e-3;  // [m]
 // The interpolated shapes of a study, with the solution that they are based on.
 class StudyField {
  public:
-  StudyField(app::Solution solution, app::Interpolated result)
+  StudyField(stage::Solution solution, steps::Interpolated result)
       : solution_(std::move(solution)), result_(std::move(result)), finder_(solution_.model.body) {}
   StudyField(const StudyField&) = delete;
   StudyField& operator=(const StudyField&) = delete;
@@ -50,7 +50,7 @@ class StudyField {
     for (const auto& one : result_.methods) names.emplace_back(one.method->name);
     return names;
   }
-  [[nodiscard]] std::string text() const { return app::interpolation_table(result_); }
+  [[nodiscard]] std::string text() const { return show::interpolation_table(result_); }
 
  private:
   [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::MatrixXd> values_at(
@@ -62,7 +62,7 @@ class StudyField {
       sites.push_back(site_near(points.row(i).transpose(), i));
       directions.row(i) = direction.value_or(sites.back().normal).transpose();
     }
-    const auto places = app::places_at(sites, directions, solution_.modes, result_.harmonics);
+    const auto places = steps::places_at(sites, directions, solution_.modes, result_.harmonics);
     auto [mean, deviation] = method_called(method).field->at(places);
     return {std::move(mean), std::move(deviation)};
   }
@@ -81,35 +81,35 @@ class StudyField {
     return site;
   }
 
-  [[nodiscard]] const app::Interpolation& method_called(const std::string& name) const {
+  [[nodiscard]] const steps::Interpolation& method_called(const std::string& name) const {
     if (name.empty()) return result_.methods.front();
     const auto found =
         std::find_if(result_.methods.begin(), result_.methods.end(),
-                     [&](const app::Interpolation& one) { return name == one.method->name; });
+                     [&](const steps::Interpolation& one) { return name == one.method->name; });
     require(found != result_.methods.end(),
             "the study was not interpolated by \"" + name + "\"; interpolation.methods names how");
     return *found;
   }
 
-  app::Solution solution_;
-  app::Interpolated result_;
+  stage::Solution solution_;
+  steps::Interpolated result_;
   mesh::SiteFinder finder_;
 };
 
 std::unique_ptr<StudyField> interpolate(const std::filesystem::path& file,
                                         const std::filesystem::path& folder) {
   const LongCall call;
-  const auto study = app::read_study(file);
-  app::Options options;
+  const auto study = study::read_study(file);
+  show::Options options;
   options.folder = folder;
   options.pictures = false;
   std::ostringstream results;
   std::ostringstream said;
-  app::Talk talk(said, {.quiet = true});
-  app::Run run(study, options, results, talk);
-  auto solution = app::solved(study, run);
-  auto result = app::interpolated(study, solution, run, app::shown_and_left(study, run));
-  app::leave_interpolation(study, solution, result, run, true);
+  show::Talk talk(said, {.quiet = true});
+  show::Run run(study, options, results, talk);
+  auto solution = stage::solved(study, run);
+  auto result = steps::interpolated(study, solution, run, show::shown_and_left(study, run));
+  show::leave_interpolation(study, solution, result, run, true);
   return std::make_unique<StudyField>(std::move(solution), std::move(result));
 }
 

@@ -52,7 +52,7 @@ PYBIND11_MODULE(chladni, module) {
   need_numpy();
   module.doc() =
       "Modes of flexible stages, and their shapes between the sensors. All values in SI.";
-  module.attr("__version__") = chladni::app::version();
+  module.attr("__version__") = chladni::show::version();
   find_workers();
   // pybind11 tries the last registered exception first, so more special exceptions come later.
   pybind11::register_exception<chladni::InvalidInput>(module, "InvalidInput", PyExc_ValueError);

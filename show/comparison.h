@@ -10,7 +10,7 @@
 #include "io/json.h"
 #include "io/matrix_picture.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Modes side by side, errors by band and by channel, and the most important findings.
 [[nodiscard]] std::string comparison_table(const diagnosis::Comparison& comparison);
@@ -39,4 +39,4 @@ void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& com
 [[nodiscard]] io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison);
 void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

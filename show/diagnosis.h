@@ -5,28 +5,29 @@
 #include "show/run.h"
 #include "steps/diagnosis.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// "point_mass: 0.2518 +- 0.0001 kg at (127.8, -289.9) mm"
 [[nodiscard]] std::string cause_text(const diagnosis::Cause& cause);
 
 /// A warning and its reason, if the result should not be used; then the verdict.
-[[nodiscard]] std::string verdict_text(const Diagnosed& diagnosed);
+[[nodiscard]] std::string verdict_text(const steps::Diagnosed& diagnosed);
 
 /// Origin of the responses after the diagnosis, one line each.
-[[nodiscard]] std::vector<std::string> gain_lines(const Gain& gain);
+[[nodiscard]] std::vector<std::string> gain_lines(const steps::Gain& gain);
 
-[[nodiscard]] io::JsonObject diagnosis_json(const Diagnosed& diagnosed);
+[[nodiscard]] io::JsonObject diagnosis_json(const steps::Diagnosed& diagnosed);
 
-[[nodiscard]] std::string diagnosis_table(const Diagnosed& diagnosed);
+[[nodiscard]] std::string diagnosis_table(const steps::Diagnosed& diagnosed);
 
 /// A section of the report: verdict, causes, places, gain, modes.
-[[nodiscard]] io::Section diagnosis_section(const Diagnosed& diagnosed, const Run& run);
+[[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run& run);
 
 /// diagnosis.json, extended.toml, cause_map.vtu and .png, prediction.png
-void leave_diagnosis(const Study& study, const Diagnosed& diagnosed, Run& run, bool main_result);
+void leave_diagnosis(const study::Study& study, const steps::Diagnosed& diagnosed, Run& run,
+                     bool main_result);
 
 /// The verdict in a sentence.
 [[nodiscard]] std::string verdict_text(const diagnosis::Diagnosis& result);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -4,28 +4,28 @@
 #include "show/run.h"
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-[[nodiscard]] std::string identification_table(const IdentifiedModel& model);
+[[nodiscard]] std::string identification_table(const steps::IdentifiedModel& model);
 
 /// "trust: ...", then a line for each doubtful mode and outlying line.
-[[nodiscard]] std::string trust_text(const IdentifiedModel& model);
-[[nodiscard]] io::Json trust_json(const IdentifiedModel& model);
+[[nodiscard]] std::string trust_text(const steps::IdentifiedModel& model);
+[[nodiscard]] io::Json trust_json(const steps::IdentifiedModel& model);
 
-[[nodiscard]] io::JsonObject identified_json(const IdentifiedModel& model);
+[[nodiscard]] io::JsonObject identified_json(const steps::IdentifiedModel& model);
 
 /// Magnitudes of at most 24 responses: measured, fitted and residual.
-void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png);
+void draw_fit(const steps::IdentifiedModel& model, const std::filesystem::path& png);
 
-void draw_stabilisation(const IdentifiedModel& model, const std::filesystem::path& png);
+void draw_stabilisation(const steps::IdentifiedModel& model, const std::filesystem::path& png);
 
 /// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was
 /// asked for, stabilisation.png
-void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
+void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result);
 
 /// Shows the table and leaves the files as soon as a model is fitted: for `interpolated`.
-[[nodiscard]] std::function<void(const IdentifiedModel&)> shown_and_left(const Study& study,
-                                                                         Run& run);
+[[nodiscard]] std::function<void(const steps::IdentifiedModel&)> shown_and_left(
+    const study::Study& study, Run& run);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -4,11 +4,11 @@
 #include "show/run.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// At most 24 predicted responses, over the measured ones.
 /// @param predicted  with variances
-void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,
+void draw_predictions(const steps::IdentifiedModel& model, const modal::FrfSet& predicted,
                       const std::filesystem::path& png);
 
 /// Name of the picture: predicted.png for predicted.csv.
@@ -17,15 +17,15 @@ void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predict
 /// Writes `file` (predicted.csv), predicted_band.csv (with variances) on the lines of the file,
 /// predicted.png and spatio_temporal.mat: receptances at the sensors outside the fit and at the
 /// points of interest.
-void leave_predictions(const Interpolated& result, const std::string& file, Run& run);
+void leave_predictions(const steps::Interpolated& result, const std::string& file, Run& run);
 
-[[nodiscard]] io::JsonObject interpolation_json(const Interpolated& result);
+[[nodiscard]] io::JsonObject interpolation_json(const steps::Interpolated& result);
 
-[[nodiscard]] std::string interpolation_table(const Interpolated& result);
+[[nodiscard]] std::string interpolation_table(const steps::Interpolated& result);
 
 /// interpolation.json, mode_field.vtu, mode_field.png, and on request mode_field.csv (a lookup
 /// table) and mode_field_polynomial.json.
-void leave_interpolation(const Study& study, const Solution& solution, const Interpolated& result,
-                         Run& run, bool main_result);
+void leave_interpolation(const study::Study& study, const stage::Solution& solution,
+                         const steps::Interpolated& result, Run& run, bool main_result);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 void require_new_output(const std::filesystem::path& from, const std::filesystem::path& to,
                         bool force) {
@@ -17,4 +17,4 @@ void require_new_output(const std::filesystem::path& from, const std::filesystem
       to.string() + ": there is such a file; name another one, or say --force to write over it");
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

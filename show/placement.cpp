@@ -8,7 +8,7 @@
 #include "show/placement.h"
 #include "steps/placement.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 io::Json place_json(const Eigen::Vector3d& at) {
@@ -21,12 +21,13 @@ io::Json places_json(const Points& places) {
   return array;
 }
 
-Eigen::Index column_of(const Placed& placed, int group) {
+Eigen::Index column_of(const steps::Placed& placed, int group) {
   return placed.wanted.columns[static_cast<std::size_t>(
       placed.wanted.groups[static_cast<std::size_t>(group)].first)];
 }
 
-io::Json pair_json(const Solution& solution, const Placed& placed, const BestPair& pair) {
+io::Json pair_json(const stage::Solution& solution, const steps::Placed& placed,
+                   const steps::BestPair& pair) {
   const auto& modes = solution.modes;
   const Eigen::Index column = column_of(placed, pair.limiting);
   return io::JsonObject{{"x_m", pair.position.x()},
@@ -38,21 +39,21 @@ io::Json pair_json(const Solution& solution, const Placed& placed, const BestPai
                         {"limiting_frequency_hz", modes.frequency_hz(column)}};
 }
 
-io::Json pairs_json(const Solution& solution, const Placed& placed,
-                    const std::vector<BestPair>& pairs) {
+io::Json pairs_json(const stage::Solution& solution, const steps::Placed& placed,
+                    const std::vector<steps::BestPair>& pairs) {
   io::JsonArray array;
   for (const auto& pair : pairs) array.push_back(pair_json(solution, placed, pair));
   return array;
 }
 
-io::Json worst_place_json(const Placed& placed, const ScoredLayout& layout) {
+io::Json worst_place_json(const steps::Placed& placed, const steps::ScoredLayout& layout) {
   if (layout.deviation.size() == 0) return {};
   Eigen::Index worst = 0;
   layout.deviation.maxCoeff(&worst);
   return place_json(placed.surface.sites.position.row(worst).transpose());
 }
 
-io::Json layout_json(const Placed& placed, const ScoredLayout& layout) {
+io::Json layout_json(const steps::Placed& placed, const steps::ScoredLayout& layout) {
   io::JsonObject scores;
   const auto criteria = placement::layout_criteria();
   for (std::size_t c = 0; c < criteria.size(); ++c) {
@@ -70,7 +71,7 @@ io::Json layout_json(const Placed& placed, const ScoredLayout& layout) {
                         {"scores", scores}};
 }
 
-io::Json optimum_json(const Optimum& optimum) {
+io::Json optimum_json(const steps::Optimum& optimum) {
   const bool has_bound = optimum.certificate > 0.0;
   const auto& choice = optimum.choice;
   io::JsonArray equivalent;
@@ -86,7 +87,7 @@ io::Json optimum_json(const Optimum& optimum) {
                         {"equivalent", equivalent}};
 }
 
-io::Json wanted_json(const Solution& solution, const WantedModes& wanted) {
+io::Json wanted_json(const stage::Solution& solution, const steps::WantedModes& wanted) {
   io::JsonArray modes;
   for (std::size_t g = 0; g < wanted.groups.size(); ++g) {
     const auto [first, size] = wanted.groups[g];
@@ -108,20 +109,20 @@ std::string value_text(const placement::Criterion& criterion, double score) {
                                : fmt::format("{:.3g} {}", value, criterion.unit);
 }
 
-std::string pairs_table(const Solution& solution, const Placed& placed,
-                        const std::vector<BestPair>& pairs) {
+std::string pairs_table(const stage::Solution& solution, const steps::Placed& placed,
+                        const std::vector<steps::BestPair>& pairs) {
   std::string text;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d mm = 1e3 * pairs[i].position;
     text += fmt::format("{:4}  {:9.2f} {:9.2f} {:9.2f}  {:>10}  {}\n", i + 1, mm.x(), mm.y(),
                         mm.z(), value_text(*placed.criterion, pairs[i].score),
-                        group_name(solution, placed.wanted, pairs[i].limiting));
+                        steps::group_name(solution, placed.wanted, pairs[i].limiting));
   }
   return text;
 }
 
-std::string layouts_table(const Placed& placed) {
-  const auto width = [](const ScoredLayout& layout) {
+std::string layouts_table(const steps::Placed& placed) {
+  const auto width = [](const steps::ScoredLayout& layout) {
     return std::clamp<std::size_t>(layout.name.size(), 10, 30);
   };
   std::string text = fmt::format("\n{:<29}", "layout");
@@ -144,7 +145,8 @@ std::string layouts_table(const Placed& placed) {
   return text;
 }
 
-io::HeatMapPicture picture_of(const Study& study, const Solution& solution, const Placed& placed) {
+io::HeatMapPicture picture_of(const study::Study& study, const stage::Solution& solution,
+                              const steps::Placed& placed) {
   const auto& sites = placed.surface.sites;
   const auto& map = placed.maps[placed.chosen];
   io::HeatMapPicture picture;
@@ -175,12 +177,12 @@ io::HeatMapPicture picture_of(const Study& study, const Solution& solution, cons
         {shown[i].position, value_text(*placed.criterion, shown[i].score) + ", mode " +
                                 std::to_string(column_of(placed, shown[i].limiting) + 1)});
   }
-  picture.markers = markers_of(study, solution.model);
+  picture.markers = stage::markers_of(study, solution.model);
   picture.markers.resize(study.sensors.size() + study.actuators.size());
   return picture;
 }
 
-io::LayoutsPicture layouts_picture(const Study& study, const Placed& placed) {
+io::LayoutsPicture layouts_picture(const study::Study& study, const steps::Placed& placed) {
   io::LayoutsPicture picture;
   picture.title = study.title + ": layouts";
   picture.scale = "expected error of an interpolated shape, of its root mean square";
@@ -205,8 +207,8 @@ io::LayoutsPicture layouts_picture(const Study& study, const Placed& placed) {
   return picture;
 }
 
-void leave_fields(const Solution& solution, const Placed& placed, const std::string& title,
-                  const Run& run) {
+void leave_fields(const stage::Solution& solution, const steps::Placed& placed,
+                  const std::string& title, const Run& run) {
   std::vector<io::NodeField> fields;
   const auto criteria = placement::criteria();
   io::Units units{title, {"length: m"}};
@@ -228,7 +230,7 @@ void leave_fields(const Solution& solution, const Placed& placed, const std::str
 
 }  // namespace
 
-std::string optimum_text(const Optimum& optimum) {
+std::string optimum_text(const steps::Optimum& optimum) {
   std::string text = fmt::format("best {} sites by {}: score {:.6g}", optimum.sites.rows(),
                                  optimum.by, optimum.choice.score);
   if (optimum.choice.proven) {
@@ -244,7 +246,7 @@ std::string optimum_text(const Optimum& optimum) {
   return text;
 }
 
-std::string blind_text(const Solution& solution, const ScoredLayout& layout) {
+std::string blind_text(const stage::Solution& solution, const steps::ScoredLayout& layout) {
   std::string modes;
   for (const int mode : layout.blind) {
     modes += fmt::format("{}{} ({:.2f} Hz)", modes.empty() ? "" : ", ", mode,
@@ -254,7 +256,8 @@ std::string blind_text(const Solution& solution, const ScoredLayout& layout) {
                      layout.blind.size() == 1 ? "" : "s", modes);
 }
 
-io::JsonObject placement_json(const Study&, const Solution& solution, const Placed& placed) {
+io::JsonObject placement_json(const study::Study&, const stage::Solution& solution,
+                              const steps::Placed& placed) {
   io::JsonArray layouts;
   for (const auto& layout : placed.layouts) layouts.push_back(layout_json(placed, layout));
   io::JsonArray optima;
@@ -278,7 +281,7 @@ io::JsonObject placement_json(const Study&, const Solution& solution, const Plac
           {"notes", io::Json::texts(placed.notes)}};
 }
 
-std::string placement_table(const Solution& solution, const Placed& placed) {
+std::string placement_table(const stage::Solution& solution, const steps::Placed& placed) {
   std::string text =
       fmt::format(
           "best places of one collocated pair by {}\n{:>4}  {:>9} {:>9} {:>9}  {:>10}  {}\n",
@@ -296,8 +299,8 @@ std::string placement_table(const Solution& solution, const Placed& placed) {
   return text;
 }
 
-void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
-                     bool main_result) {
+void leave_placement(const study::Study& study, const stage::Solution& solution,
+                     const steps::Placed& placed, Run& run, bool main_result) {
   for (const auto& note : placed.notes) run.note(note);
   for (const auto& layout : placed.layouts) {
     for (const int mode : layout.blind) {
@@ -318,4 +321,4 @@ void leave_placement(const Study& study, const Solution& solution, const Placed&
   run.paint("layouts.png", [&](const auto& png) { io::draw_layouts(png, layouts); });
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

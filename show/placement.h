@@ -4,20 +4,23 @@
 #include "show/run.h"
 #include "steps/placement.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-[[nodiscard]] io::JsonObject placement_json(const Study& study, const Solution& solution,
-                                            const Placed& placed);
+[[nodiscard]] io::JsonObject placement_json(const study::Study& study,
+                                            const stage::Solution& solution,
+                                            const steps::Placed& placed);
 
-[[nodiscard]] std::string placement_table(const Solution& solution, const Placed& placed);
+[[nodiscard]] std::string placement_table(const stage::Solution& solution,
+                                          const steps::Placed& placed);
 
 /// One line each, for the terminal.
-[[nodiscard]] std::string optimum_text(const Optimum& optimum);
+[[nodiscard]] std::string optimum_text(const steps::Optimum& optimum);
 
-[[nodiscard]] std::string blind_text(const Solution& solution, const ScoredLayout& layout);
+[[nodiscard]] std::string blind_text(const stage::Solution& solution,
+                                     const steps::ScoredLayout& layout);
 
 /// placement.json, heat_map.vtu, heat_map.png, layouts.png.
-void leave_placement(const Study& study, const Solution& solution, const Placed& placed, Run& run,
-                     bool main_result);
+void leave_placement(const study::Study& study, const stage::Solution& solution,
+                     const steps::Placed& placed, Run& run, bool main_result);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -6,16 +6,16 @@
 #include "show/priors.h"
 #include "steps/priors.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
-Eigen::Index length_count(const LearnedPriors& result) {
+Eigen::Index length_count(const steps::LearnedPriors& result) {
   Eigen::Index count = 0;
   for (const auto& one : result.kernel.parameters()) count += one.unit == "m" ? 1 : 0;
   return count;
 }
 
-std::string lengths_text(const LearnedPriors& result, const priors::Learned& one) {
+std::string lengths_text(const steps::LearnedPriors& result, const priors::Learned& one) {
   std::string text;
   for (Eigen::Index k = 0; k < length_count(result); ++k) {
     text += fmt::format("{}{:.1f}", k > 0 ? " / " : "", 1e3 * one.parameters(k));
@@ -29,7 +29,7 @@ std::string bound_text(const priors::Learned& one) {
   return text;
 }
 
-io::JsonObject learned_json(const LearnedPriors& result, const priors::Learned& one,
+io::JsonObject learned_json(const steps::LearnedPriors& result, const priors::Learned& one,
                             Eigen::Index samples, double noise_dependence) {
   io::JsonObject parameters;
   for (std::size_t k = 0; k < result.kernel.parameters().size(); ++k) {
@@ -52,8 +52,8 @@ io::JsonObject learned_json(const LearnedPriors& result, const priors::Learned& 
       {"evaluations", one.evaluations}};
 }
 
-io::JsonObject mode_json(const Solution& solution, const LearnedPriors& result, const LearnedAt& at,
-                         std::size_t i) {
+io::JsonObject mode_json(const stage::Solution& solution, const steps::LearnedPriors& result,
+                         const steps::LearnedAt& at, std::size_t i) {
   const auto column = result.columns[i];
   const auto row = static_cast<Eigen::Index>(i);
   io::JsonObject object = {
@@ -66,7 +66,8 @@ io::JsonObject mode_json(const Solution& solution, const LearnedPriors& result, 
   return object;
 }
 
-io::Json at_json(const Solution& solution, const LearnedPriors& result, const LearnedAt& at) {
+io::Json at_json(const stage::Solution& solution, const steps::LearnedPriors& result,
+                 const steps::LearnedAt& at) {
   io::JsonArray modes;
   for (std::size_t i = 0; i < at.per_mode.size(); ++i) {
     modes.push_back(mode_json(solution, result, at, i));
@@ -78,7 +79,7 @@ io::Json at_json(const Solution& solution, const LearnedPriors& result, const Le
                         {"channel_error", io::Json(at.channel_error)}};
 }
 
-std::string modes_text(const Solution& solution, const LearnedPriors& result) {
+std::string modes_text(const stage::Solution& solution, const steps::LearnedPriors& result) {
   const auto& last = result.last();
   const bool has_matched = result.matched_length.size() > 0;
   std::string text = fmt::format("{:<22}{:>12}{:>12}{:>12}{:>16}", "mode", "length [mm]",
@@ -108,7 +109,7 @@ std::string modes_text(const Solution& solution, const LearnedPriors& result) {
 
 }  // namespace
 
-std::string priors_table(const Solution& solution, const LearnedPriors& result) {
+std::string priors_table(const stage::Solution& solution, const steps::LearnedPriors& result) {
   std::string text;
   for (const auto& warning : result.warnings) text += "! " + warning + "\n";
   const auto& plan = result.plan;
@@ -140,7 +141,7 @@ std::string priors_table(const Solution& solution, const LearnedPriors& result) 
   return text;
 }
 
-io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result) {
+io::JsonObject priors_json(const stage::Solution& solution, const steps::LearnedPriors& result) {
   const auto& last = result.last();
   io::JsonArray modes;
   for (std::size_t i = 0; i < last.per_mode.size(); ++i) {
@@ -169,4 +170,4 @@ io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result
           {"warnings", io::Json::texts(result.warnings)}};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -4,10 +4,12 @@
 #include "show/run.h"
 #include "steps/priors.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-[[nodiscard]] io::JsonObject priors_json(const Solution& solution, const LearnedPriors& result);
+[[nodiscard]] io::JsonObject priors_json(const stage::Solution& solution,
+                                         const steps::LearnedPriors& result);
 
-[[nodiscard]] std::string priors_table(const Solution& solution, const LearnedPriors& result);
+[[nodiscard]] std::string priors_table(const stage::Solution& solution,
+                                       const steps::LearnedPriors& result);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Factor from the SI value, and the unit after it: mm, us, g, %, mrad.
 struct Readable {
@@ -23,4 +23,4 @@ struct Readable {
   return factor ? Readable{1.0, ""} : Readable{100.0, "%"};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -19,20 +19,20 @@
 #include "show/placement.h"
 #include "show/version.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
-io::Section channels_of(const Study& study, const Solution& solution) {
-  auto markers = markers_of(study, solution.model);
+io::Section channels_of(const study::Study& study, const stage::Solution& solution) {
+  auto markers = stage::markers_of(study, solution.model);
   markers.resize(study.sensors.size() + study.actuators.size());
   const auto& modes = solution.modes;
   Eigen::MatrixXd shapes(static_cast<Eigen::Index>(markers.size()), modes.mode_count());
-  shapes << shapes_at(study.sensors, solution.model.sensors, modes),
-      shapes_at(study.actuators, solution.model.actuators, modes);
+  shapes << stage::shapes_at(study.sensors, solution.model.sensors, modes),
+      stage::shapes_at(study.actuators, solution.model.actuators, modes);
   return io::channels_section(markers, modes, shapes);
 }
 
-io::Table best_table(const Solution& solution, const Placed& placement) {
+io::Table best_table(const stage::Solution& solution, const steps::Placed& placement) {
   io::Table table{"Best places of one collocated pair",
                   {{"x [mm]"}, {"y [mm]"}, {"z [mm]"}, {"value"}, {"limited by mode", false}},
                   {}};
@@ -41,12 +41,12 @@ io::Table best_table(const Solution& solution, const Placed& placement) {
     table.rows.push_back({{fmt::format("{:.1f}", mm.x()), fmt::format("{:.1f}", mm.y()),
                            fmt::format("{:.1f}", mm.z()),
                            fmt::format("{:.3g}", placement.criterion->for_people(pair.score)),
-                           group_name(solution, placement.wanted, pair.limiting)}});
+                           steps::group_name(solution, placement.wanted, pair.limiting)}});
   }
   return table;
 }
 
-io::Table layouts_table(const Placed& placement) {
+io::Table layouts_table(const steps::Placed& placement) {
   io::Table table{"Layouts", {{"criterion", false}, {"better", false}}, {}};
   for (const auto& layout : placement.layouts) table.columns.push_back({layout.name});
   const auto criteria = placement::layout_criteria();
@@ -64,7 +64,8 @@ io::Table layouts_table(const Placed& placement) {
   return table;
 }
 
-io::Section placement_section(const Solution& solution, const Placed& placement, const Run& run) {
+io::Section placement_section(const stage::Solution& solution, const steps::Placed& placement,
+                              const Run& run) {
   io::Section section{"Placement", {}};
   if (run.has_painted("heat_map.png")) {
     const auto picture = io::picture_section("", run / "heat_map.png",
@@ -89,7 +90,7 @@ io::Section placement_section(const Solution& solution, const Placed& placement,
   return section;
 }
 
-io::Table methods_table(const Interpolated& shapes) {
+io::Table methods_table(const steps::Interpolated& shapes) {
   const bool has_truth = shapes.measured.truth.size() > 0;
   const bool has_hidden = !shapes.measured.hidden_channels.empty();
   io::Table table{"Ways to interpolate", {{"method", false}}, {}};
@@ -116,7 +117,7 @@ io::Table methods_table(const Interpolated& shapes) {
   return table;
 }
 
-io::Section identification_section(const IdentifiedModel& model, const Run& run) {
+io::Section identification_section(const steps::IdentifiedModel& model, const Run& run) {
   io::Section section{"Modal model of the measured responses", {}};
   if (run.has_painted("fit.png")) {
     section.blocks = io::picture_section("", run / "fit.png",
@@ -137,18 +138,19 @@ io::Section identification_section(const IdentifiedModel& model, const Run& run)
           known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
   }
   section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(
-      io::Note{io::Note::Tone::plain,
-               fmt::format("The responses are fitted to {} % of their size; the noise "
-                           "is {} %.",
-                           percent_cell(overall_error(model)), percent_cell(noise(model)))});
+  section.blocks.emplace_back(io::Note{
+      io::Note::Tone::plain,
+      fmt::format("The responses are fitted to {} % of their size; the noise "
+                  "is {} %.",
+                  percent_cell(steps::overall_error(model)), percent_cell(steps::noise(model)))});
   for (const auto& warning : model.match.warnings) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::warning, warning + "."});
   }
   return section;
 }
 
-io::Section shapes_section(const Study& study, const Interpolated& shapes, const Run& run) {
+io::Section shapes_section(const study::Study& study, const steps::Interpolated& shapes,
+                           const Run& run) {
   io::Section section{"Shapes between the sensors", {}};
   const auto& shown = shapes.methods.front();
   if (run.has_painted("mode_field.png")) {
@@ -158,7 +160,7 @@ io::Section shapes_section(const Study& study, const Interpolated& shapes, const
     section.blocks = picture.blocks;
   }
   const auto responses =
-      predictions_picture(study.interpolation.value_or(InterpolationPlan{}).predicted);
+      predictions_picture(study.interpolation.value_or(study::InterpolationPlan{}).predicted);
   if (run.has_painted(responses)) {
     const auto more = io::picture_section(
         "", run / responses,
@@ -173,7 +175,7 @@ io::Section shapes_section(const Study& study, const Interpolated& shapes, const
 }
 
 // "isotropic: youngs_modulus 7e+10, poissons_ratio 0.33, density 2700 (SI)".
-std::string material_text(const StudyMaterial& material) {
+std::string material_text(const study::StudyMaterial& material) {
   std::string text = (material.region.empty() ? "" : material.region + ", ") + material.symmetry;
   const char* before = ": ";
   for (const auto& [name, value] : material.constants) {
@@ -194,14 +196,14 @@ std::string date_text() {
   return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(seconds));
 }
 
-io::Section provenance_of(const Study& study, Run& run) {
+io::Section provenance_of(const study::Study& study, Run& run) {
   std::vector<std::pair<std::string, std::string>> lines = {{"chladni", version()},
                                                             {"study", study.title}};
   if (!run.options().reproducible) lines.emplace_back("date", date_text());
   for (const auto& material : study.materials) {
     lines.emplace_back("material", material_text(material));
   }
-  const Origin origin = run.origin(true);
+  const study::Origin origin = run.origin(true);
   lines.emplace_back("sha256 of the study", origin.study);
   for (const auto& [file, digits] : origin.inputs) lines.emplace_back("sha256 of " + file, digits);
   lines.insert(lines.end(), {{"BLAS kernel", dense::blas_kernel()},
@@ -214,7 +216,7 @@ io::Section provenance_of(const Study& study, Run& run) {
 }
 
 // True if flat faces bound the body. A mesh of a round body or of a file may be a little too small.
-bool is_filled_exactly(const Geometry& geometry) {
+bool is_filled_exactly(const study::Geometry& geometry) {
   if (const auto* table = std::get_if<mesh::WaferTable>(&geometry.body)) {
     return table->bores.empty() && !(table->wafer_diameter > 0.0);
   }
@@ -224,15 +226,16 @@ bool is_filled_exactly(const Geometry& geometry) {
 
 }  // namespace
 
-void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run) {
+void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
+                  Run& run) {
   const auto& model = solution.model;
   io::Report report;
   report.title = study.title;
   report.understood = solution.introduction.body.line();
   report.warnings = solution.introduction.warnings;
-  report.sections.push_back(io::modes_section(model.body, solution.modes, solution.summary,
-                                              solution.frequency_error, markers_of(study, model),
-                                              is_filled_exactly(study.geometry)));
+  report.sections.push_back(
+      io::modes_section(model.body, solution.modes, solution.summary, solution.frequency_error,
+                        stage::markers_of(study, model), is_filled_exactly(study.geometry)));
   if (run.has_painted("modes.png")) {
     report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
                                                   "Nodal lines are black."));
@@ -261,4 +264,4 @@ void leave_report(const Study& study, const Solution& solution, const Found& fou
   io::write_report(run / "report.html", report);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -6,17 +6,18 @@
 #include "steps/interpolation.h"
 #include "steps/placement.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Results of a study in addition to the modes; null if a step was not made.
 struct Found {
-  const Placed* placement = nullptr;
-  const Interpolated* shapes = nullptr;
-  const Diagnosed* diagnosis = nullptr;
+  const steps::Placed* placement = nullptr;
+  const steps::Interpolated* shapes = nullptr;
+  const steps::Diagnosed* diagnosis = nullptr;
 };
 
 /// report.html: the modes with a viewer, places for devices, the interpolated shapes, the body, the
 /// channels, the origin of all results. It shows the pictures that exist.
-void leave_report(const Study& study, const Solution& solution, const Found& found, Run& run);
+void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
+                  Run& run);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

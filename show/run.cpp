@@ -10,18 +10,18 @@
 #include "show/version.h"
 #include "study/sha256.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
-std::filesystem::path folder_of(const Study& study, const Options& options) {
+std::filesystem::path folder_of(const study::Study& study, const Options& options) {
   return options.folder.empty() ? std::filesystem::path("out") / study.name : options.folder;
 }
 
-unsigned seed_of(const Study& study, const Options& options) {
+unsigned seed_of(const study::Study& study, const Options& options) {
   return options.seed >= 0 ? static_cast<unsigned>(options.seed) : study.seed.value_or(1);
 }
 
-WorkOptions work_options(const Study& study, const Options& options) {
+stage::WorkOptions work_options(const study::Study& study, const Options& options) {
   return {.seed = seed_of(study, options),
           .certificate = options.certificate,
           .keep_best = options.keep_best,
@@ -36,7 +36,7 @@ bool stands_on_measured(const std::string& file) {
   return std::find(results.begin(), results.end(), file) != results.end();
 }
 
-io::JsonArray inputs_of(const Origin& origin) {
+io::JsonArray inputs_of(const study::Origin& origin) {
   io::JsonArray inputs;
   for (const auto& [name, digits] : origin.inputs) {
     inputs.emplace_back(io::JsonObject{{"file", name}, {"sha256", digits}});
@@ -46,8 +46,8 @@ io::JsonArray inputs_of(const Origin& origin) {
 
 }  // namespace
 
-Run::Run(const Study& study, Options options, std::ostream& results, Talk& talk)
-    : Work(work_options(study, options)),
+Run::Run(const study::Study& study, Options options, std::ostream& results, Talk& talk)
+    : stage::Work(work_options(study, options)),
       study_(study),
       options_(std::move(options)),
       results_(results),
@@ -64,7 +64,7 @@ Run::~Run() {
 
 void Run::put_outdated_aside() {
   std::string others;
-  for (const auto& name : outdated(folder_.path(), origin(true))) {
+  for (const auto& name : study::outdated(folder_.path(), origin(true))) {
     if (name == "report.html") {
       std::filesystem::rename(*this / name, *this / "report_before.html");
       talk_.warn(folder_.path().string() +
@@ -80,11 +80,12 @@ void Run::put_outdated_aside() {
              "study or of its files; run their verbs again, or choose another folder with -o");
 }
 
-Origin Run::origin(bool measured) {
-  Origin origin{study_.sha256, {}};
-  for (const auto& [name, file] : named_files(study_, measured)) {
+study::Origin Run::origin(bool measured) {
+  study::Origin origin{study_.sha256, {}};
+  for (const auto& [name, file] : study::named_files(study_, measured)) {
     auto known = fingerprint_.find(file);
-    if (known == fingerprint_.end()) known = fingerprint_.emplace(file, sha256_of_file(file)).first;
+    if (known == fingerprint_.end())
+      known = fingerprint_.emplace(file, study::sha256_of_file(file)).first;
     origin.inputs[name] = known->second;
   }
   return origin;
@@ -133,4 +134,4 @@ void Run::leave(const std::string& file, io::JsonObject content, bool main_resul
   if (options_.json && main_result) results_ << io::text(json) << std::flush;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -17,7 +17,7 @@
 #include "study/origin.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Options of the command line, in addition to the verb and the study.
 struct Options {
@@ -37,10 +37,10 @@ struct Options {
 };
 
 /// One run of a verb: its output folder, its messages, and the times of its steps.
-class Run : public Work {
+class Run : public stage::Work {
  public:
   /// @throws as OutputFolder
-  Run(const Study& study, Options options, std::ostream& results, Talk& talk);
+  Run(const study::Study& study, Options options, std::ostream& results, Talk& talk);
   /// Reports results in the folder that belong to another state of the study than those of this
   /// run. A report of another state is kept as report_before.html.
   ~Run() override;
@@ -69,12 +69,12 @@ class Run : public Work {
   [[nodiscard]] bool has_painted(const std::string& file) const { return painted_.contains(file); }
   /// The fingerprints in the results of this run: of the study, of the body's file and, with
   /// `measured`, of the measurement's files. Each file is read once.
-  [[nodiscard]] Origin origin(bool measured);
+  [[nodiscard]] study::Origin origin(bool measured);
 
  private:
   void put_outdated_aside();
 
-  const Study& study_;
+  const study::Study& study_;
   Options options_;
   std::ostream& results_;
   Talk& talk_;
@@ -85,4 +85,4 @@ class Run : public Work {
   bool has_left_ = false;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -6,20 +6,20 @@
 #include "show/run.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// One line per mode: number, frequency, its error, damping, residual.
-[[nodiscard]] std::vector<io::CsvColumn> modes_columns(const Solution& solution);
+[[nodiscard]] std::vector<io::CsvColumn> modes_columns(const stage::Solution& solution);
 
-[[nodiscard]] io::JsonObject modes_json(const Study& study, const Solution& solution);
+[[nodiscard]] io::JsonObject modes_json(const study::Study& study, const stage::Solution& solution);
 
-[[nodiscard]] std::string modes_table(const Solution& solution);
+[[nodiscard]] std::string modes_table(const stage::Solution& solution);
 
 /// The JSON, tables and fields of the modes, then their pictures.
-void leave_modes(const Study& study, const Solution& solution, Run& run);
+void leave_modes(const study::Study& study, const stage::Solution& solution, Run& run);
 
 /// mesh.png: the patches with their names
-void paint_patches(const Study& study, const mesh::TetMesh& body, Run& run);
+void paint_patches(const study::Study& study, const mesh::TetMesh& body, Run& run);
 
 /// mesh.vtu, mesh.json
 void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
@@ -29,6 +29,7 @@ void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 [[nodiscard]] std::string mesh_text(const mesh::TetMesh& body);
 
 /// study.json: the study in SI units with its estimates.
-[[nodiscard]] io::JsonObject study_json(const Study& study, const Introduction& introduction);
+[[nodiscard]] io::JsonObject study_json(const study::Study& study,
+                                        const stage::Introduction& introduction);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

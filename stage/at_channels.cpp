@@ -6,10 +6,10 @@
 #include "fem/assemble.h"
 #include "fem/reduced.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
-SparseMatrix columns_of(const fem::DofMap& dofs, const std::vector<Channel>& channels,
+SparseMatrix columns_of(const fem::DofMap& dofs, const std::vector<study::Channel>& channels,
                         const std::vector<mesh::Site>& sites) {
   std::vector<Eigen::SparseVector<double>> rows;
   for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -38,7 +38,7 @@ modal::Modes on_free(const fem::DofMap& dofs, const Solution& solution, Eigen::I
 
 }  // namespace
 
-modal::ReducedModel at_channels(const Study& study, const Solution& solution,
+modal::ReducedModel at_channels(const study::Study& study, const Solution& solution,
                                 Eigen::Index mode_count) {
   const auto& model = solution.model;
   const Eigen::Index count = mode_count > 0 ? mode_count : solution.modes.mode_count();
@@ -51,4 +51,4 @@ modal::ReducedModel at_channels(const Study& study, const Solution& solution,
                       columns_of(system.dofs, study.actuators, model.actuators));
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

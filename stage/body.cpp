@@ -10,13 +10,13 @@
 #include "mesh/patches.h"
 #include "mesh/tetrahedralize.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr int kPreferredOrder = 3;
 constexpr Eigen::Index kMostCubicTets = 60000;
 
-bool is_layered(const Study& study) {
+bool is_layered(const study::Study& study) {
   const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
   const bool cut = table != nullptr && (!table->bores.empty() || table->wafer_diameter > 0.0);
   const bool can = study.geometry.kind != "file" && !cut;
@@ -30,7 +30,7 @@ bool is_layered(const Study& study) {
 }
 
 template <typename Body>
-mesh::Layering layering_of(const Body& body, const MeshPlan& plan) {
+mesh::Layering layering_of(const Body& body, const study::MeshPlan& plan) {
   const int order = plan.order == 0 ? kPreferredOrder : plan.order;
   mesh::Layering layering = default_layering(body, order);
   if (plan.edge_length > 0.0) layering.edge_length = plan.edge_length;
@@ -41,7 +41,7 @@ mesh::Layering layering_of(const Body& body, const MeshPlan& plan) {
 }
 
 /// Layers of a plate on four corners: those of the rectangle around it.
-mesh::Layering layering_of(const mesh::Quadrilateral& body, const MeshPlan& plan) {
+mesh::Layering layering_of(const mesh::Quadrilateral& body, const study::MeshPlan& plan) {
   const Eigen::Vector2d extent =
       body.corners.colwise().maxCoeff() - body.corners.colwise().minCoeff();
   auto layering = layering_of(
@@ -50,7 +50,7 @@ mesh::Layering layering_of(const mesh::Quadrilateral& body, const MeshPlan& plan
   return layering;
 }
 
-mesh::TetMesh layered_body(const Geometry& geometry, const MeshPlan& plan) {
+mesh::TetMesh layered_body(const study::Geometry& geometry, const study::MeshPlan& plan) {
   if (const auto* sphere = std::get_if<mesh::Sphere>(&geometry.body)) {
     const double edge = plan.edge_length > 0.0 ? plan.edge_length : sphere->diameter / 8.0;
     return layered(*sphere, edge);
@@ -58,7 +58,8 @@ mesh::TetMesh layered_body(const Geometry& geometry, const MeshPlan& plan) {
   return std::visit(
       [&](const auto& body) -> mesh::TetMesh {
         using Body = std::decay_t<decltype(body)>;
-        if constexpr (std::is_same_v<Body, FileGeometry> || std::is_same_v<Body, mesh::Sphere>) {
+        if constexpr (std::is_same_v<Body, study::FileGeometry> ||
+                      std::is_same_v<Body, mesh::Sphere>) {
           throw InvalidInput("this body cannot be laid in layers");
         } else {
           return layered(body, layering_of(body, plan));
@@ -68,7 +69,7 @@ mesh::TetMesh layered_body(const Geometry& geometry, const MeshPlan& plan) {
 }
 
 /// The surface for TetGen, of a body that is given by its dimensions.
-mesh::Surface parametric_surface(const Geometry& geometry, double edge_length) {
+mesh::Surface parametric_surface(const study::Geometry& geometry, double edge_length) {
   if (const auto* plate = std::get_if<mesh::Plate>(&geometry.body)) return surface(*plate);
   if (const auto* disc = std::get_if<mesh::Disc>(&geometry.body)) {
     return surface(*disc, edge_length > 0.0 ? edge_length : disc->diameter / 40.0);
@@ -94,7 +95,7 @@ mesh::TetMesh shell_of(const mesh::Surface& surface) {
 }
 
 /// @param nameless  its patches are found by angle
-Outline outline_of_surface(mesh::Surface surface, const MeshPlan& plan, bool nameless,
+Outline outline_of_surface(mesh::Surface surface, const study::MeshPlan& plan, bool nameless,
                            std::vector<std::string> notes) {
   Outline outline;
   outline.notes = std::move(notes);
@@ -119,10 +120,10 @@ Outline outline_of_tets(mesh::TetMesh mesh, std::vector<std::string> notes) {
 
 }  // namespace
 
-Outline outline_of(const Study& study, const Progress& progress) {
+Outline outline_of(const study::Study& study, const Progress& progress) {
   tell(progress, "reading the geometry");
   if (is_layered(study)) return outline_of_tets(layered_body(study.geometry, study.mesh), {});
-  if (const auto* file = std::get_if<FileGeometry>(&study.geometry.body)) {
+  if (const auto* file = std::get_if<study::FileGeometry>(&study.geometry.body)) {
     auto geometry = io::read_geometry(file->file, file->unit);
     if (auto* tets = std::get_if<mesh::TetMesh>(&geometry.body)) {
       return outline_of_tets(std::move(*tets), std::move(geometry.notes));
@@ -135,7 +136,7 @@ Outline outline_of(const Study& study, const Progress& progress) {
                             false, {});
 }
 
-mesh::TetMesh body_of(const Study& study, const Outline& outline, const Progress& progress) {
+mesh::TetMesh body_of(const study::Study& study, const Outline& outline, const Progress& progress) {
   mesh::TetMesh body = outline.shell;
   const bool from_file = study.geometry.kind == "file";
   if (outline.surface) {
@@ -157,7 +158,7 @@ mesh::TetMesh body_of(const Study& study, const Outline& outline, const Progress
   return body;
 }
 
-int order_for(const Study& study, Eigen::Index tets, int own_order) {
+int order_for(const study::Study& study, Eigen::Index tets, int own_order) {
   if (study.mesh.order > 0) return study.mesh.order;
   if (own_order > 1) return own_order;
   return tets <= kMostCubicTets ? kPreferredOrder : 2;
@@ -171,4 +172,4 @@ double node_count(const mesh::TetMesh& linear, int order) {
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

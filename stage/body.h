@@ -10,7 +10,7 @@
 #include "mesh/tet_mesh.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// A body before meshing: cheap to make, and enough to measure it and to find places on it.
 struct Outline {
@@ -24,18 +24,18 @@ struct Outline {
 /// Plates, beams, discs, spheres and tables without bores or wafer are meshed in layers. Files of
 /// tetrahedra are used as they are. All other bodies are a surface for TetGen.
 /// @throws InvalidInput  the dimensions or the file are not plausible, or the surface is not fit
-[[nodiscard]] Outline outline_of(const Study& study, const Progress& progress = {});
+[[nodiscard]] Outline outline_of(const study::Study& study, const Progress& progress = {});
 
 /// Tetrahedra of the study's order (chosen here if the study states none).
 /// @throws as mesh::tetrahedralize
-[[nodiscard]] mesh::TetMesh body_of(const Study& study, const Outline& outline,
+[[nodiscard]] mesh::TetMesh body_of(const study::Study& study, const Outline& outline,
                                     const Progress& progress = {});
 
 /// The order of elements for this number of tetrahedra: the study's, or else the file's own, or
 /// else 3. It is 2 if there are too many cells for cubic elements.
-[[nodiscard]] int order_for(const Study& study, Eigen::Index tets, int own_order);
+[[nodiscard]] int order_for(const study::Study& study, Eigen::Index tets, int own_order);
 
 /// Number of nodes of `tets` of `order`, by Euler's formula; exact for a body without tunnels.
 [[nodiscard]] double node_count(const mesh::TetMesh& linear, int order);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

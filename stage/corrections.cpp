@@ -12,7 +12,7 @@
 #include "stage/plane_stress.h"
 #include "stage/reduction/modal_stiffness.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 void add_waves(const Solution& solution, const BodyUncertainty& uncertain,
@@ -108,4 +108,4 @@ std::vector<priors::Correction> corrections(const Solution& solution,
   return all;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,7 +6,7 @@
 #include "priors/interpolator.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Uncertainty of a body, relative standard deviations.
 struct BodyUncertainty {
@@ -25,4 +25,4 @@ struct BodyUncertainty {
 [[nodiscard]] std::vector<priors::Correction> corrections(const Solution& solution,
                                                           const BodyUncertainty& uncertain = {});
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -8,7 +8,7 @@
 
 #include "stage/faces.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr double kAlongAxis = 5.0;  // degrees
@@ -51,8 +51,8 @@ std::optional<Eigen::Vector3d> mean_normal(const mesh::TetMesh& body,
 
 }  // namespace
 
-DiagnosedFaces diagnosed_faces(const Study& study, const mesh::TetMesh& body) {
-  const FacePlan on = study.diagnosis ? study.diagnosis->on : FacePlan{};
+DiagnosedFaces diagnosed_faces(const study::Study& study, const mesh::TetMesh& body) {
+  const study::FacePlan on = study.diagnosis ? study.diagnosis->on : study::FacePlan{};
   Faces faces = faces_of(study, body, on, "diagnosis.on");
   DiagnosedFaces result;
   result.notes = std::move(faces.notes);
@@ -68,4 +68,4 @@ bool has_the_axes_of_variations(const Chart& chart, const mesh::TetMesh& body) {
   return chart.axes.isApprox(chart_of(body).axes, 1e-9);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -7,7 +7,7 @@
 #include "stage/reduction/upper_face.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// The faces that the study's `[diagnosis] on` selects.
 struct DiagnosedFaces {
@@ -21,9 +21,9 @@ struct DiagnosedFaces {
 /// body, if that is within 5 degrees). If all faces are meant, it is perpendicular to the body's
 /// shortest side.
 /// @throws InvalidInput  as faces_of
-[[nodiscard]] DiagnosedFaces diagnosed_faces(const Study& study, const mesh::TetMesh& body);
+[[nodiscard]] DiagnosedFaces diagnosed_faces(const study::Study& study, const mesh::TetMesh& body);
 
 /// True if u and v of the chart are those of a study's [[variation]].
 [[nodiscard]] bool has_the_axes_of_variations(const Chart& chart, const mesh::TetMesh& body);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

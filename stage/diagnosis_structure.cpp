@@ -13,7 +13,7 @@
 #include "stage/reduction/modal_stiffness.h"
 #include "stage/reduction/upper_face.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr int kFlexibleModes = 64;
@@ -70,11 +70,11 @@ Eigen::VectorXd slope_at(const mesh::SiteFinder& finder, const mesh::Site& site,
       step);
 }
 
-diagnosis::ChannelSide side_of(const std::vector<Channel>& channels,
+diagnosis::ChannelSide side_of(const std::vector<study::Channel>& channels,
                                const std::vector<mesh::Site>& sites, const mesh::SiteFinder& finder,
                                const Chart& chart, const modal::Modes& modes) {
   diagnosis::ChannelSide side;
-  side.names = names_of(channels);
+  side.names = study::names_of(channels);
   side.shapes = shapes_at(channels, sites, modes);
   side.aside_u = along(sites, chart.axes.col(0), modes);
   side.aside_v = along(sites, chart.axes.col(1), modes);
@@ -94,7 +94,7 @@ diagnosis::ChannelSide side_of(const std::vector<Channel>& channels,
 
 // Rows of the channels, c×(u + 1). The last column is 0: the part beyond the modes above yields
 // only at the place of a force.
-Eigen::MatrixXd upper_rows(const std::vector<Channel>& channels,
+Eigen::MatrixXd upper_rows(const std::vector<study::Channel>& channels,
                            const std::vector<mesh::Site>& sites, const ModesAbove& beyond) {
   const auto c = static_cast<Eigen::Index>(channels.size());
   const Eigen::Index u = beyond.shapes.cols();
@@ -136,13 +136,14 @@ void add_attached(const Model& model, const modal::Modes& modes, diagnosis::Stru
 
 }  // namespace
 
-Study with_modes_for_diagnosis(Study study) {
+study::Study with_modes_for_diagnosis(study::Study study) {
   study.modes.count = std::max(study.modes.count, kFlexibleModes);
   study.modes.up_to_hz = 0.0;
   return study;
 }
 
-diagnosis::Structure structure_of(const Study& study, const Solution& solution, double high_hz) {
+diagnosis::Structure structure_of(const study::Study& study, const Solution& solution,
+                                  double high_hz) {
   require(!study.sensors.empty() && !study.actuators.empty(),
           study.file.string() + ": a diagnosis needs a sensor and an actuator or more");
   const Eigen::Index count = modes_in_use(solution, high_hz);
@@ -183,4 +184,4 @@ diagnosis::Structure structure_of(const Study& study, const Solution& solution, 
   return structure;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,11 +6,11 @@
 #include "diagnosis/structure.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// The study with the modes for a diagnosis: 64 flexible ones, or the number it asks for, if that
 /// is larger. `structure_of` uses those that the band needs.
-[[nodiscard]] Study with_modes_for_diagnosis(Study study);
+[[nodiscard]] study::Study with_modes_for_diagnosis(study::Study study);
 
 /// The solution's modes up to three times `high_hz` (at least the 12 lowest flexible ones; no
 /// repeated mode is cut; infinite: all), with the static flexibility of the others at the channels.
@@ -27,7 +27,7 @@ namespace chladni::app {
 /// `surface.at` owns its data and may be called from several threads at once; some 20 µs.
 /// Cost: one assembly, one factorisation, and per element some r² times its nodes.
 /// @throws InvalidInput  no sensor or no actuator; as fem::reduced
-[[nodiscard]] diagnosis::Structure structure_of(const Study& study, const Solution& solution,
+[[nodiscard]] diagnosis::Structure structure_of(const study::Study& study, const Solution& solution,
                                                 double high_hz = HUGE_VAL);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

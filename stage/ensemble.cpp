@@ -9,7 +9,7 @@
 #include "fem/field_matrices.h"
 #include "stage/estimates/waves.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr int kWaves = 4;  // half waves of a field along each of the two longest sides, plus one
@@ -52,7 +52,8 @@ Member member(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
 
 }  // namespace
 
-std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& plan, unsigned seed) {
+std::vector<Member> ensemble(const Solution& solution, const study::UncertaintyPlan& plan,
+                             unsigned seed) {
   Draw draw(seed);
   const Eigen::MatrixXd basis = waves(solution.model.body, kWaves);
   Eigen::MatrixXd stiffness(basis.cols(), plan.members);
@@ -83,4 +84,4 @@ std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& pl
   return members;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

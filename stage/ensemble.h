@@ -6,7 +6,7 @@
 #include "priors/interpolator.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// A body that differs from the study's, in the basis of the study's modes.
 using Member = priors::SimilarModel;
@@ -15,7 +15,7 @@ using Member = priors::SimilarModel;
 /// attached masses at random places of the surface. Rayleigh-Ritz on the computed modes:
 /// frequencies are slightly too high, and nodal lines move realistically.
 /// @throws NumericalFailure  a draw leaves no positive stiffness or mass
-[[nodiscard]] std::vector<Member> ensemble(const Solution& solution, const UncertaintyPlan& plan,
-                                           unsigned seed);
+[[nodiscard]] std::vector<Member> ensemble(const Solution& solution,
+                                           const study::UncertaintyPlan& plan, unsigned seed);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -10,7 +10,7 @@
 #include "mesh/surface.h"
 #include "study/problems.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr double kMostOfIt = 1.0 / 3.0;  // of the silhouette: a ball's cap is a quarter of it
@@ -26,7 +26,7 @@ std::string no_patch(const mesh::TetMesh& body, const std::string& key, const st
   const auto& names = body.patch_names;
   const std::vector<std::string> first(
       names.begin(), names.begin() + std::min<std::ptrdiff_t>(std::ssize(names), kMost));
-  const std::string near = nearest_name(name, names);
+  const std::string near = study::nearest_name(name, names);
   return fmt::format("{}: the body has no patch \"{}\"{}; there are: {}{}", key, name,
                      near.empty() ? "" : ", did you mean \"" + near + "\"?", fmt::join(first, ", "),
                      names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "");
@@ -71,7 +71,7 @@ Faces looking(const Eigen::Vector3d& direction, mesh::Facing found, const std::s
 }
 
 // The faces if the study names none.
-Faces upper_faces(const Study& study, const mesh::TetMesh& body, const std::string& key) {
+Faces upper_faces(const study::Study& study, const mesh::TetMesh& body, const std::string& key) {
   Faces faces;
   if (study.geometry.kind != "file" && has_patch(body, "top")) {
     faces.patches = {"top"};
@@ -93,8 +93,8 @@ Faces upper_faces(const Study& study, const mesh::TetMesh& body, const std::stri
 }
 
 // The faces that the study asks for; errors go to `problems`.
-Faces asked_faces(const mesh::TetMesh& body, const FacePlan& on, const std::string& key,
-                  Problems& problems) {
+Faces asked_faces(const mesh::TetMesh& body, const study::FacePlan& on, const std::string& key,
+                  study::Problems& problems) {
   if (on.facing) {
     auto found = mesh::facing(body, *on.facing);
     if (!found.empty()) return looking(*on.facing, std::move(found), key);
@@ -112,10 +112,10 @@ Faces asked_faces(const mesh::TetMesh& body, const FacePlan& on, const std::stri
 
 }  // namespace
 
-Faces faces_of(const Study& study, const mesh::TetMesh& body, const FacePlan& on,
+Faces faces_of(const study::Study& study, const mesh::TetMesh& body, const study::FacePlan& on,
                const std::string& key) {
   if (on.empty()) return upper_faces(study, body, key);
-  Problems problems(study.file.string());
+  study::Problems problems(study.file.string());
   auto faces = asked_faces(body, on, key, problems);
   problems.throw_if_any();
   return faces;
@@ -137,8 +137,8 @@ placement::KeepFromEdges edges_on(const mesh::TetMesh& body, const Faces& faces,
                                : placement::edges_around(body, faces.looking, false, distance);
 }
 
-void require_faces(const Study& study, const mesh::TetMesh& body) {
-  Problems problems(study.file.string());
+void require_faces(const study::Study& study, const mesh::TetMesh& body) {
+  study::Problems problems(study.file.string());
   const auto look = [&](const auto& plan, const char* key) {
     if (plan) static_cast<void>(asked_faces(body, plan->on, key, problems));
   };
@@ -161,4 +161,4 @@ void require_faces(const Study& study, const mesh::TetMesh& body) {
   problems.throw_if_any();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

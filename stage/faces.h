@@ -10,7 +10,7 @@
 #include "placement/sites.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// The faces that a study's `on` selects.
 struct Faces {
@@ -27,8 +27,8 @@ struct Faces {
 /// @param key  of the study, for messages: "placement.on"
 /// @throws InvalidInput  a patch that does not exist (lists those that do), or no face in that
 ///                       direction: with file, line and column
-[[nodiscard]] Faces faces_of(const Study& study, const mesh::TetMesh& body, const FacePlan& on,
-                             const std::string& key);
+[[nodiscard]] Faces faces_of(const study::Study& study, const mesh::TetMesh& body,
+                             const study::FacePlan& on, const std::string& key);
 
 /// The direction of the plan, else that of the faces; none: their normals.
 template <typename Plan>
@@ -51,6 +51,6 @@ template <typename Plan>
 /// @param body  may be a shell
 /// @throws InvalidInput  patches that do not exist, in placement, priors, interpolation, diagnosis
 ///                       and supports: all together, with line and column
-void require_faces(const Study& study, const mesh::TetMesh& body);
+void require_faces(const study::Study& study, const mesh::TetMesh& body);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -3,7 +3,7 @@
 
 #include "stage/estimates/estimate.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Number of modes below `hz` of a free body of this size and material, with rigid-body modes. It
 /// is the sum for a thin plate that bends and moves in its plane and for a solid (Weyl's law:
@@ -13,14 +13,15 @@ namespace chladni::app {
 [[nodiscard]] double modes_below(const Understood& body, const fem::Material& material, double hz);
 
 /// Number of modes that the study asks for, with the rigid-body ones; estimated for `up_to`.
-[[nodiscard]] double modes_wanted(const Study& study, const Understood& body);
+[[nodiscard]] double modes_wanted(const study::Study& study, const Understood& body);
 
 /// The `forecast` of a study with an existing mesh.
-[[nodiscard]] Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body);
+[[nodiscard]] Cost forecast(const study::Study& study, const mesh::TetMesh& mesh,
+                            const Understood& body);
 
 /// @throws InvalidInput    more modes below a frequency than the mesh can have
 /// @throws OutOfResources  more memory than there is; an estimate without a mesh is reduced first,
 ///                         because it is right only to a third
-void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost);
+void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -8,7 +8,7 @@
 #include "stage/variation.h"
 #include "study/problems.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr double kMovedAloud = 1e-3;     // [m], largest distance of a place from the body
@@ -23,13 +23,13 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
 /// Finds places one after the other and collects those that are not on the body.
 class Placing {
  public:
-  Placing(const Study& study, const mesh::TetMesh& body)
+  Placing(const study::Study& study, const mesh::TetMesh& body)
       : file_(study.file.string()),
         finder_(body),
         top_(body.points.col(2).maxCoeff()),
         problems_(file_) {}
 
-  mesh::Site site(const std::string& what, const Place& place) {
+  mesh::Site site(const std::string& what, const study::Place& place) {
     if (place.from_above) {
       if (const auto hit = finder_.from_above(place.point(0), place.point(1))) return *hit;
     }
@@ -66,12 +66,12 @@ class Placing {
   std::string file_;
   mesh::SiteFinder finder_;
   double top_;
-  Problems problems_;
+  study::Problems problems_;
   std::vector<std::string> notes_, warnings_;
 };
 
 std::vector<mesh::Site> sites_of(Placing& placing, const std::string& kind,
-                                 const std::vector<Channel>& channels) {
+                                 const std::vector<study::Channel>& channels) {
   std::vector<mesh::Site> sites;
   sites.reserve(channels.size());
   for (const auto& channel : channels) {
@@ -81,7 +81,8 @@ std::vector<mesh::Site> sites_of(Placing& placing, const std::string& kind,
 }
 
 void add_channels(std::vector<io::Marker>& markers, const std::string& kind,
-                  const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites) {
+                  const std::vector<study::Channel>& channels,
+                  const std::vector<mesh::Site>& sites) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
     markers.push_back({channels[i].name, kind, sites[i].position, channels[i].direction});
   }
@@ -105,7 +106,7 @@ Eigen::Vector3d direction_of(const fem::Attachment& attachment) {
 
 }  // namespace
 
-Places places_of(const Study& study, const mesh::TetMesh& body) {
+Places places_of(const study::Study& study, const mesh::TetMesh& body) {
   Placing placing(study, body);
   Places places;
   places.sensors = sites_of(placing, "sensor", study.sensors);
@@ -120,17 +121,17 @@ Places places_of(const Study& study, const mesh::TetMesh& body) {
   return places;
 }
 
-std::vector<fem::Material> materials_of(const Study& study,
+std::vector<fem::Material> materials_of(const study::Study& study,
                                         const std::vector<std::string>& regions) {
   for (const auto& material : study.materials) {
     const bool used = material.region.empty() ||
                       std::find(regions.begin(), regions.end(), material.region) != regions.end();
     require(used, study.file.string() + ": a material names region \"" + material.region +
-                      "\"; the body has " + listed(regions));
+                      "\"; the body has " + study::listed(regions));
   }
   std::vector<fem::Material> materials;
   for (const auto& region : regions) {
-    const StudyMaterial* found = nullptr;
+    const study::StudyMaterial* found = nullptr;
     for (const auto& material : study.materials) {
       if (material.region == region || (material.region.empty() && found == nullptr)) {
         found = &material;
@@ -144,7 +145,7 @@ std::vector<fem::Material> materials_of(const Study& study,
   return materials;
 }
 
-Model model_of(const Study& study, mesh::TetMesh body) {
+Model model_of(const study::Study& study, mesh::TetMesh body) {
   Model model;
   model.body = std::move(body);
   model.materials = materials_of(study, model.body.region_names);
@@ -166,7 +167,7 @@ Model model_of(const Study& study, mesh::TetMesh body) {
   return model;
 }
 
-std::vector<io::Marker> markers_of(const Study& study, const Model& model) {
+std::vector<io::Marker> markers_of(const study::Study& study, const Model& model) {
   std::vector<io::Marker> markers;
   add_channels(markers, "sensor", study.sensors, model.sensors);
   add_channels(markers, "actuator", study.actuators, model.actuators);
@@ -178,4 +179,4 @@ std::vector<io::Marker> markers_of(const Study& study, const Model& model) {
   return markers;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -10,7 +10,7 @@
 #include "mesh/tet_mesh.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 struct Model {
   mesh::TetMesh body;
@@ -32,15 +32,15 @@ struct Places {
 /// Places on the boundary of `body`, which may be a shell without cells. A place inside the body
 /// moves to the nearest point of the boundary, with a warning.
 /// @throws InvalidInput  places more than 1 mm off the body: their distances, all at once
-[[nodiscard]] Places places_of(const Study& study, const mesh::TetMesh& body);
+[[nodiscard]] Places places_of(const study::Study& study, const mesh::TetMesh& body);
 
 /// One material per region. @throws InvalidInput  a region has none, or a material has no region
-[[nodiscard]] std::vector<fem::Material> materials_of(const Study& study,
+[[nodiscard]] std::vector<fem::Material> materials_of(const study::Study& study,
                                                       const std::vector<std::string>& regions);
 
-[[nodiscard]] Model model_of(const Study& study, mesh::TetMesh body);
+[[nodiscard]] Model model_of(const study::Study& study, mesh::TetMesh body);
 
 /// Channels and attachments as glyphs.
-[[nodiscard]] std::vector<io::Marker> markers_of(const Study& study, const Model& model);
+[[nodiscard]] std::vector<io::Marker> markers_of(const study::Study& study, const Model& model);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

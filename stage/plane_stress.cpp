@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 
-namespace chladni::app {
+namespace chladni::stage {
 
 Eigen::Matrix3d plane_stress(const Eigen::Matrix<double, 6, 6>& stiffness, Eigen::Index u,
                              Eigen::Index v) {
@@ -16,4 +16,4 @@ Eigen::Matrix3d plane_stress(const Eigen::Matrix<double, 6, 6>& stiffness, Eigen
   return Eigen::Matrix3d(stiffness(in, in)) - between * free.lu().solve(between.transpose());
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

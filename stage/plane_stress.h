@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Voigt index of the shear between two axes. The index of the strain along an axis is the axis.
 [[nodiscard]] constexpr Eigen::Index shear_of(Eigen::Index u, Eigen::Index v) { return 6 - u - v; }
@@ -14,4 +14,4 @@ namespace chladni::app {
 [[nodiscard]] Eigen::Matrix3d plane_stress(const Eigen::Matrix<double, 6, 6>& stiffness,
                                            Eigen::Index u, Eigen::Index v);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

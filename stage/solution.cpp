@@ -14,11 +14,11 @@
 #include "stage/forecast.h"
 #include "study/problems.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 /// Number of flexible modes, so that the highest expected one is included.
-int wanted_count(const Study& study) {
+int wanted_count(const study::Study& study) {
   int count = study.modes.count;
   for (const auto& expectation : study.expectations) {
     if (!expectation.key.starts_with("frequency_")) continue;
@@ -28,10 +28,10 @@ int wanted_count(const Study& study) {
 }
 
 /// Reports modes that the study names but that will not be computed.
-void require_modes(const Study& study) {
+void require_modes(const study::Study& study) {
   if (study.modes.up_to_hz > 0.0) return;
   const int there = wanted_count(study);
-  Problems problems(study.file.string());
+  study::Problems problems(study.file.string());
   const auto look = [&](const char* key, int highest, int line, int column) {
     if (highest <= there) return;
     problems.add(line, column,
@@ -49,7 +49,7 @@ void require_modes(const Study& study) {
   problems.throw_if_any();
 }
 
-fem::ModesOptions modes_options(const Study& study, const Work& work) {
+fem::ModesOptions modes_options(const study::Study& study, const Work& work) {
   fem::ModesOptions options;
   options.count = wanted_count(study);
   options.certificate = work.choices().certificate;
@@ -83,7 +83,7 @@ fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::Mo
   return result;
 }
 
-fem::ModesResult modes_of(const Study& study, const fem::System& system, Work& work) {
+fem::ModesResult modes_of(const study::Study& study, const fem::System& system, Work& work) {
   const auto options = modes_options(study, work);
   const auto progress = work.progress();
   auto result = study.modes.up_to_hz > 0.0
@@ -102,7 +102,8 @@ void warn(const std::vector<std::string>& lines, Solution& solution, Work& work)
 }
 
 // With the mesh the cost is known. A solution that is too expensive is refused before it starts.
-void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& solution, Work& work) {
+void forecast_again(const study::Study& study, const mesh::TetMesh& body, Solution& solution,
+                    Work& work) {
   auto& introduction = solution.introduction;
   if (introduction.cost.exact) return;
   introduction.cost = forecast(study, body, introduction.body);
@@ -112,7 +113,7 @@ void forecast_again(const Study& study, const mesh::TetMesh& body, Solution& sol
 
 }  // namespace
 
-Introduction introduced(const Study& study, Work& work) {
+Introduction introduced(const study::Study& study, Work& work) {
   require_modes(study);
   Introduction introduction;
   introduction.warnings = study.warnings;
@@ -130,13 +131,13 @@ Introduction introduced(const Study& study, Work& work) {
   return introduction;
 }
 
-Solution solved(const Study& study, Work& work) {
+Solution solved(const study::Study& study, Work& work) {
   auto introduction = work.timed("geometry", [&] { return introduced(study, work); });
   work.note(introduction.cost.line());
   return solved(study, std::move(introduction), work);
 }
 
-Solution solved(const Study& study, Introduction introduction, Work& work) {
+Solution solved(const study::Study& study, Introduction introduction, Work& work) {
   const auto progress = work.progress();
   throw_if_interrupted();
   refuse_what_cannot_fit(study, introduction.body, introduction.cost);
@@ -184,7 +185,7 @@ Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites, const Points& di
   return values;
 }
 
-Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
+Eigen::MatrixXd shapes_at(const std::vector<study::Channel>& channels,
                           const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
   Points directions(static_cast<Eigen::Index>(channels.size()), 3);
   for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -193,4 +194,4 @@ Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
   return shapes_at(sites, directions, modes);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,7 +6,7 @@
 #include "stage/model.h"
 #include "stage/work.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// A study before its long step.
 struct Introduction {
@@ -28,20 +28,20 @@ struct Solution {
 
 /// Geometry, mesh, assembly and modes. Prints the first line, the forecast and the progress.
 /// @throws as its steps
-[[nodiscard]] Solution solved(const Study& study, Work& work);
+[[nodiscard]] Solution solved(const study::Study& study, Work& work);
 /// The same for a study that was introduced before.
-[[nodiscard]] Solution solved(const Study& study, Introduction introduction, Work& work);
+[[nodiscard]] Solution solved(const study::Study& study, Introduction introduction, Work& work);
 
 /// Prints the first line, the notes and the warnings.
-[[nodiscard]] Introduction introduced(const Study& study, Work& work);
+[[nodiscard]] Introduction introduced(const study::Study& study, Work& work);
 
 /// Values of the shapes at sites along `directions`, n×3: n×modes [kg^-1/2].
 [[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites,
                                         const Points& directions, const modal::Modes& modes);
 
 /// Values of the shapes at the channels: channels×modes [kg^-1/2].
-[[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<Channel>& channels,
+[[nodiscard]] Eigen::MatrixXd shapes_at(const std::vector<study::Channel>& channels,
                                         const std::vector<mesh::Site>& sites,
                                         const modal::Modes& modes);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "stage/reduction/upper_face.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 // Step in ln between two regions: at most this, and at most this part of the largest change.
@@ -27,7 +27,8 @@ double wave_sum(const std::array<double, 5>& waves, const Eigen::Vector2d& at) {
 }
 
 // Factor of the varied quantity at a place of the chart.
-double factor_at(const VariationPlan& plan, const Chart& chart, const Eigen::Vector2d& place) {
+double factor_at(const study::VariationPlan& plan, const Chart& chart,
+                 const Eigen::Vector2d& place) {
   const Eigen::Vector2d unit =
       2.0 * (place - chart.from).cwiseQuotient(chart.size) - Eigen::Vector2d::Ones();
   double factor = 1.0 + wave_sum(plan.waves, unit);
@@ -63,7 +64,7 @@ double step_of(const Eigen::VectorXd& logarithms) {
 
 }  // namespace
 
-Eigen::MatrixX2d varied_factors(const Study& study, const mesh::TetMesh& body) {
+Eigen::MatrixX2d varied_factors(const study::Study& study, const mesh::TetMesh& body) {
   const Chart chart = chart_of(body);
   Eigen::MatrixX2d factors = Eigen::MatrixX2d::Ones(body.tet_count(), 2);
   for (std::size_t n = 0; n < study.variations.size(); ++n) {
@@ -85,7 +86,7 @@ Eigen::MatrixX2d varied_factors(const Study& study, const mesh::TetMesh& body) {
   return factors;
 }
 
-void vary(const Study& study, mesh::TetMesh& body, std::vector<fem::Material>& materials) {
+void vary(const study::Study& study, mesh::TetMesh& body, std::vector<fem::Material>& materials) {
   if (study.variations.empty()) return;
   const Eigen::MatrixX2d logarithms = varied_factors(study, body).array().log();
   const double stiffness_step = step_of(logarithms.col(0));
@@ -110,4 +111,4 @@ void vary(const Study& study, mesh::TetMesh& body, std::vector<fem::Material>& m
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -1,9 +1,9 @@
 #include "stage/work.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 void Work::note(std::string_view) {}
 void Work::warn(std::string_view) {}
 void Work::show(std::string_view) {}
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

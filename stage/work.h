@@ -11,7 +11,7 @@
 
 #include "base/progress.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Choices of the user that are no part of a study.
 struct WorkOptions {
@@ -83,4 +83,4 @@ class Work {
   std::string part_;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

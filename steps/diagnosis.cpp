@@ -20,7 +20,7 @@
 #include "stage/diagnosis_faces.h"
 #include "stage/diagnosis_structure.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using Eigen::Index;
@@ -28,10 +28,12 @@ using Eigen::Index;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
 
-DiagnosisPlan plan_of(const Study& study) { return study.diagnosis.value_or(DiagnosisPlan{}); }
+study::DiagnosisPlan plan_of(const study::Study& study) {
+  return study.diagnosis.value_or(study::DiagnosisPlan{});
+}
 
 // Estimates variances that the file does not state from the scatter of the lines.
-void state_variance(modal::FrfSet& set, Work& work) {
+void state_variance(modal::FrfSet& set, stage::Work& work) {
   if (!set.variance.empty()) return;
   const auto data = identification::fit_data(set);
   work.warn(
@@ -52,8 +54,8 @@ void state_variance(modal::FrfSet& set, Work& work) {
 }
 
 // The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`.
-MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const DiagnosisPlan& plan,
-                         double highest_hz, Work& work) {
+MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
+                         const study::DiagnosisPlan& plan, double highest_hz, stage::Work& work) {
   auto& set = measured.all;
   set = modal::converted(set, modal::FrfKind::receptance);
   const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
@@ -73,7 +75,7 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const Study& study, const Diagno
 }
 
 // The measurement without held-out channels and lines.
-modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
+modal::FrfSet seen_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan) {
   const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
   if (plan.hold_out_high_hz <= 0.0) return part;
   auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
@@ -94,7 +96,7 @@ modal::FrfSet seen_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
 }
 
 // Number of time derivatives in the record of a sensor.
-Index derivatives(const Study& study, const std::string& sensor) {
+Index derivatives(const study::Study& study, const std::string& sensor) {
   const auto at = index_of(study.sensors, sensor);
   if (at < 0) return 0;
   const auto& quantity = study.sensors[static_cast<std::size_t>(at)].quantity;
@@ -112,8 +114,10 @@ std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
 
 // Prediction of a study on the measured channels and lines, in the form that `recorder` records
 // them. If a sensor's quantity differs, its row is multiplied by a power of s.
-std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Structure& structure,
-                                        const Study& recorder, const modal::FrfSet& measured) {
+std::vector<Eigen::MatrixXcd> predicted(const study::Study& study,
+                                        const diagnosis::Structure& structure,
+                                        const study::Study& recorder,
+                                        const modal::FrfSet& measured) {
   const auto model = diagnosis::reduced_model(structure);
   const auto simulated = modal::frf(model, measured.frequency_hz);
   modal::FrfSet set = measured;
@@ -129,11 +133,11 @@ std::vector<Eigen::MatrixXcd> predicted(const Study& study, const diagnosis::Str
       if (more != 0) set.value[k].row(static_cast<Index>(i)) *= std::pow(s, more);
     }
   }
-  return without_paths(recorder, recorded(study, std::move(set))).value;
+  return stage::without_paths(recorder, stage::recorded(study, std::move(set))).value;
 }
 
 // Modes of the measured responses, for the comparison; none if they cannot be identified.
-std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Work& work) {
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stage::Work& work) {
   if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
   try {
     identification::IdentificationOptions options;
@@ -148,7 +152,7 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, Work
   }
 }
 
-diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Work& work) {
+diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::Work& work) {
   diagnosis::DiagnosisOptions options;
   options.tolerances = plan.tolerances;
   options.lines = plan.lines;
@@ -160,14 +164,14 @@ diagnosis::DiagnosisOptions options_of(const DiagnosisPlan& plan, Work& work) {
   return options;
 }
 
-void compare(Diagnosed& one, Work& work) {
+void compare(Diagnosed& one, stage::Work& work) {
   const auto fit = modes_of(one.seen, work);
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
 }
 
 // Records without units have an unknown scale, so they get the scale of the simulation. Returns
 // true if the scale was changed.
-bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Work& work) {
+bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, stage::Work& work) {
   const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
   if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
   const double level = one.comparison.responses.level;
@@ -185,28 +189,29 @@ bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, Work& work) {
 }
 
 // Folders from which the files of the extended study may be read.
-std::vector<std::filesystem::path> allowed_for(const Study& study, const Work& work) {
+std::vector<std::filesystem::path> allowed_for(const study::Study& study, const stage::Work& work) {
   auto allowed = work.choices().allowed;
   allowed.push_back(std::filesystem::absolute(study.file).parent_path());
   return allowed;
 }
 
 // Writes the extended study, and solves it in full if a cause changed it.
-void extend(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
-            Work& work) {
+void extend(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+            stage::Work& work) {
   const auto& causes = one.result.best.causes;
   const auto allowed = allowed_for(study, work);
   const auto& body = one.before.model.body;
-  const bool fits = has_the_axes_of_variations(diagnosed_faces(study, body).chart, body);
+  const bool fits =
+      stage::has_the_axes_of_variations(stage::diagnosed_faces(study, body).chart, body);
   one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
                                 work.choices().folder, allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
   const auto part = work.part("extended: ");
-  const Study extended = with_modes_for_diagnosis(
-      parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
+  const study::Study extended = stage::with_modes_for_diagnosis(
+      study::parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
   one.after = solve(extended, work);
-  one.predictions.extended =
-      predicted(extended, structure_of(extended, *one.after, band_hz), study, one.measured.all);
+  one.predictions.extended = predicted(extended, stage::structure_of(extended, *one.after, band_hz),
+                                       study, one.measured.all);
 }
 
 // If a wrong unit or quantity applies to all sensors of the fit, it also applies to those held out.
@@ -245,7 +250,7 @@ std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
 // Runs a step that may fail. A failure is reported and noted, and the diagnosis continues without
 // the step. Returns true if the step succeeded.
 template <typename Step>
-bool attempted(const char* what, Diagnosed& one, Work& work, Step step) {
+bool attempted(const char* what, Diagnosed& one, stage::Work& work, Step step) {
   const auto note = [&](const std::exception& e) {
     one.result.notes.push_back(fmt::format("{}: {}", what, e.what()));
     work.warn(one.result.notes.back());
@@ -270,8 +275,8 @@ void comment_on(const std::string& comment, Diagnosed& one) {
   if (one.extended) one.extended->text = "# " + comment + "\n" + one.extended->text;
 }
 
-void add_gain(const Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
-              Work& work) {
+void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
+              stage::Work& work) {
   const bool named =
       !one.result.best.causes.empty() && one.result.verdict != diagnosis::Verdict::unexplained;
   if (named) {
@@ -292,21 +297,23 @@ void add_gain(const Study& study, double band_hz, const SolveStudy& solve, Diagn
 
 }  // namespace
 
-Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended) {
+Diagnosed diagnosed(const study::Study& study, stage::Work& work,
+                    const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
   auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
-  one.before = solved(with_modes_for_diagnosis(study), work);
-  const Solution& solution = one.before;
+  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  const stage::Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
   one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
-  for (const auto& note : diagnosed_faces(study, solution.model.body).notes) {
+  for (const auto& note : stage::diagnosed_faces(study, solution.model.body).notes) {
     work.note(note);
   }
-  one.structure = work.timed("structure", [&] { return structure_of(study, solution, band_hz); });
+  one.structure =
+      work.timed("structure", [&] { return stage::structure_of(study, solution, band_hz); });
   auto options = options_of(plan, work);
   work.timed("comparison", [&] {
     compare(one, work);
@@ -322,10 +329,10 @@ Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_exte
   return one;
 }
 
-Diagnosed diagnosed(const Study& study, Work& work) {
-  return diagnosed(study, work, [](const Study& extended, Work& its_work) {
-    return solved(extended, its_work);
+Diagnosed diagnosed(const study::Study& study, stage::Work& work) {
+  return diagnosed(study, work, [](const study::Study& extended, stage::Work& its_work) {
+    return stage::solved(extended, its_work);
   });
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

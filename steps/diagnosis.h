@@ -14,19 +14,19 @@
 #include "steps/extend/extended_study.h"
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 struct Diagnosed {
-  MeasuredFrfs measured;  ///< receptances within the band, all channels of the study
-  modal::FrfSet seen;     ///< without the held-out channels and lines
-  Solution before;        ///< solution of the study, with enough modes for a diagnosis
+  MeasuredFrfs measured;   ///< receptances within the band, all channels of the study
+  modal::FrfSet seen;      ///< without the held-out channels and lines
+  stage::Solution before;  ///< solution of the study, with enough modes for a diagnosis
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
   std::vector<diagnosis::Detectable> detectable;  ///< detectable effects of the same experiment
   double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence
   std::optional<ExtendedStudy> extended;          ///< if a cause was named
-  std::optional<Solution> after;                  ///< the extended study, solved in full
+  std::optional<stage::Solution> after;           ///< the extended study, solved in full
   Predictions predictions;                        ///< on `measured`
   Gain gain;
 };
@@ -36,9 +36,10 @@ struct Diagnosed {
 /// that of the reduced model. If the extended study does not change or cannot be solved, there is
 /// only a note.
 /// @throws as its steps, except those of the extended study
-[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work);
+[[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work);
 /// The same with another function that solves the extended study.
-using SolveStudy = std::function<Solution(const Study& study, Work& work)>;
-[[nodiscard]] Diagnosed diagnosed(const Study& study, Work& work, const SolveStudy& solve_extended);
+using SolveStudy = std::function<stage::Solution(const study::Study& study, stage::Work& work)>;
+[[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work,
+                                  const SolveStudy& solve_extended);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -7,10 +7,10 @@
 #include "base/error.h"
 #include "steps/expectations.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
-double found_for(const Expectation& expectation, const Solution& solution) {
+double found_for(const study::Expectation& expectation, const stage::Solution& solution) {
   if (expectation.key == "mass") return solution.model.mass.mass_kg;
   if (expectation.key == "volume") return mesh::volume(solution.model.body);
   if (expectation.key == "rigid_body_modes") return static_cast<double>(solution.modes.rigid_count);
@@ -20,11 +20,11 @@ double found_for(const Expectation& expectation, const Solution& solution) {
                                              : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string unit_text(const Expectation& expectation) {
+std::string unit_text(const study::Expectation& expectation) {
   return expectation.unit == "1" ? "" : " " + expectation.unit;
 }
 
-std::string verdict_line(const Expectation& expectation, double found, bool met) {
+std::string verdict_line(const study::Expectation& expectation, double found, bool met) {
   const std::string unit = unit_text(expectation);
   const double off = found - expectation.value;
   const std::string relative =
@@ -37,7 +37,7 @@ std::string verdict_line(const Expectation& expectation, double found, bool met)
 /// An implicit expectation of every study: the modes satisfy their equation.
 constexpr double kLargestResidual = 1e-8;
 
-bool residuals_are_small(const Solution& solution, Work& work) {
+bool residuals_are_small(const stage::Solution& solution, stage::Work& work) {
   const double found =
       solution.summary.residual.size() > 0 ? solution.summary.residual.maxCoeff() : 0.0;
   const bool met = found <= kLargestResidual;
@@ -48,7 +48,7 @@ bool residuals_are_small(const Solution& solution, Work& work) {
 
 }  // namespace
 
-void judge(const Study& study, const Solution& solution, Work& work) {
+void judge(const study::Study& study, const stage::Solution& solution, stage::Work& work) {
   require(!study.expectations.empty(),
           study.file.string() +
               " expects nothing; add a table [expect], such as frequency_1 = { "
@@ -70,4 +70,4 @@ void judge(const Study& study, const Solution& solution, Work& work) {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -3,11 +3,11 @@
 
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// Shows each expectation beside the result.
 /// @throws InvalidInput  the study expects nothing
 /// @throws NumericalFailure  some are not met (their number), after all were shown
-void judge(const Study& study, const Solution& solution, Work& work);
+void judge(const study::Study& study, const stage::Solution& solution, stage::Work& work);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -13,13 +13,13 @@
 #include "identification/model_error.h"
 #include "steps/identification/identification_gains.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kAssumedModelError = 0.01;  // if no variance is stated
 
 // True if springs to ground or supports hold the body. Attachments on the body do not hold it.
-bool is_held(const Study& study) {
+bool is_held(const study::Study& study) {
   return !study.supports.empty() ||
          std::any_of(study.attachments.begin(), study.attachments.end(), [](const auto& one) {
            return std::holds_alternative<fem::GroundSpring>(one.what) ||
@@ -27,7 +27,7 @@ bool is_held(const Study& study) {
          });
 }
 
-identification::FitDataOptions data_options(const IdentificationPlan& plan,
+identification::FitDataOptions data_options(const study::IdentificationPlan& plan,
                                             const modal::FrfSet& set) {
   identification::FitDataOptions options{.low_hz = plan.low_hz, .high_hz = plan.high_hz};
   if (plan.weighting == "inverse_magnitude") {
@@ -39,14 +39,14 @@ identification::FitDataOptions data_options(const IdentificationPlan& plan,
   return options;
 }
 
-identification::DelayOf delay_of(const IdentificationPlan& plan) {
+identification::DelayOf delay_of(const study::IdentificationPlan& plan) {
   if (plan.delay_of == "sensors") return identification::DelayOf::outputs;
   if (plan.delay_of == "actuators") return identification::DelayOf::inputs;
   return identification::DelayOf::all;
 }
 
-identification::IdentificationOptions fit_options(const IdentificationPlan& plan,
-                                                  const Study& study, Work& work) {
+identification::IdentificationOptions fit_options(const study::IdentificationPlan& plan,
+                                                  const study::Study& study, stage::Work& work) {
   identification::IdentificationOptions options;
   options.modes = plan.modes;
   options.rigid_count = plan.rigid_body_modes;
@@ -79,15 +79,15 @@ void add_errors(IdentifiedModel& model) {
 
 }  // namespace
 
-identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
+identification::FitData fit_data_of(const study::Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {
   return identification::fit_data(set, data_options(identification_plan(study), model.seen));
 }
 
 namespace {
 
-identification::Identified found(const IdentificationPlan& plan, const Study& study,
-                                 const identification::FitData& data, Work& work) {
+identification::Identified found(const study::IdentificationPlan& plan, const study::Study& study,
+                                 const identification::FitData& data, stage::Work& work) {
   const auto options = fit_options(plan, study, work);
   if (plan.method != "thesis") return identification::identified(data, options);
   require(plan.modes > 0, study.file.string() +
@@ -120,7 +120,7 @@ void take_out_drift(IdentifiedModel& model) {
 
 // True if a closer fit is possible. The stated model error of a study is an upper limit. When its
 // modes are known, the data show the actual error, and the fit may be as close as that.
-bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& model) {
+bool may_come_nearer(const study::IdentificationPlan& plan, const IdentifiedModel& model) {
   constexpr Eigen::Index kMany = 200;  // responses; more are fitted by combinations
   const auto& fit = model.found.fit;
   const bool single = std::none_of(fit.groups.begin(), fit.groups.end(),
@@ -133,8 +133,8 @@ bool may_come_nearer(const IdentificationPlan& plan, const IdentifiedModel& mode
 // Fits again with the model error that the data show. Model errors are correlated along the lines
 // and do not average out like noise. So the deviations stay those of the first fit. The delays stay
 // too, because phases of complex modes could look like delays.
-void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedModel& model,
-                 Work& work) {
+void come_nearer(const study::IdentificationPlan& plan, const study::Study& study,
+                 IdentifiedModel& model, stage::Work& work) {
   constexpr int kRounds = 2;
   auto how = fit_options(plan, study, work).fit;
   how.delay = false;
@@ -157,8 +157,8 @@ void come_nearer(const IdentificationPlan& plan, const Study& study, IdentifiedM
 
 // Judges the fit, also by the same method without outlying values. The thesis' method cannot search
 // for modes, so it has no second fit.
-identification::Judgement judged(const IdentificationPlan& plan, const Study& study,
-                                 const IdentifiedModel& model, Work& work) {
+identification::Judgement judged(const study::IdentificationPlan& plan, const study::Study& study,
+                                 const IdentifiedModel& model, stage::Work& work) {
   std::optional<identification::IdentificationOptions> again;
   if (plan.method != "thesis") again = fit_options(plan, study, work);
   return identification::judged(model.found, model.data, again);
@@ -180,7 +180,8 @@ std::string drift_warning(const IdentifiedModel& model) {
 }
 
 // The fit of the study's responses, as close as their noise and the study's model error allow.
-IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study, Work& work) {
+IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study::Study& study,
+                             stage::Work& work) {
   IdentifiedModel model;
   model.measured = work.timed("read", [&] { return measured_frfs(study, work); });
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
@@ -207,7 +208,8 @@ IdentifiedModel fitted_model(const IdentificationPlan& plan, const Study& study,
 
 }  // namespace
 
-IdentifiedModel identified(const Study& study, const Solution* solution, Work& work) {
+IdentifiedModel identified(const study::Study& study, const stage::Solution* solution,
+                           stage::Work& work) {
   const auto plan = identification_plan(study);
   auto model = fitted_model(plan, study, work);
   work.clear_progress();
@@ -251,4 +253,4 @@ void require_trust(const IdentifiedModel& model) {
                          "lines named there and at identification.band");
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -12,7 +12,7 @@
 #include "modal/frf_set.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// The measured responses on the study's channels. Names, directions and kinds are those of the
 /// study. The gains, delays and low-passes that it states are removed.
@@ -23,12 +23,12 @@ struct MeasuredFrfs {
 };
 
 /// True if `[measurement]` names a file of responses or recordings.
-[[nodiscard]] bool has_responses(const MeasurementPlan& plan);
+[[nodiscard]] bool has_responses(const study::MeasurementPlan& plan);
 
 /// The file of `[measurement]`, or the FRFs estimated from its recordings.
 /// @throws InvalidInput  no file is named; no channel of the study is in it; the unit of a channel
 ///                       does not fit the quantity in the study
-[[nodiscard]] MeasuredFrfs measured_frfs(const Study& study, Work& work);
+[[nodiscard]] MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work);
 
 struct IdentifiedModel {
   MeasuredFrfs measured;
@@ -59,14 +59,16 @@ template <typename Named>
 /// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
 [[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);
 /// Other responses of the same measurement, prepared as for the model's own fit.
-[[nodiscard]] identification::FitData fit_data_of(const Study& study, const IdentifiedModel& model,
+[[nodiscard]] identification::FitData fit_data_of(const study::Study& study,
+                                                  const IdentifiedModel& model,
                                                   const modal::FrfSet& set);
 /// Rigid-body motion with this number of rigid-body modes, all channels along z.
 [[nodiscard]] identification::RigidMotion rigid_motion(Eigen::Index rigid_count);
 
 /// @param solution  of the study; null: solved only if the gains need a simulation
 /// @throws as its steps
-[[nodiscard]] IdentifiedModel identified(const Study& study, const Solution* solution, Work& work);
+[[nodiscard]] IdentifiedModel identified(const study::Study& study, const stage::Solution* solution,
+                                         stage::Work& work);
 
 /// |G − Ĝ| over |G|, over all responses and lines.
 [[nodiscard]] double overall_error(const IdentifiedModel& model);
@@ -77,4 +79,4 @@ template <typename Named>
 /// @throws NumericalFailure  the fit is not to be trusted; the message says why
 void require_trust(const IdentifiedModel& model);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

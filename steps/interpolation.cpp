@@ -13,7 +13,7 @@
 #include "stage/corrections.h"
 #include "stage/faces.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kAssumedDamping = 0.005;  // for compared FRFs, if none was measured
@@ -32,34 +32,34 @@ std::vector<std::string> default_methods() {
   return names;
 }
 
-InterpolationPlan plan_of(const Study& study) {
-  auto plan = study.interpolation.value_or(InterpolationPlan{});
+study::InterpolationPlan plan_of(const study::Study& study) {
+  auto plan = study.interpolation.value_or(study::InterpolationPlan{});
   if (plan.methods.empty()) plan.methods = default_methods();
   return plan;
 }
 
-bool wants(const InterpolationPlan& plan, std::string_view method) {
+bool wants(const study::InterpolationPlan& plan, std::string_view method) {
   return std::find(plan.methods.begin(), plan.methods.end(), method) != plan.methods.end();
 }
 
-std::vector<priors::SimilarModel> similar_models(const Study& study, const Solution& solution,
-                                                 unsigned seed) {
-  UncertaintyPlan unknown{.modulus = 0.05, .density = 0.05, .thickness = 0.05};
+std::vector<priors::SimilarModel> similar_models(const study::Study& study,
+                                                 const stage::Solution& solution, unsigned seed) {
+  study::UncertaintyPlan unknown{.modulus = 0.05, .density = 0.05, .thickness = 0.05};
   unknown.attached_mass = 0.01 * solution.model.mass.mass_kg;
   unknown.members = 120;
   if (study.placement && study.placement->uncertainty) unknown = *study.placement->uncertainty;
-  return ensemble(solution, unknown, seed);
+  return stage::ensemble(solution, unknown, seed);
 }
 
 // The simulation on the surface, with the additional data that the wanted methods need.
-void add_simulation(const Study& study, const Solution& solution, const InterpolationPlan& plan,
-                    unsigned seed, Interpolated& result) {
+void add_simulation(const study::Study& study, const stage::Solution& solution,
+                    const study::InterpolationPlan& plan, unsigned seed, Interpolated& result) {
   const auto& sites = result.surface.sites;
   auto& simulation = result.simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {sites.position, directions_on(sites, plan.direction), sites.shapes};
+  simulation.surface = {sites.position, stage::directions_on(sites, plan.direction), sites.shapes};
   simulation.area = sites.area;
-  if (wants(plan, "dynamic_residual")) simulation.corrections = corrections(solution);
+  if (wants(plan, "dynamic_residual")) simulation.corrections = stage::corrections(solution);
   if (wants(plan, "ensemble")) simulation.similar = similar_models(study, solution, seed);
   if (wants(plan, "surface_matern")) {
     result.harmonics = fem::laplace_spectrum(mesh::body_laplacian(solution.model.body), kHarmonics);
@@ -68,8 +68,9 @@ void add_simulation(const Study& study, const Solution& solution, const Interpol
   }
 }
 
-void add_points(const Study& study, const InterpolationPlan& plan, const Solution& solution,
-                const mesh::SiteFinder& finder, Interpolated& result) {
+void add_points(const study::Study& study, const study::InterpolationPlan& plan,
+                const stage::Solution& solution, const mesh::SiteFinder& finder,
+                Interpolated& result) {
   std::vector<mesh::Site> sites;
   Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
   for (const auto& point : plan.points) {
@@ -87,7 +88,8 @@ void add_points(const Study& study, const InterpolationPlan& plan, const Solutio
 }
 
 // Sensors of the study that are not in the fit: their responses are predicted.
-void add_unmeasured(const Study& study, const Solution& solution, Interpolated& result) {
+void add_unmeasured(const study::Study& study, const stage::Solution& solution,
+                    Interpolated& result) {
   if (!result.measured.identified) return;
   std::vector<ChannelSite> sites;
   const auto& seen = result.measured.identified->seen.outputs;
@@ -201,7 +203,7 @@ Interpolation interpolation_by(const priors::Interpolator& method, const Interpo
 }
 
 // The first default method accepts any places. If another one does not, a note says so.
-void add_method(const std::string& name, bool asked_for, Interpolated& result, Work& work) {
+void add_method(const std::string& name, bool asked_for, Interpolated& result, stage::Work& work) {
   tell(work.progress(), "interpolating: " + name);
   work.timed("interpolate: " + name, [&] {
     try {
@@ -216,17 +218,17 @@ void add_method(const std::string& name, bool asked_for, Interpolated& result, W
 
 }  // namespace
 
-Interpolated interpolated(const Study& study, const Solution& solution, Work& work,
-                          const OnIdentified& on_identified) {
+Interpolated interpolated(const study::Study& study, const stage::Solution& solution,
+                          stage::Work& work, const OnIdentified& on_identified) {
   auto plan = plan_of(study);
   const auto& body = solution.model.body;
-  const auto faces = faces_of(study, body, plan.on, "interpolation.on");
+  const auto faces = stage::faces_of(study, body, plan.on, "interpolation.on");
   for (const auto& note : faces.notes) work.note(note);
-  plan.direction = direction_on(faces, plan);
+  plan.direction = stage::direction_on(faces, plan);
   const placement::Sampler sampler(body, solution.modes, {plan.direction, 0.0});
   Interpolated result;
   result.direction = plan.direction;
-  result.surface = surface_on(sampler, faces);
+  result.surface = stage::surface_on(sampler, faces);
   add_simulation(study, solution, plan, work.seed(), result);
   result.measured =
       measured(study, solution, result.simulation, result.harmonics, work, on_identified);
@@ -241,4 +243,4 @@ Interpolated interpolated(const Study& study, const Solution& solution, Work& wo
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

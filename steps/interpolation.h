@@ -15,7 +15,7 @@
 #include "stage/solution.h"
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// The measured shapes of a study.
 struct Measured {
@@ -65,24 +65,25 @@ struct Interpolated {
 using OnIdentified = std::function<void(const IdentifiedModel& model)>;
 
 /// True if it gives shapes: a table, or a study that stands for the real body.
-[[nodiscard]] bool has_shapes(const MeasurementPlan& plan);
+[[nodiscard]] bool has_shapes(const study::MeasurementPlan& plan);
 
 /// @throws InvalidInput  nothing measured, channels that the table lacks, patches that do not
 ///                       exist, a requested method that cannot be used here
 /// @param on_identified  gets the model as soon as it is fitted, before its shapes are interpolated
-[[nodiscard]] Interpolated interpolated(const Study& study, const Solution& solution, Work& work,
-                                        const OnIdentified& on_identified = {});
+[[nodiscard]] Interpolated interpolated(const study::Study& study, const stage::Solution& solution,
+                                        stage::Work& work, const OnIdentified& on_identified = {});
 
 /// The step of `interpolated` that reads a table, or a study that stands for the real body.
-[[nodiscard]] Measured measured(const Study& study, const Solution& solution,
+[[nodiscard]] Measured measured(const study::Study& study, const stage::Solution& solution,
                                 const priors::Simulation& simulation,
-                                const fem::LaplaceSpectrum& harmonics, Work& work,
+                                const fem::LaplaceSpectrum& harmonics, stage::Work& work,
                                 const OnIdentified& on_identified);
 
 /// The step of `measured` that identifies the shapes from responses.
-[[nodiscard]] Measured measured_by_responses(const Study& study, const Solution& solution,
-                                             const fem::LaplaceSpectrum& harmonics, Work& work,
-                                             const OnIdentified& on_identified);
+[[nodiscard]] Measured measured_by_responses(const study::Study& study,
+                                             const stage::Solution& solution,
+                                             const fem::LaplaceSpectrum& harmonics,
+                                             stage::Work& work, const OnIdentified& on_identified);
 
 /// Shapes of responses at places, from a field (mean and deviation per fitted shape). Rigid-body
 /// rows come from the geometry, the residual from the simulation's modes above the band.
@@ -108,7 +109,8 @@ struct ChannelSite {
 };
 
 /// The sensors, then the actuators.
-[[nodiscard]] std::vector<ChannelSite> channel_sites(const Study& study, const Model& model);
+[[nodiscard]] std::vector<ChannelSite> channel_sites(const study::Study& study,
+                                                     const stage::Model& model);
 
 /// Places with the simulation's modes along `directions`, n×3, and the body's harmonics.
 [[nodiscard]] priors::Places places_at(const std::vector<mesh::Site>& sites,
@@ -118,4 +120,4 @@ struct ChannelSite {
                                        const modal::Modes& modes,
                                        const fem::LaplaceSpectrum& harmonics = {});
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

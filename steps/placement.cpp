@@ -9,12 +9,14 @@
 #include "placement/refine.h"
 #include "steps/placement/placing.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr std::size_t kBestShown = 10;
 
-placement::Device device_of(const PlacementPlan& plan) { return {plan.direction, plan.footprint}; }
+placement::Device device_of(const study::PlacementPlan& plan) {
+  return {plan.direction, plan.footprint};
+}
 
 // Mean distance between neighbouring points of a surface.
 double grain(const placement::Sites& sites) {
@@ -54,8 +56,8 @@ std::vector<Eigen::Index> all_rows(Eigen::Index count) {
 }
 
 // Single pairs on separate hills of the map: at least a twentieth of the body apart.
-void add_best(const placement::Sampler& sampler, const Views& views, const PlacementPlan& plan,
-              const Candidates& candidates, Placed& placed) {
+void add_best(const placement::Sampler& sampler, const Views& views,
+              const study::PlacementPlan& plan, const Candidates& candidates, Placed& placed) {
   const auto& sites = candidates.sites;
   const auto map = placement::heat_map(*placed.criterion, views.of(sites), views.over());
   const double apart = std::max(plan.spacing, 0.05 * diagonal(sites.position));
@@ -82,7 +84,7 @@ void add_best(const placement::Sampler& sampler, const Views& views, const Place
   }
 }
 
-void add_maps(const Views& views, const PlacementPlan& plan, Placed& placed) {
+void add_maps(const Views& views, const study::PlacementPlan& plan, Placed& placed) {
   const auto on_surface = views.of(placed.surface.sites);
   for (const auto* criterion : placement::criteria()) {
     if (criterion->name == plan.criterion) {
@@ -95,26 +97,26 @@ void add_maps(const Views& views, const PlacementPlan& plan, Placed& placed) {
 
 }  // namespace
 
-Placed placed(const Study& study, const Solution& solution, Work& work) {
-  PlacementPlan plan = placement_plan(study);
+Placed placed(const study::Study& study, const stage::Solution& solution, stage::Work& work) {
+  study::PlacementPlan plan = placement_plan(study);
   const auto& body = solution.model.body;
   const auto progress = work.progress();
   tell(progress, "looking at the surface");
   Placed placed;
-  placed.faces = faces_of(study, body, plan.on, "placement.on");
+  placed.faces = stage::faces_of(study, body, plan.on, "placement.on");
   placed.notes = placed.faces.notes;
-  plan.direction = direction_on(placed.faces, plan);
+  plan.direction = stage::direction_on(placed.faces, plan);
   const placement::Sampler sampler(body, solution.modes, device_of(plan));
   work.timed("surface", [&] {
-    placed.surface = surface_on(sampler, placed.faces);
+    placed.surface = stage::surface_on(sampler, placed.faces);
     return 0;
   });
   placed.wanted = wanted_modes(study, solution, plan, placed.surface, placed.notes);
   placed.rules = rules_of(study, solution, plan, placed.faces);
   placed.forbidden = placement::forbidden_by(placed.surface.sites, placed.rules);
   tell(progress, "scoring pairs");
-  std::vector<Member> members;
-  if (plan.uncertainty) members = ensemble(solution, *plan.uncertainty, work.seed());
+  std::vector<stage::Member> members;
+  if (plan.uncertainty) members = stage::ensemble(solution, *plan.uncertainty, work.seed());
   const Views views(study, solution, plan, placed.surface, placed.wanted, std::move(members));
   const Candidates candidates = candidates_of(plan, sampler, placed);
   work.timed("heat_map", [&] {
@@ -131,7 +133,7 @@ Placed placed(const Study& study, const Solution& solution, Work& work) {
   return placed;
 }
 
-std::string group_name(const Solution& solution, const WantedModes& wanted, int group) {
+std::string group_name(const stage::Solution& solution, const WantedModes& wanted, int group) {
   const auto [first, size] = wanted.groups[static_cast<std::size_t>(group)];
   const auto column = wanted.columns[static_cast<std::size_t>(first)];
   const auto flexible = column - solution.modes.rigid_count + 1;
@@ -141,4 +143,4 @@ std::string group_name(const Solution& solution, const WantedModes& wanted, int 
                      flexible + size - 1, frequency);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

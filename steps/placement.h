@@ -14,7 +14,7 @@
 #include "stage/faces.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// The modes for which devices are placed.
 struct WantedModes {
@@ -53,7 +53,7 @@ struct Optimum {
 };
 
 struct Placed {
-  Faces faces;  ///< where devices may be
+  stage::Faces faces;  ///< where devices may be
   placement::Surface surface;
   WantedModes wanted;
   const placement::Criterion* criterion = nullptr;
@@ -70,10 +70,11 @@ struct Placed {
 
 /// @throws InvalidInput  missing modes, no admissible site, more devices than sites, a patch or
 ///                       channel that does not exist
-[[nodiscard]] Placed placed(const Study& study, const Solution& solution, Work& work);
+[[nodiscard]] Placed placed(const study::Study& study, const stage::Solution& solution,
+                            stage::Work& work);
 
 /// "7 (flex 1, 178.92 Hz)"; a group "10-11 (flex 4-5, 463.4 Hz)".
-[[nodiscard]] std::string group_name(const Solution& solution, const WantedModes& wanted,
+[[nodiscard]] std::string group_name(const stage::Solution& solution, const WantedModes& wanted,
                                      int group);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -11,7 +11,7 @@
 #include "steps/interpolation.h"
 #include "steps/predicted.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
@@ -53,7 +53,7 @@ Eigen::VectorXd disagreement(const IdentifiedModel& model) {
 }
 
 // Modes that have a scale and are not rigid-body modes.
-std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Work& work) {
+std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, stage::Work& work) {
   std::vector<Eigen::Index> modes;
   const auto& fit = model.found.fit.model;
   for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
@@ -72,9 +72,9 @@ std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, Work& work)
   return modes;
 }
 
-void add_hidden(const Study& study, const Solution& solution, const std::vector<ChannelSite>& sites,
-                const fem::LaplaceSpectrum& harmonics, const IdentifiedModel& model,
-                Measured& result) {
+void add_hidden(const study::Study& study, const stage::Solution& solution,
+                const std::vector<ChannelSite>& sites, const fem::LaplaceSpectrum& harmonics,
+                const IdentifiedModel& model, Measured& result) {
   const auto& hold_out = study.measurement->hold_out;
   std::vector<ChannelSite> hidden;
   std::vector<Eigen::Index> rows;
@@ -147,8 +147,8 @@ void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
 
 }  // namespace
 
-Measured measured_by_responses(const Study& study, const Solution& solution,
-                               const fem::LaplaceSpectrum& harmonics, Work& work,
+Measured measured_by_responses(const study::Study& study, const stage::Solution& solution,
+                               const fem::LaplaceSpectrum& harmonics, stage::Work& work,
                                const OnIdentified& on_identified) {
   Measured result;
   auto model = std::make_shared<IdentifiedModel>(identified(study, &solution, work));
@@ -284,4 +284,4 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   return notes;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -6,7 +6,7 @@
 
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// The model from which the shapes were identified. @throws InvalidInput  there is none
 [[nodiscard]] const IdentifiedModel& identified_of(const Interpolated& result);
@@ -16,4 +16,4 @@ namespace chladni::app {
 /// @throws InvalidInput  as identified_of
 [[nodiscard]] std::vector<std::string> left_out_of_predictions(const Interpolated& result);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

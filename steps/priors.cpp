@@ -11,7 +11,7 @@
 #include "stage/faces.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kStill = 1e-3;  // relative motion of a rigid-body mode
@@ -19,7 +19,7 @@ constexpr double kRidge = 0.05;  // change in ln
 constexpr int kOrdinaryModes = 12;
 constexpr Eigen::Index kMatchedOn = 400;  // points of the surface
 
-priors::Learning learning_of(const PriorsPlan& plan, const Points& sample, unsigned seed) {
+priors::Learning learning_of(const study::PriorsPlan& plan, const Points& sample, unsigned seed) {
   priors::Learning how;
   how.merit = plan.by == "leave_one_out" ? priors::Merit::leave_one_out
                                          : priors::Merit::marginal_likelihood;
@@ -30,7 +30,8 @@ priors::Learning learning_of(const PriorsPlan& plan, const Points& sample, unsig
   return how;
 }
 
-void choose_modes(const Study& study, const Solution& solution, LearnedPriors& result) {
+void choose_modes(const study::Study& study, const stage::Solution& solution,
+                  LearnedPriors& result) {
   const auto& modes = solution.modes;
   const auto& sites = result.surface.sites;
   const Eigen::Index flexible = modes.mode_count() - modes.rigid_count;
@@ -89,7 +90,8 @@ LearnedAt learned_at(const LearnedPriors& result, Eigen::Index samples, unsigned
 }
 
 // Adds matched lengths, if channels look along the surface's own direction.
-void add_matched(const Solution& solution, const priors::Places& places, LearnedPriors& result) {
+void add_matched(const stage::Solution& solution, const priors::Places& places,
+                 LearnedPriors& result) {
   if (places.count() < 2 || result.kernel.parameter_count() != 1) return;
   const auto& surface = result.surface.sites;
   const auto rows = priors::spread_points(surface.position, kMatchedOn);
@@ -114,7 +116,8 @@ void add_matched(const Solution& solution, const priors::Places& places, Learned
 }
 
 // The frequency of a mode as text, or "all together".
-std::string name_of(const Solution& solution, const LearnedPriors& result, Eigen::Index mode) {
+std::string name_of(const stage::Solution& solution, const LearnedPriors& result,
+                    Eigen::Index mode) {
   if (mode == std::ssize(result.columns)) return "all together";
   const auto column = result.columns[static_cast<std::size_t>(mode)];
   return fmt::format("{} ({:.2f} Hz)", column + 1, solution.modes.frequency_hz(column));
@@ -126,7 +129,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-void add_warnings(const Solution& solution, LearnedPriors& result) {
+void add_warnings(const stage::Solution& solution, LearnedPriors& result) {
   const auto& last = result.last();
   std::vector<std::string> bound;
   std::vector<std::string> ridge;
@@ -168,16 +171,17 @@ int most_complex_of(const LearnedPriors& result) {
 
 }  // namespace
 
-LearnedPriors learned_priors(const Study& study, const Solution& solution, Work& work) {
-  PriorsPlan plan = study.priors.value_or(PriorsPlan{});
-  const auto faces = faces_of(study, solution.model.body, plan.on, "priors.on");
-  plan.direction = direction_on(faces, plan);
+LearnedPriors learned_priors(const study::Study& study, const stage::Solution& solution,
+                             stage::Work& work) {
+  study::PriorsPlan plan = study.priors.value_or(study::PriorsPlan{});
+  const auto faces = stage::faces_of(study, solution.model.body, plan.on, "priors.on");
+  plan.direction = stage::direction_on(faces, plan);
   const auto scales = plan.per_axis ? priors::Scales::per_axis : priors::Scales::isotropic;
   LearnedPriors result(plan, priors::Kernel(priors::kernel_family(plan.kernel), scales));
   const auto progress = work.progress();
   tell(progress, "looking at the surface");
   const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
-  result.surface = surface_on(sampler, faces);
+  result.surface = stage::surface_on(sampler, faces);
   result.notes = faces.notes;
   choose_modes(study, solution, result);
   work.timed("learning", [&] {
@@ -201,4 +205,4 @@ LearnedPriors learned_priors(const Study& study, const Solution& solution, Work&
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

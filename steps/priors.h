@@ -10,7 +10,7 @@
 #include "priors/learning.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// The result for this number of samples of each mode.
 struct LearnedAt {
@@ -27,9 +27,10 @@ struct LearnedAt {
 };
 
 struct LearnedPriors {
-  LearnedPriors(PriorsPlan wanted, priors::Kernel of) : plan(std::move(wanted)), kernel(of) {}
+  LearnedPriors(study::PriorsPlan wanted, priors::Kernel of)
+      : plan(std::move(wanted)), kernel(of) {}
 
-  PriorsPlan plan;
+  study::PriorsPlan plan;
   priors::Kernel kernel;
   placement::Surface surface;
   std::vector<Eigen::Index> columns;  ///< of the study's modes
@@ -49,18 +50,19 @@ struct LearnedPriors {
 
 /// @throws InvalidInput  a patch that does not exist, more modes than were computed, no mode that
 ///                       moves the surface
-[[nodiscard]] LearnedPriors learned_priors(const Study& study, const Solution& solution,
-                                           Work& work);
+[[nodiscard]] LearnedPriors learned_priors(const study::Study& study,
+                                           const stage::Solution& solution, stage::Work& work);
 
 /// The study's channels that look along the surface's direction or against it (within 2.6 degrees),
 /// all turned to look along it. A note names the others, for which the result does not apply.
-[[nodiscard]] priors::Places channels_on_surface(const Study& study, const Solution& solution,
+[[nodiscard]] priors::Places channels_on_surface(const study::Study& study,
+                                                 const stage::Solution& solution,
                                                  LearnedPriors& result);
 
 /// The step of `learned_priors` that tests the result at these places; nothing if there are fewer
 /// than three. Splines that cannot be used there (a surface of several directions, coincident
 /// places) are left out with a note.
-void add_channel_errors(const Solution& solution, const priors::Places& places,
+void add_channel_errors(const stage::Solution& solution, const priors::Places& places,
                         LearnedPriors& result);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

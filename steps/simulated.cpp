@@ -11,12 +11,12 @@
 #include "stage/at_channels.h"
 #include "stage/channel_paths.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using identification::ChainMatrices;
 
-modal::FrfKind kind_of(const Channel& sensor) {
+modal::FrfKind kind_of(const study::Channel& sensor) {
   if (sensor.quantity == "velocity") return modal::FrfKind::mobility;
   return sensor.quantity == "acceleration" ? modal::FrfKind::accelerance
                                            : modal::FrfKind::receptance;
@@ -27,7 +27,7 @@ std::string unit_of(modal::FrfKind kind) {
   return kind == modal::FrfKind::accelerance ? "m/s^2" : "m";
 }
 
-std::vector<modal::MeasuredChannel> channels_of(const std::vector<Channel>& channels,
+std::vector<modal::MeasuredChannel> channels_of(const std::vector<study::Channel>& channels,
                                                 bool sensors) {
   std::vector<modal::MeasuredChannel> result;
   for (const auto& channel : channels) {
@@ -43,7 +43,7 @@ std::vector<modal::MeasuredChannel> channels_of(const std::vector<Channel>& chan
 }
 
 // Positions of channels along the thesis' strip [m from its left end].
-Eigen::VectorXd along(const Study& study, const std::vector<Channel>& channels) {
+Eigen::VectorXd along(const study::Study& study, const std::vector<study::Channel>& channels) {
   const auto* strip = std::get_if<mesh::Plate>(&study.geometry.body);
   const identification::RigidChain thesis;
   require(strip != nullptr && std::abs(strip->length - thesis.length_m) < 1e-9 &&
@@ -62,7 +62,7 @@ Eigen::VectorXd along(const Study& study, const std::vector<Channel>& channels) 
   return result;
 }
 
-void set_chain(const Study& study, Bench& bench) {
+void set_chain(const study::Study& study, Bench& bench) {
   const auto& plan = *study.experiment;
   require(plan.controlled.empty(), "experiment: the chain hangs on flexures and takes no loop");
   const auto chain = identification::matrices(plan.structure == "rigid_chain"
@@ -72,13 +72,13 @@ void set_chain(const Study& study, Bench& bench) {
       identification::plant(chain, along(study, study.sensors), along(study, study.actuators), 1e9);
 }
 
-Eigen::Index place_of(const std::vector<Channel>& channels, const std::string& name) {
-  const auto names = names_of(channels);
+Eigen::Index place_of(const std::vector<study::Channel>& channels, const std::string& name) {
+  const auto names = study::names_of(channels);
   return std::find(names.begin(), names.end(), name) - names.begin();
 }
 
 // Sets the loop around the rigid-body modes, or the suspension modes: all far below the bandwidth.
-void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench) {
+void set_loop(const study::Study& study, const modal::ReducedModel& model, Bench& bench) {
   const auto& plan = *study.experiment;
   auto& rig = bench.rig;
   for (const auto& sensor : study.sensors) {
@@ -97,12 +97,12 @@ void set_loop(const Study& study, const modal::ReducedModel& model, Bench& bench
       fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
 }
 
-void set_structure(const Study& study, Work& work, Bench& bench) {
+void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
   const auto& plan = *study.experiment;
   if (plan.structure != "study") return set_chain(study, bench);
-  const Solution solution = solved(study, work);
+  const stage::Solution solution = stage::solved(study, work);
   const auto model = identification::in_view(
-      work.timed("reduction", [&] { return at_channels(study, solution); }));
+      work.timed("reduction", [&] { return stage::at_channels(study, solution); }));
   bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
@@ -121,7 +121,7 @@ void set_structure(const Study& study, Work& work, Bench& bench) {
   if (!plan.controlled.empty()) set_loop(study, model, bench);
 }
 
-void set_excitation(const ExperimentPlan& plan, Bench& bench) {
+void set_excitation(const study::ExperimentPlan& plan, Bench& bench) {
   using identification::ExcitedLines;
   auto& multisine = bench.plan.multisine;
   multisine.period = plan.samples;
@@ -139,7 +139,7 @@ void set_excitation(const ExperimentPlan& plan, Bench& bench) {
 }
 
 // Noise: the root mean square of each sensor in a noise-free realisation, times the ratio.
-void set_noise(const Study& study, unsigned seed, Bench& bench) {
+void set_noise(const study::Study& study, unsigned seed, Bench& bench) {
   const auto& plan = *study.experiment;
   auto& rig = bench.rig;
   const auto p = static_cast<Eigen::Index>(rig.outputs.size());
@@ -164,7 +164,7 @@ void set_noise(const Study& study, unsigned seed, Bench& bench) {
 }
 
 // Advises the warm-up that leaves less than a tenth of a deviation.
-void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
+void advise(const study::ExperimentPlan& plan, identification::FrfEstimate& estimate) {
   const auto& seen = estimate.transient;
   if (seen.remaining <= 0.1) return;
   const double more = std::ceil(std::log(10.0 * seen.remaining) / -std::log(seen.decay));
@@ -175,13 +175,13 @@ void advise(const ExperimentPlan& plan, identification::FrfEstimate& estimate) {
 
 }  // namespace
 
-Bench bench_of(const Study& study, Work& work) {
+Bench bench_of(const study::Study& study, stage::Work& work) {
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
   require(!study.sensors.empty() && !study.actuators.empty(),
           "an experiment needs a sensor and an actuator or more");
   const auto& plan = *study.experiment;
-  require(!plan.leaves_time || !has_paths(study),
+  require(!plan.leaves_time || !stage::has_paths(study),
           "experiment.leaves: recordings pass through no gain, delay or low_pass of a channel; "
           "expected leaves = \"frf\", or channels without them");
   Bench bench;
@@ -203,7 +203,7 @@ Bench bench_of(const Study& study, Work& work) {
   return bench;
 }
 
-Simulated simulated(const Study& study, const Bench& bench, Work& work) {
+Simulated simulated(const study::Study& study, const Bench& bench, stage::Work& work) {
   using namespace identification;
   const auto& plan = *study.experiment;
   Draw draw(work.seed());
@@ -236,8 +236,8 @@ Simulated simulated(const Study& study, const Bench& bench, Work& work) {
     set = without_delay(set, plan.compensate == "all" ? bench.rig.delay_s : 0.0,
                         bench.rig.sample_time_s);
   }
-  set = recorded(study, std::move(set));
+  set = stage::recorded(study, std::move(set));
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -6,7 +6,7 @@
 #include "stage/work.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 struct Bench {
   identification::VirtualRig rig;
@@ -17,7 +17,7 @@ struct Bench {
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
 ///                       thesis' beam, an impossible loop
-[[nodiscard]] Bench bench_of(const Study& study, Work& work);
+[[nodiscard]] Bench bench_of(const study::Study& study, stage::Work& work);
 
 struct Simulated {
   identification::FrfEstimate estimate;  ///< compensated as the study asks
@@ -26,6 +26,6 @@ struct Simulated {
   double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };
 
-[[nodiscard]] Simulated simulated(const Study& study, const Bench& bench, Work& work);
+[[nodiscard]] Simulated simulated(const study::Study& study, const Bench& bench, stage::Work& work);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

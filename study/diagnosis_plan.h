@@ -8,7 +8,7 @@
 #include "diagnosis/tolerances.h"
 #include "study/place.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// What `chladni diagnose` looks for, and its tolerances.
 struct DiagnosisPlan {
@@ -29,4 +29,4 @@ struct DiagnosisPlan {
 /// @throws InvalidInput  all errors in it, as read_study
 [[nodiscard]] diagnosis::Tolerances read_tolerances(const std::filesystem::path& file);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

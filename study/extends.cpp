@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,8 +83,8 @@ class Merge {
   // True for geometry = { plate = ... } instead of { file = ... }.
   static bool is_another_kind(std::string_view key, const TomlNode& base, const TomlNode& own) {
     return key == "geometry" && std::ranges::none_of(own.members, [&](const auto& entry) {
-      return member(base, entry.key) != nullptr;
-    });
+             return member(base, entry.key) != nullptr;
+           });
   }
 
   void named(std::string_view key, TomlNode& base, const TomlNode& own) const {
@@ -154,4 +154,4 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
   return whole;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -10,7 +10,7 @@
 
 #include "study/toml/toml_tree.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Reads the text of the study that `extends` names, and returns its place.
 /// @throws InvalidInput  reading it is not allowed
@@ -52,4 +52,4 @@ template <typename Node>
   return named;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

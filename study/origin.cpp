@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "io/json.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ std::vector<std::string> outdated(const fs::path& folder, const Origin& now) {
   return names;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

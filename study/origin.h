@@ -10,7 +10,7 @@
 
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// A file that a study names: its name in the study, relative to the study's folder, and its path.
 struct NamedFile {
@@ -38,4 +38,4 @@ struct Origin {
 [[nodiscard]] std::vector<std::string> outdated(const std::filesystem::path& folder,
                                                 const Origin& now);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// A place in the study; `places_of` finds it on the body.
 struct Place {
@@ -24,4 +24,4 @@ struct FacePlan {
   [[nodiscard]] bool empty() const { return patches.empty() && !facing; }
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr std::size_t kShown = 20;
@@ -75,4 +75,4 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Errors of one file. They are collected while the file is read, and thrown together.
 class Problems {
@@ -38,4 +38,4 @@ class Problems {
 /// `"thickness", "width" or "length"`
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 using State = std::array<std::uint32_t, 8>;
@@ -109,4 +109,4 @@ std::string sha256_of_file(const std::filesystem::path& file) {
   return digits_of(state, left_over, length);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// 64 hexadecimal digits (FIPS 180-4).
 [[nodiscard]] std::string sha256(std::string_view bytes);
@@ -14,4 +14,4 @@ namespace chladni::app {
 /// @throws InvalidInput  it cannot be read
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& file);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

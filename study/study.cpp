@@ -9,7 +9,7 @@
 #include "study/tables/tables.h"
 #include "study/toml/toml_text.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -107,4 +107,4 @@ Study read_study(const fs::path& file, const std::vector<fs::path>& allowed) {
   return parse_study(read_whole(file, kLargestStudy), file, allowed);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

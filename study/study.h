@@ -17,7 +17,7 @@
 #include "study/place.h"
 #include "study/variation_plan.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 struct FileGeometry {
   std::filesystem::path file;
@@ -121,10 +121,10 @@ struct PlacementPlan {
   std::optional<GridPlan> grid;
   std::vector<std::string> there;  ///< channels that keep their places
   int pairs = 1;
-  double noise = 0.01;          ///< of an identified shape's entry, over the shape's rms
-  double frf_noise = 0.0;       ///< [m/N] per line, instead of `noise`
-  double resolution_hz = 0.0;   ///< between lines, with frf_noise
-  double position_error = 0.0;  ///< [m]
+  double noise = 0.01;                ///< of an identified shape's entry, over the shape's rms
+  double frf_noise = 0.0;             ///< [m/N] per line, instead of `noise`
+  double resolution_hz = 0.0;         ///< between lines, with frf_noise
+  double position_error = 0.0;        ///< [m]
   double frequency_tolerance = 0.01;  ///< closer neighbours count as one group
   std::optional<UncertaintyPlan> uncertainty;
   std::vector<Place> interest;
@@ -286,4 +286,4 @@ struct Study {
 [[nodiscard]] Study parse_study(std::string_view bytes, const std::filesystem::path& file,
                                 const std::vector<std::filesystem::path>& allowed = {});
 
-}  // namespace chladni::app
+}  // namespace chladni::study

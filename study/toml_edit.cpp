@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
@@ -148,4 +148,4 @@ std::string TomlEdit::text() const {
   return result + tail_;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -8,7 +8,7 @@
 #include "study/toml/toml_text.h"
 #include "study/toml/toml_tree.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// The tables of [[key]], or the one of [key]; empty if there is none.
 [[nodiscard]] std::vector<const TomlNode*> tables_of(const TomlNode& root, std::string_view key);
@@ -58,4 +58,4 @@ class TomlEdit {
   std::string tail_;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -8,7 +8,7 @@
 
 #include "study/place.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Stiffness or thickness over the body, relative to the nominal value. A patch has 1 + `relative`,
 /// with a smooth rim (e^{−(π/4)(d/R)⁴} has the area of a disc of radius R). Waves have 1 + Σ waves,
@@ -24,4 +24,4 @@ struct VariationPlan {
 /// Names of the waves: P₁(u), P₁(v), P₂(u), P₁(u)P₁(v), P₂(v).
 inline constexpr std::array<std::string_view, 5> kVariationWaves{"u1", "v1", "u2", "u1v1", "v2"};
 
-}  // namespace chladni::app
+}  // namespace chladni::study

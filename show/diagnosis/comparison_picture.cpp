@@ -9,7 +9,7 @@
 #include "show/comparison.h"
 #include "show/identification/response_series.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr std::size_t kMostPanels = 24;
@@ -158,4 +158,4 @@ void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& 
   io::draw_matrix(png, errors_picture(comparison));
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -8,7 +8,7 @@
 #include "show/comparison.h"
 #include "show/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 using diagnosis::Comparison;
@@ -285,4 +285,4 @@ io::JsonObject comparison_json(const Comparison& comparison) {
           {"reciprocity", reciprocity_json(comparison)}};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -9,7 +9,7 @@
 
 #include "show/readable.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 using diagnosis::Detectable;
@@ -131,4 +131,4 @@ io::JsonArray detectable_json(const std::vector<Detectable>& all) {
   return array;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

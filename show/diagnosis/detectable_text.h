@@ -8,7 +8,7 @@
 #include "io/json.h"
 #include "io/report.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// "This experiment finds, 99 times in 100: point_mass of 1 g to 8.1 g, ..."; empty if it finds
 /// none of the usual effects. Effects without numbers whose evidence is below `least_evidence`
@@ -27,4 +27,4 @@ namespace chladni::app {
 /// effects without numbers, which have only an evidence.
 [[nodiscard]] io::JsonArray detectable_json(const std::vector<diagnosis::Detectable>& all);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

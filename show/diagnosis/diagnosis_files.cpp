@@ -14,7 +14,7 @@
 #include "stage/diagnosis_faces.h"
 #include "steps/diagnosis.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 using Eigen::Index;
@@ -25,7 +25,7 @@ struct Top {
   Cells triangles;
 };
 
-Top top_of(const mesh::TetMesh& body, const DiagnosedFaces& looked_at) {
+Top top_of(const mesh::TetMesh& body, const stage::DiagnosedFaces& looked_at) {
   const auto& [chart, chosen, notes] = looked_at;
   std::vector<Index> kept;
   for (Index f = 0; f < body.faces.rows(); ++f) {
@@ -57,7 +57,7 @@ Top top_of(const mesh::TetMesh& body, const DiagnosedFaces& looked_at) {
 
 // Values of the scan at points: a mean over its places, weighted by (d² + ¼ mean area)^-3.
 Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::VectorXd& values,
-                          const Top& top, const Chart& chart) {
+                          const Top& top, const stage::Chart& chart) {
   Eigen::VectorXd result(top.points.rows());
   const double soft = 0.25 * surface.area.mean();
   for (Index n = 0; n < result.size(); ++n) {
@@ -70,12 +70,12 @@ Eigen::VectorXd at_points(const diagnosis::Surface& surface, const Eigen::Vector
   return result;
 }
 
-void leave_map(const Study& study, const Diagnosed& one, Run& run) {
-  const Solution& solution = one.before;
+void leave_map(const study::Study& study, const steps::Diagnosed& one, Run& run) {
+  const stage::Solution& solution = one.before;
   const auto& surface = one.structure.surface;
   const auto& map = one.result.map;
   if (map.explained.size() == 0) return;
-  const auto faces = diagnosed_faces(study, solution.model.body);
+  const auto faces = stage::diagnosed_faces(study, solution.model.body);
   const auto& chart = faces.chart;
   const Top top = top_of(solution.model.body, faces);
   const Eigen::VectorXd explained = at_points(surface, map.explained, top, chart);
@@ -100,13 +100,14 @@ void leave_map(const Study& study, const Diagnosed& one, Run& run) {
     picture.best.push_back({surface.in_body(*cause.place), cause.effect});
   }
   picture.star = "the cause";
-  picture.markers = markers_of(study, solution.model);
+  picture.markers = stage::markers_of(study, solution.model);
   run.paint("cause_map.png", [&](const auto& png) { io::draw_heat_map(png, picture); });
 }
 
 }  // namespace
 
-void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool main_result) {
+void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run& run,
+                     bool main_result) {
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
@@ -122,4 +123,4 @@ void leave_diagnosis(const Study& study, const Diagnosed& one, Run& run, bool ma
   run.paint("mac.png", [&](const auto& png) { draw_mac(png, one.comparison); });
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

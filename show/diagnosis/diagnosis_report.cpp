@@ -14,10 +14,10 @@
 #include "show/solution.h"
 #include "steps/diagnosis.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
-io::Table causes_table(const Diagnosed& one) {
+io::Table causes_table(const steps::Diagnosed& one) {
   io::Table table{
       "Causes", {{"cause", false}, {"probability"}, {"ln evidence"}, {"of the misfit [%]"}}, {}};
   for (const auto& cause : one.result.best.causes) {
@@ -28,16 +28,17 @@ io::Table causes_table(const Diagnosed& one) {
   return table;
 }
 
-io::Table gain_table(const Gain& gain) {
+io::Table gain_table(const steps::Gain& gain) {
   io::Table table{"Relative error of the predicted responses [%]",
                   {{"", false}, {"before"}, {"after"}, {"noise"}},
                   {}};
   const auto add = [&](const std::string& what, double before, double after, double noise) {
-    const bool changed = gain.from != GainFrom::nothing;
-    table.rows.push_back({{what, percent_cell(before), percent_cell(changed ? after : Gain::kNone),
-                           percent_cell(noise)}});
+    const bool changed = gain.from != steps::GainFrom::nothing;
+    table.rows.push_back(
+        {{what, percent_cell(before), percent_cell(changed ? after : steps::Gain::kNone),
+          percent_cell(noise)}});
   };
-  add("fitted: " + words(gain.fitted), gain.fit_before, gain.fit_after, gain.noise_floor);
+  add("fitted: " + steps::words(gain.fitted), gain.fit_before, gain.fit_after, gain.noise_floor);
   if (!gain.held_out.empty()) {
     add(fmt::format("held out: {}", fmt::join(gain.held_out, ", ")), gain.held_out_before,
         gain.held_out_after, gain.held_out_noise);
@@ -93,12 +94,12 @@ void add_remarks(io::Section& section, const diagnosis::Diagnosis& result) {
 
 }  // namespace
 
-io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
+io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
   io::Section section{"What the simulation gets wrong, and why", {}};
   const auto verdict = one.result.verdict;
   const bool settled =
       verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
-  if (auto advice = advice_against(one.gain); !advice.empty()) {
+  if (auto advice = steps::advice_against(one.gain); !advice.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
   }
   section.blocks.emplace_back(
@@ -131,4 +132,4 @@ io::Section diagnosis_section(const Diagnosed& one, const Run& run) {
   return section;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -11,7 +11,7 @@
 #include "show/readable.h"
 #include "steps/diagnosis.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr double kTold = 1e-3;  // probability; less likely rivals get no line
@@ -76,7 +76,7 @@ io::JsonArray alternatives_json(const diagnosis::Diagnosis& result) {
   return array;
 }
 
-io::JsonObject discrepancy_json(const Diagnosed& one) {
+io::JsonObject discrepancy_json(const steps::Diagnosed& one) {
   auto json = comparison_json(one.comparison);
   json.emplace_back("excess", one.result.excess_before);
   json.emplace_back("chi_square_per_sensor", io::Json(one.result.before.per_output));
@@ -101,10 +101,11 @@ io::Json bands_json(const std::vector<std::pair<double, double>>& bands) {
   return array;
 }
 
-io::JsonObject gain_json(const Gain& gain) {
+io::JsonObject gain_json(const steps::Gain& gain) {
   io::JsonObject json{
-      {"from",
-       gain.from == GainFrom::nothing ? io::Json() : io::Json(std::string(name(gain.from)))},
+      {"from", gain.from == steps::GainFrom::nothing
+                   ? io::Json()
+                   : io::Json(std::string(steps::name(gain.from)))},
       {"fit", io::JsonObject{{"before", gain.fit_before}, {"after", gain.fit_after}}},
       {"held_out",
        io::JsonObject{{"before", gain.held_out_before}, {"after", gain.held_out_after}}},
@@ -117,11 +118,11 @@ io::JsonObject gain_json(const Gain& gain) {
       {"noise_floor", gain.noise_floor},
       {"held_out_noise_floor", gain.held_out_noise},
       {"pays", gain.pays ? io::Json(*gain.pays) : io::Json()}};
-  if (gain.from == GainFrom::fitted_model && gain.pays) {
+  if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
     json.emplace_back("extended_study", io::JsonObject{{"fit", gain.fit_extended},
                                                        {"held_out", gain.held_out_extended}});
   }
-  const auto advice = advice_against(gain);
+  const auto advice = steps::advice_against(gain);
   if (!advice.empty()) json.emplace_back("advice", advice);
   return json;
 }
@@ -132,11 +133,11 @@ std::string gain_row(const char* what, double before, double after, double noise
                      changed ? percent(after) : "-", percent(noise), of);
 }
 
-std::string gain_text(const Gain& gain) {
-  const bool changed = gain.from != GainFrom::nothing;
+std::string gain_text(const steps::Gain& gain) {
+  const bool changed = gain.from != steps::GainFrom::nothing;
   std::string text = "\nresponses off by       before     after      noise\n";
   text += gain_row("fitted", gain.fit_before, gain.fit_after, gain.noise_floor, changed,
-                   words(gain.fitted));
+                   steps::words(gain.fitted));
   if (!gain.held_out.empty()) {
     text += gain_row("held out", gain.held_out_before, gain.held_out_after, gain.held_out_noise,
                      changed, fmt::format("{}", fmt::join(gain.held_out, ", ")));
@@ -200,29 +201,29 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
   return "None of the known causes explains it.";
 }
 
-std::string verdict_text(const Diagnosed& one) {
-  const auto advice = advice_against(one.gain);
+std::string verdict_text(const steps::Diagnosed& one) {
+  const auto advice = steps::advice_against(one.gain);
   return (advice.empty() ? advice : advice + " ") + verdict_text(one.result);
 }
 
-std::vector<std::string> gain_lines(const Gain& gain) {
+std::vector<std::string> gain_lines(const steps::Gain& gain) {
   std::vector<std::string> lines;
-  if (gain.from == GainFrom::extended_study) {
+  if (gain.from == steps::GainFrom::extended_study) {
     lines.emplace_back("after: the finite elements of extended.toml");
   }
-  if (gain.from == GainFrom::fitted_model) {
+  if (gain.from == steps::GainFrom::fitted_model) {
     lines.emplace_back(
         "after: the reduced model of the fit with all causes (extended.toml lacks one, or was not "
         "solved)");
   }
-  if (gain.from == GainFrom::fitted_model && gain.pays) {
+  if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
     lines.push_back(fmt::format("extended.toml alone: off by {} fitted, by {} held out",
                                 percent(gain.fit_extended), percent(gain.held_out_extended)));
   }
   return lines;
 }
 
-std::string diagnosis_table(const Diagnosed& one) {
+std::string diagnosis_table(const steps::Diagnosed& one) {
   const auto& result = one.result;
   std::string text = fmt::format("verdict: {}\n{}\n\n{}", diagnosis::name(result.verdict),
                                  verdict_text(one), causes_text(result));
@@ -239,7 +240,7 @@ std::string diagnosis_table(const Diagnosed& one) {
   return sizes.empty() ? text : fmt::format("{}\n{}", text, sizes);
 }
 
-io::JsonObject diagnosis_json(const Diagnosed& one) {
+io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
   const auto& result = one.result;
   io::JsonObject json{{"verdict", std::string(diagnosis::name(result.verdict))},
                       {"summary", verdict_text(one)},
@@ -259,4 +260,4 @@ io::JsonObject diagnosis_json(const Diagnosed& one) {
   return json;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -9,13 +9,13 @@
 #include "show/identification/response_series.h"
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr Eigen::Index kMostPanels = 24;
 constexpr int kInk = 0, kVermilion = 2, kGrey = 6;
 
-io::PlotPanel response_panel(const IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
+io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
                              Eigen::Index e) {
   const auto& data = model.data;
   const auto i = static_cast<std::size_t>(e % data.outputs);
@@ -53,7 +53,7 @@ io::PlotPanel response_panel(const IdentifiedModel& model, const Eigen::MatrixXc
   return panel;
 }
 
-io::PlotPanel stabilisation_panel(const IdentifiedModel& model) {
+io::PlotPanel stabilisation_panel(const steps::IdentifiedModel& model) {
   io::PlotPanel panel;
   panel.title = "Poles of rising order; dashed: the modes of the fit";
   panel.x = {.label = "frequency [Hz]",
@@ -90,7 +90,7 @@ io::PlotPanel stabilisation_panel(const IdentifiedModel& model) {
 
 }  // namespace
 
-void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png) {
+void draw_fit(const steps::IdentifiedModel& model, const std::filesystem::path& png) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
   io::Plot plot{.title = "Measured and fitted responses", .panels = {}, .columns = 0};
@@ -107,11 +107,11 @@ void draw_fit(const IdentifiedModel& model, const std::filesystem::path& png) {
   io::draw_plot(png, plot);
 }
 
-void draw_stabilisation(const IdentifiedModel& model, const std::filesystem::path& png) {
+void draw_stabilisation(const steps::IdentifiedModel& model, const std::filesystem::path& png) {
   io::draw_plot(png, {.title = "Stabilisation diagram",
                       .panels = {stabilisation_panel(model)},
                       .columns = 1,
                       .aspect = 0.6});
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

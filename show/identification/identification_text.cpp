@@ -11,7 +11,7 @@
 #include "show/identification.h"
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 std::string percent(double part) { return fmt::format("{:.3g} %", 100.0 * part); }
@@ -36,7 +36,7 @@ const char* matched_by(identification::MatchedBy by) {
   return "";
 }
 
-std::vector<std::string> row_names(const IdentifiedModel& model) {
+std::vector<std::string> row_names(const steps::IdentifiedModel& model) {
   std::vector<std::string> names;
   for (const auto& row : model.match.rows) {
     const auto& side = row.actuator ? model.seen.inputs : model.seen.outputs;
@@ -57,7 +57,7 @@ io::Json modes_list(const identification::ModalFit& fit) {
   return modes;
 }
 
-io::Json gain_json(const IdentifiedModel& model) {
+io::Json gain_json(const steps::IdentifiedModel& model) {
   const auto& modes = model.match.modes;
   const auto n = static_cast<Eigen::Index>(modes.size());
   Eigen::VectorXd alpha(n);
@@ -124,7 +124,7 @@ std::string complex_table(const identification::ModalFit& fit) {
   return text;
 }
 
-io::Json fit_json(const IdentifiedModel& model) {
+io::Json fit_json(const steps::IdentifiedModel& model) {
   io::JsonArray channels;
   for (Eigen::Index j = 0; j < model.error.cols(); ++j) {
     for (Eigen::Index i = 0; i < model.error.rows(); ++i) {
@@ -138,8 +138,8 @@ io::Json fit_json(const IdentifiedModel& model) {
     }
   }
   const auto& fit = model.found.fit;
-  return io::JsonObject{{"relative_error", overall_error(model)},
-                        {"noise_floor", noise(model)},
+  return io::JsonObject{{"relative_error", steps::overall_error(model)},
+                        {"noise_floor", steps::noise(model)},
                         {"per_channel", channels},
                         {"cost", fit.cost},
                         {"expected_cost", fit.expected_cost},
@@ -177,7 +177,7 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
 
 // The state space of real modes has all places of the extended model as outputs; that of complex
 // modes has the sensors.
-io::MatFields matlab_variables(const Study& study, const IdentifiedModel& model,
+io::MatFields matlab_variables(const study::Study& study, const steps::IdentifiedModel& model,
                                const modal::ReducedModel& extended) {
   const auto& fit = model.found.fit;
   const auto space = fit.complex ? identification::state_space(fit.model, *fit.complex)
@@ -205,7 +205,7 @@ std::string gain_text(const identification::ModeMatch& match) {
 }
 
 // Model error over the band: at the median line, and the largest.
-std::string model_error_text(const IdentifiedModel& model) {
+std::string model_error_text(const steps::IdentifiedModel& model) {
   if (model.model_error.size() == 0) return " and the stated error of the model";
   Eigen::VectorXd sorted = model.model_error;
   std::sort(sorted.begin(), sorted.end());
@@ -215,7 +215,7 @@ std::string model_error_text(const IdentifiedModel& model) {
 
 }  // namespace
 
-std::string identification_table(const IdentifiedModel& model) {
+std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
   std::string text = fmt::format(
@@ -234,9 +234,10 @@ std::string identification_table(const IdentifiedModel& model) {
         fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
   }
   if (fit.complex) text += complex_table(fit);
-  text += fmt::format("\nresponses off by {} of their size, {} {}", percent(overall_error(model)),
+  text += fmt::format("\nresponses off by {} of their size, {} {}",
+                      percent(steps::overall_error(model)),
                       data.noise_known ? "noise" : "noise with the error that the model may have",
-                      percent(noise(model)));
+                      percent(steps::noise(model)));
   if (fit.delay_std_s > 0.0) {
     text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
   }
@@ -249,7 +250,7 @@ std::string identification_table(const IdentifiedModel& model) {
   return text + trust_text(model);
 }
 
-io::JsonObject identified_json(const IdentifiedModel& model) {
+io::JsonObject identified_json(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   io::JsonArray groups;
   for (const auto& group : fit.groups) {
@@ -293,7 +294,7 @@ io::JsonObject identified_json(const IdentifiedModel& model) {
   return json;
 }
 
-void leave_identification(const Study& study, const IdentifiedModel& model, Run& run,
+void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result) {
   const auto& fit = model.found.fit;
   const auto extended = identification::extended_model(fit, model.match);
@@ -311,11 +312,12 @@ void leave_identification(const Study& study, const IdentifiedModel& model, Run&
   run.leave("identified.json", identified_json(model), main_result);
 }
 
-std::function<void(const IdentifiedModel&)> shown_and_left(const Study& study, Run& run) {
-  return [&study, &run](const IdentifiedModel& model) {
+std::function<void(const steps::IdentifiedModel&)> shown_and_left(const study::Study& study,
+                                                                  Run& run) {
+  return [&study, &run](const steps::IdentifiedModel& model) {
     run.show(identification_table(model) + "\n");
     leave_identification(study, model, run, false);
   };
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

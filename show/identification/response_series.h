@@ -7,7 +7,7 @@
 
 #include "modal/frf_set.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Radial part of the 95 % band of a circular error with variance 1: 1.96 / sqrt(2).
 inline constexpr double kBandAlong = 1.3859;
@@ -25,4 +25,4 @@ inline constexpr double kBandAlong = 1.3859;
   return "receptance [m/" + (input.unit.empty() ? "N" : input.unit) + "]";
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

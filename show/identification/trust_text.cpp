@@ -7,19 +7,19 @@
 
 #include "show/identification.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr std::size_t kMostLines = 8;  // named on the terminal
 
-std::string response_name(const IdentifiedModel& model, Eigen::Index e) {
+std::string response_name(const steps::IdentifiedModel& model, Eigen::Index e) {
   const auto p = model.data.outputs;
   return model.seen.outputs[static_cast<std::size_t>(e % p)].name + "/" +
          model.seen.inputs[static_cast<std::size_t>(e / p)].name;
 }
 
 // Lists the outlying responses line by line, the worst first.
-std::string outlying_text(const IdentifiedModel& model) {
+std::string outlying_text(const steps::IdentifiedModel& model) {
   std::map<Eigen::Index, std::vector<identification::OutlyingValue>> lines;
   for (const auto& one : model.judgement.outlying) lines[one.line].push_back(one);
   std::string text;
@@ -42,7 +42,7 @@ std::string outlying_text(const IdentifiedModel& model) {
 }
 
 // Size of the residual, and what it is compared with.
-std::string left_text(const IdentifiedModel& model) {
+std::string left_text(const steps::IdentifiedModel& model) {
   const auto& judgement = model.judgement;
   const auto& data = model.data;
   const auto against = data.noise_known    ? "the stated noise's"
@@ -54,7 +54,7 @@ std::string left_text(const IdentifiedModel& model) {
 
 }  // namespace
 
-std::string trust_text(const IdentifiedModel& model) {
+std::string trust_text(const steps::IdentifiedModel& model) {
   const auto& judgement = model.judgement;
   std::string text = fmt::format("trust: {}; {}\n", word(judgement.trust), left_text(model));
   for (const auto& reason : judgement.reasons) text += "  " + reason + "\n";
@@ -65,7 +65,7 @@ std::string trust_text(const IdentifiedModel& model) {
   return text + outlying_text(model);
 }
 
-io::Json trust_json(const IdentifiedModel& model) {
+io::Json trust_json(const steps::IdentifiedModel& model) {
   const auto& judgement = model.judgement;
   io::JsonArray outlying;
   for (const auto& one : judgement.outlying) {
@@ -93,4 +93,4 @@ io::Json trust_json(const IdentifiedModel& model) {
                         {"outlying", outlying}};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

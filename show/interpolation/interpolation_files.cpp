@@ -13,16 +13,16 @@
 #include "show/interpolation.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr Eigen::Index kMostPanels = 12;
 
-std::string mode_of(const Interpolated& result, Eigen::Index mode) {
+std::string mode_of(const steps::Interpolated& result, Eigen::Index mode) {
   return fmt::format("mode_{:03d}_{:.2f}Hz", mode + 1, result.measured.shapes.frequency_hz(mode));
 }
 
-void leave_vtu(const std::string& title, const Interpolated& result, const Run& run) {
+void leave_vtu(const std::string& title, const steps::Interpolated& result, const Run& run) {
   const auto& shown = result.methods.front();
   std::vector<io::NodeField> fields;
   for (Eigen::Index i = 0; i < shown.surface.mean.cols(); ++i) {
@@ -36,7 +36,7 @@ void leave_vtu(const std::string& title, const Interpolated& result, const Run& 
                         {title, {"length: m", "shapes: the unit of the measured ones"}});
 }
 
-std::vector<io::Marker> measured_markers(const Interpolated& result) {
+std::vector<io::Marker> measured_markers(const steps::Interpolated& result) {
   std::vector<io::Marker> markers;
   const auto add = [&](const priors::Places& places, const std::vector<std::string>& names,
                        const char* kind) {
@@ -51,7 +51,7 @@ std::vector<io::Marker> measured_markers(const Interpolated& result) {
 }
 
 // Standard deviation of each shape on the surface: one panel per mode.
-void leave_picture(const Interpolated& result, Run& run) {
+void leave_picture(const steps::Interpolated& result, Run& run) {
   const auto& shown = result.methods.front();
   const auto& area = result.simulation.area;
   io::LayoutsPicture picture{
@@ -75,8 +75,8 @@ void leave_picture(const Interpolated& result, Run& run) {
 }
 
 // A grid over the body, seen from above, for a real-time target.
-void leave_table(const Interpolated& result, const Solution& solution,
-                 const InterpolationPlan& plan, const Run& run) {
+void leave_table(const steps::Interpolated& result, const stage::Solution& solution,
+                 const study::InterpolationPlan& plan, const Run& run) {
   const mesh::SiteFinder finder(solution.model.body);
   const auto box = mesh::bounding_box(result.surface.sites.position);
   std::vector<mesh::Site> sites;
@@ -101,7 +101,7 @@ void leave_table(const Interpolated& result, const Solution& solution,
     directions.row(static_cast<Eigen::Index>(k)) =
         result.direction.value_or(sites[k].normal).transpose();
   }
-  const auto places = places_at(sites, directions, solution.modes, result.harmonics);
+  const auto places = steps::places_at(sites, directions, solution.modes, result.harmonics);
   const auto field = result.methods.front().field->at(places);
   std::vector<io::CsvColumn> columns = {{"x_m", Eigen::VectorXd(places.position.col(0))},
                                         {"y_m", Eigen::VectorXd(places.position.col(1))},
@@ -113,7 +113,7 @@ void leave_table(const Interpolated& result, const Solution& solution,
   io::write_csv(run / "mode_field.csv", columns);
 }
 
-void leave_polynomials(const Interpolated& result, int degree, Run& run) {
+void leave_polynomials(const steps::Interpolated& result, int degree, Run& run) {
   const auto& shown = result.methods.front();
   const auto fitted = priors::polynomials(result.surface.sites.position.leftCols<2>(),
                                           result.simulation.area, shown.surface.mean, degree);
@@ -138,10 +138,10 @@ void leave_polynomials(const Interpolated& result, int degree, Run& run) {
 
 }  // namespace
 
-void leave_interpolation(const Study& study, const Solution& solution, const Interpolated& result,
-                         Run& run, bool main_result) {
+void leave_interpolation(const study::Study& study, const stage::Solution& solution,
+                         const steps::Interpolated& result, Run& run, bool main_result) {
   leave_vtu(study.title, result, run);
-  const auto plan = study.interpolation.value_or(InterpolationPlan{});
+  const auto plan = study.interpolation.value_or(study::InterpolationPlan{});
   if (plan.table_pitch > 0.0) leave_table(result, solution, plan, run);
   if (plan.polynomial_degree > 0) leave_polynomials(result, plan.polynomial_degree, run);
   if (result.measured.identified) leave_predictions(result, plan.predicted, run);
@@ -152,4 +152,4 @@ void leave_interpolation(const Study& study, const Solution& solution, const Int
   run.leave("interpolation.json", interpolation_json(result), main_result);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

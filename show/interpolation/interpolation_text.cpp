@@ -7,13 +7,13 @@
 #include "show/interpolation.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 double mean_of(const Eigen::VectorXd& values) { return values.size() > 0 ? values.mean() : NAN; }
 
 // Simulated modes that the channels cannot see, as text; empty if there are none.
-std::string unseen_text(const Interpolated& result) {
+std::string unseen_text(const steps::Interpolated& result) {
   std::string text;
   const auto& simulation = result.simulation;
   const double highest = result.measured.shapes.frequency_hz.maxCoeff();
@@ -28,7 +28,7 @@ std::string unseen_text(const Interpolated& result) {
   return text;
 }
 
-std::string methods_text(const Interpolated& result) {
+std::string methods_text(const steps::Interpolated& result) {
   const bool has_truth = result.measured.truth.size() > 0;
   const bool has_hidden = !result.measured.hidden_channels.empty();
   std::string text = fmt::format("{:<30}", "method");
@@ -52,7 +52,7 @@ std::string methods_text(const Interpolated& result) {
 }
 
 // Results of each mode, for the first method.
-std::string modes_text(const Interpolated& result) {
+std::string modes_text(const steps::Interpolated& result) {
   const auto& shown = result.methods.front();
   const auto& frequency = result.measured.shapes.frequency_hz;
   const auto& area = result.simulation.area;
@@ -70,7 +70,7 @@ std::string modes_text(const Interpolated& result) {
   return text;
 }
 
-std::string points_text(const Interpolated& result) {
+std::string points_text(const steps::Interpolated& result) {
   if (result.points.empty()) return {};
   const auto& shown = result.methods.front();
   std::string text = "\npoint, mode by mode, +- 1 sigma\n";
@@ -98,7 +98,7 @@ io::Json fit_json(const priors::FitSummary& summary) {
                         {"notes", io::Json::texts(summary.notes)}};
 }
 
-io::Json held_out_json(const Measured& measured, const Interpolation& one) {
+io::Json held_out_json(const steps::Measured& measured, const steps::Interpolation& one) {
   io::JsonArray array;
   for (std::size_t c = 0; c < measured.hidden_channels.size(); ++c) {
     const auto row = static_cast<Eigen::Index>(c);
@@ -113,7 +113,7 @@ io::Json held_out_json(const Measured& measured, const Interpolation& one) {
   return array;
 }
 
-io::Json points_json(const Interpolated& result, const Interpolation& one) {
+io::Json points_json(const steps::Interpolated& result, const steps::Interpolation& one) {
   io::JsonArray array;
   for (std::size_t p = 0; p < result.points.size(); ++p) {
     const auto row = static_cast<Eigen::Index>(p);
@@ -128,7 +128,7 @@ io::Json points_json(const Interpolated& result, const Interpolation& one) {
   return array;
 }
 
-io::Json method_json(const Interpolated& result, const Interpolation& one) {
+io::Json method_json(const steps::Interpolated& result, const steps::Interpolation& one) {
   io::JsonObject object = {{"method", one.method->name},
                            {"summary", one.method->summary},
                            {"source", one.method->source},
@@ -144,7 +144,7 @@ io::Json method_json(const Interpolated& result, const Interpolation& one) {
 
 }  // namespace
 
-std::string interpolation_table(const Interpolated& result) {
+std::string interpolation_table(const steps::Interpolated& result) {
   const auto& measured = result.measured;
   std::string text =
       fmt::format("{} shapes measured at {} places, {} held out\n", measured.shapes.mode_count(),
@@ -162,7 +162,7 @@ std::string interpolation_table(const Interpolated& result) {
   return text;
 }
 
-io::JsonObject interpolation_json(const Interpolated& result) {
+io::JsonObject interpolation_json(const steps::Interpolated& result) {
   io::JsonArray methods;
   for (const auto& one : result.methods) methods.push_back(method_json(result, one));
   const auto& measured = result.measured;
@@ -175,4 +175,4 @@ io::JsonObject interpolation_json(const Interpolated& result) {
           {"methods", methods}};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

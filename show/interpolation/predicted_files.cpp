@@ -13,10 +13,10 @@
 #include "steps/interpolation.h"
 #include "steps/predicted.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
-modal::FrfSet as_set(const IdentifiedModel& model, const std::vector<std::string>& names,
+modal::FrfSet as_set(const steps::IdentifiedModel& model, const std::vector<std::string>& names,
                      const Eigen::VectorXd& frequency_hz) {
   modal::FrfSet set;
   for (const auto& name : names) {
@@ -35,11 +35,11 @@ Eigen::MatrixXd known_variance(const Eigen::MatrixXd& deviation) {
 }
 
 // The unmeasured sensors, then the points.
-identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
+identification::PlacesOfInterest all_of_interest(const steps::Interpolated& result) {
   const auto& shown = result.methods.front();
-  auto all = places_of_interest(result, result.unmeasured_places, shown.unmeasured);
+  auto all = steps::places_of_interest(result, result.unmeasured_places, shown.unmeasured);
   if (result.points.empty()) return all;
-  const auto points = places_of_interest(result, result.point_places, shown.points);
+  const auto points = steps::places_of_interest(result, result.point_places, shown.points);
   const auto append = [](Eigen::MatrixXd& rows, const Eigen::MatrixXd& below) {
     const auto n = rows.rows();
     rows.conservativeResize(n + below.rows(), below.cols());
@@ -55,7 +55,8 @@ identification::PlacesOfInterest all_of_interest(const Interpolated& result) {
 
 // Sets the deviation of modes without a scale to NaN: their shapes are 0 because they are left out,
 // not because they are known.
-Eigen::MatrixXd stated_deviation(const Measured& measured, const Eigen::MatrixXd& deviation) {
+Eigen::MatrixXd stated_deviation(const steps::Measured& measured,
+                                 const Eigen::MatrixXd& deviation) {
   Eigen::MatrixXd stated = deviation;
   for (auto m = measured.identified->found.fit.model.rigid_count; m < stated.cols(); ++m) {
     const auto& used = measured.fitted_mode;
@@ -80,10 +81,10 @@ void warn_of_unknown(const modal::FrfSet& band, const std::string& file, Run& ru
       file, names));
 }
 
-void leave_state_space(const Interpolated& result, const std::vector<std::string>& outputs,
+void leave_state_space(const steps::Interpolated& result, const std::vector<std::string>& outputs,
                        const identification::PlacesOfInterest& interest,
                        const std::vector<std::string>& notes, Run& run) {
-  const auto& model = identified_of(result);
+  const auto& model = steps::identified_of(result);
   const auto& fit = model.found.fit;
   const auto deviation = stated_deviation(result.measured, interest.deviation);
   const auto at = identification::model_at(fit, model.match, interest);
@@ -119,8 +120,8 @@ void leave_state_space(const Interpolated& result, const std::vector<std::string
 
 }  // namespace
 
-void leave_predictions(const Interpolated& result, const std::string& file, Run& run) {
-  const auto& model = identified_of(result);
+void leave_predictions(const steps::Interpolated& result, const std::string& file, Run& run) {
+  const auto& model = steps::identified_of(result);
   std::vector<std::string> names = result.unmeasured;
   names.insert(names.end(), result.points.begin(), result.points.end());
   if (names.empty()) return;
@@ -136,7 +137,7 @@ void leave_predictions(const Interpolated& result, const std::string& file, Run&
   for (const auto& deviation : responses.deviation) {
     receptance.variance.push_back(known_variance(deviation));
   }
-  const auto notes = left_out_of_predictions(result);
+  const auto notes = steps::left_out_of_predictions(result);
   for (const auto& note : notes) run.warn(note);
   warn_of_unknown(receptance, stem + "_band.csv", run);
   write_atomically(run / (stem + "_band.csv"), io::frf_csv(receptance));
@@ -147,4 +148,4 @@ void leave_predictions(const Interpolated& result, const std::string& file, Run&
   leave_state_space(result, names, interest, notes, run);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -9,7 +9,7 @@
 #include "show/interpolation.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 constexpr std::size_t kMostPanels = 24;
@@ -69,7 +69,7 @@ std::string predictions_picture(const std::string& file) {
   return std::filesystem::path(file).stem().string() + ".png";
 }
 
-void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predicted,
+void draw_predictions(const steps::IdentifiedModel& model, const modal::FrfSet& predicted,
                       const std::filesystem::path& png) {
   const auto& lines = predicted.frequency_hz;
   std::vector<Eigen::Index> rows(model.measured.all.outputs.size());
@@ -82,7 +82,7 @@ void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predict
   plot.columns = static_cast<int>(std::min<Eigen::Index>(predicted.input_count(), 4));
   for (Eigen::Index i = 0; i < predicted.output_count(); ++i) {
     const auto row =
-        index_of(measured.outputs, predicted.outputs[static_cast<std::size_t>(i)].name);
+        steps::index_of(measured.outputs, predicted.outputs[static_cast<std::size_t>(i)].name);
     for (Eigen::Index j = 0; j < predicted.input_count(); ++j) {
       if (plot.panels.size() == kMostPanels) break;
       plot.panels.push_back(panel_of(predicted, i, j, measured, row));
@@ -91,4 +91,4 @@ void draw_predictions(const IdentifiedModel& model, const modal::FrfSet& predict
   io::draw_plot(png, plot);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
@@ -77,4 +77,4 @@ OutputFolder::~OutputFolder() {
   close(descriptor_);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

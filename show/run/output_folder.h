@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Creates `folder`, checks that it can be written, and holds a lock with this process's number
 /// until the end. A run that crashes leaves no lock.
@@ -26,4 +26,4 @@ class OutputFolder {
   int descriptor_ = -1;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::show

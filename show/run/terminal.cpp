@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <ostream>
 
-namespace chladni::app {
+namespace chladni::show {
 
 Manner manner_of_stderr(bool quiet) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
@@ -56,4 +56,4 @@ Progress Talk::progress() {
   return [this](std::string_view step, double fraction) { draw(step, fraction); };
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

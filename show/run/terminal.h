@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
 /// Style of the output on a stream.
 struct Manner {
@@ -43,4 +43,4 @@ class Talk {
   std::chrono::steady_clock::time_point last_drawn_;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -4,12 +4,12 @@
 #include "io/vtu.h"
 #include "show/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-void leave_modes(const Study& study, const Solution& solution, Run& run) {
+void leave_modes(const study::Study& study, const stage::Solution& solution, Run& run) {
   const auto& model = solution.model;
   const auto& modes = solution.modes;
-  const auto markers = markers_of(study, model);
+  const auto markers = stage::markers_of(study, model);
   run.leave("modes.json", modes_json(study, solution), true);
   io::write_csv(run / "modes.csv", modes_columns(solution));
   io::write_modes_vtu(run / "modes.vtu", model.body, modes, study.title);
@@ -25,4 +25,4 @@ void leave_modes(const Study& study, const Solution& solution, Run& run) {
   });
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -7,7 +7,7 @@
 #include "show/solution.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 /// The cluster of mode i; null for a simple mode.
@@ -18,7 +18,7 @@ const fem::Cluster* cluster_of(const fem::ModesSummary& summary, Eigen::Index i)
   return nullptr;
 }
 
-std::string remark(const Solution& solution, Eigen::Index i) {
+std::string remark(const stage::Solution& solution, Eigen::Index i) {
   if (i < solution.modes.rigid_count) return "rigid body";
   const auto* cluster = cluster_of(solution.summary, i);
   if (cluster == nullptr || cluster->first < solution.modes.rigid_count) return "";
@@ -32,7 +32,7 @@ int digits_for(double error_hz) {
   return std::clamp(1 - static_cast<int>(std::floor(std::log10(error_hz))), 1, 6);
 }
 
-io::Json channel_json(const std::vector<Channel>& channels, const Eigen::MatrixXd& values) {
+io::Json channel_json(const std::vector<study::Channel>& channels, const Eigen::MatrixXd& values) {
   io::JsonObject object;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const Eigen::VectorXd row = values.row(static_cast<Eigen::Index>(i)).transpose();
@@ -50,13 +50,13 @@ io::Json clusters_json(const fem::ModesSummary& summary) {
   return clusters;
 }
 
-Eigen::VectorXd error_hz(const Solution& solution) {
+Eigen::VectorXd error_hz(const stage::Solution& solution) {
   return solution.frequency_error.cwiseProduct(solution.modes.frequency_hz);
 }
 
 }  // namespace
 
-std::string modes_table(const Solution& solution) {
+std::string modes_table(const stage::Solution& solution) {
   const auto& modes = solution.modes;
   const Eigen::VectorXd error = error_hz(solution);
   std::string text = fmt::format("{:>5}  {:>14}  {:>11}  {:>9}\n", "mode", "frequency [Hz]",
@@ -71,7 +71,7 @@ std::string modes_table(const Solution& solution) {
                             solution.summary.complete ? "" : " (completeness not proved)");
 }
 
-io::JsonObject modes_json(const Study& study, const Solution& solution) {
+io::JsonObject modes_json(const study::Study& study, const stage::Solution& solution) {
   const auto& model = solution.model;
   const auto& modes = solution.modes;
   const auto& summary = solution.summary;
@@ -96,13 +96,14 @@ io::JsonObject modes_json(const Study& study, const Solution& solution) {
           {"centre_of_mass_m", io::Json(Eigen::VectorXd(model.mass.centre_m))},
           {"inertia_kg_m2", io::Json::rows(Eigen::MatrixXd(model.mass.inertia_kg_m2))},
           {"blas_kernel", dense::blas_kernel()},
-          {"sensors", channel_json(study.sensors, shapes_at(study.sensors, model.sensors, modes))},
-          {"actuators",
-           channel_json(study.actuators, shapes_at(study.actuators, model.actuators, modes))},
+          {"sensors",
+           channel_json(study.sensors, stage::shapes_at(study.sensors, model.sensors, modes))},
+          {"actuators", channel_json(study.actuators,
+                                     stage::shapes_at(study.actuators, model.actuators, modes))},
           {"warnings", texts}};
 }
 
-std::vector<io::CsvColumn> modes_columns(const Solution& solution) {
+std::vector<io::CsvColumn> modes_columns(const stage::Solution& solution) {
   const Eigen::Index count = solution.modes.mode_count();
   const Eigen::VectorXi number = Eigen::VectorXi::LinSpaced(count, 1, static_cast<int>(count));
   const Eigen::VectorXi rigid =
@@ -149,4 +150,4 @@ std::string mesh_text(const mesh::TetMesh& body) {
       quality.largest_dihedral_degrees, quality.smallest_radius_ratio, quality.mean_radius_ratio);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

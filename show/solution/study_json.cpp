@@ -5,7 +5,7 @@
 #include "show/solution/study_measured_json.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
@@ -51,22 +51,22 @@ io::Json body_json(const mesh::WaferTable& table) {
                         {"wafer_thickness_m", table.wafer_thickness}};
 }
 
-io::Json body_json(const FileGeometry& geometry) {
+io::Json body_json(const study::FileGeometry& geometry) {
   return io::JsonObject{{"file", geometry.file.filename().string()}, {"unit", geometry.unit}};
 }
 
-io::Json material_json(const StudyMaterial& material) {
+io::Json material_json(const study::StudyMaterial& material) {
   io::JsonObject object = {{"region", material.region}, {"symmetry", material.symmetry}};
   for (const auto& [name, value] : material.constants) object.emplace_back(name, value);
   object.emplace_back("stiffness_pa", io::Json::rows(Eigen::MatrixXd(material.material.stiffness)));
   return object;
 }
 
-io::Json place_json(const Place& place) {
+io::Json place_json(const study::Place& place) {
   return vector(place.point.head(place.from_above ? 2 : 3));
 }
 
-io::Json channels_json(const std::vector<Channel>& channels) {
+io::Json channels_json(const std::vector<study::Channel>& channels) {
   io::JsonArray array;
   for (const auto& channel : channels) {
     io::JsonObject object = {{"name", channel.name},
@@ -107,7 +107,7 @@ void add(io::JsonObject& object, const Spring& spring) {
   object.emplace_back("damping_n_s_per_m", spring.damping);
 }
 
-io::Json attachments_json(const std::vector<AttachmentPlan>& plans) {
+io::Json attachments_json(const std::vector<study::AttachmentPlan>& plans) {
   io::JsonArray array;
   for (const auto& plan : plans) {
     io::JsonObject object = {{"kind", plan.kind},
@@ -121,7 +121,7 @@ io::Json attachments_json(const std::vector<AttachmentPlan>& plans) {
   return array;
 }
 
-io::Json variations_json(const std::vector<VariationPlan>& plans) {
+io::Json variations_json(const std::vector<study::VariationPlan>& plans) {
   io::JsonArray array;
   for (const auto& plan : plans) {
     io::JsonObject object = {{"of", plan.of}};
@@ -130,8 +130,8 @@ io::Json variations_json(const std::vector<VariationPlan>& plans) {
       object.emplace_back("radius_m", plan.radius);
       object.emplace_back("relative", plan.relative);
     }
-    for (std::size_t k = 0; k < kVariationWaves.size(); ++k) {
-      object.emplace_back(std::string(kVariationWaves[k]), plan.waves[k]);
+    for (std::size_t k = 0; k < study::kVariationWaves.size(); ++k) {
+      object.emplace_back(std::string(study::kVariationWaves[k]), plan.waves[k]);
     }
     array.emplace_back(object);
   }
@@ -148,7 +148,7 @@ io::Json supports_json(const std::vector<fem::Support>& supports) {
   return array;
 }
 
-io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
+io::Json layouts_json(const std::vector<study::LayoutPlan>& layouts) {
   io::JsonArray array;
   for (const auto& layout : layouts) {
     array.push_back(io::JsonObject{{"name", layout.name},
@@ -158,12 +158,12 @@ io::Json layouts_json(const std::vector<LayoutPlan>& layouts) {
   return array;
 }
 
-io::Json faces_json(const FacePlan& on) {
+io::Json faces_json(const study::FacePlan& on) {
   if (on.facing) return io::JsonObject{{"facing", vector(*on.facing)}};
   return io::Json::texts(on.patches);
 }
 
-io::Json placement_plan_json(const PlacementPlan& plan) {
+io::Json placement_plan_json(const study::PlacementPlan& plan) {
   io::JsonArray modes;
   for (const int mode : plan.modes) modes.emplace_back(mode);
   io::JsonArray zones;
@@ -212,7 +212,7 @@ io::Json placement_plan_json(const PlacementPlan& plan) {
   return object;
 }
 
-io::Json priors_plan_json(const PriorsPlan& plan) {
+io::Json priors_plan_json(const study::PriorsPlan& plan) {
   io::JsonArray samples;
   for (const int count : plan.samples) samples.emplace_back(count);
   return io::JsonObject{
@@ -226,7 +226,7 @@ io::Json priors_plan_json(const PriorsPlan& plan) {
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
 }
 
-io::Json interpolation_json(const InterpolationPlan& plan) {
+io::Json interpolation_json(const study::InterpolationPlan& plan) {
   io::JsonArray points;
   for (const auto& point : plan.points) {
     points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
@@ -241,7 +241,7 @@ io::Json interpolation_json(const InterpolationPlan& plan) {
       {"polynomial_degree", plan.polynomial_degree}};
 }
 
-io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
+io::Json diagnosis_plan_json(const study::DiagnosisPlan& plan) {
   const auto& t = plan.tolerances;
   return io::JsonObject{
       {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
@@ -268,7 +268,7 @@ io::Json diagnosis_plan_json(const DiagnosisPlan& plan) {
       {"hold_out_band_hz", io::JsonArray{plan.hold_out_low_hz, plan.hold_out_high_hz}}};
 }
 
-io::Json expectations_json(const std::vector<Expectation>& expectations) {
+io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
     object.emplace_back(
@@ -277,7 +277,7 @@ io::Json expectations_json(const std::vector<Expectation>& expectations) {
   return object;
 }
 
-io::Json mesh_plan_json(const MeshPlan& plan) {
+io::Json mesh_plan_json(const study::MeshPlan& plan) {
   return io::JsonObject{{"edge_length_m", plan.edge_length},
                         {"order", plan.order},
                         {"layers", plan.layers},
@@ -287,7 +287,7 @@ io::Json mesh_plan_json(const MeshPlan& plan) {
                         {"repair", plan.fill_holes ? "fill" : "safe"}};
 }
 
-io::Json estimate_json(const Understood& body, const Cost& cost) {
+io::Json estimate_json(const stage::Understood& body, const stage::Cost& cost) {
   return io::JsonObject{
       {"extent_m", vector(body.extent_m)}, {"volume_m3", body.volume_m3},
       {"mass_kg", body.mass_kg},           {"first_frequency_hz", body.first_frequency_hz},
@@ -297,7 +297,7 @@ io::Json estimate_json(const Understood& body, const Cost& cost) {
 
 }  // namespace
 
-io::JsonObject study_json(const Study& study, const Introduction& introduction) {
+io::JsonObject study_json(const study::Study& study, const stage::Introduction& introduction) {
   io::JsonArray materials;
   for (const auto& material : study.materials) materials.push_back(material_json(material));
   io::JsonObject object = {
@@ -334,4 +334,4 @@ io::JsonObject study_json(const Study& study, const Introduction& introduction) 
   return object;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

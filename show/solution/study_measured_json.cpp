@@ -1,9 +1,9 @@
 // Measurement, experiment and identification of a study, in SI units.
 #include "show/solution/study_measured_json.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-io::Json measurement_json(const MeasurementPlan& plan) {
+io::Json measurement_json(const study::MeasurementPlan& plan) {
   return io::JsonObject{{"frf", plan.frf.filename().string()},
                         {"time", plan.time.filename().string()},
                         {"shapes", plan.shapes.filename().string()},
@@ -14,7 +14,7 @@ io::Json measurement_json(const MeasurementPlan& plan) {
                         {"source", plan.source}};
 }
 
-io::Json experiment_json(const ExperimentPlan& plan) {
+io::Json experiment_json(const study::ExperimentPlan& plan) {
   return io::JsonObject{{"structure", plan.structure},
                         {"sample_rate_hz", plan.sample_rate_hz},
                         {"samples", plan.samples},
@@ -39,7 +39,7 @@ io::Json experiment_json(const ExperimentPlan& plan) {
                         {"leaves", plan.leaves_time ? "time" : "frf"}};
 }
 
-io::Json identification_json(const IdentificationPlan& plan) {
+io::Json identification_json(const study::IdentificationPlan& plan) {
   io::JsonArray pairs;
   for (const auto& [sensor, actuator] : plan.pairs) {
     pairs.push_back(io::JsonObject{{"sensor", sensor}, {"actuator", actuator}});
@@ -70,4 +70,4 @@ io::Json identification_json(const IdentificationPlan& plan) {
       {"stabilisation", plan.stabilisation}};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::show

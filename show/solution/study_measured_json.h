@@ -4,10 +4,10 @@
 #include "io/json.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::show {
 
-[[nodiscard]] io::Json measurement_json(const MeasurementPlan& plan);
-[[nodiscard]] io::Json experiment_json(const ExperimentPlan& plan);
-[[nodiscard]] io::Json identification_json(const IdentificationPlan& plan);
+[[nodiscard]] io::Json measurement_json(const study::MeasurementPlan& plan);
+[[nodiscard]] io::Json experiment_json(const study::ExperimentPlan& plan);
+[[nodiscard]] io::Json identification_json(const study::IdentificationPlan& plan);
 
-}  // namespace chladni::app
+}  // namespace chladni::show

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr double kBlind = 0.01;      // part of the largest motion of a mode
@@ -50,8 +50,9 @@ Eigen::VectorXd largest_motion(const modal::Modes& modes, const std::vector<Grou
 }
 
 /// channels×groups: motion at each channel over the largest motion, 0 to 1.
-Eigen::MatrixXd gains(const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites,
-                      const modal::Modes& modes, const std::vector<Group>& groups) {
+Eigen::MatrixXd gains(const std::vector<study::Channel>& channels,
+                      const std::vector<mesh::Site>& sites, const modal::Modes& modes,
+                      const std::vector<Group>& groups) {
   const Eigen::MatrixXd values = shapes_at(channels, sites, modes);
   const Eigen::VectorXd largest = largest_motion(modes, groups);
   Eigen::MatrixXd result(values.rows(), largest.size());
@@ -70,7 +71,7 @@ std::string first_of(const std::vector<std::string>& all) {
   return shown == all.size() ? text : fmt::format("{} and {} more", text, all.size() - shown);
 }
 
-void add_blindness(const std::string& kind, const std::vector<Channel>& channels,
+void add_blindness(const std::string& kind, const std::vector<study::Channel>& channels,
                    const Eigen::MatrixXd& gain, const std::vector<Group>& groups,
                    std::vector<std::string>& lines) {
   if (channels.empty()) return;
@@ -97,13 +98,13 @@ void add_blindness(const std::string& kind, const std::vector<Channel>& channels
   }
 }
 
-std::size_t modes_to_place(const PlacementPlan& plan, const modal::Modes& modes) {
+std::size_t modes_to_place(const study::PlacementPlan& plan, const modal::Modes& modes) {
   if (!(plan.up_to_hz > 0.0)) return plan.modes.size();
   const auto flexible = modes.frequency_hz.tail(modes.mode_count() - modes.rigid_count);
   return static_cast<std::size_t>((flexible.array() <= plan.up_to_hz).count());
 }
 
-bool is_in(const KeepOut& zone, const mesh::Site& site, const mesh::TetMesh& body) {
+bool is_in(const study::KeepOut& zone, const mesh::Site& site, const mesh::TetMesh& body) {
   const Eigen::Vector2d at = site.position.head<2>();
   if (zone.shape == "disc") return (at - zone.from).norm() < 0.5 * zone.diameter;
   if (zone.shape == "box") {
@@ -116,16 +117,16 @@ bool is_in(const KeepOut& zone, const mesh::Site& site, const mesh::TetMesh& bod
 
 }  // namespace
 
-std::vector<std::string> channels_kept_out(const Study& study, const Model& model) {
+std::vector<std::string> channels_kept_out(const study::Study& study, const Model& model) {
   std::vector<std::string> found;
   if (!study.placement) return found;
-  const auto look = [&](const std::string& kind, const std::vector<Channel>& channels,
+  const auto look = [&](const std::string& kind, const std::vector<study::Channel>& channels,
                         const std::vector<mesh::Site>& sites) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
       const auto& zones = study.placement->keep_out;
-      const bool kept_out = std::any_of(zones.begin(), zones.end(), [&](const KeepOut& zone) {
-        return is_in(zone, sites[i], model.body);
-      });
+      const bool kept_out = std::any_of(
+          zones.begin(), zones.end(),
+          [&](const study::KeepOut& zone) { return is_in(zone, sites[i], model.body); });
       if (!kept_out) continue;
       found.push_back(
           fmt::format("{} \"{}\" (line {})", kind, channels[i].name, channels[i].at.line));
@@ -138,7 +139,7 @@ std::vector<std::string> channels_kept_out(const Study& study, const Model& mode
                       study.file.string(), first_of(found))};
 }
 
-std::vector<std::string> blind_spots(const Study& study, const Solution& solution) {
+std::vector<std::string> blind_spots(const study::Study& study, const Solution& solution) {
   std::vector<std::string> lines;
   const auto groups = groups_of(solution);
   if (groups.empty()) return lines;
@@ -169,4 +170,4 @@ std::vector<std::string> coarse_mesh(const Solution& solution) {
                   worst + 1, solution.modes.frequency_hz(worst), 100.0 * error, shorter)};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,19 +6,21 @@
 
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Sensors and actuators in a zone or on a patch that the study keeps free.
-[[nodiscard]] std::vector<std::string> channels_kept_out(const Study& study, const Model& model);
+[[nodiscard]] std::vector<std::string> channels_kept_out(const study::Study& study,
+                                                         const Model& model);
 
 /// One line per finding: flexible modes that no sensor (no actuator) sees, fewer sensors than the
 /// modes for placement, and channels on the nodal line of a mode that others see. A channel is
 /// blind to a mode if it sees less than 1 % of the mode's largest motion. Members of a repeated
 /// mode are taken together, because their basis is arbitrary.
-[[nodiscard]] std::vector<std::string> blind_spots(const Study& study, const Solution& solution);
+[[nodiscard]] std::vector<std::string> blind_spots(const study::Study& study,
+                                                   const Solution& solution);
 
 /// States the factor by which to shorten the edges, if the mesh makes a frequency more than 1 %
 /// high.
 [[nodiscard]] std::vector<std::string> coarse_mesh(const Solution& solution);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -14,7 +14,7 @@
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -47,20 +47,21 @@ std::pair<double, double> plane_constants(const fem::Material& material) {
 }
 
 /// The material of most of the body: that of the first region.
-const StudyMaterial& main_material(const Study& study, const Outline& outline) {
+const study::StudyMaterial& main_material(const study::Study& study, const Outline& outline) {
   const std::string& region = outline.shell.region_names.front();
   const auto named = std::find_if(study.materials.begin(), study.materials.end(),
                                   [&](const auto& m) { return m.region == region; });
   return named != study.materials.end() ? *named : study.materials.front();
 }
 
-const StudyMaterial& wafer_material(const Study& study, const StudyMaterial& fallback) {
+const study::StudyMaterial& wafer_material(const study::Study& study,
+                                           const study::StudyMaterial& fallback) {
   const auto named = std::find_if(study.materials.begin(), study.materials.end(),
                                   [](const auto& m) { return m.region == "wafer"; });
   return named != study.materials.end() ? *named : fallback;
 }
 
-double mass_of(const Study& study, const Outline& outline) {
+double mass_of(const study::Study& study, const Outline& outline) {
   const auto& main = main_material(study, outline);
   double mass = main.material.density * outline.volume;
   const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
@@ -81,7 +82,7 @@ struct Estimate {
   const char* name;
 };
 
-Estimate first_frequency(const Study& study, const Understood& body,
+Estimate first_frequency(const study::Study& study, const Understood& body,
                          const fem::Material& material) {
   const auto [modulus, poisson] = plane_constants(material);
   const Slab slab = slab_of(body);
@@ -172,7 +173,7 @@ std::string Understood::line() const {
                      first_frequency_hz < 100.0 ? 1 : 0);
 }
 
-Understood understood(const Study& study, const Outline& outline) {
+Understood understood(const study::Study& study, const Outline& outline) {
   Understood body;
   const auto box = mesh::bounding_box(outline.shell.points);
   body.extent_m = (box.row(1) - box.row(0)).transpose();
@@ -213,13 +214,13 @@ double modes_below(const Understood& body, const fem::Material& material, double
   return kInPlane + std::max(beam, bending + membrane) + solid;
 }
 
-double modes_wanted(const Study& study, const Understood& body) {
+double modes_wanted(const study::Study& study, const Understood& body) {
   if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(study.modes.count);
   return std::max(kRigid,
                   modes_below(body, study.materials.front().material, study.modes.up_to_hz));
 }
 
-Cost forecast(const Study& study, const Outline& outline) {
+Cost forecast(const study::Study& study, const Outline& outline) {
   const double modes = modes_wanted(study, understood(study, outline));
   if (!outline.surface) {
     const int own_order = study.geometry.kind == "file" ? outline.shell.order() : 0;
@@ -236,12 +237,12 @@ Cost forecast(const Study& study, const Outline& outline) {
   return cost_of(node_count(count, order), count.tets, order, modes, false);
 }
 
-Cost forecast(const Study& study, const mesh::TetMesh& mesh, const Understood& body) {
+Cost forecast(const study::Study& study, const mesh::TetMesh& mesh, const Understood& body) {
   return cost_of(static_cast<double>(mesh.node_count()), static_cast<double>(mesh.tet_count()),
                  mesh.order(), modes_wanted(study, body), true);
 }
 
-void refuse_what_cannot_fit(const Study& study, const Understood& body, const Cost& cost) {
+void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost) {
   const double up_to = study.modes.up_to_hz;
   const double modes = modes_wanted(study, body);
   const double most = kModesPerFreedom * cost.degrees_of_freedom;
@@ -290,4 +291,4 @@ std::vector<std::string> implausible(const Understood& body) {
   return warnings;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,7 +6,7 @@
 #include "stage/body.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 struct Understood {
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< of the bounding box
@@ -21,7 +21,7 @@ struct Understood {
 /// Formulas for free bodies: a rectangular plate by its first twist (Leissa 1973: 13.49 for a
 /// square) or bending, a beam by Euler and Bernoulli (22.373), a disc by its (2, 0) mode (Leissa
 /// 1969: 5.253); any other body as the plate of its length, width and volume.
-[[nodiscard]] Understood understood(const Study& study, const Outline& outline);
+[[nodiscard]] Understood understood(const study::Study& study, const Outline& outline);
 
 struct Cost {
   double degrees_of_freedom = 0.0;
@@ -33,9 +33,9 @@ struct Cost {
 
 /// Forecast fitted to plates and tables of 2e4 to 4e5 degrees of freedom of order 2 and 3. For 7 of
 /// them the memory is right within 15 %, the time within 25 % on the machine of these runs.
-[[nodiscard]] Cost forecast(const Study& study, const Outline& outline);
+[[nodiscard]] Cost forecast(const study::Study& study, const Outline& outline);
 
 /// Warnings about a body that cannot be a wafer stage: "the body is 600 m long".
 [[nodiscard]] std::vector<std::string> implausible(const Understood& understood);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -5,7 +5,7 @@
 
 #include "mesh/surface.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 std::pair<Eigen::Index, Eigen::Index> longest_sides(const mesh::TetMesh& body) {
   const auto box = mesh::bounding_box(body.points);
@@ -35,4 +35,4 @@ Eigen::MatrixXd waves(const mesh::TetMesh& body, int count) {
   return fields;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -5,7 +5,7 @@
 
 #include "mesh/tet_mesh.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// The axes of the body's two longest sides, the longest first; for equal sides the first axis.
 [[nodiscard]] std::pair<Eigen::Index, Eigen::Index> longest_sides(const mesh::TetMesh& body);
@@ -14,4 +14,4 @@ namespace chladni::app {
 /// the centres of the cells; column count·a + b has a along the longer one.
 [[nodiscard]] Eigen::MatrixXd waves(const mesh::TetMesh& body, int count);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -13,7 +13,7 @@
 #include "stage/plane_stress.h"
 #include "stage/reduction/modal_stiffness.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr int kCells = 100;      // of a face
@@ -253,4 +253,4 @@ diagnosis::FineCells fine_cells_of(const Model& model, const modal::Modes& modes
   return fine;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

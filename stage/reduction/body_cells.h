@@ -5,7 +5,7 @@
 #include "stage/reduction/upper_face.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// About 100 cells for a face, 24 for a line. A tetrahedron across a border counts on both sides,
 /// by its volume there.
@@ -19,4 +19,4 @@ namespace chladni::app {
 [[nodiscard]] diagnosis::FineCells fine_cells_of(const Model& model, const modal::Modes& modes,
                                                  Eigen::Index used, const Chart& chart);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -2,7 +2,7 @@
 
 #include "fem/field_matrices.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 Eigen::MatrixXd modal_stiffness(const Model& model, const modal::Modes& modes,
                                 const ElasticChange& change) {
@@ -26,4 +26,4 @@ Eigen::MatrixXd unstrained(Eigen::MatrixXd stiffness, const Eigen::VectorXd& fre
   return 0.5 * (stiffness + stiffness.transpose());
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

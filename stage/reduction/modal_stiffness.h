@@ -6,7 +6,7 @@
 #include "modal/modes.h"
 #include "stage/model.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// Increase of a material's stiffness, in Voigt order xx yy zz yz xz xy [Pa]; may be indefinite.
 using ElasticChange = std::function<Eigen::Matrix<double, 6, 6>(const fem::Material&)>;
@@ -22,4 +22,4 @@ using ElasticChange = std::function<Eigen::Matrix<double, 6, 6>(const fem::Mater
 [[nodiscard]] Eigen::MatrixXd unstrained(Eigen::MatrixXd stiffness,
                                          const Eigen::VectorXd& frequency_hz);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

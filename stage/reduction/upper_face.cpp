@@ -8,7 +8,7 @@
 #include "mesh/surface.h"
 #include "stage/estimates/waves.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr int kScan = 350;       // places on a face
@@ -242,4 +242,4 @@ diagnosis::Surface surface_of(const Chart& chart, std::shared_ptr<const UpperFac
   return surface;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

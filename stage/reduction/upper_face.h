@@ -9,7 +9,7 @@
 #include "diagnosis/structure.h"
 #include "mesh/site.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 /// A plane on which a body is seen.
 struct Chart {
@@ -86,4 +86,4 @@ class UpperFace {
 [[nodiscard]] diagnosis::Surface surface_of(const Chart& chart,
                                             std::shared_ptr<const UpperFace> face);
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

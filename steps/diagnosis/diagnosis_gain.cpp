@@ -9,7 +9,7 @@
 
 #include "base/percent.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using Eigen::Index;
@@ -23,7 +23,7 @@ struct Sums {
   [[nodiscard]] double floor() const { return size > 0.0 ? std::sqrt(noise / size) : Gain::kNone; }
 };
 
-Sums sums_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan,
+Sums sums_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
              const std::vector<Eigen::MatrixXcd>& response, bool held_out) {
   const auto& set = measured.all;
   Sums sums;
@@ -51,7 +51,7 @@ std::vector<std::string> names_at(const std::vector<modal::MeasuredChannel>& cha
   return names;
 }
 
-MeasuredPart fitted_part(const MeasuredFrfs& measured, const DiagnosisPlan& plan) {
+MeasuredPart fitted_part(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan) {
   MeasuredPart part{names_at(measured.all.outputs, measured.outputs),
                     names_at(measured.all.inputs, measured.inputs),
                     {},
@@ -80,12 +80,12 @@ std::string_view name(GainFrom from) {
   return kNames[static_cast<std::size_t>(from)];
 }
 
-bool line_held_out(const DiagnosisPlan& plan, double frequency_hz) {
+bool line_held_out(const study::DiagnosisPlan& plan, double frequency_hz) {
   return plan.hold_out_high_hz > 0.0 && frequency_hz >= plan.hold_out_low_hz &&
          frequency_hz <= plan.hold_out_high_hz;
 }
 
-Gain gain_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan,
+Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
              const std::vector<std::string>& held_out_channels, const Predictions& predictions) {
   const auto error = [&](const std::vector<Eigen::MatrixXcd>& response, bool held_out) {
     return sums_of(measured, plan, response, held_out).relative();
@@ -146,4 +146,4 @@ std::string words(const MeasuredPart& part) {
                      fmt::join(part.actuators, ", "), part.lines, bands);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

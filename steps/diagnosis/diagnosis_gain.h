@@ -11,7 +11,7 @@
 #include "steps/identification.h"
 #include "study/diagnosis_plan.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// Origin of the responses after the diagnosis.
 enum class GainFrom {
@@ -53,7 +53,7 @@ struct Predictions {
 };
 
 /// @param predictions  `before` for every measured line
-[[nodiscard]] Gain gain_of(const MeasuredFrfs& measured, const DiagnosisPlan& plan,
+[[nodiscard]] Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
                            const std::vector<std::string>& held_out_channels,
                            const Predictions& predictions);
 
@@ -65,6 +65,6 @@ struct Predictions {
 [[nodiscard]] std::string words(const MeasuredPart& part);
 
 /// True if the line is held out of every fit.
-[[nodiscard]] bool line_held_out(const DiagnosisPlan& plan, double frequency_hz);
+[[nodiscard]] bool line_held_out(const study::DiagnosisPlan& plan, double frequency_hz);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -6,21 +6,21 @@
 #include "steps/extend/extension.h"
 #include "study/extends.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 namespace fs = std::filesystem;
 
 // Changes relative paths so that they are right in the extended study's folder:
 // "../../models/beam/measured.csv".
-void lead_paths(TomlEdit& edit, const fs::path& file, const fs::path& folder) {
+void lead_paths(study::TomlEdit& edit, const fs::path& file, const fs::path& folder) {
   const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
   const fs::path to = fs::weakly_canonical(fs::absolute(folder));
   if (from == to) return;
-  const auto files = relative_files(edit.tree());
+  const auto files = study::relative_files(edit.tree());
   for (const auto* file_name : files) {
-    edit.replace(*file_name,
-                 toml_text((from / file_name->text).lexically_relative(to).generic_string()));
+    edit.replace(*file_name, study::toml_text(
+                                 (from / file_name->text).lexically_relative(to).generic_string()));
   }
   if (files.empty()) return;
   edit.append_comment(fmt::format(
@@ -36,25 +36,25 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
   ExtendedStudy result{std::string(bytes), {}};
   for (const auto& cause : causes) {
     // One cause after the other: each starts from the text that the one before left.
-    const Study study = parse_study(result.text, file, allowed);
-    TomlEdit edit(result.text, file.string());
+    const study::Study study = study::parse_study(result.text, file, allowed);
+    study::TomlEdit edit(result.text, file.string());
     const Extension by{edit, study, chart, cause, fits_variations};
     const auto how = extend(cause.effect);
     const auto refused = how == nullptr ? std::string("a study has no key for it") : how(by);
     if (!refused.empty()) {
       result.unexpressed.push_back(cause.effect + ": " + refused);
-      TomlEdit untouched(result.text, file.string());
+      study::TomlEdit untouched(result.text, file.string());
       untouched.append_comment(by.comment() + "\nNot in this study: " + refused + ".");
       result.text = untouched.text();
       continue;
     }
     result.text = edit.text();
   }
-  static_cast<void>(parse_study(result.text, file, allowed));
-  TomlEdit edit(result.text, file.string());
+  static_cast<void>(study::parse_study(result.text, file, allowed));
+  study::TomlEdit edit(result.text, file.string());
   lead_paths(edit, file, folder);
   result.text = edit.text();
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

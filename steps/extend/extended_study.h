@@ -9,7 +9,7 @@
 #include "diagnosis/diagnosed.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 struct ExtendedStudy {
   std::string text;
@@ -34,4 +34,4 @@ struct ExtendedStudy {
     const std::vector<diagnosis::Cause>& causes, const std::filesystem::path& folder,
     const std::vector<std::filesystem::path>& allowed = {}, bool fits_variations = true);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 // The number at the start of a quantity's text, and the rest: " mm".
@@ -18,7 +18,7 @@ struct Written {
   std::string unit;
 };
 
-Written parts(const TomlNode& value) {
+Written parts(const study::TomlNode& value) {
   if (value.is_number()) return {value.number, ""};
   std::string_view text = value.text;
   const bool plus = text.starts_with('+');
@@ -31,9 +31,9 @@ Written parts(const TomlNode& value) {
   return result;
 }
 
-std::string with_unit(const TomlNode& value, const Written& parts) {
+std::string with_unit(const study::TomlNode& value, const Written& parts) {
   const std::string number = digits(parts.number);
-  return value.is_number() ? number : toml_text(number + parts.unit);
+  return value.is_number() ? number : study::toml_text(number + parts.unit);
 }
 
 const diagnosis::CauseParameter* find(const diagnosis::Cause& cause, std::string_view name) {
@@ -70,8 +70,8 @@ std::string Extension::comment(std::string_view before) const {
 
 std::string digits(double number) { return fmt::format("{:.9g}", number); }
 
-void scale(const Extension& by, const TomlNode& value, double factor) {
-  if (value.kind == TomlNode::Kind::array) {
+void scale(const Extension& by, const study::TomlNode& value, double factor) {
+  if (value.kind == study::TomlNode::Kind::array) {
     for (const auto& one : value.elements) scale(by, one, factor);
     return;
   }
@@ -80,7 +80,7 @@ void scale(const Extension& by, const TomlNode& value, double factor) {
   by.edit.replace(value, with_unit(value, scaled), by.comment(by.edit.written(value)));
 }
 
-void lengthen(const Extension& by, const TomlNode& value, double metres) {
+void lengthen(const Extension& by, const study::TomlNode& value, double metres) {
   auto moved = parts(value);
   const auto unit = moved.unit.find_first_not_of(' ');
   require(unit != std::string::npos,
@@ -94,12 +94,12 @@ bool looks_down(const Extension& by) {
 }
 
 std::string place(const Extension& by) {
-  return place(Place{by.chart.in_body({by.number("u"), by.number("v")}), looks_down(by)});
+  return place(study::Place{by.chart.in_body({by.number("u"), by.number("v")}), looks_down(by)});
 }
 
-std::string place(const Place& at) {
+std::string place(const study::Place& at) {
   const auto mm = [](double metres) {
-    return toml_text(digits(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres) + " mm");
+    return study::toml_text(digits(std::abs(metres) < 1e-9 ? 0.0 : 1e3 * metres) + " mm");
   };
   const auto& p = at.point;
   if (at.from_above) return fmt::format("[{}, {}]", mm(p(0)), mm(p(1)));
@@ -113,4 +113,4 @@ Extend extend(std::string_view effect) {
   return nullptr;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

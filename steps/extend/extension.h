@@ -8,12 +8,12 @@
 #include "study/study.h"
 #include "study/toml_edit.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// A study's document and the cause to add.
 struct Extension {
-  TomlEdit& edit;
-  const Study& study;               ///< the present content of the document
+  study::TomlEdit& edit;
+  const study::Study& study;        ///< the present content of the document
   const diagnosis::Surface& chart;  ///< for the cause's u and v
   const diagnosis::Cause& cause;
   bool fits_variations = true;  ///< the chart's axes are those of [[variation]]
@@ -40,18 +40,18 @@ using Extend = std::string (*)(const Extension& by);
 
 /// Multiplies a quantity in the text by a factor: "70 GPa" by 1.02 is "71.4 GPa". For an array,
 /// each of its values. @throws InvalidInput  it does not begin with a number
-void scale(const Extension& by, const TomlNode& value, double factor);
+void scale(const Extension& by, const study::TomlNode& value, double factor);
 /// Adds `metres` to a quantity in the text.
-void lengthen(const Extension& by, const TomlNode& value, double metres);
+void lengthen(const Extension& by, const study::TomlNode& value, double metres);
 
 /// True if the chart is x and y of the body's frame.
 [[nodiscard]] bool looks_down(const Extension& by);
 /// `at` for the cause's u and v: seen from above if the chart looks down, else the nearest point.
 [[nodiscard]] std::string place(const Extension& by);
 /// `at` in the form that a study uses.
-[[nodiscard]] std::string place(const Place& at);
+[[nodiscard]] std::string place(const study::Place& at);
 
 /// Nine digits, enough for any measured number.
 [[nodiscard]] std::string digits(double number);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

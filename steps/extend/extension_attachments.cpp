@@ -10,13 +10,13 @@
 
 #include "steps/extend/extension.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using Members = std::vector<std::pair<std::string, std::string>>;
 
 std::string quantity(double value, std::string_view unit) {
-  return toml_text(digits(value) + " " + std::string(unit));
+  return study::toml_text(digits(value) + " " + std::string(unit));
 }
 
 std::string vector(const Eigen::Vector3d& v) {
@@ -24,11 +24,11 @@ std::string vector(const Eigen::Vector3d& v) {
 }
 
 std::string normal(const Extension& by) {
-  if (looks_down(by)) return toml_text("z");
+  if (looks_down(by)) return study::toml_text("z");
   return vector(by.chart.axis_u.cross(by.chart.axis_v));
 }
 
-std::string unused_name(const Study& study, const std::string& wanted) {
+std::string unused_name(const study::Study& study, const std::string& wanted) {
   const auto taken = [&](const std::string& name) {
     return std::any_of(study.attachments.begin(), study.attachments.end(),
                        [&](const auto& one) { return one.name == name; });
@@ -40,8 +40,8 @@ std::string unused_name(const Study& study, const std::string& wanted) {
 
 void append_at(const Extension& by, const std::string& at, const std::string& kind,
                const std::string& name, const Members& more) {
-  Members members{{"kind", toml_text(kind)},
-                  {"name", toml_text(unused_name(by.study, "diagnosed_" + name))},
+  Members members{{"kind", study::toml_text(kind)},
+                  {"name", study::toml_text(unused_name(by.study, "diagnosed_" + name))},
                   {"at", at}};
   members.insert(members.end(), more.begin(), more.end());
   by.edit.append("attachment", members, by.comment());
@@ -72,7 +72,7 @@ std::string mass_with_inertia(const Extension& by) {
   return {};
 }
 
-std::string carried(const Extension& by, const std::vector<Channel>& channels) {
+std::string carried(const Extension& by, const std::vector<study::Channel>& channels) {
   if (!(by.number("mass") > 0.0)) return no_negative_mass();
   for (const auto& channel : channels) {
     append_at(by, place(channel.at), "mass", "mass_of_" + channel.name,
@@ -136,4 +136,4 @@ Extend extend_attachments(std::string_view effect) {
   return nullptr;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

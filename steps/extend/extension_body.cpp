@@ -10,15 +10,15 @@
 #include "stage/plane_stress.h"
 #include "steps/extend/extension.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 // Scales every value of these keys in every material.
 std::string scale_materials(const Extension& by, std::initializer_list<const char*> keys,
                             double factor) {
-  for (const auto* table : tables_of(by.edit.tree(), "material")) {
+  for (const auto* table : study::tables_of(by.edit.tree(), "material")) {
     for (const auto* key : keys) {
-      if (const auto* value = member(*table, key)) scale(by, *value, factor);
+      if (const auto* value = study::member(*table, key)) scale(by, *value, factor);
     }
   }
   return {};
@@ -39,26 +39,26 @@ bool looks_along_z(const Extension& by) {
 }
 
 // Scales all dimensions along z.
-void scale_heights(const Extension& by, const TomlNode& body, double factor) {
+void scale_heights(const Extension& by, const study::TomlNode& body, double factor) {
   for (const auto* key : {"thickness", "height", "face_sheet"}) {
-    if (const auto* value = member(body, key)) scale(by, *value, factor);
+    if (const auto* value = study::member(body, key)) scale(by, *value, factor);
   }
-  if (const auto* wafer = member(body, "wafer")) {
-    if (const auto* value = member(*wafer, "thickness")) scale(by, *value, factor);
+  if (const auto* wafer = study::member(body, "wafer")) {
+    if (const auto* value = study::member(*wafer, "thickness")) scale(by, *value, factor);
   }
-  for (const auto* bore : tables_of(body, "bores")) {
-    if (const auto* value = member(*bore, "depth")) scale(by, *value, factor);
+  for (const auto* bore : study::tables_of(body, "bores")) {
+    if (const auto* value = study::member(*bore, "depth")) scale(by, *value, factor);
   }
 }
 
 constexpr auto kOtherChart = "the diagnosis looks at the body along another axis than the key";
 
 std::string thickness(const Extension& by) {
-  const auto* geometry = member(by.edit.tree(), "geometry");
+  const auto* geometry = study::member(by.edit.tree(), "geometry");
   if (by.study.geometry.kind == "file") return "the body's thickness is in a file of geometry";
   if (by.study.geometry.kind == "sphere") return "a sphere has no thickness";
   if (!looks_along_z(by)) return kOtherChart;
-  scale_heights(by, *member(*geometry, by.study.geometry.kind), 1.0 + by.number("relative"));
+  scale_heights(by, *study::member(*geometry, by.study.geometry.kind), 1.0 + by.number("relative"));
   return {};
 }
 
@@ -68,9 +68,10 @@ std::string size_error(const Extension& by) {
   if (kind == "file") return "the body's size is in a file of geometry";
   if (kind == "sphere") return "a sphere has no size seen along z alone";
   if (!looks_along_z(by)) return kOtherChart;
-  const auto* body = member(*member(by.edit.tree(), "geometry"), kind);
+  const auto* body = study::member(*study::member(by.edit.tree(), "geometry"), kind);
   for (const auto* key : {"length", "width", "diameter"}) {
-    if (const auto* value = member(*body, key)) scale(by, *value, 1.0 + by.number("relative"));
+    if (const auto* value = study::member(*body, key))
+      scale(by, *value, 1.0 + by.number("relative"));
   }
   return {};
 }
@@ -86,8 +87,8 @@ std::string modes_above(const Extension& /*by*/) {
 }
 
 std::string modal_damping(const Extension& by) {
-  const auto* modes = member(by.edit.tree(), "modes");
-  const auto* ratio = modes == nullptr ? nullptr : member(*modes, "damping_ratio");
+  const auto* modes = study::member(by.edit.tree(), "modes");
+  const auto* ratio = modes == nullptr ? nullptr : study::member(*modes, "damping_ratio");
   if (ratio == nullptr || by.study.modes.damping_ratio == 0.0) {
     return "the study says no damping ratio that could be multiplied";
   }
@@ -95,7 +96,7 @@ std::string modal_damping(const Extension& by) {
   return {};
 }
 
-std::string gigapascals(double value) { return toml_text(digits(1e-9 * value) + " GPa"); }
+std::string gigapascals(double value) { return study::toml_text(digits(1e-9 * value) + " GPa"); }
 
 // True if strains along the axes and shears are not coupled with each other, nor two shears.
 bool is_orthotropic(const Eigen::Matrix<double, 6, 6>& stiffness) {
@@ -105,7 +106,7 @@ bool is_orthotropic(const Eigen::Matrix<double, 6, 6>& stiffness) {
   return rest.cwiseAbs().maxCoeff() <= 1e-9 * stiffness.cwiseAbs().maxCoeff();
 }
 
-void write_orthotropic(const Extension& by, const TomlNode& table,
+void write_orthotropic(const Extension& by, const study::TomlNode& table,
                        const Eigen::Matrix<double, 6, 6>& stiffness) {
   const Eigen::Matrix<double, 6, 6> compliance = stiffness.inverse();
   const auto modulus = [&](Eigen::Index i) { return 1.0 / compliance(i, i); };
@@ -113,11 +114,11 @@ void write_orthotropic(const Extension& by, const TomlNode& table,
     return digits(-compliance(i, j) / compliance(i, i));
   };
   const auto set = [&](const char* key, const std::string& written) {
-    const auto* before = member(table, key);
+    const auto* before = study::member(table, key);
     by.edit.set(table, "density", key, written,
                 by.comment(before == nullptr ? std::string_view() : by.edit.written(*before)));
   };
-  set("symmetry", toml_text("orthotropic"));
+  set("symmetry", study::toml_text("orthotropic"));
   set("youngs_modulus", fmt::format("[{}, {}, {}]", gigapascals(modulus(0)),
                                     gigapascals(modulus(1)), gigapascals(modulus(2))));
   set("poissons_ratio", fmt::format("[{}, {}, {}]", ratio(1, 2), ratio(0, 2), ratio(0, 1)));
@@ -133,17 +134,17 @@ std::string orthotropy(const Extension& by) {
   if (by.chart.axis_u.maxCoeff(&u) != 1.0 || by.chart.axis_v.maxCoeff(&v) != 1.0) {
     return "the chart does not lie along the body's axes";
   }
-  const auto tables = tables_of(by.edit.tree(), "material");
+  const auto tables = study::tables_of(by.edit.tree(), "material");
   for (std::size_t m = 0; m < tables.size(); ++m) {
     const auto& table = *tables[m];
     if (by.study.materials.at(m).symmetry == "cubic") return "a cubic material has one stiffness";
-    if (member(table, "angle") != nullptr || member(table, "axes") != nullptr) {
+    if (study::member(table, "angle") != nullptr || study::member(table, "axes") != nullptr) {
       return "the material's axes do not lie along the body's";
     }
     Eigen::Matrix<double, 6, 6> stiffness = by.study.materials[m].material.stiffness;
-    const Eigen::Matrix3d constants = plane_stress(stiffness, u, v);
+    const Eigen::Matrix3d constants = stage::plane_stress(stiffness, u, v);
     stiffness(u, u) += by.number("along_u") * constants(0, 0);
-    stiffness(shear_of(u, v), shear_of(u, v)) += by.number("shear") * constants(2, 2);
+    stiffness(stage::shear_of(u, v), stage::shear_of(u, v)) += by.number("shear") * constants(2, 2);
     require(is_orthotropic(stiffness), "orthotropy of a material that shears when it is stretched");
     write_orthotropic(by, table, stiffness);
   }
@@ -154,8 +155,8 @@ using Members = std::vector<std::pair<std::string, std::string>>;
 
 std::string append_waves(const Extension& by, const char* of) {
   if (!by.fits_variations) return kOtherChart;
-  Members members{{"of", toml_text(of)}};
-  for (const auto wave : kVariationWaves) {
+  Members members{{"of", study::toml_text(of)}};
+  for (const auto wave : study::kVariationWaves) {
     if (by.has(wave)) members.emplace_back(std::string(wave), digits(by.number(wave)));
   }
   by.edit.append("variation", members, by.comment());
@@ -167,9 +168,9 @@ std::string thickness_field(const Extension& by) { return append_waves(by, "thic
 std::string local_stiffness(const Extension& by) {
   if (!by.fits_variations) return kOtherChart;
   by.edit.append("variation",
-                 {{"of", toml_text("stiffness")},
+                 {{"of", study::toml_text("stiffness")},
                   {"at", place(by)},
-                  {"radius", toml_text(digits(1e3 * by.number("radius")) + " mm")},
+                  {"radius", study::toml_text(digits(1e3 * by.number("radius")) + " mm")},
                   {"relative", digits(by.number("factor"))}},
                  by.comment());
   return {};
@@ -197,4 +198,4 @@ Extend extend_body(std::string_view effect) {
   return nullptr;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -9,20 +9,21 @@
 #include "base/error.h"
 #include "steps/extend/extension.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 enum class Side { sensors, actuators };
 
 /// A channel of the study and its table in the document.
 struct Found {
-  const Channel& channel;
-  const TomlNode& table;
+  const study::Channel& channel;
+  const study::TomlNode& table;
 };
 
 Found find(const Extension& by, Side side, const std::string& name) {
   const auto& channels = side == Side::sensors ? by.study.sensors : by.study.actuators;
-  const auto tables = tables_of(by.edit.tree(), side == Side::sensors ? "sensor" : "actuator");
+  const auto tables =
+      study::tables_of(by.edit.tree(), side == Side::sensors ? "sensor" : "actuator");
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (channels[i].name == name) return {channels[i], *tables.at(i)};
   }
@@ -42,8 +43,8 @@ std::vector<Found> all_sensors(const Extension& by) {
   return all;
 }
 
-std::string written(const Extension& by, const TomlNode& table, const char* key) {
-  const auto* value = member(table, key);
+std::string written(const Extension& by, const study::TomlNode& table, const char* key) {
+  const auto* value = study::member(table, key);
   return value == nullptr ? std::string() : std::string(by.edit.written(*value));
 }
 
@@ -55,12 +56,14 @@ void multiply_gain(const Extension& by, const Found& of, double factor) {
   set(by, of, "gain", digits(of.channel.gain * factor));
 }
 void delay_by(const Extension& by, const Found& of) {
-  set(by, of, "delay", toml_text(digits(1e6 * (of.channel.delay + by.number("delay"))) + " us"));
+  set(by, of, "delay",
+      study::toml_text(digits(1e6 * (of.channel.delay + by.number("delay"))) + " us"));
 }
 // Two lags in series are one with their sum, to first order.
 void filter_by(const Extension& by, const Found& of) {
   const double before = of.channel.low_pass_hz > 0.0 ? 1.0 / of.channel.low_pass_hz : 0.0;
-  set(by, of, "low_pass", toml_text(digits(1.0 / (before + 1.0 / by.number("frequency"))) + " Hz"));
+  set(by, of, "low_pass",
+      study::toml_text(digits(1.0 / (before + 1.0 / by.number("frequency"))) + " Hz"));
 }
 
 template <Side side>
@@ -99,12 +102,12 @@ std::string vector(const Eigen::Vector3d& v) {
 template <Side side>
 std::string sign(const Extension& by) {
   const auto found = only(by, side);
-  const auto* direction = member(found.table, "direction");
+  const auto* direction = study::member(found.table, "direction");
   std::string turned = vector(-found.channel.direction);
-  if (direction != nullptr && direction->kind == TomlNode::Kind::text) {
+  if (direction != nullptr && direction->kind == study::TomlNode::Kind::text) {
     const auto& text = direction->text;
-    turned = toml_text(text.starts_with('-') ? text.substr(1)
-                                             : "-" + text.substr(text.starts_with('+') ? 1 : 0));
+    turned = study::toml_text(
+        text.starts_with('-') ? text.substr(1) : "-" + text.substr(text.starts_with('+') ? 1 : 0));
   }
   set(by, found, "direction", turned);
   return {};
@@ -124,7 +127,7 @@ std::string position(const Extension& by) {
   const auto found = only(by, side);
   const double v = by.has("v") ? by.number("v") : 0.0;
   const Eigen::Vector3d step = by.number("u") * by.chart.axis_u + v * by.chart.axis_v;
-  const auto* at = member(found.table, "at");
+  const auto* at = study::member(found.table, "at");
   const auto count = static_cast<Eigen::Index>(at->elements.size());
   if (count == 2 && step(2) != 0.0) {
     return "the channel's place is seen from above and the body stands upright";
@@ -146,8 +149,8 @@ std::string swap(const Extension& by) {
   if (a.channel.node.has_value() != b.channel.node.has_value()) {
     return "one of the two channels has a node number and the other has none";
   }
-  set(by, a, "name", toml_text(b.channel.name));
-  set(by, b, "name", toml_text(a.channel.name));
+  set(by, a, "name", study::toml_text(b.channel.name));
+  set(by, b, "name", study::toml_text(a.channel.name));
   if (a.channel.node && b.channel.node) {
     set(by, a, "node", std::to_string(*b.channel.node));
     set(by, b, "node", std::to_string(*a.channel.node));
@@ -161,8 +164,8 @@ bool names(const diagnosis::Cause& cause, const std::string& channel) {
 
 // True if the cause is on all sensors of the fit.
 bool of_all(const Extension& by) {
-  return std::ranges::all_of(by.study.sensors, [&](const Channel& sensor) {
-    const auto held_out = by.study.measurement.value_or(MeasurementPlan{}).hold_out;
+  return std::ranges::all_of(by.study.sensors, [&](const study::Channel& sensor) {
+    const auto held_out = by.study.measurement.value_or(study::MeasurementPlan{}).hold_out;
     return names(by.cause, sensor.name) ||
            std::ranges::find(held_out, sensor.name) != held_out.end();
   });
@@ -200,8 +203,8 @@ std::string differentiated(std::string unit, long times) {
 
 // `[identification] unit` applies to all sensors and to one quantity.
 std::string differentiate_unit(const Extension& by, long times) {
-  const auto* table = member(by.edit.tree(), "identification");
-  const auto* unit = table == nullptr ? nullptr : member(*table, "unit");
+  const auto* table = study::member(by.edit.tree(), "identification");
+  const auto* unit = table == nullptr ? nullptr : study::member(*table, "unit");
   if (unit == nullptr || unit->text.empty()) return {};
   if (!of_all(by)) {
     return "identification.unit is that of all sensors: state each sensor's unit in the file of "
@@ -209,7 +212,7 @@ std::string differentiate_unit(const Extension& by, long times) {
   }
   const auto other = differentiated(unit->text, times);
   if (other.empty()) return "a response in " + unit->text + " has no such unit";
-  by.edit.replace(*unit, toml_text(other), by.comment(by.edit.written(*unit)));
+  by.edit.replace(*unit, study::toml_text(other), by.comment(by.edit.written(*unit)));
   return {};
 }
 
@@ -222,7 +225,7 @@ std::string quantity(const Extension& by) {
       if (found.channel.quantity == kQuantities[k]) kind += static_cast<long>(k);
     }
     if (kind < 0 || kind > 2) return "a sensor measures displacement, velocity or acceleration";
-    set(by, found, "quantity", toml_text(kQuantities[static_cast<std::size_t>(kind)]));
+    set(by, found, "quantity", study::toml_text(kQuantities[static_cast<std::size_t>(kind)]));
   }
   return differentiate_unit(by, times);
 }
@@ -268,4 +271,4 @@ Extend extend_channels(std::string_view effect) {
   return nullptr;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

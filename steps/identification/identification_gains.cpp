@@ -14,7 +14,7 @@
 #include "steps/interpolation.h"
 #include "steps/placement.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kLargestMode = 0.15;  // deviation of ln f between a mode and its simulation
@@ -28,7 +28,7 @@ std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> ch
   return channels;
 }
 
-std::vector<identification::CollocatedPair> pairs_of(const IdentificationPlan& plan,
+std::vector<identification::CollocatedPair> pairs_of(const study::IdentificationPlan& plan,
                                                      const modal::FrfSet& seen) {
   if (plan.pairs.empty()) {
     return identification::collocated_pairs(along(seen.outputs), along(seen.inputs),
@@ -52,9 +52,9 @@ double distance(const modal::FrfSet& set, const identification::CollocatedPair& 
 }
 
 Eigen::MatrixXd simulated_rows(const std::vector<modal::MeasuredChannel>& measured,
-                               const std::vector<Channel>& channels,
+                               const std::vector<study::Channel>& channels,
                                const std::vector<mesh::Site>& sites, const modal::Modes& modes) {
-  const auto all = shapes_at(channels, sites, modes);
+  const auto all = stage::shapes_at(channels, sites, modes);
   std::vector<Eigen::Index> rows;
   for (const auto& one : measured) {
     rows.push_back(index_of(channels, one.name));
@@ -86,7 +86,8 @@ Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
 }
 
 // Adds the simulated shapes at the two places of each pair, mode by mode.
-void add_simulated_pairs(const Study& study, const Solution& solution, IdentifiedModel& model) {
+void add_simulated_pairs(const study::Study& study, const stage::Solution& solution,
+                         IdentifiedModel& model) {
   const auto& seen = model.seen;
   const auto& fit = model.found.fit.model;
   const auto outputs =
@@ -152,7 +153,7 @@ std::optional<identification::RigidGeometry> geometry_of(const modal::FrfSet& se
 }
 
 // Rigid-body motion: at 0 Hz, or on the springs that hold the body.
-std::optional<identification::RigidGeometry> rigid_geometry(const Study& study,
+std::optional<identification::RigidGeometry> rigid_geometry(const study::Study& study,
                                                             const IdentifiedModel& model) {
   const auto plan = identification_plan(study);
   const auto& fit = model.found.fit;
@@ -199,12 +200,13 @@ priors::MeasuredShapes shapes_of_one_side(const IdentifiedModel& model,
 }
 
 // Corrects the simulation by the measured shapes, and sets its remaining errors.
-void learn(const Solution& solution, const IdentifiedModel& model,
+void learn(const stage::Solution& solution, const IdentifiedModel& model,
            identification::GainPrior& prior) {
   constexpr Eigen::Index kFewestPlaces = 3;  // as for an interpolation
   const auto shapes = shapes_of_one_side(model, prior);
   if (shapes.places.count() < kFewestPlaces || shapes.mode_count() == 0) return;
-  const auto learned = priors::learned_corrections(shapes, prior.basis, corrections(solution));
+  const auto learned =
+      priors::learned_corrections(shapes, prior.basis, stage::corrections(solution));
   const auto& modes = learned.likeliest.modes;
   prior.basis = priors::corrected_basis(prior.basis, modes);
   prior.outputs.shapes = (prior.outputs.shapes * modes.turn).eval();
@@ -213,16 +215,16 @@ void learn(const Solution& solution, const IdentifiedModel& model,
 }
 
 // Prior of the simulation for the scale between sensors and actuators, where no pair gives it.
-identification::GainPrior gain_prior(const Study& study, const Solution& solution,
+identification::GainPrior gain_prior(const study::Study& study, const stage::Solution& solution,
                                      const IdentifiedModel& model) {
-  const auto on = study.interpolation ? study.interpolation->on : FacePlan{};
-  const auto faces = faces_of(study, solution.model.body, on, "interpolation.on");
+  const auto on = study.interpolation ? study.interpolation->on : study::FacePlan{};
+  const auto faces = stage::faces_of(study, solution.model.body, on, "interpolation.on");
   const placement::Sampler sampler(solution.model.body, solution.modes, {faces.direction, 0.0});
-  const auto surface = surface_on(sampler, faces);
+  const auto surface = stage::surface_on(sampler, faces);
   priors::Simulation simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {surface.sites.position, directions_on(surface.sites, faces.direction),
-                        surface.sites.shapes};
+  simulation.surface = {surface.sites.position,
+                        stage::directions_on(surface.sites, faces.direction), surface.sites.shapes};
   simulation.area = surface.sites.area;
   const auto sites = channel_sites(study, solution.model);
   const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
@@ -247,15 +249,15 @@ bool is_untold(const identification::GainMatch& match, Eigen::Index rigid_count)
 
 }  // namespace
 
-identification::GainMatch matched(const Study& study, const Solution* solution,
-                                  IdentifiedModel& model, Work& work) {
+identification::GainMatch matched(const study::Study& study, const stage::Solution* solution,
+                                  IdentifiedModel& model, stage::Work& work) {
   const auto plan = identification_plan(study);
   model.pairs = pairs_of(plan, model.seen);
   if (needs_simulation(model)) {
     if (solution != nullptr) {
       add_simulated_pairs(study, *solution, model);
     } else {
-      const Solution own = solved(study, work);
+      const stage::Solution own = stage::solved(study, work);
       add_simulated_pairs(study, own, model);
     }
   }
@@ -278,4 +280,4 @@ identification::RigidMotion rigid_motion(Eigen::Index rigid_count) {
   return rigid_count == 2 ? identification::RigidMotion::beam : identification::RigidMotion::plate;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -3,10 +3,10 @@
 
 #include "steps/identification.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
-[[nodiscard]] inline IdentificationPlan identification_plan(const Study& study) {
-  return study.identification.value_or(IdentificationPlan{});
+[[nodiscard]] inline study::IdentificationPlan identification_plan(const study::Study& study) {
+  return study.identification.value_or(study::IdentificationPlan{});
 }
 
 /// Fills model.pairs and matches the gains. For modes without a pair the simulation gives the
@@ -14,7 +14,8 @@ namespace chladni::app {
 /// @param solution  of the study; null: solved only if the two places of a pair differ; modes
 ///                  without a pair then have no scale
 /// @throws as its steps
-[[nodiscard]] identification::GainMatch matched(const Study& study, const Solution* solution,
-                                                IdentifiedModel& model, Work& work);
+[[nodiscard]] identification::GainMatch matched(const study::Study& study,
+                                                const stage::Solution* solution,
+                                                IdentifiedModel& model, stage::Work& work);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -9,7 +9,7 @@
 #include "io/shape_table.h"
 #include "steps/interpolation.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr int kModesOfTruth = 12;
@@ -17,7 +17,7 @@ constexpr double kOffTheBody = 2e-3;  // [m]: between two models of one body
 constexpr double kInView = 1e-2;  // least relative motion of a mode along the surface's directions
 
 // In a table, two channels with the same name cannot be told apart.
-void require_distinct_names(const Study& study) {
+void require_distinct_names(const study::Study& study) {
   for (const auto& sensor : study.sensors) {
     for (const auto& actuator : study.actuators) {
       require(sensor.name != actuator.name,
@@ -33,7 +33,7 @@ struct There {
   Eigen::VectorXd distance;  // n [m]
 };
 
-There shapes_there(const Solution& real, const mesh::SiteFinder& finder,
+There shapes_there(const stage::Solution& real, const mesh::SiteFinder& finder,
                    const priors::Places& places) {
   std::vector<mesh::Site> sites;
   Eigen::VectorXd distance(places.count());
@@ -45,7 +45,7 @@ There shapes_there(const Solution& real, const mesh::SiteFinder& finder,
 }
 
 // Flexible modes of the real body that move along the surface's directions, lowest first.
-std::vector<Eigen::Index> modes_in_view(const Solution& real, const Eigen::MatrixXd& surface,
+std::vector<Eigen::Index> modes_in_view(const stage::Solution& real, const Eigen::MatrixXd& surface,
                                         int count) {
   const Eigen::VectorXd norm = surface.colwise().norm();
   std::vector<Eigen::Index> columns;
@@ -63,13 +63,13 @@ struct Values {
   Eigen::VectorXd area;   // of the surface on the real body
 };
 
-Values values_of_truth(const Study& study, const Solution& solution,
+Values values_of_truth(const study::Study& study, const stage::Solution& solution,
                        const std::vector<ChannelSite>& channels,
-                       const priors::Simulation& simulation, Work& work) {
+                       const priors::Simulation& simulation, stage::Work& work) {
   const auto& plan = *study.measurement;
-  const Study real_study = read_study(plan.truth, work.choices().allowed);
+  const study::Study real_study = study::read_study(plan.truth, work.choices().allowed);
   const auto part = work.part("truth: ");
-  const Solution real = solved(real_study, work);
+  const stage::Solution real = stage::solved(real_study, work);
   const mesh::SiteFinder finder(real.model.body);
   const auto on_surface = shapes_there(real, finder, simulation.surface);
   const auto& surface = on_surface.shapes;
@@ -105,7 +105,7 @@ Values values_of_truth(const Study& study, const Solution& solution,
   return values;
 }
 
-io::ShapeTable table_of_file(const MeasurementPlan& plan) {
+io::ShapeTable table_of_file(const study::MeasurementPlan& plan) {
   auto table = io::read_shapes(plan.shapes);
   for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
     const double rms =
@@ -134,7 +134,7 @@ priors::MeasuredShapes part_of(const io::ShapeTable& table,
 
 // Rejects columns that are not a channel, and notes channels without a column.
 void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSite>& channels,
-                       const std::string& file, Work& work) {
+                       const std::string& file, stage::Work& work) {
   for (const auto& name : table.channels) {
     const bool known = std::any_of(channels.begin(), channels.end(),
                                    [&](const auto& channel) { return channel.name == name; });
@@ -151,7 +151,7 @@ void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSit
 
 }  // namespace
 
-std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
+std::vector<ChannelSite> channel_sites(const study::Study& study, const stage::Model& model) {
   std::vector<ChannelSite> all;
   for (std::size_t i = 0; i < study.sensors.size(); ++i) {
     all.push_back({study.sensors[i].name, model.sensors[i], study.sensors[i].direction});
@@ -165,7 +165,7 @@ std::vector<ChannelSite> channel_sites(const Study& study, const Model& model) {
 priors::Places places_at(const std::vector<mesh::Site>& sites, const Points& directions,
                          const modal::Modes& modes, const fem::LaplaceSpectrum& harmonics) {
   const auto n = static_cast<Eigen::Index>(sites.size());
-  priors::Places places{Points(n, 3), directions, shapes_at(sites, directions, modes)};
+  priors::Places places{Points(n, 3), directions, stage::shapes_at(sites, directions, modes)};
   for (Eigen::Index i = 0; i < n; ++i) {
     places.position.row(i) = sites[static_cast<std::size_t>(i)].position.transpose();
   }
@@ -184,13 +184,13 @@ priors::Places places_at(const std::vector<ChannelSite>& channels, const modal::
   return places_at(sites, directions, modes, harmonics);
 }
 
-bool has_shapes(const MeasurementPlan& plan) {
+bool has_shapes(const study::MeasurementPlan& plan) {
   return !plan.shapes.empty() || !plan.truth.empty() || has_responses(plan);
 }
 
-Measured measured(const Study& study, const Solution& solution,
+Measured measured(const study::Study& study, const stage::Solution& solution,
                   const priors::Simulation& simulation, const fem::LaplaceSpectrum& harmonics,
-                  Work& work, const OnIdentified& on_identified) {
+                  stage::Work& work, const OnIdentified& on_identified) {
   require(study.measurement && has_shapes(*study.measurement),
           study.file.string() +
               ": nothing is measured; expected [measurement] with frf = \"measured.uff\", shapes = "
@@ -228,4 +228,4 @@ Measured measured(const Study& study, const Solution& solution,
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "io/scan.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using Index = Eigen::Index;
@@ -42,10 +42,10 @@ std::string text_of(const MeasuredChannel& one) {
 
 class Matching {
  public:
-  Matching(const std::vector<MeasuredChannel>& measured, const std::string& file, Work& work)
+  Matching(const std::vector<MeasuredChannel>& measured, const std::string& file, stage::Work& work)
       : measured_(measured), file_(file), work_(work) {}
 
-  std::optional<MatchedChannel> match(const Channel& channel) const {
+  std::optional<MatchedChannel> match(const study::Channel& channel) const {
     const auto by_name =
         chosen([&](const MeasuredChannel& one) { return one.name == channel.name; });
     const auto at_node = chosen(
@@ -74,7 +74,7 @@ class Matching {
     return text;
   }
 
-  [[noreturn]] void refuse(const Channel& channel, const std::string& found,
+  [[noreturn]] void refuse(const study::Channel& channel, const std::string& found,
                            const std::vector<Index>& candidates) const {
     throw InvalidInput(
         fmt::format("{}: \"{}\" along {}: {}: {}; expected one along its axis, or a "
@@ -82,7 +82,7 @@ class Matching {
                     file_, channel.name, text_of(channel.direction), found, listed(candidates)));
   }
 
-  [[nodiscard]] MatchedChannel named(const Channel& channel, Index i,
+  [[nodiscard]] MatchedChannel named(const study::Channel& channel, Index i,
                                      const std::vector<Index>& at_node) const {
     for (const auto other : at_node) {
       if (other == i || !is_parallel(compared(at(other).direction, channel.direction))) continue;
@@ -97,7 +97,7 @@ class Matching {
   }
 
   [[nodiscard]] std::optional<MatchedChannel> at_the_node(
-      const Channel& channel, const std::vector<Index>& candidates) const {
+      const study::Channel& channel, const std::vector<Index>& candidates) const {
     const auto part = [&](auto wanted) {
       std::vector<Index> result;
       for (const auto i : candidates) {
@@ -120,7 +120,7 @@ class Matching {
     refuse(channel, "no channel" + place + " is along it for certain", candidates);
   }
 
-  void note_missing(const Channel& channel, const std::vector<Index>& candidates) const {
+  void note_missing(const study::Channel& channel, const std::vector<Index>& candidates) const {
     std::string what = "\"" + channel.name + "\" was not measured: " + file_ + " has ";
     if (candidates.empty()) {
       what += "no such channel";
@@ -132,17 +132,17 @@ class Matching {
 
   const std::vector<MeasuredChannel>& measured_;
   const std::string& file_;
-  Work& work_;
+  stage::Work& work_;
 };
 
 }  // namespace
 
 std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>& measured,
-                                             const std::vector<Channel>& channels,
-                                             const std::string& file, Work& work) {
+                                             const std::vector<study::Channel>& channels,
+                                             const std::string& file, stage::Work& work) {
   const Matching matching(measured, file, work);
   std::vector<MatchedChannel> result;
-  std::vector<const Channel*> user(measured.size(), nullptr);
+  std::vector<const study::Channel*> user(measured.size(), nullptr);
   for (const auto& channel : channels) {
     const auto found = matching.match(channel);
     if (!found) continue;
@@ -168,4 +168,4 @@ std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>&
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -8,11 +8,11 @@
 #include "stage/work.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 /// A channel of the study and its index in the file.
 struct MatchedChannel {
-  const Channel* channel = nullptr;
+  const study::Channel* channel = nullptr;
   Eigen::Index of_file = 0;
   bool turned = false;  ///< the file has the opposite direction
 };
@@ -27,7 +27,7 @@ struct MatchedChannel {
 ///                       has no direction or an oblique one; a name fits but its direction does
 ///                       not. The message names the candidates
 [[nodiscard]] std::vector<MatchedChannel> matched_channels(
-    const std::vector<modal::MeasuredChannel>& measured, const std::vector<Channel>& channels,
-    const std::string& file, Work& work);
+    const std::vector<modal::MeasuredChannel>& measured,
+    const std::vector<study::Channel>& channels, const std::string& file, stage::Work& work);
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -13,7 +13,7 @@
 #include "steps/identification.h"
 #include "steps/measured/measured_channels.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 const char* quantity_of(modal::FrfKind kind) {
@@ -21,15 +21,16 @@ const char* quantity_of(modal::FrfKind kind) {
   return kind == modal::FrfKind::accelerance ? "acceleration" : "displacement";
 }
 
-std::vector<std::pair<std::string, std::string>> named_pairs(const Study& study) {
+std::vector<std::pair<std::string, std::string>> named_pairs(const study::Study& study) {
   return study.identification ? study.identification->pairs
                               : std::vector<std::pair<std::string, std::string>>{};
 }
 
-modal::FrfSet read_responses(const Study& study, const std::filesystem::path& path, Work& work) {
+modal::FrfSet read_responses(const study::Study& study, const std::filesystem::path& path,
+                             stage::Work& work) {
   io::FrfOptions options;
-  options.sensor_names = names_of(study.sensors);
-  options.actuator_names = names_of(study.actuators);
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
   options.collocated = named_pairs(study);
   if (study.identification) options.unit = study.identification->unit;
   auto file = io::read_frf(path, options);
@@ -51,11 +52,11 @@ modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std
   return std::move(estimate.set);
 }
 
-modal::FrfSet estimated_responses(const Study& study, const std::filesystem::path& path,
-                                  Work& work) {
+modal::FrfSet estimated_responses(const study::Study& study, const std::filesystem::path& path,
+                                  stage::Work& work) {
   io::TimeOptions options;
-  options.sensor_names = names_of(study.sensors);
-  options.actuator_names = names_of(study.actuators);
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
   if (study.identification) options.unit = study.identification->unit;
   const auto file = io::read_time(path, options);
   for (const auto& note : file.notes) work.note(path.string() + ": " + note);
@@ -87,13 +88,13 @@ modal::FrfSet part_of(const modal::FrfSet& set, const std::vector<MatchedChannel
 }
 
 // Takes names, directions and places from the study; the signs are already turned.
-void rename(modal::MeasuredChannel& one, const Channel& channel) {
+void rename(modal::MeasuredChannel& one, const study::Channel& channel) {
   one.name = channel.name;
   one.direction = channel.direction;
   one.position = channel.at.point;
 }
 
-void set_kind(modal::MeasuredChannel& one, const Channel& channel, const std::string& file) {
+void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file) {
   const auto kind = kind_of(channel.quantity);
   const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance;
   require(
@@ -128,9 +129,11 @@ modal::FrfKind kind_of(const std::string& quantity) {
   return modal::FrfKind::receptance;
 }
 
-bool has_responses(const MeasurementPlan& plan) { return !plan.frf.empty() || !plan.time.empty(); }
+bool has_responses(const study::MeasurementPlan& plan) {
+  return !plan.frf.empty() || !plan.time.empty();
+}
 
-MeasuredFrfs measured_frfs(const Study& study, Work& work) {
+MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work) {
   require(study.measurement && has_responses(*study.measurement),
           study.file.string() +
               ": no responses are measured; expected [measurement] with frf = \"measured.uff\" or "
@@ -138,7 +141,7 @@ MeasuredFrfs measured_frfs(const Study& study, Work& work) {
   const auto& plan = *study.measurement;
   const auto& path = plan.frf.empty() ? plan.time : plan.frf;
   require(std::filesystem::exists(path),
-          path.string() + ": there is no such file" + source_text(plan));
+          path.string() + ": there is no such file" + study::source_text(plan));
   auto set =
       plan.frf.empty() ? estimated_responses(study, path, work) : read_responses(study, path, work);
   const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), work);
@@ -154,7 +157,7 @@ MeasuredFrfs measured_frfs(const Study& study, Work& work) {
   for (std::size_t j = 0; j < inputs.size(); ++j) {
     rename(result.all.inputs[j], *inputs[j].channel);
   }
-  result.all = without_paths(study, std::move(result.all));
+  result.all = stage::without_paths(study, std::move(result.all));
   result.outputs = seen(result.all.outputs, plan.hold_out);
   result.inputs = seen(result.all.inputs, plan.hold_out);
   require(!result.outputs.empty() && !result.inputs.empty(),
@@ -162,4 +165,4 @@ MeasuredFrfs measured_frfs(const Study& study, Work& work) {
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

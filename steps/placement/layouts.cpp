@@ -9,7 +9,7 @@
 #include "mesh/surface.h"
 #include "steps/placement/placing.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kCollocated = 1e-3;  // [m], largest distance
@@ -19,8 +19,8 @@ Eigen::MatrixXd wanted_part(const Eigen::MatrixXd& shapes, const WantedModes& wa
 }
 
 // The data that all layouts of a study share; the channels are added later.
-placement::LayoutView bare_view(const Study& study, const Solution& solution,
-                                const PlacementPlan& plan, const Placed& placed) {
+placement::LayoutView bare_view(const study::Study& study, const stage::Solution& solution,
+                                const study::PlacementPlan& plan, const Placed& placed) {
   const auto& modes = solution.modes;
   const auto& wanted = placed.wanted;
   const auto& sites = placed.surface.sites;
@@ -48,7 +48,7 @@ placement::LayoutView bare_view(const Study& study, const Solution& solution,
   return view;
 }
 
-placement::Lines lines_of(const std::vector<Channel>& channels,
+placement::Lines lines_of(const std::vector<study::Channel>& channels,
                           const std::vector<mesh::Site>& sites,
                           const std::vector<std::size_t>& chosen) {
   const auto count = static_cast<Eigen::Index>(chosen.size());
@@ -61,7 +61,7 @@ placement::Lines lines_of(const std::vector<Channel>& channels,
   return lines;
 }
 
-std::vector<std::size_t> numbers_of(const std::vector<Channel>& channels,
+std::vector<std::size_t> numbers_of(const std::vector<study::Channel>& channels,
                                     const std::vector<std::string>& names) {
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -73,7 +73,7 @@ std::vector<std::size_t> numbers_of(const std::vector<Channel>& channels,
 }
 
 // Modes of the whole study, counted from 1, that the points cannot see.
-std::vector<int> blind_modes(const Solution& solution, const PlacementPlan& plan,
+std::vector<int> blind_modes(const stage::Solution& solution, const study::PlacementPlan& plan,
                              placement::LayoutView view, const Placed& placed) {
   const auto& modes = solution.modes;
   const Eigen::Index rigid = modes.rigid_count;
@@ -105,7 +105,8 @@ std::vector<int> blind_modes(const Solution& solution, const PlacementPlan& plan
 }
 
 ScoredLayout scored(const std::string& name, const placement::LayoutView& view,
-                    const Solution& solution, const PlacementPlan& plan, const Placed& placed) {
+                    const stage::Solution& solution, const study::PlacementPlan& plan,
+                    const Placed& placed) {
   ScoredLayout layout;
   layout.name = name;
   layout.pairs = static_cast<int>(view.pairs.size());
@@ -127,29 +128,30 @@ ScoredLayout scored(const std::string& name, const placement::LayoutView& view,
   return layout;
 }
 
-ScoredLayout scored_channels(const LayoutPlan& channels, placement::LayoutView view,
-                             const Study& study, const Solution& solution,
-                             const PlacementPlan& plan, const Placed& placed) {
+ScoredLayout scored_channels(const study::LayoutPlan& channels, placement::LayoutView view,
+                             const study::Study& study, const stage::Solution& solution,
+                             const study::PlacementPlan& plan, const Placed& placed) {
   const auto sensors = numbers_of(study.sensors, channels.sensors);
   const auto actuators = numbers_of(study.actuators, channels.actuators);
   const auto& model = solution.model;
-  view.sensors_all = shapes_at(study.sensors, model.sensors, solution.modes)(sensors, Eigen::all);
+  view.sensors_all =
+      stage::shapes_at(study.sensors, model.sensors, solution.modes)(sensors, Eigen::all);
   view.actuators_all =
-      shapes_at(study.actuators, model.actuators, solution.modes)(actuators, Eigen::all);
+      stage::shapes_at(study.actuators, model.actuators, solution.modes)(actuators, Eigen::all);
   view.sensors = wanted_part(view.sensors_all, placed.wanted);
   view.actuators = wanted_part(view.actuators_all, placed.wanted);
   view.pairs = pairs_of(study, solution, sensors, actuators);
   auto layout = scored(channels.name, view, solution, plan, placed);
   layout.sensors = channels.sensors;
   layout.actuators = channels.actuators;
-  const auto markers = markers_of(study, model);
+  const auto markers = stage::markers_of(study, model);
   for (const auto s : sensors) layout.markers.push_back(markers[s]);
   for (const auto a : actuators) layout.markers.push_back(markers[study.sensors.size() + a]);
   return layout;
 }
 
-LayoutPlan all_channels(const Study& study) {
-  LayoutPlan layout;
+study::LayoutPlan all_channels(const study::Study& study) {
+  study::LayoutPlan layout;
   layout.name = "study";
   for (const auto& sensor : study.sensors) layout.sensors.push_back(sensor.name);
   for (const auto& actuator : study.actuators) layout.actuators.push_back(actuator.name);
@@ -158,7 +160,7 @@ LayoutPlan all_channels(const Study& study) {
 
 // An optimum as sensors, scored like the other layouts.
 ScoredLayout scored_optimum(const Optimum& optimum, placement::LayoutView view,
-                            const Solution& solution, const PlacementPlan& plan,
+                            const stage::Solution& solution, const study::PlacementPlan& plan,
                             const Placed& placed) {
   view.sensors_all = optimum.shapes;
   view.actuators_all.resize(0, view.sensors_all.cols());
@@ -189,8 +191,8 @@ void note_coincident(const ScoredLayout& layout, std::vector<std::string>& notes
 }  // namespace
 
 std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(
-    const Study& study, const Solution& solution, const std::vector<std::size_t>& sensors,
-    const std::vector<std::size_t>& actuators) {
+    const study::Study& study, const stage::Solution& solution,
+    const std::vector<std::size_t>& sensors, const std::vector<std::size_t>& actuators) {
   const auto& model = solution.model;
   const auto box = mesh::bounding_box(model.body.points);
   return placement::collocated(lines_of(study.sensors, model.sensors, sensors),
@@ -198,18 +200,18 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(
                                0.05 * (box.row(1) - box.row(0)).norm());
 }
 
-std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(const Study& study,
-                                                            const Solution& solution) {
+std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs_of(const study::Study& study,
+                                                            const stage::Solution& solution) {
   std::vector<std::size_t> sensors(study.sensors.size()), actuators(study.actuators.size());
   std::iota(sensors.begin(), sensors.end(), 0U);
   std::iota(actuators.begin(), actuators.end(), 0U);
   return pairs_of(study, solution, sensors, actuators);
 }
 
-void add_layouts(const Study& study, const Solution& solution, const PlacementPlan& plan,
-                 Placed& placed) {
+void add_layouts(const study::Study& study, const stage::Solution& solution,
+                 const study::PlacementPlan& plan, Placed& placed) {
   const auto view = bare_view(study, solution, plan, placed);
-  std::vector<LayoutPlan> layouts = study.layouts;
+  std::vector<study::LayoutPlan> layouts = study.layouts;
   const bool has_channels = !study.sensors.empty() || !study.actuators.empty();
   if (layouts.empty() && has_channels) layouts.push_back(all_channels(study));
   for (const auto& layout : layouts) {
@@ -221,4 +223,4 @@ void add_layouts(const Study& study, const Solution& solution, const PlacementPl
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -10,11 +10,11 @@
 #include "base/error.h"
 #include "steps/placement/placing.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
-std::set<Eigen::Index> columns_asked_for(const Study& study, const Solution& solution,
-                                         const PlacementPlan& plan) {
+std::set<Eigen::Index> columns_asked_for(const study::Study& study, const stage::Solution& solution,
+                                         const study::PlacementPlan& plan) {
   const auto& modes = solution.modes;
   const Eigen::Index flexible = modes.mode_count() - modes.rigid_count;
   std::set<Eigen::Index> columns;
@@ -66,17 +66,18 @@ Eigen::VectorXd picked(const Eigen::VectorXd& values, const std::vector<Eigen::I
 
 // Root of the sum of squares at some channels, for each wanted mode; the surface's mean if there
 // are none.
-Eigen::VectorXd drive(const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites,
-                      const Solution& solution, const WantedModes& wanted) {
+Eigen::VectorXd drive(const std::vector<study::Channel>& channels,
+                      const std::vector<mesh::Site>& sites, const stage::Solution& solution,
+                      const WantedModes& wanted) {
   if (channels.empty()) return wanted.rms;
-  const Eigen::MatrixXd shapes = shapes_at(channels, sites, solution.modes);
+  const Eigen::MatrixXd shapes = stage::shapes_at(channels, sites, solution.modes);
   return shapes(Eigen::all, wanted.columns).colwise().norm().transpose();
 }
 
 // Standard deviations of the entries of L and R from a fit to FRFs with noise s on every line. At a
 // resonance the peak is φ_s φ_a / (2 ζ ω²), and π ζ f / Δf lines contribute to it.
-void set_noise_of_frf(const Study& study, const Solution& solution, const PlacementPlan& plan,
-                      WantedModes& wanted) {
+void set_noise_of_frf(const study::Study& study, const stage::Solution& solution,
+                      const study::PlacementPlan& plan, WantedModes& wanted) {
   const Eigen::VectorXd frequency = picked(solution.modes.frequency_hz, wanted.columns);
   const Eigen::VectorXd damping = picked(solution.modes.damping_ratio, wanted.columns);
   require(damping.minCoeff() > 0.0,
@@ -95,16 +96,17 @@ void set_noise_of_frf(const Study& study, const Solution& solution, const Placem
 
 }  // namespace
 
-PlacementPlan placement_plan(const Study& study) {
-  return study.placement.value_or(PlacementPlan{});
+study::PlacementPlan placement_plan(const study::Study& study) {
+  return study.placement.value_or(study::PlacementPlan{});
 }
 
-bool stays(const PlacementPlan& plan, const Channel& channel) {
+bool stays(const study::PlacementPlan& plan, const study::Channel& channel) {
   return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
 }
 
-WantedModes wanted_modes(const Study& study, const Solution& solution, const PlacementPlan& plan,
-                         const placement::Surface& surface, std::vector<std::string>& notes) {
+WantedModes wanted_modes(const study::Study& study, const stage::Solution& solution,
+                         const study::PlacementPlan& plan, const placement::Surface& surface,
+                         std::vector<std::string>& notes) {
   const auto& modes = solution.modes;
   auto columns = columns_asked_for(study, solution, plan);
   complete_groups(modes, plan.frequency_tolerance, columns, notes);
@@ -132,9 +134,9 @@ WantedModes wanted_modes(const Study& study, const Solution& solution, const Pla
   return wanted;
 }
 
-Views::Views(const Study& study, const Solution& solution, const PlacementPlan& plan,
-             const placement::Surface& surface, const WantedModes& wanted,
-             std::vector<Member> members)
+Views::Views(const study::Study& study, const stage::Solution& solution,
+             const study::PlacementPlan& plan, const placement::Surface& surface,
+             const WantedModes& wanted, std::vector<stage::Member> members)
     : wanted_(wanted),
       members_(std::move(members)),
       position_error_(plan.position_error),
@@ -144,7 +146,7 @@ Views::Views(const Study& study, const Solution& solution, const PlacementPlan& 
   for (std::size_t k = 0; k <= members_.size(); ++k) {
     norms_.push_back(placement::group_norms(seen(sites.shapes, k), sites.area, wanted_.groups));
   }
-  actuators_ = shapes_at(study.actuators, solution.model.actuators, solution.modes);
+  actuators_ = stage::shapes_at(study.actuators, solution.model.actuators, solution.modes);
   present_.resize(0, solution.modes.mode_count());
   for (const auto& [s, a] : pairs_of(study, solution)) {
     if (!stays(plan, study.sensors[static_cast<std::size_t>(s)]) ||
@@ -182,4 +184,4 @@ std::vector<placement::PairView> Views::of(const placement::Sites& sites) const 
   return views;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

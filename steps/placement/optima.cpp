@@ -7,20 +7,21 @@
 #include "base/error.h"
 #include "steps/placement/placing.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr Eigen::Index kProvable = 400;  // most candidates for which the optimum is proven
 constexpr int kNodes = 20000;            // of this search
 
 // Rows of the channels that stay, for all modes.
-Eigen::MatrixXd rows_there(const Study& study, const Solution& solution,
-                           const PlacementPlan& plan) {
+Eigen::MatrixXd rows_there(const study::Study& study, const stage::Solution& solution,
+                           const study::PlacementPlan& plan) {
   const auto& model = solution.model;
-  const Eigen::MatrixXd sensors = shapes_at(study.sensors, model.sensors, solution.modes);
-  const Eigen::MatrixXd actuators = shapes_at(study.actuators, model.actuators, solution.modes);
+  const Eigen::MatrixXd sensors = stage::shapes_at(study.sensors, model.sensors, solution.modes);
+  const Eigen::MatrixXd actuators =
+      stage::shapes_at(study.actuators, model.actuators, solution.modes);
   Eigen::MatrixXd rows(0, solution.modes.mode_count());
-  const auto add = [&](const std::vector<Channel>& channels, const Eigen::MatrixXd& shapes) {
+  const auto add = [&](const std::vector<study::Channel>& channels, const Eigen::MatrixXd& shapes) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
       if (!stays(plan, channels[i])) continue;
       rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
@@ -33,8 +34,8 @@ Eigen::MatrixXd rows_there(const Study& study, const Solution& solution,
 }
 
 // Number of sites: one per point of the study's channels, minus those that stay.
-Eigen::Index sites_wanted(const Study& study, const Solution& solution, const PlacementPlan& plan,
-                          const WantedModes& wanted) {
+Eigen::Index sites_wanted(const study::Study& study, const stage::Solution& solution,
+                          const study::PlacementPlan& plan, const WantedModes& wanted) {
   if (plan.sites > 0) return plan.sites;
   Eigen::Index points = static_cast<Eigen::Index>(study.sensors.size() + study.actuators.size());
   points -= static_cast<Eigen::Index>(pairs_of(study, solution).size());
@@ -130,7 +131,7 @@ Optimum best_by_determinant(const placement::DeterminantProblem& problem, unsign
 }
 
 Optimum best_by_interpolation(const Candidates& candidates, const Eigen::MatrixXd& there,
-                              const Solution& solution, const PlacementPlan& plan,
+                              const stage::Solution& solution, const study::PlacementPlan& plan,
                               const Placed& placed, Eigen::Index count, unsigned seed) {
   const auto& wanted = placed.wanted;
   const auto& surface = placed.surface.sites;
@@ -164,8 +165,9 @@ Optimum best_by_interpolation(const Candidates& candidates, const Eigen::MatrixX
 
 }  // namespace
 
-void add_optima(const Study& study, const Solution& solution, const PlacementPlan& plan,
-                const Candidates& candidates, unsigned seed, Placed& placed) {
+void add_optima(const study::Study& study, const stage::Solution& solution,
+                const study::PlacementPlan& plan, const Candidates& candidates, unsigned seed,
+                Placed& placed) {
   const Eigen::Index count = sites_wanted(study, solution, plan, placed.wanted);
   require(count <= candidates.sites.count(),
           fmt::format("placement: {} sites are to be chosen, but {} are admissible; ask for fewer "
@@ -182,4 +184,4 @@ void add_optima(const Study& study, const Solution& solution, const PlacementPla
   if (plan.choose_by == "interpolation_error") std::swap(placed.optima[0], placed.optima[1]);
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -7,14 +7,14 @@
 #include "mesh/faces.h"
 #include "steps/placement/placing.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 std::string millimetres(const Eigen::Vector2d& at) {
   return fmt::format("({:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y());
 }
 
-placement::Rule rule_of(const KeepOut& zone, const mesh::TetMesh& body) {
+placement::Rule rule_of(const study::KeepOut& zone, const mesh::TetMesh& body) {
   if (zone.shape == "box") {
     return {"the box from " + millimetres(zone.from) + " to " + millimetres(zone.to),
             placement::KeepOutBox{zone.from, zone.to}};
@@ -28,9 +28,11 @@ placement::Rule rule_of(const KeepOut& zone, const mesh::TetMesh& body) {
 }
 
 // Places of the channels that stay.
-Points places_there(const Study& study, const Solution& solution, const PlacementPlan& plan) {
+Points places_there(const study::Study& study, const stage::Solution& solution,
+                    const study::PlacementPlan& plan) {
   std::vector<Eigen::Vector3d> places;
-  const auto add = [&](const std::vector<Channel>& channels, const std::vector<mesh::Site>& sites) {
+  const auto add = [&](const std::vector<study::Channel>& channels,
+                       const std::vector<mesh::Site>& sites) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
       if (stays(plan, channels[i])) places.push_back(sites[i].position);
     }
@@ -46,8 +48,8 @@ Points places_there(const Study& study, const Solution& solution, const Placemen
 
 }  // namespace
 
-std::vector<placement::Rule> rules_of(const Study& study, const Solution& solution,
-                                      const PlacementPlan& plan, const Faces& faces) {
+std::vector<placement::Rule> rules_of(const study::Study& study, const stage::Solution& solution,
+                                      const study::PlacementPlan& plan, const stage::Faces& faces) {
   const auto& body = solution.model.body;
   std::vector<placement::Rule> rules;
   for (const auto& zone : plan.keep_out) rules.push_back(rule_of(zone, body));
@@ -58,7 +60,7 @@ std::vector<placement::Rule> rules_of(const Study& study, const Solution& soluti
   }
   if (plan.edge_distance > 0.0) {
     rules.push_back({fmt::format("the distance of {:.6g} mm from edges", 1e3 * plan.edge_distance),
-                     edges_on(body, faces, plan.edge_distance)});
+                     stage::edges_on(body, faces, plan.edge_distance)});
   }
   const Points there = places_there(study, solution, plan);
   const double apart = std::max({plan.spacing, plan.footprint, 1e-4});
@@ -69,7 +71,7 @@ std::vector<placement::Rule> rules_of(const Study& study, const Solution& soluti
   return rules;
 }
 
-Candidates candidates_of(const PlacementPlan& plan, const placement::Sampler& sampler,
+Candidates candidates_of(const study::PlacementPlan& plan, const placement::Sampler& sampler,
                          const Placed& placed) {
   if (!plan.grid) {
     return {placement::part(placed.surface.sites,
@@ -91,4 +93,4 @@ Candidates candidates_of(const PlacementPlan& plan, const placement::Sampler& sa
   return {placement::part(sites, placement::admissible(forbidden, placed.rules)), true};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -9,7 +9,7 @@
 #include "steps/interpolation.h"
 #include "steps/priors.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kNoNoise = 1e-6;  // of a shape's root mean square: samples of a simulation
@@ -41,10 +41,10 @@ double cosine(const ChannelSite& channel, const placement::Sites& sites, const P
 
 }  // namespace
 
-priors::Places channels_on_surface(const Study& study, const Solution& solution,
+priors::Places channels_on_surface(const study::Study& study, const stage::Solution& solution,
                                    LearnedPriors& result) {
   const auto& sites = result.surface.sites;
-  const auto directions = directions_on(sites, result.plan.direction);
+  const auto directions = stage::directions_on(sites, result.plan.direction);
   std::vector<ChannelSite> along;
   std::string others;
   for (auto channel : channel_sites(study, solution.model)) {
@@ -65,7 +65,7 @@ priors::Places channels_on_surface(const Study& study, const Solution& solution,
   return places_at(along, solution.modes);
 }
 
-void add_channel_errors(const Solution& solution, const priors::Places& places,
+void add_channel_errors(const stage::Solution& solution, const priors::Places& places,
                         LearnedPriors& result) {
   if (places.count() < 3) return;
   const auto& sites = result.surface.sites;
@@ -81,7 +81,8 @@ void add_channel_errors(const Solution& solution, const priors::Places& places,
   }
   priors::Simulation simulation;
   simulation.frequency_hz = solution.modes.frequency_hz;
-  simulation.surface = {sites.position, directions_on(sites, result.plan.direction), sites.shapes};
+  simulation.surface = {sites.position, stage::directions_on(sites, result.plan.direction),
+                        sites.shapes};
   simulation.area = sites.area;
   const Eigen::MatrixXd noise =
       kNoNoise * Eigen::VectorXd::Ones(values.rows()) * result.rms.transpose();
@@ -98,4 +99,4 @@ void add_channel_errors(const Solution& solution, const priors::Places& places,
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

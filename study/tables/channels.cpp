@@ -4,7 +4,7 @@
 
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 Eigen::Vector3d required_direction(TableReader& table, std::string_view key) {
@@ -191,4 +191,4 @@ void read_supports(TableReader& root, Study& study) {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -4,7 +4,7 @@
 #include "diagnosis/effect.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 20U;
@@ -100,4 +100,4 @@ diagnosis::Tolerances read_tolerances(const std::filesystem::path& file) {
   return result;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

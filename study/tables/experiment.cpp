@@ -3,7 +3,7 @@
 
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr int kLongestPeriod = 1 << 24;
@@ -104,4 +104,4 @@ void read_experiment(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -1,7 +1,7 @@
 // `on` and `direction` of a study: faces of the body, and the direction of motion there.
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 FacePlan read_faces(TableReader& table, std::string_view key) {
   FacePlan on;
@@ -33,4 +33,4 @@ void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction,
   if (!along_normal) direction = table.direction("direction");
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -7,7 +7,7 @@
 #include "base/quantity.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 mesh::Plate plate_of(TableReader& table) {
@@ -221,4 +221,4 @@ void read_mesh_part(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

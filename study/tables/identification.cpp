@@ -1,7 +1,7 @@
 // [identification] of a study: the fit of a modal model to the measurement.
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 void read_band(TableReader& table, IdentificationPlan& plan) {
@@ -97,4 +97,4 @@ void read_identification(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

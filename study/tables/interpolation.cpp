@@ -5,7 +5,7 @@
 #include "priors/interpolator.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 std::vector<std::string> method_names() {
@@ -88,4 +88,4 @@ void read_interpolation(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 double poissons_ratio_of(TableReader& table) {
@@ -185,4 +185,4 @@ void read_materials(TableReader& root, Study& study) {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -4,7 +4,7 @@
 #include "placement/criteria.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 /// modes = 3, modes = [1, 4], or up_to = "500 Hz" (also written modes = { up_to = ... }).
@@ -194,4 +194,4 @@ void read_placement(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

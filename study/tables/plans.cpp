@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 struct ExpectedKey {
@@ -136,4 +136,4 @@ void read_expectations(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

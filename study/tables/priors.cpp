@@ -4,7 +4,7 @@
 #include "priors/kernel.h"
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr double kFewestSamples = 4.0;
@@ -64,4 +64,4 @@ void read_priors(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

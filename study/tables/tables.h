@@ -7,7 +7,7 @@
 #include "study/study.h"
 #include "study/toml/table_reader.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Folders from which the study may read files.
 struct StudyFolder {
@@ -69,4 +69,4 @@ class Names {
   std::vector<std::pair<std::string, int>> seen_;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -1,7 +1,7 @@
 // [[variation]] of a study: deviations of its body from the stated material and geometry.
 #include "study/tables/tables.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 void read_variations(TableReader& root, Study& study) {
   for (auto& table : root.tables("variation")) {
@@ -33,4 +33,4 @@ void read_variations(TableReader& root, Study& study) {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -7,7 +7,7 @@
 #include "io/scan.h"
 #include "study/toml/toml_tree.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr int kDeepest = 16;  // levels of nesting; a study needs five
@@ -113,4 +113,4 @@ TomlNode parse_toml(std::string_view bytes, const std::string& file) {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -268,4 +268,4 @@ void TableReader::refuse_unknown() {
   }
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

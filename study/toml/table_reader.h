@@ -10,7 +10,7 @@
 #include "study/problems.h"
 #include "study/toml/toml_tree.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Allowed values of a number.
 enum class Sign { any, positive, not_negative };
@@ -64,4 +64,4 @@ class TableReader {
   std::vector<std::string> known_;
 };
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 bool is_bare(char c) {
@@ -98,4 +98,4 @@ std::string toml_text(const TomlNode& document) {
   return values + tables;
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -6,7 +6,7 @@
 
 #include "study/toml/toml_tree.h"
 
-namespace chladni::app {
+namespace chladni::study {
 
 /// Text in quotes, with the escapes of TOML.
 [[nodiscard]] std::string toml_text(std::string_view text);
@@ -15,4 +15,4 @@ namespace chladni::app {
 /// Comments are not part of a tree. Tables of the document have headers; deeper ones are in braces.
 [[nodiscard]] std::string toml_text(const TomlNode& document);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace chladni::app {
+namespace chladni::study {
 
 struct TomlMember;
 
@@ -45,4 +45,4 @@ template <typename Node>
 /// @throws InvalidInput  not TOML, not UTF-8 or a key twice: "<file>:<line>:<column>: ..."
 [[nodiscard]] TomlNode parse_toml(std::string_view bytes, const std::string& file);
 
-}  // namespace chladni::app
+}  // namespace chladni::study

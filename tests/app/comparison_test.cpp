@@ -51,7 +51,7 @@ diagnosis::Comparison comparison() {
 }
 
 TEST(ComparisonTable, TellsWhatStandsOut) {
-  const auto text = comparison_table(comparison());
+  const auto text = show::comparison_table(comparison());
   for (const auto* part : {"140.390", "139.0000 +- 0.01", "-0.990", "y1 and y2 look exchanged",
                            "responses off by", "to     2398 Hz", "CoMAC"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
@@ -66,7 +66,7 @@ TEST(ComparisonTable, ListsWhatHasNoPartner) {
   modes.no_modes = {{9, 1499.0, "beside the band"}, {3, 50.0, "damping ratio 0.6: no resonance"}};
   modes.shapes_tell = false;
   modes.confusion = 0.8;
-  const auto lines = unpaired_lines(modes);
+  const auto lines = show::unpaired_lines(modes);
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_EQ(lines[0], "simulated within the band, without a measured partner: 264.06 Hz, 463.1 Hz");
   EXPECT_EQ(lines[1], "measured, without a simulated partner: 300 Hz");
@@ -76,15 +76,15 @@ TEST(ComparisonTable, ListsWhatHasNoPartner) {
   EXPECT_NE(lines[3].find("paired by frequency alone"), std::string::npos);
   diagnosis::Comparison all = comparison();
   all.modes = modes;
-  EXPECT_NE(comparison_table(all).find(lines[0]), std::string::npos);
-  const io::Json json = comparison_json(all);
+  EXPECT_NE(show::comparison_table(all).find(lines[0]), std::string::npos);
+  const io::Json json = show::comparison_json(all);
   EXPECT_EQ(json.at("simulated_alone").array()[1].at("mode").number(), 9.0);
   EXPECT_EQ(json.at("simulated_alone").array()[1].at("frequency_hz").number(), 463.1);
   EXPECT_EQ(json.at("no_modes").array()[0].at("why").string(), "beside the band");
 }
 
 TEST(ComparisonJson, HasANumberForEach) {
-  const io::Json json = comparison_json(comparison());
+  const io::Json json = show::comparison_json(comparison());
   EXPECT_EQ(json.at("modes").array().size(), 17U);
   const auto& first = json.at("modes").array().front();
   EXPECT_NEAR(first.at("change").number(), 1.0 / 1.01 - 1.0, 1e-12);
@@ -102,17 +102,17 @@ TEST(ComparisonJson, HasANumberForEach) {
 // An error that is not known is not an error of zero.
 TEST(ComparisonPictures, LeaveWhatIsNotKnownEmpty) {
   auto known = comparison();
-  EXPECT_EQ(errors_picture(known).title, "Error of each response, % of its size");
+  EXPECT_EQ(show::errors_picture(known).title, "Error of each response, % of its size");
   auto& error = known.responses.error;
   error.setConstant(0.02);
   error(1, 2) = std::numeric_limits<double>::quiet_NaN();
   error(0, 1) = std::numeric_limits<double>::infinity();
-  const auto some = errors_picture(known);
+  const auto some = show::errors_picture(known);
   EXPECT_TRUE(std::isnan(some.value(1, 2)));
   EXPECT_DOUBLE_EQ(some.dark, 2.0);
   EXPECT_NE(some.title.find("empty: not known"), std::string::npos);
   error.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const auto none = errors_picture(known);
+  const auto none = show::errors_picture(known);
   EXPECT_FALSE(none.value.array().isFinite().any());
   EXPECT_GT(none.dark, none.light);
   EXPECT_GT(none.dark, 1e-3);  // no scale that any error would be dark on
@@ -121,21 +121,21 @@ TEST(ComparisonPictures, LeaveWhatIsNotKnownEmpty) {
 TEST(ComparisonPictures, AreThere) {
   const TestFolder folder("comparison");
   const auto png = [&](const char* name) { return folder.path() / name; };
-  draw_responses(png("responses.png"), table().measured, simulation(), table().exact);
-  draw_mac(png("mac.png"), comparison());
-  draw_errors(png("errors.png"), comparison());
+  show::draw_responses(png("responses.png"), table().measured, simulation(), table().exact);
+  show::draw_mac(png("mac.png"), comparison());
+  show::draw_errors(png("errors.png"), comparison());
   for (const auto* name : {"responses.png", "mac.png", "errors.png"}) {
     EXPECT_GT(fs::file_size(png(name)), 2000U) << name;
   }
-  draw_mac(png("none.png"), {});
+  show::draw_mac(png("none.png"), {});
   EXPECT_FALSE(fs::exists(png("none.png")));
-  EXPECT_THROW(draw_responses(png("none.png"), table().measured, {}), InvalidInput);
+  EXPECT_THROW(show::draw_responses(png("none.png"), table().measured, {}), InvalidInput);
 }
 
 // One sensor was measured, one place was not.
 TEST(PredictionsPicture, IsThere) {
   const TestFolder folder("predictions");
-  IdentifiedModel model;
+  steps::IdentifiedModel model;
   model.measured.all = table().measured;
   model.measured.inputs = {0, 1, 2};
   auto predicted = modal::part(table().measured, {3, 2}, {0, 1, 2});
@@ -144,7 +144,7 @@ TEST(PredictionsPicture, IsThere) {
     for (const auto& value : predicted.value)
       predicted.variance.push_back(1e-4 * value.cwiseAbs2());
   }
-  draw_predictions(model, predicted, folder.path() / "predicted.png");
+  show::draw_predictions(model, predicted, folder.path() / "predicted.png");
   EXPECT_GT(fs::file_size(folder.path() / "predicted.png"), 2000U);
 }
 

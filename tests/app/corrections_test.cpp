@@ -18,20 +18,20 @@ mesh = { edge_length = "60 mm", order = 2 }
 modes = { count = 40, damping_ratio = 0.005 }
 )";
 
-Solution solved_with(const std::string& text) {
+stage::Solution solved_with(const std::string& text) {
   const TestFolder folder("corrections");
-  const Study study = parse_study(text, "study.toml");
+  const study::Study study = study::parse_study(text, "study.toml");
   QuietRun quiet(study, folder.path());
-  return solved(study, quiet.run());
+  return stage::solved(study, quiet.run());
 }
 
-const Solution& plate() {
-  static const Solution solution = solved_with(kPlate);
+const stage::Solution& plate() {
+  static const stage::Solution solution = solved_with(kPlate);
   return solution;
 }
 
 TEST(Corrections, AreSymmetricAndLeaveRigidMotionsUnstrained) {
-  const auto all = corrections(plate());
+  const auto all = stage::corrections(plate());
   EXPECT_EQ(all.size(), 15U + 3U + 48U);  // waves, anisotropy, 8×6 masses
   const auto m = plate().modes.frequency_hz.size();
   for (const auto& one : all) {
@@ -48,9 +48,9 @@ TEST(Corrections, AreSymmetricAndLeaveRigidMotionsUnstrained) {
 }
 
 // The frequencies that a correction predicts against those of a body that is like this.
-void expect_frequencies(const Solution& real, const std::string& name, double parameter,
+void expect_frequencies(const stage::Solution& real, const std::string& name, double parameter,
                         double tolerance) {
-  const auto all = corrections(plate());
+  const auto all = stage::corrections(plate());
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.size()));
   for (std::size_t f = 0; f < all.size(); ++f) {
     if (all[f].name == name) parameters(static_cast<Eigen::Index>(f)) = parameter;
@@ -73,7 +73,7 @@ name = "corner"
 mass = "0.4 kg"
 at = ["300 mm", "200 mm"]
 )");
-  const auto all = corrections(plate());
+  const auto all = stage::corrections(plate());
   std::string corner;
   for (const auto& one : all) {
     if (one.name.starts_with("kg at (0.300, 0.200")) corner = one.name;

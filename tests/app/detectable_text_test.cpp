@@ -33,16 +33,16 @@ std::vector<diagnosis::Detectable> sizes(double log_evidence) {
 
 TEST(DetectableSentence, SaysWhatTheStudysOwnThresholdMisses) {
   const auto between = sizes(12.0);
-  EXPECT_EQ(detectable_sentence(between, 8.0).find("miss"), std::string::npos);
-  EXPECT_NE(
-      detectable_sentence(between, 20.0).find("It may miss: sensor_unit (s2: inch taken for mm)."),
-      std::string::npos)
-      << detectable_sentence(between, 20.0);
-  EXPECT_NE(detectable_table(between, 20.0).find("It may miss"), std::string::npos);
+  EXPECT_EQ(show::detectable_sentence(between, 8.0).find("miss"), std::string::npos);
+  EXPECT_NE(show::detectable_sentence(between, 20.0)
+                .find("It may miss: sensor_unit (s2: inch taken for mm)."),
+            std::string::npos)
+      << show::detectable_sentence(between, 20.0);
+  EXPECT_NE(show::detectable_table(between, 20.0).find("It may miss"), std::string::npos);
 }
 
 TEST(DetectableJson, SaysWhichUnit) {
-  const io::Json json = detectable_json(sizes(12.0));
+  const io::Json json = show::detectable_json(sizes(12.0));
   EXPECT_EQ(json.array().back().at("option").string(), "inch taken for mm");
 }
 

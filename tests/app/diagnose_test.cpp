@@ -39,7 +39,7 @@ class Diagnose : public testing::Test {
     return modal::part(made.measured, sensors, actuators);
   }
 
-  Diagnosed diagnosed_from(const modal::FrfSet& measured, const std::string& plan = "") {
+  steps::Diagnosed diagnosed_from(const modal::FrfSet& measured, const std::string& plan = "") {
     (void)io::write_frf(folder_.path() / "measured.csv", measured);
     std::string text =
         "geometry = { plate = { length = \"600 mm\", width = \"600 mm\", thickness = \"20 mm\" } "
@@ -53,9 +53,9 @@ class Diagnose : public testing::Test {
     for (const auto& one : measured.inputs) text += channel("actuator", one);
     const auto file = folder_.path() / "study.toml";
     std::ofstream(file) << text;
-    const Study study = read_study(file);
+    const study::Study study = study::read_study(file);
     QuietRun quiet(study, folder_.path());
-    auto result = diagnosed(study, quiet.run());
+    auto result = steps::diagnosed(study, quiet.run());
     said_ = quiet.said();
     return result;
   }
@@ -65,7 +65,7 @@ class Diagnose : public testing::Test {
                                       const diagnosis::Diagnosis& result) {
     for (const auto& cause : result.best.causes) {
       if (cause.effect != effect) {
-        EXPECT_LE(cause.probability, 0.9) << verdict_text(result);
+        EXPECT_LE(cause.probability, 0.9) << show::verdict_text(result);
       }
     }
   }
@@ -86,7 +86,7 @@ class Diagnose : public testing::Test {
 
 TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
   const auto one = diagnosed_from(measured_of({}, {0}, {5}));
-  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << show::verdict_text(one.result);
   EXPECT_FALSE(one.extended.has_value());
 }
 
@@ -94,7 +94,7 @@ TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
 TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
   const auto one = diagnosed_from(measured_of({}, {0, 2}, {4, 6, 9}),
                                   "effects = [\"point_mass\", \"sensor_gain\", \"sensor_sign\"]\n");
-  const io::Json json = diagnosis_json(one);
+  const io::Json json = show::diagnosis_json(one);
   const auto& all = json.at("detectable").array();
   ASSERT_EQ(all.size(), 9U);
   double mass = 0.0;
@@ -106,7 +106,7 @@ TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
   }
   EXPECT_GT(mass, 1e-4);
   EXPECT_LT(mass, 0.5);
-  EXPECT_NE(diagnosis_table(one).find("99 times in 100: point_mass of"), std::string::npos);
+  EXPECT_NE(show::diagnosis_table(one).find("99 times in 100: point_mass of"), std::string::npos);
 }
 
 // A soft patch may do the same to one response, or a mass elsewhere: then none is sure.
@@ -117,12 +117,12 @@ TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
     const auto& result = one.result;
     ASSERT_FALSE(result.best.causes.empty()) << seed;
     if (result.verdict != Verdict::named) {
-      EXPECT_EQ(result.verdict, Verdict::ambiguous) << seed << verdict_text(result);
+      EXPECT_EQ(result.verdict, Verdict::ambiguous) << seed << show::verdict_text(result);
       expect_no_sure_name_but("", result);
       continue;
     }
     ++named;
-    ASSERT_EQ(result.best.causes.size(), 1U) << seed << verdict_text(result);
+    ASSERT_EQ(result.best.causes.size(), 1U) << seed << show::verdict_text(result);
     expect_the_mass(result.best.causes.front(), 10e-3);
   }
   EXPECT_GE(named, 1);
@@ -132,15 +132,15 @@ TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
   auto measured = measured_of({}, {0}, {5});
   for (auto& value : measured.value) value = -value;
   const auto one = diagnosed_from(measured);
-  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << show::verdict_text(one.result);
   EXPECT_EQ(one.result.best.causes.front().effect, "sensor_sign");
   EXPECT_LT(one.gain.fit_after, 0.05);
 }
 
 TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
-  EXPECT_EQ(one.result.verdict, Verdict::named) << verdict_text(one.result);
-  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::named) << show::verdict_text(one.result);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << show::verdict_text(one.result);
   expect_the_mass(one.result.best.causes.front(), 5e-3);
   EXPECT_LT(one.result.best.causes.front().parameters.front().std,
             0.05 * truth_.front().size.at("mass"));
@@ -148,7 +148,7 @@ TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
 
 TEST_F(Diagnose, AnotherTableIsNotExplained) {
   const auto one = diagnosed_from(measured_of({"other_plate"}, {0, 2}, {4, 6, 9}));
-  EXPECT_EQ(one.result.verdict, Verdict::unexplained) << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::unexplained) << show::verdict_text(one.result);
   expect_no_sure_name_but("", one.result);
 }
 
@@ -157,7 +157,7 @@ TEST_F(Diagnose, NoiseThatIsNotStatedIsEstimatedAndSaid) {
   measured.variance.clear();
   const auto one = diagnosed_from(measured, "effects = [\"point_mass\", \"sensor_gain\"]\n");
   EXPECT_NE(said_.find("state no variance: it is estimated"), std::string::npos) << said_;
-  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << verdict_text(one.result);
+  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << show::verdict_text(one.result);
   EXPECT_TRUE(one.result.best.causes.empty());
 }
 

@@ -23,12 +23,12 @@ direction = "z"
 mass = "100 g"
 frequency = "70 Hz"
 )");
-  const auto made = structure_of(hung.study, hung.solution);
+  const auto made = stage::structure_of(hung.study, hung.solution);
   const Eigen::RowVectorXd corner = made.outputs.shapes.row(1);
   EXPECT_LT((made.dashpots - 3.0 * corner.transpose() * corner).norm(),
             1e-9 * made.dashpots.norm());
   const Eigen::MatrixXcd all = response(made, 40.0);
-  const Eigen::MatrixXcd few = response(structure_of(hung.study, hung.solution, 40.0), 40.0);
+  const Eigen::MatrixXcd few = response(stage::structure_of(hung.study, hung.solution, 40.0), 40.0);
   EXPECT_GT(made.residual.norm(), 0.0);
   EXPECT_LT((few - all).norm(), 2e-4 * all.norm());
 }
@@ -48,7 +48,7 @@ kind = "mass"
 at = ["-131 mm", "77 mm"]
 mass = "300 g"
 )");
-  const auto made = structure_of(held.study, held.solution);
+  const auto made = stage::structure_of(held.study, held.solution);
   const Eigen::Index r = made.mode_count();
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(made.cells.count());
   const Eigen::MatrixXd stiffness = diagnosis::sum_of(made.cells.stiffness, ones);
@@ -66,7 +66,8 @@ mass = "300 g"
              made.outputs.aside_v.row(0).transpose() * made.outputs.aside_v.row(0));
   EXPECT_LT((made.masses - coil).norm(), 1e-6 * coil.norm());
   const auto bare = solved_with(kPlate + kChannels);
-  EXPECT_EQ(structure_of(bare.study, bare.solution).springs.size(), 0);  // nothing is attached
+  EXPECT_EQ(stage::structure_of(bare.study, bare.solution).springs.size(),
+            0);  // nothing is attached
   EXPECT_EQ(made.frequency_error, held.solution.frequency_error.head(r));
 }
 

@@ -30,18 +30,22 @@ std::string channels(double x_mm, double y_mm) {
 }
 
 struct Solved {
-  Study study;
-  Solution solution;
+  study::Study study;
+  stage::Solution solution;
 
-  [[nodiscard]] diagnosis::Structure structure() const { return structure_of(study, solution); }
-  [[nodiscard]] DiagnosedFaces faces() const { return diagnosed_faces(study, solution.model.body); }
+  [[nodiscard]] diagnosis::Structure structure() const {
+    return stage::structure_of(study, solution);
+  }
+  [[nodiscard]] stage::DiagnosedFaces faces() const {
+    return stage::diagnosed_faces(study, solution.model.body);
+  }
 };
 
 Solved solved_with(const std::string& text) {
   const TestFolder folder("diagnosis_faces");
-  Study study = parse_study(text, "study.toml");
+  study::Study study = study::parse_study(text, "study.toml");
   QuietRun quiet(study, folder.path());
-  auto solution = solved(study, quiet.run());
+  auto solution = stage::solved(study, quiet.run());
   return {std::move(study), std::move(solution)};
 }
 
@@ -52,8 +56,8 @@ const Solved& plate() {
 
 Solved looking(const std::string& on) {
   auto other = plate();
-  other.study =
-      parse_study(kPlate + channels(-131.0, 77.0) + "[diagnosis]\non = " + on + "\n", "study.toml");
+  other.study = study::parse_study(
+      kPlate + channels(-131.0, 77.0) + "[diagnosis]\non = " + on + "\n", "study.toml");
   return other;
 }
 
@@ -62,7 +66,7 @@ TEST(DiagnosisFaces, AreTheTopWhereNothingIsSaid) {
   EXPECT_EQ(faces.chart.axes, Eigen::Matrix3d::Identity());
   EXPECT_EQ(faces.chart.origin, Eigen::Vector3d::Zero());
   EXPECT_TRUE(faces.notes.empty());
-  EXPECT_TRUE(has_the_axes_of_variations(faces.chart, plate().solution.model.body));
+  EXPECT_TRUE(stage::has_the_axes_of_variations(faces.chart, plate().solution.model.body));
 }
 
 // The same body seen from behind: v is turned, motions along −z.
@@ -73,7 +77,7 @@ TEST(DiagnosisFaces, MayBeSeenFromBehind) {
   EXPECT_EQ(faces.chart.axes.col(1), -Eigen::Vector3d::UnitY());
   EXPECT_NEAR(faces.chart.axes.determinant(), 1.0, 1e-15);
   EXPECT_EQ(faces.notes.size(), 1U);
-  EXPECT_FALSE(has_the_axes_of_variations(faces.chart, below.solution.model.body));
+  EXPECT_FALSE(stage::has_the_axes_of_variations(faces.chart, below.solution.model.body));
   const auto down = below.structure();
   const auto up = plate().structure();
   EXPECT_LT((down.surface.in_body({0.1, 0.05}) - Eigen::Vector3d(0.1, -0.05, -0.01)).norm(), 1e-12);
@@ -105,7 +109,7 @@ TEST(DiagnosisFaces, MayBeARim) {
 TEST(DiagnosisFaces, ThatAreNotThereAreRefusedByTheirLine) {
   const auto wrong = looking("[\"tpo\"]");
   try {
-    require_faces(wrong.study, wrong.solution.model.body);
+    stage::require_faces(wrong.study, wrong.solution.model.body);
     FAIL() << "it is refused";
   } catch (const InvalidInput& e) {
     EXPECT_NE(std::string(e.what()).find("study.toml:14:6: diagnosis.on: the body has no patch "
@@ -140,8 +144,9 @@ TEST(DiagnosisFaces, LeaveOutWhatIsNoneOfThem) {
       channels(70.0, 70.0));
   const auto upper = [&] {
     const auto faces = table.faces();
-    return std::make_unique<UpperFace>(faces.chart, table.solution.model.body,
-                                       table.solution.modes.shapes, ModesAbove{}, faces.chosen);
+    return std::make_unique<stage::UpperFace>(faces.chart, table.solution.model.body,
+                                              table.solution.modes.shapes, stage::ModesAbove{},
+                                              faces.chosen);
   };
   EXPECT_TRUE(upper()->holds({0.02, 0.03}));
   EXPECT_TRUE(upper()->holds({0.07, 0.07}));

@@ -9,8 +9,8 @@ namespace chladni::app {
 namespace {
 
 // Two sensors by two actuators on five lines; s2 is held out; every response is 1.
-MeasuredFrfs measured() {
-  MeasuredFrfs made;
+steps::MeasuredFrfs measured() {
+  steps::MeasuredFrfs made;
   for (const auto* name : {"s1", "s2"}) made.all.outputs.emplace_back().name = name;
   for (const auto* name : {"a1", "a2"}) made.all.inputs.emplace_back().name = name;
   made.all.frequency_hz = Eigen::VectorXd::LinSpaced(5, 100.0, 140.0);
@@ -29,15 +29,15 @@ std::vector<Eigen::MatrixXcd> off_by(double fit, double held_out) {
   return std::vector<Eigen::MatrixXcd>(5, value);
 }
 
-Gain gain(const Predictions& predictions, const DiagnosisPlan& plan = {}) {
-  return gain_of(measured(), plan, {"s2"}, predictions);
+steps::Gain gain(const steps::Predictions& predictions, const study::DiagnosisPlan& plan = {}) {
+  return steps::gain_of(measured(), plan, {"s2"}, predictions);
 }
 
 TEST(Gain, OfNothingDoesNotPayAndDoesNotFailTo) {
   const auto found = gain({off_by(0.01, 0.02), {}, {}});
-  EXPECT_EQ(found.from, GainFrom::nothing);
+  EXPECT_EQ(found.from, steps::GainFrom::nothing);
   EXPECT_FALSE(found.pays.has_value());
-  EXPECT_EQ(advice_against(found), "");
+  EXPECT_EQ(steps::advice_against(found), "");
   EXPECT_NEAR(found.fit_before, 0.01, 1e-12);
   EXPECT_NEAR(found.held_out_before, 0.02, 1e-12);
   EXPECT_NEAR(found.noise_floor, 0.01, 1e-12);
@@ -45,43 +45,44 @@ TEST(Gain, OfNothingDoesNotPayAndDoesNotFailTo) {
 
 TEST(Gain, OfAnExtendedStudyPaysWhereItPredictsBetter) {
   const auto found = gain({off_by(0.3, 0.24), off_by(0.02, 0.03), {}});
-  EXPECT_EQ(found.from, GainFrom::extended_study);
+  EXPECT_EQ(found.from, steps::GainFrom::extended_study);
   EXPECT_TRUE(found.pays.value_or(false));
-  EXPECT_EQ(advice_against(found), "");
+  EXPECT_EQ(steps::advice_against(found), "");
   EXPECT_NEAR(found.held_out_after, 0.03, 1e-12);
 }
 
 TEST(Gain, ThatMakesWorseIsAdvisedAgainst) {
   const auto held = gain({off_by(0.3, 0.24), off_by(0.02, 0.38), {}});
   EXPECT_FALSE(held.pays.value_or(true));
-  EXPECT_EQ(advice_against(held),
+  EXPECT_EQ(steps::advice_against(held),
             "The extended study predicts the responses that were held out no better than before "
             "(off by 38 %, before by 24 %): it is not recommended.");
   auto nothing_held_out = measured();
   nothing_held_out.outputs = {0, 1};
-  const auto seen = gain_of(nothing_held_out, {}, {}, {off_by(9.40, 9.40), off_by(9.46, 9.46), {}});
+  const auto seen =
+      steps::gain_of(nothing_held_out, {}, {}, {off_by(9.40, 9.40), off_by(9.46, 9.46), {}});
   EXPECT_FALSE(seen.pays.value_or(true));
-  EXPECT_NE(advice_against(seen).find("the fit saw no better than before (off by 946 %"),
+  EXPECT_NE(steps::advice_against(seen).find("the fit saw no better than before (off by 946 %"),
             std::string::npos)
-      << advice_against(seen);
+      << steps::advice_against(seen);
 }
 
 TEST(Gain, OfCausesThatNoStudyExpressesIsThatOfTheFittedModel) {
   const auto alone = gain({off_by(0.3, 0.24), {}, off_by(0.01, 0.02)});
-  EXPECT_EQ(alone.from, GainFrom::fitted_model);
+  EXPECT_EQ(alone.from, steps::GainFrom::fitted_model);
   EXPECT_FALSE(alone.pays.has_value());
   EXPECT_NEAR(alone.fit_after, 0.01, 1e-12);
-  EXPECT_EQ(advice_against(alone), "");
+  EXPECT_EQ(steps::advice_against(alone), "");
   // One cause of two is in the extended study: both are known.
   const auto both = gain({off_by(0.3, 0.24), off_by(0.1, 0.1), off_by(0.01, 0.02)});
-  EXPECT_EQ(both.from, GainFrom::fitted_model);
+  EXPECT_EQ(both.from, steps::GainFrom::fitted_model);
   EXPECT_NEAR(both.held_out_after, 0.02, 1e-12);
   EXPECT_NEAR(both.held_out_extended, 0.1, 1e-12);
   EXPECT_TRUE(both.pays.value_or(false));
 }
 
 TEST(Gain, SaysWhatWasFittedAndWhatWasHeldOut) {
-  DiagnosisPlan plan;
+  study::DiagnosisPlan plan;
   plan.hold_out_low_hz = 115.0;
   plan.hold_out_high_hz = 125.0;
   const auto found = gain({off_by(0.3, 0.24), {}, {}}, plan);
@@ -92,7 +93,7 @@ TEST(Gain, SaysWhatWasFittedAndWhatWasHeldOut) {
   EXPECT_NEAR(found.fitted.bands_hz[0].second, 110.0, 1e-9);
   EXPECT_NEAR(found.fitted.bands_hz[1].first, 130.0, 1e-9);
   EXPECT_EQ(found.held_out, (std::vector<std::string>{"s2", "115 to 125 Hz"}));
-  EXPECT_EQ(words(found.fitted), "s1 by a1, a2; 4 lines, 100 to 110 Hz, 130 to 140 Hz");
+  EXPECT_EQ(steps::words(found.fitted), "s1 by a1, a2; 4 lines, 100 to 110 Hz, 130 to 140 Hz");
   // Lines of s1 that were held out count as held out: 2 of 2·5 + 2 responses are off by 0.3.
   EXPECT_NEAR(found.held_out_before, std::sqrt((2 * 0.09 + 10 * 0.0576) / 12.0), 1e-12);
 }

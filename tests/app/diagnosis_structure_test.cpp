@@ -24,7 +24,7 @@ const Solved& plate() {
 }
 
 const diagnosis::Structure& structure() {
-  static const auto made = structure_of(plate().study, plate().solution);
+  static const auto made = stage::structure_of(plate().study, plate().solution);
   return made;
 }
 
@@ -100,12 +100,12 @@ TEST(DiagnosisStructure, LooksAtTheTopInTheBodysOwnCoordinates) {
 
 // The values where a channel stands 5 mm farther on.
 Eigen::MatrixXd shapes_when_moved(double along_x, double along_y) {
-  Study moved = plate().study;
+  study::Study moved = plate().study;
   for (auto& sensor : moved.sensors) {
     sensor.at.point += Eigen::Vector3d(along_x, along_y, 0.0);
   }
-  const auto places = places_of(moved, plate().solution.model.body);
-  return shapes_at(moved.sensors, places.sensors, plate().solution.modes);
+  const auto places = stage::places_of(moved, plate().solution.model.body);
+  return stage::shapes_at(moved.sensors, places.sensors, plate().solution.modes);
 }
 
 TEST(DiagnosisStructure, SlopesAreHowShapesChange) {
@@ -136,16 +136,16 @@ TEST(DiagnosisStructure, SlopesOfAMirroredShapeVanishInTheMiddle) {
 }
 
 TEST(DiagnosisStructure, ChannelsAsideMoveAlongTheChart) {
-  Study turned = plate().study;
+  study::Study turned = plate().study;
   turned.sensors[1].direction = Eigen::Vector3d::UnitX();
-  const auto other = structure_of(turned, plate().solution);
+  const auto other = stage::structure_of(turned, plate().solution);
   EXPECT_EQ(other.outputs.shapes.row(1), structure().outputs.aside_u.row(1));
   EXPECT_EQ(other.outputs.aside_v, structure().outputs.aside_v);
 }
 
 TEST(DiagnosisStructure, ModesLeftOutAreThereStatically) {
   const double f = 60.0;
-  const auto few = structure_of(plate().study, plate().solution, f);
+  const auto few = stage::structure_of(plate().study, plate().solution, f);
   EXPECT_LT(few.mode_count(), structure().mode_count());
   EXPECT_GE(few.mode_count(), 18);
   const Eigen::MatrixXcd all = response(structure(), f);
@@ -182,7 +182,7 @@ TEST(DiagnosisStructure, OneConstantOfTheMaterialGoesItsOwnWay) {
   };
   const auto before = orthotropic(70.0);
   const auto after = orthotropic(71.4);
-  const auto found = structure_of(before.study, before.solution).directional;
+  const auto found = stage::structure_of(before.study, before.solution).directional;
   const auto gain = [](double e1) {  // Q11, Q22, Q12 but for constant factors
     const double part = 1.0 / (1.0 - 0.09 * 40.0 / e1);
     return Eigen::Vector3d(e1 * part, part, part);
@@ -208,7 +208,7 @@ TEST(DiagnosisStructure, AThickerBodyIsPredictedFromItsParts) {
   };
   const auto thin = of("18 mm");
   const auto thick = of("18.9 mm");
-  const auto made = structure_of(thin.study, thin.solution);
+  const auto made = stage::structure_of(thin.study, thin.solution);
   const auto gain = diagnosis::thickened(made, Eigen::VectorXd::Constant(made.cells.count(), 0.05));
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd(squares(made).asDiagonal()) + gain.stiffness;
   const Eigen::MatrixXd mass =
@@ -251,7 +251,7 @@ name = "a"
 at = ["200 mm", "0 mm"]
 direction = "z"
 )");
-  const auto made = structure_of(beam.study, beam.solution);
+  const auto made = stage::structure_of(beam.study, beam.solution);
   EXPECT_EQ(made.surface.count(), 100);
   EXPECT_EQ(made.surface.places.col(1).cwiseAbs().maxCoeff(), 0.0);
   EXPECT_EQ(made.cells.count(), 24);
@@ -288,7 +288,7 @@ name = "a"
 at = ["-100 mm", "100 mm"]
 direction = "z"
 )");
-  const auto made = structure_of(table.study, table.solution);
+  const auto made = stage::structure_of(table.study, table.solution);
   EXPECT_FALSE(made.surface.at({0.14, 0.14}).has_value());
   EXPECT_NEAR(made.surface.area.sum(), 0.09 - 4 * 0.0009, 0.03 * 0.09);
   EXPECT_EQ(made.bending_power, 0.0);  // 40 of 300 mm: it shears

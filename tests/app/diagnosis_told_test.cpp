@@ -76,20 +76,20 @@ Cause cause(const std::string& effect, const std::vector<std::string>& channels,
 class Told : public testing::Test {
  protected:
   // Writes study and data into the folder.
-  Study study_of(const std::vector<Cause>& causes, const std::string& effects) {
+  study::Study study_of(const std::vector<Cause>& causes, const std::string& effects) {
     std::string text = kStudy;
     const std::string mark = "EFFECTS";
     text.replace(text.find(mark), mark.size(), effects);
     const auto file = folder_.path() / "study.toml";
     std::ofstream(file) << text;
-    write_responses(causes, parse_study(text, file));
-    return read_study(file);
+    write_responses(causes, study::parse_study(text, file));
+    return study::read_study(file);
   }
 
-  Diagnosed diagnosed_of(const Study& study) {
+  steps::Diagnosed diagnosed_of(const study::Study& study) {
     QuietRun quiet(study, folder_.path() / "out");
-    auto result = diagnosed(study, quiet.run());
-    leave_diagnosis(study, result, quiet.run(), false);
+    auto result = steps::diagnosed(study, quiet.run());
+    show::leave_diagnosis(study, result, quiet.run(), false);
     said_ = quiet.said();
     return result;
   }
@@ -106,7 +106,7 @@ class Told : public testing::Test {
 
  private:
   // With 0.5 % noise, 30 to 400 Hz.
-  void write_responses(const std::vector<Cause>& causes, const Study& study) const {
+  void write_responses(const std::vector<Cause>& causes, const study::Study& study) const {
     const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(120, 30.0, 400.0);
     modal::FrfSet set;
     for (const auto& one : study.sensors) set.outputs.emplace_back().name = one.name;
@@ -127,11 +127,11 @@ class Told : public testing::Test {
   }
 
   // Kept between tests: it is the same body.
-  const diagnosis::Structure& structure(const Study& study) const {
+  const diagnosis::Structure& structure(const study::Study& study) const {
     static const diagnosis::Structure made = [&] {
-      const Study with_modes = with_modes_for_diagnosis(study);
+      const study::Study with_modes = stage::with_modes_for_diagnosis(study);
       QuietRun quiet(with_modes, folder_.path() / "made");
-      return structure_of(study, solved(with_modes, quiet.run()));
+      return stage::structure_of(study, stage::solved(with_modes, quiet.run()));
     }();
     return made;
   }
@@ -142,7 +142,7 @@ class Told : public testing::Test {
 TEST_F(Told, ASoundTableIsNotSaidNotToPay) {
   const auto study = study_of({}, "\"sensor_gain\", \"point_mass\"");
   const auto one = diagnosed_of(study);
-  ASSERT_EQ(one.result.verdict, Verdict::no_discrepancy) << verdict_text(one);
+  ASSERT_EQ(one.result.verdict, Verdict::no_discrepancy) << show::verdict_text(one);
   EXPECT_FALSE(one.gain.pays.has_value());
   EXPECT_EQ(said_.find("not recommended"), std::string::npos) << said_;
   EXPECT_EQ(said_.find("pay"), std::string::npos) << said_;
@@ -155,7 +155,7 @@ TEST_F(Told, ASoundTableIsNotSaidNotToPay) {
 
 TEST_F(Told, TheVerdictStandsFirst) {
   const auto study = study_of({}, "\"sensor_gain\"");
-  const auto text = diagnosis_table(diagnosed_of(study));
+  const auto text = show::diagnosis_table(diagnosed_of(study));
   EXPECT_TRUE(text.starts_with("verdict: no_discrepancy\nThe simulation agrees")) << text;
   EXPECT_LT(text.find("responses off by"), text.find("simulated Hz"));
 }
@@ -164,16 +164,17 @@ TEST_F(Told, AUnitIsSaidEverywhereAndTheExtendedStudyHasIt) {
   const auto study = study_of({cause("sensor_unit", {"s2"}, {}, "g taken for m/s^2")},
                               "\"sensor_unit\", \"sensor_gain\", \"sensor_sign\"");
   const auto one = diagnosed_of(study);
-  ASSERT_EQ(one.result.verdict, Verdict::named) << diagnosis_table(one);
+  ASSERT_EQ(one.result.verdict, Verdict::named) << show::diagnosis_table(one);
   ASSERT_EQ(one.result.best.causes.size(), 1U);
-  EXPECT_NE(diagnosis_table(one).find("sensor_unit of s2: g taken for m/s^2"), std::string::npos)
-      << diagnosis_table(one);
+  EXPECT_NE(show::diagnosis_table(one).find("sensor_unit of s2: g taken for m/s^2"),
+            std::string::npos)
+      << show::diagnosis_table(one);
   const auto json = io::parse_json(left("diagnosis.json"));
   const auto& told = json.at("causes").array().front();
   EXPECT_EQ(told.at("option").string(), "g taken for m/s^2");
   EXPECT_NEAR(told.at("parameters").at("factor").at("value").number(), 1.0 / 9.80665, 1e-12);
   EXPECT_EQ(json.at("gain").at("from").string(), "extended_study");
-  const auto extended = read_study(at("out/extended.toml"), {study.file.parent_path()});
+  const auto extended = study::read_study(at("out/extended.toml"), {study.file.parent_path()});
   EXPECT_NEAR(extended.sensors[1].gain, 1.0 / 9.80665, 1e-9);
   EXPECT_EQ(extended.sensors[0].gain, 1.0);
   EXPECT_NE(left("extended.toml").find("g taken for m/s^2"), std::string::npos);
@@ -186,17 +187,18 @@ TEST_F(Told, AQuantityIsSaidEverywhereAndTheExtendedStudyAgrees) {
       {cause("sensor_quantity", {"s1", "s2", "s3"}, {}, "acceleration taken for displacement")},
       "\"sensor_quantity\", \"sensor_gain\"");
   const auto one = diagnosed_of(study);
-  ASSERT_EQ(one.result.verdict, Verdict::named) << diagnosis_table(one);
-  EXPECT_NE(diagnosis_table(one).find("acceleration taken for displacement"), std::string::npos);
+  ASSERT_EQ(one.result.verdict, Verdict::named) << show::diagnosis_table(one);
+  EXPECT_NE(show::diagnosis_table(one).find("acceleration taken for displacement"),
+            std::string::npos);
   EXPECT_LT(one.gain.fit_after, 0.02);
   EXPECT_LT(one.gain.held_out_after, 0.02);
-  EXPECT_EQ(one.gain.from, GainFrom::extended_study);
+  EXPECT_EQ(one.gain.from, steps::GainFrom::extended_study);
   // The file is read as what it is now.
-  const auto extended = read_study(at("out/extended.toml"), {study.file.parent_path()});
+  const auto extended = study::read_study(at("out/extended.toml"), {study.file.parent_path()});
   for (const auto& sensor : extended.sensors) EXPECT_EQ(sensor.quantity, "acceleration");
   EXPECT_EQ(extended.identification->unit, "m/s^2");
   const auto again = diagnosed_of(extended);
-  EXPECT_EQ(again.result.verdict, Verdict::no_discrepancy) << diagnosis_table(again);
+  EXPECT_EQ(again.result.verdict, Verdict::no_discrepancy) << show::diagnosis_table(again);
   EXPECT_LT(again.gain.fit_before, 0.02);
 }
 
@@ -204,38 +206,41 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
   const auto study = study_of({cause("sensor_crosstalk", {"s1", "s2"}, {{"share", 0.2}})},
                               "\"sensor_crosstalk\", \"sensor_gain\", \"sensor_position\"");
   QuietRun quiet(study, at("out"));
-  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Work&) -> Solution {
-    ADD_FAILURE() << "an unchanged study was solved again";
-    throw NumericalFailure("not to be solved");
-  });
+  const auto one = steps::diagnosed(study, quiet.run(),
+                                    [](const study::Study&, stage::Work&) -> stage::Solution {
+                                      ADD_FAILURE() << "an unchanged study was solved again";
+                                      throw NumericalFailure("not to be solved");
+                                    });
   ASSERT_FALSE(one.result.best.causes.empty());
-  ASSERT_EQ(one.result.best.causes.front().effect, "sensor_crosstalk") << diagnosis_table(one);
-  EXPECT_EQ(one.gain.from, GainFrom::fitted_model);
+  ASSERT_EQ(one.result.best.causes.front().effect, "sensor_crosstalk")
+      << show::diagnosis_table(one);
+  EXPECT_EQ(one.gain.from, steps::GainFrom::fitted_model);
   EXPECT_FALSE(one.gain.pays.has_value());
   EXPECT_GT(one.gain.fit_before, 0.05);
   EXPECT_LT(one.gain.fit_after, 0.02);
-  const auto json = io::Json(diagnosis_json(one));
+  const auto json = io::Json(show::diagnosis_json(one));
   EXPECT_EQ(json.at("gain").at("from").string(), "fitted_model");
   EXPECT_EQ(json.at("not_in_extended_study").array().size(), 1U);
   EXPECT_EQ(json.at("gain").at("fitted").at("sensors").array().size(), 2U);
   EXPECT_EQ(json.at("gain").at("held_out_channels").array().front().string(), "s3");
-  EXPECT_NE(diagnosis_table(one).find("reduced model"), std::string::npos);
+  EXPECT_NE(show::diagnosis_table(one).find("reduced model"), std::string::npos);
 }
 
 TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
   QuietRun quiet(study, at("out"));
-  const auto one = diagnosed(study, quiet.run(), [](const Study&, app::Work&) -> Solution {
-    throw NumericalFailure("the matrix is not positive definite");
-  });
-  leave_diagnosis(study, one, quiet.run(), false);
+  const auto one = steps::diagnosed(study, quiet.run(),
+                                    [](const study::Study&, stage::Work&) -> stage::Solution {
+                                      throw NumericalFailure("the matrix is not positive definite");
+                                    });
+  show::leave_diagnosis(study, one, quiet.run(), false);
   const auto json = io::parse_json(left("diagnosis.json"));
   EXPECT_EQ(json.at("causes").array().front().at("effect").string(), "point_mass");
   EXPECT_NE(left("diagnosis.json").find("cannot be solved: the matrix is not positive definite"),
             std::string::npos);
   EXPECT_NE(left("extended.toml").find("# This study could not be solved"), std::string::npos);
-  EXPECT_EQ(one.gain.from, GainFrom::fitted_model);
+  EXPECT_EQ(one.gain.from, steps::GainFrom::fitted_model);
   EXPECT_LT(one.gain.held_out_after, 0.3 * one.gain.held_out_before);
 }
 
@@ -243,10 +248,12 @@ TEST_F(Told, CtrlCIsNoNote) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
   QuietRun quiet(study, at("out"));
-  EXPECT_THROW(static_cast<void>(diagnosed(
-                   study, quiet.run(),
-                   [](const Study&, app::Work&) -> Solution { throw Interrupted("Ctrl-C"); })),
-               Interrupted);
+  EXPECT_THROW(
+      static_cast<void>(steps::diagnosed(study, quiet.run(),
+                                         [](const study::Study&, stage::Work&) -> stage::Solution {
+                                           throw Interrupted("Ctrl-C");
+                                         })),
+      Interrupted);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ const Eigen::VectorXd& lines() {
 const diagnosis::Structure& nominal() {
   static const auto made = [] {
     const auto base = solved_with(kStudy);
-    return structure_of(base.study, base.solution);
+    return stage::structure_of(base.study, base.solution);
   }();
   return made;
 }
@@ -53,13 +53,13 @@ Eigen::MatrixXcd whole_model(const diagnosis::Cause& cause) {
   const auto found = extended({cause});
   EXPECT_TRUE(found.unexpressed.empty()) << cause.effect;
   const auto made = solved_with(found.text);
-  const auto model = at_channels(made.study, made.solution);
+  const auto model = stage::at_channels(made.study, made.solution);
   modal::FrfSet set;
   for (const auto& one : made.study.sensors) set.outputs.emplace_back().name = one.name;
   for (const auto& one : made.study.actuators) set.inputs.emplace_back().name = one.name;
   set.frequency_hz = lines();
   set.value = modal::frf(model, lines()).value;
-  set = recorded(made.study, set);
+  set = stage::recorded(made.study, set);
   Eigen::MatrixXcd all(lines().size(), 4);
   for (Eigen::Index i = 0; i < 2; ++i) {
     for (Eigen::Index j = 0; j < 2; ++j) {

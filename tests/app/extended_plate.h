@@ -47,7 +47,7 @@ inline diagnosis::Surface chart() { return {}; }
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 inline diagnosis::Cause cause(const std::string& effect, const Numbers& numbers,
-                       const std::vector<std::string>& channels = {}) {
+                              const std::vector<std::string>& channels = {}) {
   diagnosis::Cause result;
   result.effect = effect;
   result.channels = channels;
@@ -66,9 +66,9 @@ inline diagnosis::Cause resonator(double hz, double damping_ratio, double u, dou
 
 inline const std::filesystem::path kFile = "bench/study.toml";
 
-inline ExtendedStudy extended(const std::vector<diagnosis::Cause>& causes,
-                       const std::string& text = kStudy) {
-  return extended_study(text, kFile, chart(), causes, "bench");
+inline steps::ExtendedStudy extended(const std::vector<diagnosis::Cause>& causes,
+                                     const std::string& text = kStudy) {
+  return steps::extended_study(text, kFile, chart(), causes, "bench");
 }
 
 }  // namespace chladni::app

@@ -15,9 +15,9 @@
 namespace chladni::app {
 namespace {
 
-Study read(const ExtendedStudy& extended) {
+study::Study read(const steps::ExtendedStudy& extended) {
   EXPECT_TRUE(extended.unexpressed.empty()) << extended.unexpressed.front();
-  return parse_study(extended.text, kFile);
+  return study::parse_study(extended.text, kFile);
 }
 
 // --- What stands in the file.
@@ -129,7 +129,7 @@ TEST(ExtendedStudy, DifferentiatesTheUnitWithTheQuantity) {
   const auto one = with("mm", 2.0, {"s1"});
   ASSERT_EQ(one.unexpressed.size(), 1U);
   EXPECT_NE(one.unexpressed[0].find("unit is that of all sensors"), std::string::npos);
-  EXPECT_EQ(parse_study(one.text, kFile).sensors[0].quantity, "displacement");
+  EXPECT_EQ(study::parse_study(one.text, kFile).sensors[0].quantity, "displacement");
 }
 
 TEST(ExtendedStudy, WritesEveryStyleOfTable) {
@@ -172,7 +172,7 @@ TEST(ExtendedStudy, SaysWhatItCannot) {
   EXPECT_NE(found.text.find("# diagnosis: frame: mass = 50"), std::string::npos);
   EXPECT_NE(found.text.find("# Not in this study: an attachment has no negative mass"),
             std::string::npos);
-  const auto study = parse_study(found.text, kFile);
+  const auto study = study::parse_study(found.text, kFile);
   EXPECT_TRUE(study.attachments.empty());
   EXPECT_NEAR(study.sensors[0].gain, 1.1, 1e-9);
 }
@@ -201,7 +201,7 @@ TEST(ExtendedStudy, KnowsTheWholeCatalogue) {
     const std::string name(effect->name);
     const bool expected =
         std::find(without_a_key.begin(), without_a_key.end(), name) == without_a_key.end();
-    EXPECT_EQ(extend(name) != nullptr, expected) << name;
+    EXPECT_EQ(steps::extend(name) != nullptr, expected) << name;
   }
 }
 
@@ -216,7 +216,8 @@ TEST(ExtendedStudy, RefusesCausesThatCannotBe) {
 }
 
 TEST(ExtendedStudy, LeadsToTheFilesOfTheStudy) {
-  const auto found = extended_study(kStudy, "models/bench/study.toml", chart(), {}, "out/bench");
+  const auto found =
+      steps::extended_study(kStudy, "models/bench/study.toml", chart(), {}, "out/bench");
   EXPECT_NE(found.text.find("frf = \"../../models/bench/measured.uff\""), std::string::npos)
       << found.text;
   EXPECT_NE(found.text.find("--allow-outside"), std::string::npos);

@@ -46,8 +46,8 @@ class Extends : public testing::Test {
     std::ofstream(file) << text;
     return file;
   }
-  [[nodiscard]] Study read(const std::string& text) const {
-    return read_study(write("own.toml", text));
+  [[nodiscard]] study::Study read(const std::string& text) const {
+    return study::read_study(write("own.toml", text));
   }
   void refused(const std::string& text, const std::string& word) const {
     try {
@@ -61,12 +61,12 @@ class Extends : public testing::Test {
   TestFolder folder_{"extends"};
 };
 
-const mesh::Plate& plate_of(const Study& study) {
+const mesh::Plate& plate_of(const study::Study& study) {
   return std::get<mesh::Plate>(study.geometry.body);
 }
 
 TEST_F(Extends, WithoutMoreIsTheStudyItself) {
-  const auto base = read_study(write("base.toml", kBase));
+  const auto base = study::read_study(write("base.toml", kBase));
   const auto own = read("extends = \"base.toml\"\n");
   EXPECT_EQ(own.title, base.title);
   EXPECT_EQ(own.sensors.size(), 2U);
@@ -131,14 +131,14 @@ TEST_F(Extends, GoesOnAndFindsFilesFromWhereTheyAreNamed) {
 TEST_F(Extends, HasATextThatIsTheSameStudy) {
   write("base.toml", kBase);
   const auto own = read("extends = \"base.toml\"\ngeometry.plate.thickness = \"12 mm\"\n");
-  const auto again = parse_study(own.text, folder_.path() / "again.toml");
+  const auto again = study::parse_study(own.text, folder_.path() / "again.toml");
   EXPECT_TRUE(again.bases.empty());
   EXPECT_EQ(plate_of(again).thickness, plate_of(own).thickness);
   EXPECT_EQ(again.sensors[1].gain, 1.1);
   diagnosis::Cause heavier;
   heavier.effect = "density";
   heavier.parameters = {{"relative", "1", 0.02, 0.001}};
-  const auto extended = extended_study(own.text, own.file, {}, {heavier}, folder_.path());
+  const auto extended = steps::extended_study(own.text, own.file, {}, {heavier}, folder_.path());
   EXPECT_TRUE(extended.unexpressed.empty());
   EXPECT_NE(extended.text.find("2754"), std::string::npos) << extended.text;
 }
@@ -159,9 +159,9 @@ TEST_F(Extends, RefusesWhatCannotBeMeant) {
   refused("extends = \"a.toml\"\n", "extends itself");
 }
 
-void expect_same(const TomlNode& a, const TomlNode& b, const std::string& where) {
+void expect_same(const study::TomlNode& a, const study::TomlNode& b, const std::string& where) {
   ASSERT_EQ(a.kind, b.kind) << where;
-  if (a.kind == TomlNode::Kind::text) {
+  if (a.kind == study::TomlNode::Kind::text) {
     EXPECT_EQ(a.text, b.text) << where;
   }
   if (a.is_number()) {
@@ -170,7 +170,7 @@ void expect_same(const TomlNode& a, const TomlNode& b, const std::string& where)
   EXPECT_EQ(a.truth, b.truth) << where;
   ASSERT_EQ(a.members.size(), b.members.size()) << where;
   for (const auto& member : a.members) {
-    const auto other = std::ranges::find(b.members, member.key, &TomlMember::key);
+    const auto other = std::ranges::find(b.members, member.key, &study::TomlMember::key);
     ASSERT_NE(other, b.members.end()) << where << "." << member.key;
     expect_same(member.value, other->value, where + "." + member.key);
   }
@@ -185,16 +185,17 @@ TEST(TomlText, IsReadBackAsTheSameTree) {
   for (const auto& entry : fs::recursive_directory_iterator(CHLADNI_SOURCE_DIR "/models")) {
     if (entry.path().extension() != ".toml") continue;
     const auto file = entry.path().string();
-    const auto tree = parse_toml(read_whole(entry.path()), file);
-    expect_same(tree, parse_toml(toml_text(tree), file), file);
+    const auto tree = study::parse_toml(read_whole(entry.path()), file);
+    expect_same(tree, study::parse_toml(study::toml_text(tree), file), file);
     ++count;
   }
   EXPECT_GT(count, 15);
-  const auto odd = parse_toml(
-      "\"a key\" = \"\\u0007 tab\\t \\\\ quote\\\" ä\"\nx = 0.1\ny = 1e300\nz = -inf\nw = 3.0\nb = []\n"
+  const auto odd = study::parse_toml(
+      "\"a key\" = \"\\u0007 tab\\t \\\\ quote\\\" ä\"\nx = 0.1\ny = 1e300\nz = -inf\nw = 3.0\nb = "
+      "[]\n"
       "t = {}\n[c.d]\ne = [{ f = [1, 2.5] }, { f = true }]\n",
       "odd");
-  expect_same(odd, parse_toml(toml_text(odd), "odd"), "odd");
+  expect_same(odd, study::parse_toml(study::toml_text(odd), "odd"), "odd");
 }
 
 }  // namespace

@@ -113,25 +113,26 @@ class OnFaces : public ::testing::Test {
     std::ofstream(folder_.path() / name) << text;
   }
 
-  Study study_of(const std::string& geometry, const std::string& rest = "") const {
-    return parse_study(text_of(geometry, rest), folder_.path() / "study.toml");
+  study::Study study_of(const std::string& geometry, const std::string& rest = "") const {
+    return study::parse_study(text_of(geometry, rest), folder_.path() / "study.toml");
   }
 
   struct Found {
-    LearnedPriors priors;
-    Placed placed;
+    steps::LearnedPriors priors;
+    steps::Placed placed;
   };
   Found found(const std::string& geometry, const std::string& rest) {
-    const Study study = study_of(geometry, rest);
+    const study::Study study = study_of(geometry, rest);
     QuietRun quiet(study, folder_.path() / "out");
-    const Solution solution = solved(study, quiet.run());
-    return {learned_priors(study, solution, quiet.run()), placed(study, solution, quiet.run())};
+    const stage::Solution solution = stage::solved(study, quiet.run());
+    return {steps::learned_priors(study, solution, quiet.run()),
+            steps::placed(study, solution, quiet.run())};
   }
 
   std::string refusal(const std::string& geometry, const std::string& rest) {
-    const Study study = study_of(geometry, rest);
+    const study::Study study = study_of(geometry, rest);
     try {
-      require_faces(study, outline_of(study).shell);
+      stage::require_faces(study, stage::outline_of(study).shell);
     } catch (const InvalidInput& e) {
       return e.what();
     }
@@ -146,7 +147,7 @@ testing::AssertionResult says(const std::string& text, const std::string& part) 
   return testing::AssertionFailure() << "\"" << part << "\" is not in\n" << text;
 }
 
-void expect_same_priors(const LearnedPriors& one, const LearnedPriors& other) {
+void expect_same_priors(const steps::LearnedPriors& one, const steps::LearnedPriors& other) {
   ASSERT_EQ(one.columns, other.columns);
   for (std::size_t i = 0; i < one.columns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -168,7 +169,7 @@ void expect_same_priors(const LearnedPriors& one, const LearnedPriors& other) {
   }
 }
 
-void expect_same_places(const Placed& one, const Placed& other) {
+void expect_same_places(const steps::Placed& one, const steps::Placed& other) {
   EXPECT_NEAR(one.surface.sites.area.sum(), other.surface.sites.area.sum(), 1e-9);
   ASSERT_FALSE(one.best.empty());
   ASSERT_FALSE(other.best.empty());
@@ -243,9 +244,9 @@ TEST_F(OnFaces, OfARibbedChuckFromAFileTheFaceSheetIsTaken) {
                                .rib = 0.004,
                                .bores = {{{0.0, 0.09}, 0.01}, {{0.08, -0.05}, 0.01}}};
   write("chuck.stl", stl_of(mesh::surface(chuck, 0.01)));
-  const Study study = study_of("{ file = \"chuck.stl\", unit = \"mm\" }");
-  const auto shell = outline_of(study).shell;
-  const auto faces = faces_of(study, shell, {}, "placement.on");
+  const study::Study study = study_of("{ file = \"chuck.stl\", unit = \"mm\" }");
+  const auto shell = stage::outline_of(study).shell;
+  const auto faces = stage::faces_of(study, shell, {}, "placement.on");
   ASSERT_EQ(std::ssize(faces.looking), shell.faces.rows());
   EXPECT_EQ(faces.direction, Eigen::Vector3d::UnitZ().eval());
   double area = 0.0;
@@ -273,18 +274,18 @@ on = { facing = [0, 1, 0] }
 
 TEST_F(OnFaces, InterpolationFromAFileTakesAllUsualMethods) {
   write("real.toml", text_of(kPlate, upward_channels()));
-  const Study study =
+  const study::Study study =
       study_of(kStl, upward_channels() + "[measurement]\ntruth = \"real.toml\"\nmodes = 3\n");
   QuietRun quiet(study, folder_.path() / "out");
-  const Solution solution = solved(study, quiet.run());
-  const auto result = interpolated(study, solution, quiet.run());
+  const stage::Solution solution = stage::solved(study, quiet.run());
+  const auto result = steps::interpolated(study, solution, quiet.run());
   ASSERT_EQ(result.methods.size(), 3U) << quiet.said();
   EXPECT_LT(result.methods[0].error(0), 0.01);
 }
 
 TEST_F(OnFaces, WhereNothingLooksUpAllOfTheSurfaceIsTakenAndSaid) {
-  const Study ball = study_of("{ sphere = { diameter = \"60 mm\" } }");
-  const auto faces = faces_of(ball, outline_of(ball).shell, {}, "priors.on");
+  const study::Study ball = study_of("{ sphere = { diameter = \"60 mm\" } }");
+  const auto faces = stage::faces_of(ball, stage::outline_of(ball).shell, {}, "priors.on");
   EXPECT_TRUE(faces.looking.empty());
   EXPECT_TRUE(faces.patches.empty());
   EXPECT_FALSE(faces.direction.has_value());
@@ -293,8 +294,8 @@ TEST_F(OnFaces, WhereNothingLooksUpAllOfTheSurfaceIsTakenAndSaid) {
 // A plate that stands: what looks up is its rim, and that is said.
 TEST_F(OnFaces, APlateThatStandsIsToldOf) {
   write("block.stl", box_stl({0, 0, 0}, {120, 6, 80}));
-  const Study study = study_of(kStl);
-  const auto faces = faces_of(study, outline_of(study).shell, {}, "priors.on");
+  const study::Study study = study_of(kStl);
+  const auto faces = stage::faces_of(study, stage::outline_of(study).shell, {}, "priors.on");
   ASSERT_EQ(faces.notes.size(), 2U);
   EXPECT_TRUE(says(faces.notes[1], "on = { facing = \"y\" }"));
 }
@@ -336,7 +337,7 @@ TEST_F(OnFaces, AStepKeepsTheNamesOfItsFaces) {
 TEST(FacePlan, RefusesWhatCannotBeMeant) {
   const auto refused = [](const std::string& on) -> std::string {
     try {
-      (void)parse_study(text_of(kPlate, "[placement]\non = " + on + "\n"), "study.toml");
+      (void)study::parse_study(text_of(kPlate, "[placement]\non = " + on + "\n"), "study.toml");
     } catch (const InvalidInput& e) {
       return e.what();
     }

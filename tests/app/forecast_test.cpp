@@ -29,13 +29,13 @@ const std::string kSmall =
 
 class Before : public ::testing::Test {
  protected:
-  Study study_of(const std::string& text) const {
-    return parse_study(text, folder_.path() / "study.toml");
+  study::Study study_of(const std::string& text) const {
+    return study::parse_study(text, folder_.path() / "study.toml");
   }
 
   // What `check` refuses, and says before.
   std::string refusal(const std::string& text, const Command& command = check_command) {
-    const Study study = study_of(text);
+    const study::Study study = study_of(text);
     QuietRun quiet(study, folder_.path() / "out");
     std::string what;
     try {
@@ -53,21 +53,21 @@ class Before : public ::testing::Test {
 
 // Flexible frequencies of a free square plate and of a strip (tests/app/imported_modes_test.cpp).
 TEST_F(Before, ModesAreCountedByWeylsLaw) {
-  const Study plate = study_of(
+  const study::Study plate = study_of(
       "geometry = { plate = { length = \"600 mm\", width = \"600 mm\", thickness = \"20 mm\" } }" +
       kAluminium);
-  const auto body = understood(plate, outline_of(plate));
+  const auto body = stage::understood(plate, stage::outline_of(plate));
   const auto& material = plate.materials[0].material;
-  EXPECT_NEAR(modes_below(body, material, 2620.0) / (6 + 21), 1.0, 0.2);
-  EXPECT_NEAR(modes_below(body, material, 1040.0) / (6 + 10), 1.0, 0.3);
-  const Study strip = study_of(
+  EXPECT_NEAR(stage::modes_below(body, material, 2620.0) / (6 + 21), 1.0, 0.2);
+  EXPECT_NEAR(stage::modes_below(body, material, 1040.0) / (6 + 10), 1.0, 0.3);
+  const study::Study strip = study_of(
       "geometry = { beam = { length = \"500 mm\", width = \"20 mm\", thickness = \"2 mm\" } }\n"
       "material = { youngs_modulus = \"210 GPa\", poissons_ratio = 0.3, density = \"7850 kg/m^3\" "
       "}");
-  EXPECT_NEAR(
-      modes_below(understood(strip, outline_of(strip)), strip.materials[0].material, 1240.0) /
-          (6 + 11),
-      1.0, 0.5);
+  EXPECT_NEAR(stage::modes_below(stage::understood(strip, stage::outline_of(strip)),
+                                 strip.materials[0].material, 1240.0) /
+                  (6 + 11),
+              1.0, 0.5);
 }
 
 TEST_F(Before, AFrequencyThatNoMeshReachesIsRefused) {
@@ -78,11 +78,11 @@ TEST_F(Before, AFrequencyThatNoMeshReachesIsRefused) {
 }
 
 TEST_F(Before, MoreModesCostMore) {
-  const Study few = study_of(kSmall + "modes = { count = 20 }\n");
-  const Study many = study_of(kSmall + "modes = { count = 200 }\n");
-  const auto outline = outline_of(few);
-  const auto little = forecast(few, outline);
-  const auto much = forecast(many, outline);
+  const study::Study few = study_of(kSmall + "modes = { count = 20 }\n");
+  const study::Study many = study_of(kSmall + "modes = { count = 200 }\n");
+  const auto outline = stage::outline_of(few);
+  const auto little = stage::forecast(few, outline);
+  const auto much = stage::forecast(many, outline);
   EXPECT_EQ(little.degrees_of_freedom, much.degrees_of_freedom);
   EXPECT_GT(much.memory_bytes, little.memory_bytes + 180 * 8 * little.degrees_of_freedom);
   EXPECT_GT(much.seconds, little.seconds);
@@ -90,19 +90,19 @@ TEST_F(Before, MoreModesCostMore) {
 
 // A guess may be a third off, a mesh that is there is believed.
 TEST_F(Before, WhatIsKnownIsRefusedSooner) {
-  const Study study = study_of(kSmall);
-  Cost cost;
+  const study::Study study = study_of(kSmall);
+  stage::Cost cost;
   cost.degrees_of_freedom = 1e5;
   cost.memory_bytes = 1.2 * static_cast<double>(available_memory());
-  EXPECT_NO_THROW(refuse_what_cannot_fit(study, {}, cost));
+  EXPECT_NO_THROW(stage::refuse_what_cannot_fit(study, {}, cost));
   cost.exact = true;
-  EXPECT_THROW(refuse_what_cannot_fit(study, {}, cost), OutOfResources);
+  EXPECT_THROW(stage::refuse_what_cannot_fit(study, {}, cost), OutOfResources);
 }
 
 TEST_F(Before, OfADiscItsDiameterIsTold) {
-  const Study mirror = study_of(
+  const study::Study mirror = study_of(
       "geometry = { disc = { diameter = \"200 mm\", thickness = \"6 mm\" } }" + kAluminium);
-  const auto body = understood(mirror, outline_of(mirror));
+  const auto body = stage::understood(mirror, stage::outline_of(mirror));
   EXPECT_TRUE(says(body.line(), "200.0 x 200.0 x 6.0 mm (diameter 200.0 mm)  "));
 }
 

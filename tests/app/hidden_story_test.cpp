@@ -32,11 +32,11 @@ TEST(HiddenStory, IsNamedWithItsPlaceItsMassAndWhatItGains) {
   const auto file =
       std::filesystem::path(CHLADNI_SOURCE_DIR) / "models/oat/with_hidden_effect/study.toml";
   const TestFolder folder("hidden_story");
-  const Study study = read_study(file);
+  const study::Study study = study::read_study(file);
   QuietRun quiet(study, folder.path());
-  const auto one = diagnosed(study, quiet.run());
-  EXPECT_EQ(one.result.verdict, diagnosis::Verdict::named) << verdict_text(one.result);
-  ASSERT_EQ(one.result.best.causes.size(), 1U) << verdict_text(one.result);
+  const auto one = steps::diagnosed(study, quiet.run());
+  EXPECT_EQ(one.result.verdict, diagnosis::Verdict::named) << show::verdict_text(one.result);
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << show::verdict_text(one.result);
   const auto& cause = one.result.best.causes.front();
   ASSERT_EQ(cause.effect, "resonator");
   EXPECT_GT(cause.probability, 0.9);

@@ -57,7 +57,7 @@ inline modal::FrfSet named(const modal::Frf& frf, const std::vector<int>& coils)
 // Responses of the chain's first modes and the flexibility of the rest, 0.25 Hz apart, with noise
 // of 1 % of each one's median.
 inline modal::FrfSet measured(const identification::RigidChain& chain, Eigen::Index modes,
-                       const std::vector<int>& coils) {
+                              const std::vector<int>& coils) {
   Eigen::VectorXd at(std::ssize(coils));
   for (Eigen::Index j = 0; j < at.size(); ++j) {
     at(j) = kPlaces(coils[static_cast<std::size_t>(j)] - 1);
@@ -101,7 +101,7 @@ class Identify : public testing::Test {
   // What the command said on the terminal.
   std::string run(const Command& command, const std::string& text, const std::string& out = "out",
                   const std::vector<fs::path>& allowed = {}) {
-    const Study study = parse_study(text, folder_.path() / "study.toml", allowed);
+    const study::Study study = study::parse_study(text, folder_.path() / "study.toml", allowed);
     QuietRun quiet(study, folder_.path() / out);
     command.run(study, quiet.run());
     return quiet.said();
@@ -147,7 +147,8 @@ class Identify : public testing::Test {
   TestFolder folder_{"identify"};
 };
 
-inline void expect_modes(const io::Json& json, const modal::ReducedModel& chain, double coupled = 0.0) {
+inline void expect_modes(const io::Json& json, const modal::ReducedModel& chain,
+                         double coupled = 0.0) {
   const auto& modes = json.at("modes").array();
   ASSERT_EQ(std::ssize(modes), chain.mode_count());
   for (Eigen::Index m = 0; m < chain.mode_count(); ++m) {

@@ -66,7 +66,7 @@ class IdentifyGeneral : public testing::Test {
     text.replace(text.find(unsure), text.find('\n', text.find(unsure)) - text.find(unsure),
                  "model_error = 0");
     text.insert(text.find(table) + table.size(), "damping = \"" + damping + "\"\n" + more);
-    const Study study = parse_study(text, folder_.path() / "study.toml", {});
+    const study::Study study = study::parse_study(text, folder_.path() / "study.toml", {});
     QuietRun quiet(study, folder_.path() / damping);
     command.run(study, quiet.run());
     return quiet.shown();

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 class IdentifyMeasured : public testing::Test {
  protected:
   [[nodiscard]] io::Json identified(const std::string& text, const fs::path& data) const {
-    const Study study = parse_study(text, folder_.path() / "study.toml", {data.parent_path()});
+    const study::Study study =
+        study::parse_study(text, folder_.path() / "study.toml", {data.parent_path()});
     QuietRun quiet(study, folder_.path() / "out");
     identify_command.run(study, quiet.run());
     return io::parse_json(read_whole(folder_.path() / "out/identified.json"));

@@ -67,7 +67,7 @@ class IdentifySuspended : public testing::Test {
         read_whole(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models/beam/thesis_5x5.toml");
     const std::string table = "[identification]\n";
     text.insert(text.find(table) + table.size(), keys);
-    const Study study = parse_study(text, folder_.path() / "study.toml", {});
+    const study::Study study = study::parse_study(text, folder_.path() / "study.toml", {});
     (void)io::write_frf(folder_.path() / "thesis_5x5.csv", measured());
     QuietRun quiet(study, folder_.path() / "out");
     identify_command.run(study, quiet.run());

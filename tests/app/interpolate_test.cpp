@@ -78,14 +78,15 @@ class Interpolate : public ::testing::Test {
     std::ofstream(folder_.path() / name) << text;
   }
 
-  Interpolated interpolated_with(const std::string& parts) {
-    const Study study = parse_study(kPlate + kChannels + parts, folder_.path() / "study.toml");
+  steps::Interpolated interpolated_with(const std::string& parts) {
+    const study::Study study =
+        study::parse_study(kPlate + kChannels + parts, folder_.path() / "study.toml");
     QuietRun quiet(study, folder_.path() / "out");
     auto& run = quiet.run();
-    const Solution solution = solved(study, run);
-    auto result = interpolated(study, solution, run);
-    run.show(interpolation_table(result));
-    leave_interpolation(study, solution, result, run, true);
+    const stage::Solution solution = stage::solved(study, run);
+    auto result = steps::interpolated(study, solution, run);
+    run.show(show::interpolation_table(result));
+    show::leave_interpolation(study, solution, result, run, true);
     return result;
   }
 

@@ -64,16 +64,16 @@ modes = 1
 
 class MeasuredChannels : public testing::Test {
  protected:
-  MeasuredFrfs read(const std::string& uff, const std::string& text) {
+  steps::MeasuredFrfs read(const std::string& uff, const std::string& text) {
     write_atomically(folder_.path() / "measured.uff", uff);
-    const Study study = parse_study(text, folder_.path() / "study.toml", {});
+    const study::Study study = study::parse_study(text, folder_.path() / "study.toml", {});
     std::ostringstream said;
     std::ostringstream shown;
-    Talk talk(said, Manner{});
-    Options options;
+    show::Talk talk(said, show::Manner{});
+    show::Options options;
     options.folder = folder_.path() / "out";
-    app::Run quiet(study, options, shown, talk);
-    auto result = measured_frfs(study, quiet);
+    show::Run quiet(study, options, shown, talk);
+    auto result = steps::measured_frfs(study, quiet);
     said_ = said.str();
     return result;
   }
@@ -91,7 +91,7 @@ class MeasuredChannels : public testing::Test {
   }
 
   // Where the response of the first sensor is largest [Hz].
-  static double peak(const MeasuredFrfs& measured, Eigen::Index sensor = 0) {
+  static double peak(const steps::MeasuredFrfs& measured, Eigen::Index sensor = 0) {
     Eigen::Index at = 0;
     for (Eigen::Index k = 0; k < measured.all.line_count(); ++k) {
       const auto size = [&](Eigen::Index line) {
@@ -102,7 +102,7 @@ class MeasuredChannels : public testing::Test {
     return measured.all.frequency_hz(at);
   }
 
-  static double first_value(const MeasuredFrfs& measured) {
+  static double first_value(const steps::MeasuredFrfs& measured) {
     return measured.all.value[0](0, 0).real();
   }
 
@@ -214,8 +214,8 @@ TEST_F(MeasuredChannels, OtherMotionsThanDisplacementsNeedAUnit) {
 
 TEST_F(MeasuredChannels, TheFitIsThatOfTheStudysAxis) {
   write_atomically(folder_.path() / "measured.uff", triaxial());
-  const Study plate =
-      parse_study(study(sensor("s1", "\"z\"", "101")), folder_.path() / "study.toml", {});
+  const study::Study plate =
+      study::parse_study(study(sensor("s1", "\"z\"", "101")), folder_.path() / "study.toml", {});
   QuietRun quiet(plate, folder_.path() / "out");
   identify_command.run(plate, quiet.run());
   const auto json = io::parse_json(read_whole(folder_.path() / "out/identified.json"));

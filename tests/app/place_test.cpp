@@ -44,18 +44,19 @@ class Place : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   // The result of a study whose [placement] is `placement`.
-  Placed placed_with(const std::string& placement) {
-    const Study study = parse_study(kPlate + "[placement]\n" + placement, "study.toml");
-    Options options;
+  steps::Placed placed_with(const std::string& placement) {
+    const study::Study study =
+        study::parse_study(kPlate + "[placement]\n" + placement, "study.toml");
+    show::Options options;
     options.folder = folder_ / "out";
     options.pictures = false;
     options.certificate = false;
-    Talk talk(said_, manner_of_stderr(true));
-    app::Run run(study, options, shown_, talk);
-    const Solution solution = solved(study, run);
-    Placed result = placed(study, solution, run);
-    run.show(placement_table(solution, result));
-    leave_placement(study, solution, result, run, true);
+    show::Talk talk(said_, show::manner_of_stderr(true));
+    show::Run run(study, options, shown_, talk);
+    const stage::Solution solution = stage::solved(study, run);
+    steps::Placed result = steps::placed(study, solution, run);
+    run.show(show::placement_table(solution, result));
+    show::leave_placement(study, solution, result, run, true);
     return result;
   }
 
@@ -185,16 +186,16 @@ TEST_F(Place, NamesTheModeThatALayoutCannotSee) {
   (void)placed_with("modes = 9\non = [\"top\"]");
   const auto text = shown_.str();
   EXPECT_TRUE(says(text, "best places"));
-  const Study study = parse_study(
+  const study::Study study = study::parse_study(
       kPlate + "[[layout]]\nname = \"diagonal\"\nsensors = [\"s1\", \"s2\"]\n", "study.toml");
-  Options options;
+  show::Options options;
   options.folder = folder_ / "out2";
   options.pictures = false;
-  Talk talk(said_, manner_of_stderr(false));
-  app::Run run(study, options, shown_, talk);
-  const auto solution = solved(study, run);
-  const auto result = placed(study, solution, run);
-  leave_placement(study, solution, result, run, true);
+  show::Talk talk(said_, show::manner_of_stderr(false));
+  show::Run run(study, options, shown_, talk);
+  const auto solution = stage::solved(study, run);
+  const auto result = steps::placed(study, solution, run);
+  show::leave_placement(study, solution, result, run, true);
   ASSERT_FALSE(result.layouts[0].blind.empty());
   EXPECT_EQ(result.layouts[0].blind[0], 8);  // x^2 - y^2 vanishes on the diagonals
   EXPECT_TRUE(says(said_.str(), "layout \"diagonal\" cannot see modes 8 (26"));
@@ -204,14 +205,14 @@ TEST_F(Place, SaysThatTwoSensorsAreInOnePlace) {
   std::string text = kPlate;
   const std::string at = "at = [\"250 mm\", \"250 mm\"]";
   text.replace(text.find(at), at.size(), "at = [\"-250 mm\", \"250 mm\"]");
-  const Study study = parse_study(text, "study.toml");
-  Options options;
+  const study::Study study = study::parse_study(text, "study.toml");
+  show::Options options;
   options.folder = folder_ / "out";
   options.pictures = false;
-  Talk talk(said_, manner_of_stderr(true));
-  app::Run run(study, options, shown_, talk);
-  const auto solution = solved(study, run);
-  const auto result = placed(study, solution, run);
+  show::Talk talk(said_, show::manner_of_stderr(true));
+  show::Run run(study, options, shown_, talk);
+  const auto solution = stage::solved(study, run);
+  const auto result = steps::placed(study, solution, run);
   ASSERT_EQ(result.notes.size(), 1U);
   EXPECT_TRUE(says(result.notes[0], "sensors s1 and s2 are in one place"));
 }

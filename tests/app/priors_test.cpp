@@ -47,18 +47,18 @@ direction = "z"
 
 class Priors : public ::testing::Test {
  protected:
-  Study study_with(const std::string& priors, const std::string& rest = "") const {
-    return parse_study(kPlate + rest + "[priors]\n" + priors, folder_.path() / "study.toml");
+  study::Study study_with(const std::string& priors, const std::string& rest = "") const {
+    return study::parse_study(kPlate + rest + "[priors]\n" + priors, folder_.path() / "study.toml");
   }
 
-  LearnedPriors learned_with(const std::string& priors, const std::string& rest = "") {
-    const Study study = study_with(priors, rest);
+  steps::LearnedPriors learned_with(const std::string& priors, const std::string& rest = "") {
+    const study::Study study = study_with(priors, rest);
     QuietRun quiet(study, folder_.path() / "out");
     auto& run = quiet.run();
-    const Solution solution = solved(study, run);
-    auto result = learned_priors(study, solution, run);
-    table_ = priors_table(solution, result);
-    run.leave("priors.json", priors_json(solution, result), true);
+    const stage::Solution solution = stage::solved(study, run);
+    auto result = steps::learned_priors(study, solution, run);
+    table_ = show::priors_table(solution, result);
+    run.leave("priors.json", show::priors_json(solution, result), true);
     return result;
   }
 

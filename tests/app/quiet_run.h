@@ -34,16 +34,16 @@ class TestFolder {
 /// A run that keeps what it says. The study must outlive it.
 class QuietRun {
  public:
-  QuietRun(const Study& study, const std::filesystem::path& folder)
-      : talk_(said_, manner_of_stderr(true)), run_(study, options(folder), shown_, talk_) {}
+  QuietRun(const study::Study& study, const std::filesystem::path& folder)
+      : talk_(said_, show::manner_of_stderr(true)), run_(study, options(folder), shown_, talk_) {}
 
-  [[nodiscard]] Run& run() { return run_; }
+  [[nodiscard]] show::Run& run() { return run_; }
   [[nodiscard]] std::string shown() const { return shown_.str(); }
   [[nodiscard]] std::string said() const { return said_.str(); }
 
  private:
-  static Options options(const std::filesystem::path& folder) {
-    Options options;
+  static show::Options options(const std::filesystem::path& folder) {
+    show::Options options;
     options.folder = folder;
     options.pictures = false;
     options.certificate = false;
@@ -51,8 +51,8 @@ class QuietRun {
   }
 
   std::ostringstream shown_, said_;
-  Talk talk_;
-  Run run_;
+  show::Talk talk_;
+  show::Run run_;
 };
 
 }  // namespace chladni::app

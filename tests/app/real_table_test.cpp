@@ -9,13 +9,13 @@
 namespace chladni::app {
 namespace {
 
-Interpolated result_of(const std::string& name) {
+steps::Interpolated result_of(const std::string& name) {
   const TestFolder folder("real_table");
-  const Study study = read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
-                                 "interpolation" / name);
+  const study::Study study = study::read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) /
+                                               "models" / "oat" / "interpolation" / name);
   QuietRun quiet(study, folder.path());
-  const Solution solution = solved(study, quiet.run());
-  return interpolated(study, solution, quiet.run());
+  const stage::Solution solution = stage::solved(study, quiet.run());
+  return steps::interpolated(study, solution, quiet.run());
 }
 
 TEST(RealTable, OfTetrahedraWithRibsIsKnownFromThirteenSensors) {
@@ -47,11 +47,12 @@ TEST(RealTable, IsPredictedWhereItsOwnChannelsAreLeftOut) {
 // samples are learned from; a simpler one rises meanwhile, along the same ridge.
 TEST(Figure512, IsWhereARidgeEndsAndNoMatterOfTheModel) {
   const TestFolder folder("figure_5_12");
-  const Study study = read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
-                                 "interpolation" / "figure_5_12_minimal.toml");
+  const study::Study study =
+      study::read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
+                        "interpolation" / "figure_5_12_minimal.toml");
   QuietRun quiet(study, folder.path());
-  const Solution solution = solved(study, quiet.run());
-  const auto result = learned_priors(study, solution, quiet.run());
+  const stage::Solution solution = stage::solved(study, quiet.run());
+  const auto result = steps::learned_priors(study, solution, quiet.run());
   const auto error = [&](std::size_t at, Eigen::Index mode) {
     return result.by_samples[at].channel_error(mode - 1);
   };

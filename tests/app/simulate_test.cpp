@@ -67,7 +67,7 @@ const std::string kShort = "sample_rate = \"1024 Hz\"\nsamples = 2048\n";
 class Simulate : public testing::Test {
  protected:
   [[nodiscard]] fs::path run(const std::string& text, const std::string& out = "out") const {
-    const Study study = parse_study(text, folder_.path() / "study.toml");
+    const study::Study study = study::parse_study(text, folder_.path() / "study.toml");
     QuietRun quiet(study, folder_.path() / out);
     simulate_command.run(study, quiet.run());
     return folder_.path() / out;

@@ -10,15 +10,15 @@
 namespace chladni::app {
 
 struct Solved {
-  Study study;
-  Solution solution;
+  study::Study study;
+  stage::Solution solution;
 };
 
 inline Solved solved_with(const std::string& text) {
   const TestFolder folder("solved_text");
-  Study study = parse_study(text, "bench/study.toml");
+  study::Study study = study::parse_study(text, "bench/study.toml");
   QuietRun quiet(study, folder.path());
-  auto solution = solved(study, quiet.run());
+  auto solution = stage::solved(study, quiet.run());
   return {std::move(study), std::move(solution)};
 }
 

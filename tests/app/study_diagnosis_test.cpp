@@ -37,7 +37,9 @@ direction = "z"
 gain = "50 %"
 )";
 
-Study parsed(const std::string& more) { return parse_study(kBody + more, "bench/study.toml"); }
+study::Study parsed(const std::string& more) {
+  return study::parse_study(kBody + more, "bench/study.toml");
+}
 
 std::string refusal(const std::string& more) {
   try {
@@ -109,7 +111,7 @@ TEST(StudyDiagnosis, WithoutKeysIsTheUsual) {
 
 TEST(StudyDiagnosis, TheFileOfTolerancesShowsTheUsualOnes) {
   const fs::path models = fs::path(CHLADNI_SOURCE_DIR) / "models";
-  expect_equal(read_tolerances(models / "tolerances.toml"), {});
+  expect_equal(study::read_tolerances(models / "tolerances.toml"), {});
 }
 
 TEST(StudyDiagnosis, TolerancesMayHaveAFileBesideTheStudy) {
@@ -117,14 +119,14 @@ TEST(StudyDiagnosis, TolerancesMayHaveAFileBesideTheStudy) {
   write(folder.path() / "mine.toml", "gain = \"2 %\"\n");
   const auto file = folder.path() / "study.toml";
   const auto text = kBody + "[diagnosis]\ntolerances = \"mine.toml\"\n";
-  const auto plan = *parse_study(text, file).diagnosis;
+  const auto plan = *study::parse_study(text, file).diagnosis;
   EXPECT_DOUBLE_EQ(plan.tolerances.gain, 0.02);
   EXPECT_DOUBLE_EQ(plan.tolerances.position, diagnosis::Tolerances{}.position);
   EXPECT_EQ(plan.tolerances_file.filename(), "mine.toml");
 
   write(folder.path() / "mine.toml", "\ngain = \"2 mm\"\npositon = \"1 mm\"\ndelay = 3\n");
   try {
-    static_cast<void>(parse_study(text, file));
+    static_cast<void>(study::parse_study(text, file));
     FAIL() << "wrong tolerances were taken";
   } catch (const InvalidInput& e) {
     const std::string said = e.what();
@@ -133,8 +135,9 @@ TEST(StudyDiagnosis, TolerancesMayHaveAFileBesideTheStudy) {
     EXPECT_NE(said.find("a time such as"), std::string::npos) << said;
     EXPECT_NE(said.find("diagnosis.tolerances"), std::string::npos) << said;
   }
-  EXPECT_THROW(static_cast<void>(read_tolerances(folder.path() / "none.toml")), InvalidInput);
-  EXPECT_THROW(static_cast<void>(read_tolerances(folder.path())), InvalidInput);
+  EXPECT_THROW(static_cast<void>(study::read_tolerances(folder.path() / "none.toml")),
+               InvalidInput);
+  EXPECT_THROW(static_cast<void>(study::read_tolerances(folder.path())), InvalidInput);
 }
 
 TEST(StudyDiagnosisRefuses, WhatCannotBe) {
@@ -160,7 +163,7 @@ TEST(ChannelPaths, AreReadWithTheChannels) {
   EXPECT_DOUBLE_EQ(study.sensors[0].low_pass_hz, 3000.0);
   EXPECT_DOUBLE_EQ(study.sensors[1].gain, 1.0);
   EXPECT_DOUBLE_EQ(study.actuators[0].gain, 0.5);
-  EXPECT_TRUE(has_paths(study));
+  EXPECT_TRUE(stage::has_paths(study));
   EXPECT_NE(refusal("[[sensor]]\nname = \"x\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n"
                     "gain = -1\n")
                 .find("more than 0"),
@@ -179,14 +182,14 @@ modal::FrfSet responses() {
 
 TEST(ChannelPaths, AreGainDelayAndLowPass) {
   const auto study = parsed("");
-  const auto at = path(study.sensors[0], 3000.0);
+  const auto at = stage::path(study.sensors[0], 3000.0);
   EXPECT_NEAR(std::abs(at), 1.02 / std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(std::arg(at), -2.0 * std::numbers::pi * 3000.0 * 12e-6 - std::numbers::pi / 4.0,
               1e-12);
   const auto set = responses();
-  const auto record = recorded(study, set);
+  const auto record = stage::recorded(study, set);
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto own = path(study.sensors[0], set.frequency_hz(static_cast<Eigen::Index>(k)));
+    const auto own = stage::path(study.sensors[0], set.frequency_hz(static_cast<Eigen::Index>(k)));
     EXPECT_EQ(record.value[k](0, 0), 0.5 * set.value[k](0, 0));
     EXPECT_LT(std::abs(record.value[k](1, 0) - 0.5 * own * set.value[k](1, 0)), 1e-12);
     EXPECT_EQ(record.value[k](2, 0), 0.5 * set.value[k](2, 0));
@@ -197,7 +200,7 @@ TEST(ChannelPaths, AreGainDelayAndLowPass) {
 TEST(ChannelPaths, GoForthAndBack) {
   const auto study = parsed("");
   const auto set = responses();
-  const auto back = without_paths(study, recorded(study, set));
+  const auto back = stage::without_paths(study, stage::recorded(study, set));
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_LT((back.value[k] - set.value[k]).norm(), 1e-12);
     EXPECT_LT((back.variance[k] - set.variance[k]).norm(), 1e-12);

@@ -13,8 +13,8 @@ material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 k
 [identification]
 )";
 
-IdentificationPlan read(const std::string& keys) {
-  return *parse_study(kBody + keys, "bench/study.toml").identification;
+study::IdentificationPlan read(const std::string& keys) {
+  return *study::parse_study(kBody + keys, "bench/study.toml").identification;
 }
 
 void refused(const std::string& keys, const std::string& because) {

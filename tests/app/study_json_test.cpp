@@ -22,8 +22,9 @@ direction = "z"
 )";
 
 std::string told(const std::string& part, const std::string& key) {
-  const auto study = parse_study(kBody + "[" + part + "]\n" + key + "\n", "bench/study.toml");
-  return io::text(io::Json(study_json(study, {})).at(part));
+  const auto study =
+      study::parse_study(kBody + "[" + part + "]\n" + key + "\n", "bench/study.toml");
+  return io::text(io::Json(show::study_json(study, {})).at(part));
 }
 
 TEST(StudyJson, TellsEachKeyOfTheIdentification) {

@@ -61,7 +61,9 @@ hold_out = ["s4"]             # channels that no fit may see
 frequency_1 = { value = "183.8 Hz", within = "1 %" }
 )";
 
-Study parsed(const std::string& text) { return parse_study(text, "bench/study.toml"); }
+study::Study parsed(const std::string& text) {
+  return study::parse_study(text, "bench/study.toml");
+}
 
 /// What the reader says of `text`.
 std::string refusal(const std::string& text) {
@@ -87,7 +89,7 @@ testing::AssertionResult says(const std::string& message, const std::string& par
 }
 
 TEST(Study, TheContractsExampleIsUnderstoodInSi) {
-  const Study study = parsed(kContract);
+  const study::Study study = parsed(kContract);
   EXPECT_EQ(study.title, "OAT wafer table, minimal model");
   EXPECT_EQ(study.name, "bench");
   EXPECT_EQ(study.geometry.kind, "plate");
@@ -102,7 +104,7 @@ TEST(Study, TheContractsExampleIsUnderstoodInSi) {
 }
 
 TEST(Study, ChannelsAndAttachmentsKeepTheirPlaces) {
-  const Study study = parsed(kContract);
+  const study::Study study = parsed(kContract);
   ASSERT_EQ(study.sensors.size(), 2U);
   EXPECT_TRUE(study.sensors[0].at.from_above);
   EXPECT_TRUE(study.sensors[0].at.point.isApprox(Eigen::Vector3d(-0.25, 0.25, 0.0)));
@@ -115,7 +117,7 @@ TEST(Study, ChannelsAndAttachmentsKeepTheirPlaces) {
 }
 
 TEST(Study, PlansForLaterVerbsAreKept) {
-  const Study study = parsed(kContract);
+  const study::Study study = parsed(kContract);
   EXPECT_EQ(study.placement->modes, (std::vector<int>{1, 2, 3}));
   EXPECT_EQ(study.measurement->hold_out, std::vector<std::string>{"s4"});
   EXPECT_EQ(study.measurement->frf.filename(), "measured.uff");
@@ -125,11 +127,11 @@ TEST(Study, PlansForLaterVerbsAreKept) {
 }
 
 TEST(Study, UnitsChangeNothingButTheNumber) {
-  const Study a = parsed(kContract);
-  const Study b = parsed(changed("length = \"600 mm\"", "length = \"0.6 m\""));
+  const study::Study a = parsed(kContract);
+  const study::Study b = parsed(changed("length = \"600 mm\"", "length = \"0.6 m\""));
   EXPECT_DOUBLE_EQ(std::get<mesh::Plate>(a.geometry.body).length,
                    std::get<mesh::Plate>(b.geometry.body).length);
-  const Study c = parsed(changed("\"2700 kg/m^3\"", "\"2.7 g/cm^3\""));
+  const study::Study c = parsed(changed("\"2700 kg/m^3\"", "\"2.7 g/cm^3\""));
   EXPECT_NEAR(c.materials[0].material.density, 2700.0, 1e-9);
 }
 
@@ -176,7 +178,7 @@ mass = "10 g"
 frequency = "50 Hz"
 damping_ratio = 0.02
 )";
-  const Study study = parsed(kContract + by_frequency);
+  const study::Study study = parsed(kContract + by_frequency);
   const auto& resonator = std::get<fem::Resonator>(study.attachments.at(1).what);
   const double omega = 100.0 * std::numbers::pi;
   EXPECT_NEAR(resonator.stiffness, 0.01 * omega * omega, 1e-9);
@@ -308,7 +310,7 @@ TEST(StudyRefuses, PathsThatLeaveTheFolder) {
       says(refusal(changed("\"measured.uff\"", "\"../../etc/passwd\"")), "--allow-outside"));
   EXPECT_TRUE(says(refusal(changed("\"measured.uff\"", "\"/etc/passwd\"")), "--allow-outside"));
   const std::string inside = changed("\"measured.uff\"", "\"/opt/data/measured.uff\"");
-  const Study study = parse_study(inside, "study.toml", {"/opt/data"});
+  const study::Study study = study::parse_study(inside, "study.toml", {"/opt/data"});
   EXPECT_EQ(study.measurement->frf, "/opt/data/measured.uff");
 }
 
@@ -318,8 +320,8 @@ TEST(StudyRefuses, ASymbolicLinkOutOfTheFolder) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   fs::create_symlink("/etc", folder / "inside");
-  EXPECT_THROW(static_cast<void>(parse_study(changed("\"measured.uff\"", "\"inside/passwd\""),
-                                             folder / "study.toml")),
+  EXPECT_THROW(static_cast<void>(study::parse_study(
+                   changed("\"measured.uff\"", "\"inside/passwd\""), folder / "study.toml")),
                InvalidInput);
   fs::remove_all(folder);
 }
@@ -334,7 +336,7 @@ TEST(StudyRefuses, GeometryFilesThatAreMissingOrHaveNoUnit) {
   std::ofstream(folder / "table.stl") << "solid";
   const auto said = [&](const std::string& geometry) {
     try {
-      static_cast<void>(parse_study(changed(plate, geometry), folder / "study.toml"));
+      static_cast<void>(study::parse_study(changed(plate, geometry), folder / "study.toml"));
     } catch (const InvalidInput& e) {
       return std::string(e.what());
     }
@@ -362,9 +364,9 @@ TEST(StudyRefuses, ExpectationsOfUnknownThings) {
 }
 
 TEST(StudyRefuses, AStudyThatIsNoFile) {
-  EXPECT_THROW(static_cast<void>(read_study("/nowhere/study.toml")), InvalidInput);
-  EXPECT_THROW(static_cast<void>(read_study("/dev/zero")), InvalidInput);
-  EXPECT_THROW(static_cast<void>(read_study("/")), InvalidInput);
+  EXPECT_THROW(static_cast<void>(study::read_study("/nowhere/study.toml")), InvalidInput);
+  EXPECT_THROW(static_cast<void>(study::read_study("/dev/zero")), InvalidInput);
+  EXPECT_THROW(static_cast<void>(study::read_study("/")), InvalidInput);
 }
 
 TEST(StudyWarns, OfPrefixesLeftOut) {
@@ -380,16 +382,17 @@ TEST(StudyWarns, OfPrefixesLeftOut) {
 }
 
 TEST(Sha256, OfTheStandardsExamples) {
-  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+  EXPECT_EQ(study::sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(study::sha256("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(study::sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
 }
 
 TEST(NearestName, ForgivesASlipAndNotMore) {
-  EXPECT_EQ(nearest_name("thicknes", {"length", "width", "thickness"}), "thickness");
-  EXPECT_EQ(nearest_name("lenght", {"length", "width"}), "length");
-  EXPECT_EQ(nearest_name("colour", {"length", "width"}), "");
+  EXPECT_EQ(study::nearest_name("thicknes", {"length", "width", "thickness"}), "thickness");
+  EXPECT_EQ(study::nearest_name("lenght", {"length", "width"}), "length");
+  EXPECT_EQ(study::nearest_name("colour", {"length", "width"}), "");
 }
 
 }  // namespace

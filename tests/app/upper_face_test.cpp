@@ -12,14 +12,14 @@ TEST(UpperFace, StandsOnItsShortestSide) {
   auto body = mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.01}, 0.05, 1);
   const Points lying = body.points;
   body.points << lying.col(2), lying.col(0), lying.col(1);
-  const auto chart = chart_of(body);
+  const auto chart = stage::chart_of(body);
   EXPECT_EQ(chart.axes.col(2), Eigen::Vector3d::UnitX());
   EXPECT_NEAR(chart.size(0), 0.3, 1e-12);
   Eigen::MatrixXd shapes = Eigen::MatrixXd::Zero(3 * body.node_count(), 1);
   for (Eigen::Index i = 0; i < body.node_count(); ++i) {
     shapes(3 * i, 0) = 1.0 + 2.0 * body.points(i, 1) - 3.0 * body.points(i, 2);
   }
-  const UpperFace face(chart, body, shapes);
+  const stage::UpperFace face(chart, body, shapes);
   for (const double u : {-0.15, -0.04, 0.0, 0.15}) {
     const auto motion = face.at({u, 0.07});
     ASSERT_TRUE(motion.has_value()) << u;
@@ -27,7 +27,7 @@ TEST(UpperFace, StandsOnItsShortestSide) {
     EXPECT_NEAR(motion->slope_u(0), 2.0, 1e-8);
     EXPECT_NEAR(motion->slope_v(0), -3.0, 1e-8);
   }
-  EXPECT_EQ(coverage(chart, face, {3, 2}), Eigen::MatrixXd::Ones(3, 2));
+  EXPECT_EQ(stage::coverage(chart, face, {3, 2}), Eigen::MatrixXd::Ones(3, 2));
 }
 
 }  // namespace

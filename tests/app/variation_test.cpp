@@ -20,16 +20,18 @@ mesh = { edge_length = "50 mm", order = 2 }
 modes = { count = 12 }
 )";
 
-Study parsed(const std::string& more) { return parse_study(kPlate + more, "bench/study.toml"); }
-
-Solution solved_with(const Study& study) {
-  const TestFolder folder("variation");
-  QuietRun quiet(study, folder.path());
-  return solved(study, quiet.run());
+study::Study parsed(const std::string& more) {
+  return study::parse_study(kPlate + more, "bench/study.toml");
 }
 
-const Solution& plain() {
-  static const Solution solution = solved_with(parsed(""));
+stage::Solution solved_with(const study::Study& study) {
+  const TestFolder folder("variation");
+  QuietRun quiet(study, folder.path());
+  return stage::solved(study, quiet.run());
+}
+
+const stage::Solution& plain() {
+  static const stage::Solution solution = solved_with(parsed(""));
   return solution;
 }
 
@@ -61,7 +63,7 @@ of = "thickness"
 v2 = 0.1
 )");
   const auto& body = plain().model.body;
-  const auto factors = varied_factors(study, body);
+  const auto factors = stage::varied_factors(study, body);
   for (Eigen::Index t = 0; t < body.tet_count(); t += 37) {
     // In the mean over places that fill the cell evenly.
     double stiffer = 0.0;
@@ -108,8 +110,8 @@ TEST(Variation, KeepsEachFactorToAHundredthOfTheLargest) {
     const auto study = parsed(std::string("[[variation]]\n") + field);
     auto body = plain().model.body;
     auto materials = plain().model.materials;
-    const Eigen::MatrixX2d wanted = varied_factors(study, body).array() - 1.0;
-    vary(study, body, materials);
+    const Eigen::MatrixX2d wanted = stage::varied_factors(study, body).array() - 1.0;
+    stage::vary(study, body, materials);
     const auto& plain_material = plain().model.materials.front();
     const double stiffest = wanted.col(0).cwiseAbs().maxCoeff();
     const double heaviest = wanted.col(1).cwiseAbs().maxCoeff();

@@ -35,7 +35,7 @@ inline bool read_shapes(std::string_view bytes) {
 
 /// The tree of a study.
 inline bool read_toml(std::string_view bytes) {
-  return app::parse_toml(bytes, "study.toml").kind == app::TomlNode::Kind::table;
+  return study::parse_toml(bytes, "study.toml").kind == study::TomlNode::Kind::table;
 }
 
 }  // namespace chladni::io
