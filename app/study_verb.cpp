@@ -9,6 +9,7 @@
 #include "show/placement.h"
 #include "show/report.h"
 #include "show/solution.h"
+#include "stage/diagnosis_structure.h"
 #include "steps/expectations.h"
 
 namespace chladni::app {
@@ -26,8 +27,15 @@ bool is_there(const study::MeasurementPlan& plan, show::Run& run) {
   return steps::has_shapes(plan);
 }
 
+// The study is solved once, also where a diagnosis needs more modes than the study asks for.
+stage::TwoSolutions solved(const study::Study& study, bool diagnosed, stage::Work& work) {
+  if (diagnosed) return stage::solved_with_more(study, stage::kDiagnosisModes, work);
+  return {.own = stage::solved(study, work), .with_more = {}};
+}
+
 void run(const study::Study& study, show::Run& run) {
-  const stage::Solution solution = stage::solved(study, run);
+  const bool measured = study.measurement && is_there(*study.measurement, run);
+  auto [solution, with_more] = solved(study, measured && study.diagnosis, run);
   run.show(show::modes_table(solution));
   show::leave_mesh(solution.model.body, run, false);
   // If the body is given by its dimensions, the names of its patches are known.
@@ -40,7 +48,6 @@ void run(const study::Study& study, show::Run& run) {
     show::leave_placement(study, solution, *placement, run, false);
   }
   std::optional<steps::Interpolated> shapes;
-  const bool measured = study.measurement && is_there(*study.measurement, run);
   if (measured && (study.interpolation || !study.diagnosis)) {
     shapes = steps::interpolated(study, solution, run, show::shown_and_left(study, run));
     run.show("\n" + show::interpolation_table(*shapes));
@@ -48,7 +55,7 @@ void run(const study::Study& study, show::Run& run) {
   }
   std::optional<steps::Diagnosed> diagnosis;
   if (measured && study.diagnosis) {
-    diagnosis = steps::diagnosed(study, run);
+    diagnosis = steps::diagnosed(study, std::move(with_more), run);
     run.show("\n" + show::diagnosis_table(*diagnosis));
     show::leave_diagnosis(study, *diagnosis, run, false);
   }

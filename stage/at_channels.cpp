@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "fem/assemble.h"
 #include "fem/reduced.h"
 
 namespace chladni::stage {
@@ -45,7 +44,7 @@ modal::ReducedModel at_channels(const study::Study& study, const Solution& solut
   require(count <= solution.modes.mode_count(),
           fmt::format("{} modes are wanted at the channels and the solution has {}", count,
                       solution.modes.mode_count()));
-  const auto system = fem::assemble(model.body, model.materials, study.supports, model.attachments);
+  const auto& system = *solution.system;
   return fem::reduced(system, on_free(system.dofs, solution, count),
                       columns_of(system.dofs, study.sensors, model.sensors),
                       columns_of(system.dofs, study.actuators, model.actuators));

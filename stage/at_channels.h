@@ -7,8 +7,8 @@
 namespace chladni::stage {
 
 /// The study's sensors and actuators on the first `mode_count` modes of its solution (0: all), the
-/// static flexibility of all the others, and its dashpots. Cost: one assembly, one factorisation
-/// and some five solves per actuator.
+/// static flexibility of all the others, and its dashpots. Cost: one factorisation and some
+/// five solves per actuator.
 /// @throws InvalidInput  more modes are asked for than there are; as fem::reduced
 [[nodiscard]] modal::ReducedModel at_channels(const study::Study& study, const Solution& solution,
                                               Eigen::Index mode_count = 0);

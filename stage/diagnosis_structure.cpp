@@ -16,7 +16,6 @@
 namespace chladni::stage {
 namespace {
 
-constexpr int kFlexibleModes = 64;
 constexpr Eigen::Index kLeastFlexibleModes = 12;
 constexpr double kBeyondBand = 3.0;
 constexpr double kStep = 1e-4;   // step for a channel's slope, over the body's shorter side
@@ -137,7 +136,7 @@ void add_attached(const Model& model, const modal::Modes& modes, diagnosis::Stru
 }  // namespace
 
 study::Study with_modes_for_diagnosis(study::Study study) {
-  study.modes.count = std::max(study.modes.count, kFlexibleModes);
+  study.modes.count = std::max(study.modes.count, kDiagnosisModes);
   study.modes.up_to_hz = 0.0;
   return study;
 }

@@ -8,7 +8,10 @@
 
 namespace chladni::stage {
 
-/// The study with the modes for a diagnosis: 64 flexible ones, or the number it asks for, if that
+/// Flexible modes for a diagnosis.
+inline constexpr int kDiagnosisModes = 64;
+
+/// The study with the modes for a diagnosis: kDiagnosisModes, or the number it asks for, if that
 /// is larger. `structure_of` uses those that the band needs.
 [[nodiscard]] study::Study with_modes_for_diagnosis(study::Study study);
 
@@ -25,7 +28,7 @@ namespace chladni::stage {
 /// of both sides, the body bends (bending_power 3) and has orthotropy: plane-stress constants.
 ///
 /// `surface.at` owns its data and may be called from several threads at once; some 20 µs.
-/// Cost: one assembly, one factorisation, and per element some r² times its nodes.
+/// Cost: one factorisation, and per element some r² times its nodes.
 /// @throws InvalidInput  no sensor or no actuator; as fem::reduced
 [[nodiscard]] diagnosis::Structure structure_of(const study::Study& study, const Solution& solution,
                                                 double high_hz = HUGE_VAL);

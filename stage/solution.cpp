@@ -61,9 +61,9 @@ bool reaches(const modal::Modes& modes, double up_to_hz) {
   return modes.frequency_hz.size() > 0 && modes.frequency_hz.tail<1>()(0) >= up_to_hz;
 }
 
-/// Modes up to a frequency: asks for more until one lies above it, then removes those above.
-fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::ModesOptions options,
-                             const Progress& progress) {
+/// Modes up to a frequency and some beyond: asks for more until one lies above it.
+fem::ModesResult modes_beyond(const fem::System& system, double up_to_hz, fem::ModesOptions options,
+                              const Progress& progress) {
   auto result = fem::modes(system, options, progress);
   const auto most = static_cast<int>(system.dofs.free_count / 4);
   while (!reaches(result.modes, up_to_hz) && options.count < most) {
@@ -72,26 +72,57 @@ fem::ModesResult modes_up_to(const fem::System& system, double up_to_hz, fem::Mo
         std::min(most, static_cast<int>(options.count * std::clamp(1.2 * ratio, 1.3, 4.0)) + 2);
     result = fem::modes(system, options, progress);
   }
-  Eigen::Index below = 0;
-  while (below < result.modes.mode_count() && result.modes.frequency_hz(below) <= up_to_hz) ++below;
-  result.modes.frequency_hz.conservativeResize(below);
-  result.modes.damping_ratio.conservativeResize(below);
-  result.modes.shapes.conservativeResize(Eigen::NoChange, below);
-  result.summary.residual.conservativeResize(below);
-  std::erase_if(result.summary.clusters,
-                [&](const fem::Cluster& cluster) { return cluster.first + cluster.size > below; });
   return result;
 }
 
-fem::ModesResult modes_of(const study::Study& study, const fem::System& system, Work& work) {
-  const auto options = modes_options(study, work);
+fem::ModesResult modes_of(const study::Study& study, const fem::System& system, int flexible,
+                          Work& work) {
+  auto options = modes_options(study, work);
+  options.count = std::max(options.count, flexible);
   const auto progress = work.progress();
   auto result = study.modes.up_to_hz > 0.0
-                    ? modes_up_to(system, study.modes.up_to_hz, options, progress)
+                    ? modes_beyond(system, study.modes.up_to_hz, options, progress)
                     : fem::modes(system, options, progress);
-  const Eigen::Index flexible = result.modes.mode_count() - result.modes.rigid_count;
-  result.modes.damping_ratio.tail(flexible).setConstant(study.modes.damping_ratio);
+  result.modes.damping_ratio.tail(result.modes.mode_count() - result.modes.rigid_count)
+      .setConstant(study.modes.damping_ratio);
   return result;
+}
+
+/// Number of the `flexible` lowest modes with the rigid-body ones; a repeated mode is not cut.
+Eigen::Index count_with(int flexible, const modal::Modes& modes,
+                        const std::vector<fem::Cluster>& clusters) {
+  Eigen::Index count = std::min(modes.mode_count(), modes.rigid_count + flexible);
+  for (const auto& cluster : clusters) {
+    if (cluster.first < count) count = std::max(count, cluster.first + cluster.size);
+  }
+  return count;
+}
+
+/// Number of modes that the study asks for among those that were computed.
+Eigen::Index own_count(const study::Study& study, const modal::Modes& modes,
+                       const std::vector<fem::Cluster>& clusters) {
+  if (study.modes.up_to_hz <= 0.0) return count_with(wanted_count(study), modes, clusters);
+  Eigen::Index below = 0;
+  while (below < modes.mode_count() && modes.frequency_hz(below) <= study.modes.up_to_hz) ++below;
+  return below;
+}
+
+void keep_first(Eigen::Index count, modal::Modes& modes, fem::ModesSummary& summary) {
+  modes.frequency_hz.conservativeResize(count);
+  modes.damping_ratio.conservativeResize(count);
+  modes.shapes.conservativeResize(Eigen::NoChange, count);
+  modes.rigid_count = std::min(modes.rigid_count, count);
+  summary.residual.conservativeResize(count);
+  std::erase_if(summary.clusters,
+                [&](const fem::Cluster& cluster) { return cluster.first + cluster.size > count; });
+}
+
+/// The solution with its first modes alone.
+Solution with_first(Eigen::Index count, Solution solution) {
+  keep_first(count, solution.modes, solution.summary);
+  solution.extra_shapes.conservativeResize(Eigen::NoChange, count);
+  solution.frequency_error.conservativeResize(count);
+  return solution;
 }
 
 void warn(const std::vector<std::string>& lines, Solution& solution, Work& work) {
@@ -109,6 +140,52 @@ void forecast_again(const study::Study& study, const mesh::TetMesh& body, Soluti
   introduction.cost = forecast(study, body, introduction.body);
   work.note("with the mesh: " + introduction.cost.line());
   refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+}
+
+/// Everything before the modes.
+Solution placed_and_assembled(const study::Study& study, Introduction introduction, Work& work) {
+  const auto progress = work.progress();
+  throw_if_interrupted();
+  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+  Solution solution;
+  solution.introduction = std::move(introduction);
+  const auto& outline = solution.introduction.outline;
+  auto body = work.timed("mesh", [&] { return body_of(study, outline, progress); });
+  forecast_again(study, body, solution, work);
+  solution.model = work.timed("places", [&] { return model_of(study, std::move(body)); });
+  for (const auto& note : solution.model.notes) work.note(note);
+  warn(solution.model.warnings, solution, work);
+  warn(channels_kept_out(study, solution.model), solution, work);
+  throw_if_interrupted();
+
+  const auto& model = solution.model;
+  tell(progress, "assembling");
+  solution.system = work.timed("assembly", [&] {
+    return std::make_shared<const fem::System>(
+        fem::assemble(model.body, model.materials, study.supports, model.attachments));
+  });
+  solution.degrees_of_freedom = solution.system->dofs.free_count;
+  return solution;
+}
+
+/// Stores the modes on all nodes, with the error that the mesh leaves in them.
+void take(fem::ModesResult result, Solution& solution, Work& work) {
+  const auto& dofs = solution.system->dofs;
+  tell(work.progress(), "estimating the error of the mesh");
+  solution.frequency_error = work.timed("error_estimate", [&] {
+    return fem::frequency_error(solution.model.body, solution.model.materials, *solution.system,
+                                result.modes);
+  });
+  solution.summary = std::move(result.summary);
+  solution.modes = std::move(result.modes);
+  solution.extra_shapes = solution.modes.shapes(dofs.free_dof.tail(dofs.extra_count()), Eigen::all);
+  solution.modes.shapes = fem::on_nodes(dofs, solution.modes.shapes);
+}
+
+void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
+  warn(solution.summary.warnings, solution, work);
+  warn(coarse_mesh(solution), solution, work);
+  warn(blind_spots(study, solution), solution, work);
 }
 
 }  // namespace
@@ -138,40 +215,34 @@ Solution solved(const study::Study& study, Work& work) {
 }
 
 Solution solved(const study::Study& study, Introduction introduction, Work& work) {
-  const auto progress = work.progress();
-  throw_if_interrupted();
-  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
-  Solution solution;
-  solution.introduction = std::move(introduction);
-  const auto& outline = solution.introduction.outline;
-  auto body = work.timed("mesh", [&] { return body_of(study, outline, progress); });
-  forecast_again(study, body, solution, work);
-  solution.model = work.timed("places", [&] { return model_of(study, std::move(body)); });
-  for (const auto& note : solution.model.notes) work.note(note);
-  warn(solution.model.warnings, solution, work);
-  warn(channels_kept_out(study, solution.model), solution, work);
-  throw_if_interrupted();
-
-  const auto& model = solution.model;
-  tell(progress, "assembling");
-  const auto system = work.timed("assembly", [&] {
-    return fem::assemble(model.body, model.materials, study.supports, model.attachments);
-  });
-  auto result = work.timed("modes", [&] { return modes_of(study, system, work); });
-  solution.degrees_of_freedom = system.dofs.free_count;
-  tell(progress, "estimating the error of the mesh");
-  solution.frequency_error = work.timed("error_estimate", [&] {
-    return fem::frequency_error(model.body, model.materials, system, result.modes);
-  });
-  solution.summary = result.summary;
-  warn(solution.summary.warnings, solution, work);
-  solution.modes = std::move(result.modes);
-  solution.extra_shapes =
-      solution.modes.shapes(system.dofs.free_dof.tail(system.dofs.extra_count()), Eigen::all);
-  solution.modes.shapes = fem::on_nodes(system.dofs, solution.modes.shapes);
-  warn(coarse_mesh(solution), solution, work);
-  warn(blind_spots(study, solution), solution, work);
+  Solution solution = placed_and_assembled(study, std::move(introduction), work);
+  auto result = work.timed("modes", [&] { return modes_of(study, *solution.system, 0, work); });
+  if (study.modes.up_to_hz > 0.0) {
+    keep_first(own_count(study, result.modes, result.summary.clusters), result.modes,
+               result.summary);
+  }
+  take(std::move(result), solution, work);
+  warn_of_modes(study, solution, work);
   return solution;
+}
+
+TwoSolutions solved_with_more(const study::Study& study, int flexible, Work& work) {
+  auto introduction = work.timed("geometry", [&] { return introduced(study, work); });
+  study::Study larger = study;  // what is solved, for the forecasts
+  larger.modes.count = std::max(study.modes.count, flexible);
+  introduction.cost = forecast(larger, introduction.outline);
+  work.note(introduction.cost.line());
+  TwoSolutions both;
+  both.with_more = placed_and_assembled(larger, std::move(introduction), work);
+  take(work.timed("modes", [&] { return modes_of(study, *both.with_more.system, flexible, work); }),
+       both.with_more, work);
+  const auto& modes = both.with_more.modes;
+  const auto& clusters = both.with_more.summary.clusters;
+  both.own = with_first(own_count(study, modes, clusters), both.with_more);
+  const auto enough = count_with(larger.modes.count, modes, clusters);
+  if (enough < modes.mode_count()) both.with_more = with_first(enough, std::move(both.with_more));
+  warn_of_modes(study, both.own, work);
+  return both;
 }
 
 Eigen::MatrixXd shapes_at(const std::vector<mesh::Site>& sites, const Points& directions,

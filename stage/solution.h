@@ -1,6 +1,9 @@
 // The modes of a study's body.
 #pragma once
 
+#include <memory>
+
+#include "fem/assemble.h"
 #include "fem/modes.h"
 #include "stage/estimates/estimate.h"
 #include "stage/model.h"
@@ -19,9 +22,10 @@ struct Introduction {
 struct Solution {
   Introduction introduction;
   Model model;
-  modal::Modes modes;               ///< on all nodes: 3·nodes rows
-  Eigen::MatrixXd extra_shapes;     ///< for the degrees of freedom that attachments add
-  Eigen::VectorXd frequency_error;  ///< per mode, relative; 0 for rigid-body modes
+  std::shared_ptr<const fem::System> system;  ///< K and M of the model
+  modal::Modes modes;                         ///< on all nodes: 3·nodes rows
+  Eigen::MatrixXd extra_shapes;               ///< for the degrees of freedom that attachments add
+  Eigen::VectorXd frequency_error;            ///< per mode, relative; 0 for rigid-body modes
   fem::ModesSummary summary;
   Eigen::Index degrees_of_freedom = 0;  ///< free ones
 };
@@ -31,6 +35,14 @@ struct Solution {
 [[nodiscard]] Solution solved(const study::Study& study, Work& work);
 /// The same for a study that was introduced before.
 [[nodiscard]] Solution solved(const study::Study& study, Introduction introduction, Work& work);
+
+/// A study that is solved once for two purposes: with the modes that it asks for, and with
+/// `flexible` modes, or with modes.count where that is larger. The warnings are those of the modes
+/// that it asks for.
+struct TwoSolutions {
+  Solution own, with_more;
+};
+[[nodiscard]] TwoSolutions solved_with_more(const study::Study& study, int flexible, Work& work);
 
 /// Prints the first line, the notes and the warnings.
 [[nodiscard]] Introduction introduced(const study::Study& study, Work& work);

@@ -295,15 +295,16 @@ void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve
   if (one.gain.pays) comment_on(advice, one);
 }
 
-}  // namespace
+stage::Solution solve_in_full(const study::Study& extended, stage::Work& work) {
+  return stage::solved(extended, work);
+}
 
-Diagnosed diagnosed(const study::Study& study, stage::Work& work,
-                    const SolveStudy& solve_extended) {
+Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Solution before,
+                    stage::Work& work, const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
   Diagnosed one;
   one.least_evidence = plan.least_evidence;
-  auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
-  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  one.before = std::move(before);
   const stage::Solution& solution = one.before;
   const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
   one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
@@ -329,10 +330,21 @@ Diagnosed diagnosed(const study::Study& study, stage::Work& work,
   return one;
 }
 
+}  // namespace
+
+Diagnosed diagnosed(const study::Study& study, stage::Work& work,
+                    const SolveStudy& solve_extended) {
+  auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
+  auto before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  return diagnosed(study, std::move(measured), std::move(before), work, solve_extended);
+}
+
 Diagnosed diagnosed(const study::Study& study, stage::Work& work) {
-  return diagnosed(study, work, [](const study::Study& extended, stage::Work& its_work) {
-    return stage::solved(extended, its_work);
-  });
+  return diagnosed(study, work, solve_in_full);
+}
+
+Diagnosed diagnosed(const study::Study& study, stage::Solution before, stage::Work& work) {
+  return diagnosed(study, measured_frfs(study, work), std::move(before), work, solve_in_full);
 }
 
 }  // namespace chladni::steps

@@ -37,6 +37,10 @@ struct Diagnosed {
 /// only a note.
 /// @throws as its steps, except those of the extended study
 [[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work);
+/// The same for a study that is solved, with the modes that a diagnosis needs
+/// (stage::kDiagnosisModes).
+[[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Solution before,
+                                  stage::Work& work);
 /// The same with another function that solves the extended study.
 using SolveStudy = std::function<stage::Solution(const study::Study& study, stage::Work& work)>;
 [[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work,
