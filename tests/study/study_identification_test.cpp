@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "study/study.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 const std::string kBody = R"(
@@ -74,4 +74,4 @@ TEST(StudyIdentification, RefusesWhatIsOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -9,11 +9,11 @@
 #include <memory>
 
 #include "base/error.h"
-#include "quiet_run.h"
 #include "stage/diagnosis_structure.h"
 #include "stage/faces.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 const std::string kMaterial =
@@ -42,9 +42,9 @@ struct Solved {
 };
 
 Solved solved_with(const std::string& text) {
-  const TestFolder folder("diagnosis_faces");
+  const app::TestFolder folder("diagnosis_faces");
   study::Study study = study::parse_study(text, "study.toml");
-  QuietRun quiet(study, folder.path());
+  app::QuietRun quiet(study, folder.path());
   auto solution = stage::solved(study, quiet.run());
   return {std::move(study), std::move(solution)};
 }
@@ -205,4 +205,4 @@ TEST(DiagnosisFaces, OfALeaningBodyAreSeenAcross) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -4,7 +4,7 @@
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 TEST(DiagnosisStructure, DashpotsAndResonatorsAreInIt) {
@@ -72,4 +72,4 @@ mass = "300 g"
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "quiet_run.h"
 #include "stage/channel_paths.h"
 #include "study/study.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,7 +115,7 @@ TEST(StudyDiagnosis, TheFileOfTolerancesShowsTheUsualOnes) {
 }
 
 TEST(StudyDiagnosis, TolerancesMayHaveAFileBesideTheStudy) {
-  const TestFolder folder("tolerances");
+  const app::TestFolder folder("tolerances");
   write(folder.path() / "mine.toml", "gain = \"2 %\"\n");
   const auto file = folder.path() / "study.toml";
   const auto text = kBody + "[diagnosis]\ntolerances = \"mine.toml\"\n";
@@ -208,4 +208,4 @@ TEST(ChannelPaths, GoForthAndBack) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -10,10 +10,10 @@
 
 #include "base/error.h"
 #include "io/json.h"
-#include "quiet_run.h"
 #include "show/priors.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 const std::string kPlate = R"(title = "square plate"
@@ -53,7 +53,7 @@ class Priors : public ::testing::Test {
 
   steps::LearnedPriors learned_with(const std::string& priors, const std::string& rest = "") {
     const study::Study study = study_with(priors, rest);
-    QuietRun quiet(study, folder_.path() / "out");
+    app::QuietRun quiet(study, folder_.path() / "out");
     auto& run = quiet.run();
     const stage::Solution solution = stage::solved(study, run);
     auto result = steps::learned_priors(study, solution, run);
@@ -78,7 +78,7 @@ class Priors : public ::testing::Test {
     return io::parse_json(text.str());
   }
 
-  TestFolder folder_{"priors"};
+  app::TestFolder folder_{"priors"};
   std::string table_;
 };
 
@@ -172,4 +172,4 @@ TEST_F(Priors, RefusesWhatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -12,7 +12,7 @@
 #include "show/placement.h"
 #include "steps/placement.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -240,4 +240,4 @@ TEST_F(Place, RefusesWhatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

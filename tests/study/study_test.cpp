@@ -13,7 +13,7 @@
 #include "study/problems.h"
 #include "study/sha256.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -396,4 +396,4 @@ TEST(NearestName, ForgivesASlipAndNotMore) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::study

@@ -5,7 +5,7 @@
 #include "show/solution.h"
 #include "stage/solution.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 const std::string kBody = R"(
@@ -66,4 +66,4 @@ TEST(StudyJson, TellsEachKeyOfTheDiagnosis) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::show

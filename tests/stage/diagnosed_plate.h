@@ -9,7 +9,7 @@
 #include "solved_text.h"
 #include "stage/diagnosis_structure.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 inline const std::string kChannels = R"(
 [[sensor]]
@@ -54,4 +54,4 @@ inline Eigen::MatrixXcd response(const diagnosis::Structure& of, double frequenc
   return modal::frf(model, Eigen::VectorXd::Constant(1, frequency_hz)).value.front();
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

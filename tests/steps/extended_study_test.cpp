@@ -12,7 +12,7 @@
 #include "extended_plate.h"
 #include "steps/extend/extension.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 study::Study read(const steps::ExtendedStudy& extended) {
@@ -224,4 +224,4 @@ TEST(ExtendedStudy, LeadsToTheFilesOfTheStudy) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -9,11 +9,11 @@
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
-#include "quiet_run.h"
 #include "show/interpolation.h"
 #include "steps/interpolation.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -81,7 +81,7 @@ class Interpolate : public ::testing::Test {
   steps::Interpolated interpolated_with(const std::string& parts) {
     const study::Study study =
         study::parse_study(kPlate + kChannels + parts, folder_.path() / "study.toml");
-    QuietRun quiet(study, folder_.path() / "out");
+    app::QuietRun quiet(study, folder_.path() / "out");
     auto& run = quiet.run();
     const stage::Solution solution = stage::solved(study, run);
     auto result = steps::interpolated(study, solution, run);
@@ -106,7 +106,7 @@ class Interpolate : public ::testing::Test {
     return io::parse_json(text.str());
   }
 
-  TestFolder folder_{"interpolate"};
+  app::TestFolder folder_{"interpolate"};
 };
 
 const std::string kTruth = "[measurement]\ntruth = \"real.toml\"\nmodes = 6\n";
@@ -187,4 +187,4 @@ TEST_F(Interpolate, RefusesWhatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

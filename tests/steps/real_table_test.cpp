@@ -2,18 +2,18 @@
 // model. docs/reference/oat_interpolation.md shows the figures.
 #include <gtest/gtest.h>
 
-#include "quiet_run.h"
 #include "steps/interpolation.h"
 #include "steps/priors.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 steps::Interpolated result_of(const std::string& name) {
-  const TestFolder folder("real_table");
+  const app::TestFolder folder("real_table");
   const study::Study study = study::read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) /
                                                "models" / "oat" / "interpolation" / name);
-  QuietRun quiet(study, folder.path());
+  app::QuietRun quiet(study, folder.path());
   const stage::Solution solution = stage::solved(study, quiet.run());
   return steps::interpolated(study, solution, quiet.run());
 }
@@ -46,11 +46,11 @@ TEST(RealTable, IsPredictedWhereItsOwnChannelsAreLeftOut) {
 // What the thesis saw fall, and what falls only there: the error of the most complex mode as more
 // samples are learned from; a simpler one rises meanwhile, along the same ridge.
 TEST(Figure512, IsWhereARidgeEndsAndNoMatterOfTheModel) {
-  const TestFolder folder("figure_5_12");
+  const app::TestFolder folder("figure_5_12");
   const study::Study study =
       study::read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /
                         "interpolation" / "figure_5_12_minimal.toml");
-  QuietRun quiet(study, folder.path());
+  app::QuietRun quiet(study, folder.path());
   const stage::Solution solution = stage::solved(study, quiet.run());
   const auto result = steps::learned_priors(study, solution, quiet.run());
   const auto error = [&](std::size_t at, Eigen::Index mode) {
@@ -66,4 +66,4 @@ TEST(Figure512, IsWhereARidgeEndsAndNoMatterOfTheModel) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

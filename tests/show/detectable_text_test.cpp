@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 // A mass that is found, and a sign that brings so much evidence.
@@ -47,4 +47,4 @@ TEST(DetectableJson, SaysWhichUnit) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::show

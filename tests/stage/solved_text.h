@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "quiet_run.h"
 #include "stage/solution.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 
 struct Solved {
   study::Study study;
@@ -15,11 +15,11 @@ struct Solved {
 };
 
 inline Solved solved_with(const std::string& text) {
-  const TestFolder folder("solved_text");
+  const app::TestFolder folder("solved_text");
   study::Study study = study::parse_study(text, "bench/study.toml");
-  QuietRun quiet(study, folder.path());
+  app::QuietRun quiet(study, folder.path());
   auto solution = stage::solved(study, quiet.run());
   return {std::move(study), std::move(solution)};
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -8,12 +8,12 @@
 #include "diagnosis/fit/responses.h"
 #include "extended_plate.h"
 #include "modal/frf.h"
-#include "solved_text.h"
 #include "stage/at_channels.h"
 #include "stage/channel_paths.h"
 #include "stage/diagnosis_structure.h"
+#include "tests/stage/solved_text.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 const Eigen::VectorXd& lines() {
@@ -23,7 +23,7 @@ const Eigen::VectorXd& lines() {
 
 const diagnosis::Structure& nominal() {
   static const auto made = [] {
-    const auto base = solved_with(kStudy);
+    const auto base = stage::solved_with(kStudy);
     return stage::structure_of(base.study, base.solution);
   }();
   return made;
@@ -52,7 +52,7 @@ Eigen::MatrixXcd hypothesis(const diagnosis::Cause& cause) {
 Eigen::MatrixXcd whole_model(const diagnosis::Cause& cause) {
   const auto found = extended({cause});
   EXPECT_TRUE(found.unexpressed.empty()) << cause.effect;
-  const auto made = solved_with(found.text);
+  const auto made = stage::solved_with(found.text);
   const auto model = stage::at_channels(made.study, made.solution);
   modal::FrfSet set;
   for (const auto& one : made.study.sensors) set.outputs.emplace_back().name = one.name;
@@ -97,8 +97,8 @@ TEST_P(SmallField, AnswersAsTheHypothesisToAHundredthOfItsEffect) {
   const Eigen::MatrixXcd before =
       diagnosis::responses(diagnosis::state_of(nominal()), 2.0 * std::numbers::pi * lines());
   const Eigen::MatrixXcd found = whole_model(GetParam());
-  // The entry takes the transverse shear of a thicker plate as t³, the hypothesis as t: 1.1 % of
-  // the effect on this plate, less than 1 % on one of 4 mm.
+  // The entry takes the transverse shear of a thicker stage::plate as t³, the hypothesis as t: 1.1
+  // % of the effect on this plate, less than 1 % on one of 4 mm.
   const double within = GetParam().effect == "thickness_field" ? 0.015 : 0.01;
   EXPECT_LT((found - expected).norm(), within * (expected - before).norm());
 }
@@ -150,4 +150,4 @@ INSTANTIATE_TEST_SUITE_P(
     test_name);
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

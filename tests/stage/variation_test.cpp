@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "quiet_run.h"
 #include "stage/solution.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 const std::string kPlate = R"(
@@ -25,8 +25,8 @@ study::Study parsed(const std::string& more) {
 }
 
 stage::Solution solved_with(const study::Study& study) {
-  const TestFolder folder("variation");
-  QuietRun quiet(study, folder.path());
+  const app::TestFolder folder("variation");
+  app::QuietRun quiet(study, folder.path());
   return stage::solved(study, quiet.run());
 }
 
@@ -148,4 +148,4 @@ TEST(VariationRefuses, WhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

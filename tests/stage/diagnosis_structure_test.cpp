@@ -15,7 +15,7 @@
 #include "stage/at_channels.h"
 #include "stage/reduction/upper_face.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 const Solved& plate() {
@@ -296,4 +296,4 @@ direction = "z"
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -4,7 +4,7 @@
 
 #include "mesh/bodies.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 TEST(UpperFace, StandsOnItsShortestSide) {
@@ -31,4 +31,4 @@ TEST(UpperFace, StandsOnItsShortestSide) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "priors/residual/corrections.h"
-#include "quiet_run.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::stage {
 namespace {
 
 constexpr const char* kPlate = R"(title = "plate"
@@ -19,9 +19,9 @@ modes = { count = 40, damping_ratio = 0.005 }
 )";
 
 stage::Solution solved_with(const std::string& text) {
-  const TestFolder folder("corrections");
+  const app::TestFolder folder("corrections");
   const study::Study study = study::parse_study(text, "study.toml");
-  QuietRun quiet(study, folder.path());
+  app::QuietRun quiet(study, folder.path());
   return stage::solved(study, quiet.run());
 }
 
@@ -82,4 +82,4 @@ at = ["300 mm", "200 mm"]
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::stage

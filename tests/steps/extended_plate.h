@@ -10,7 +10,7 @@
 #include "diagnosis/diagnosed.h"
 #include "steps/extend/extended_study.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 
 inline const std::string kStudy = R"(# a free plate, ä comment that stays
 title = "plate"
@@ -71,4 +71,4 @@ inline steps::ExtendedStudy extended(const std::vector<diagnosis::Cause>& causes
   return steps::extended_study(text, kFile, chart(), causes, "bench");
 }
 
-}  // namespace chladni::app
+}  // namespace chladni::steps

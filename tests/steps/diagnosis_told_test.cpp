@@ -11,12 +11,12 @@
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"
 #include "io/frf_file.h"
-#include "quiet_run.h"
 #include "show/diagnosis.h"
 #include "stage/diagnosis_structure.h"
 #include "steps/diagnosis.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using diagnosis::Cause;
@@ -87,7 +87,7 @@ class Told : public testing::Test {
   }
 
   steps::Diagnosed diagnosed_of(const study::Study& study) {
-    QuietRun quiet(study, folder_.path() / "out");
+    app::QuietRun quiet(study, folder_.path() / "out");
     auto result = steps::diagnosed(study, quiet.run());
     show::leave_diagnosis(study, result, quiet.run(), false);
     said_ = quiet.said();
@@ -130,13 +130,13 @@ class Told : public testing::Test {
   const diagnosis::Structure& structure(const study::Study& study) const {
     static const diagnosis::Structure made = [&] {
       const study::Study with_modes = stage::with_modes_for_diagnosis(study);
-      QuietRun quiet(with_modes, folder_.path() / "made");
+      app::QuietRun quiet(with_modes, folder_.path() / "made");
       return stage::structure_of(study, stage::solved(with_modes, quiet.run()));
     }();
     return made;
   }
 
-  TestFolder folder_{"told"};
+  app::TestFolder folder_{"told"};
 };
 
 TEST_F(Told, ASoundTableIsNotSaidNotToPay) {
@@ -205,7 +205,7 @@ TEST_F(Told, AQuantityIsSaidEverywhereAndTheExtendedStudyAgrees) {
 TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
   const auto study = study_of({cause("sensor_crosstalk", {"s1", "s2"}, {{"share", 0.2}})},
                               "\"sensor_crosstalk\", \"sensor_gain\", \"sensor_position\"");
-  QuietRun quiet(study, at("out"));
+  app::QuietRun quiet(study, at("out"));
   const auto one = steps::diagnosed(study, quiet.run(),
                                     [](const study::Study&, stage::Work&) -> stage::Solution {
                                       ADD_FAILURE() << "an unchanged study was solved again";
@@ -229,7 +229,7 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
 TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
-  QuietRun quiet(study, at("out"));
+  app::QuietRun quiet(study, at("out"));
   const auto one = steps::diagnosed(study, quiet.run(),
                                     [](const study::Study&, stage::Work&) -> stage::Solution {
                                       throw NumericalFailure("the matrix is not positive definite");
@@ -247,7 +247,7 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
 TEST_F(Told, CtrlCIsNoNote) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
-  QuietRun quiet(study, at("out"));
+  app::QuietRun quiet(study, at("out"));
   EXPECT_THROW(
       static_cast<void>(steps::diagnosed(study, quiet.run(),
                                          [](const study::Study&, stage::Work&) -> stage::Solution {
@@ -257,4 +257,4 @@ TEST_F(Told, CtrlCIsNoNote) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 // Two sensors by two actuators on five lines; s2 is held out; every response is 1.
@@ -99,4 +99,4 @@ TEST(Gain, SaysWhatWasFittedAndWhatWasHeldOut) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

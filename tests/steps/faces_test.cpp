@@ -10,12 +10,12 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
-#include "quiet_run.h"
 #include "steps/interpolation.h"
 #include "steps/placement.h"
 #include "steps/priors.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 constexpr double kLength = 120.0, kWidth = 80.0, kThickness = 6.0;  // [mm], of every block here
@@ -123,7 +123,7 @@ class OnFaces : public ::testing::Test {
   };
   Found found(const std::string& geometry, const std::string& rest) {
     const study::Study study = study_of(geometry, rest);
-    QuietRun quiet(study, folder_.path() / "out");
+    app::QuietRun quiet(study, folder_.path() / "out");
     const stage::Solution solution = stage::solved(study, quiet.run());
     return {steps::learned_priors(study, solution, quiet.run()),
             steps::placed(study, solution, quiet.run())};
@@ -139,7 +139,7 @@ class OnFaces : public ::testing::Test {
     return "";
   }
 
-  TestFolder folder_{"faces"};
+  app::TestFolder folder_{"faces"};
 };
 
 testing::AssertionResult says(const std::string& text, const std::string& part) {
@@ -276,7 +276,7 @@ TEST_F(OnFaces, InterpolationFromAFileTakesAllUsualMethods) {
   write("real.toml", text_of(kPlate, upward_channels()));
   const study::Study study =
       study_of(kStl, upward_channels() + "[measurement]\ntruth = \"real.toml\"\nmodes = 3\n");
-  QuietRun quiet(study, folder_.path() / "out");
+  app::QuietRun quiet(study, folder_.path() / "out");
   const stage::Solution solution = stage::solved(study, quiet.run());
   const auto result = steps::interpolated(study, solution, quiet.run());
   ASSERT_EQ(result.methods.size(), 3U) << quiet.said();
@@ -351,4 +351,4 @@ TEST(FacePlan, RefusesWhatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -8,12 +8,12 @@
 #include "app/command.h"
 #include "base/error.h"
 #include "io/frf_file.h"
-#include "quiet_run.h"
 #include "show/diagnosis.h"
 #include "simulators/hidden_effect.h"
 #include "steps/diagnosis.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::steps {
 namespace {
 
 using diagnosis::Verdict;
@@ -54,7 +54,7 @@ class Diagnose : public testing::Test {
     const auto file = folder_.path() / "study.toml";
     std::ofstream(file) << text;
     const study::Study study = study::read_study(file);
-    QuietRun quiet(study, folder_.path());
+    app::QuietRun quiet(study, folder_.path());
     auto result = steps::diagnosed(study, quiet.run());
     said_ = quiet.said();
     return result;
@@ -79,7 +79,7 @@ class Diagnose : public testing::Test {
     EXPECT_NEAR(mass.value, truth_.front().size.at("mass"), 3.0 * mass.std);
   }
 
-  TestFolder folder_{"diagnose"};
+  app::TestFolder folder_{"diagnose"};
   std::string said_;
   std::vector<simulators::HiddenEffect> truth_;
 };
@@ -186,4 +186,4 @@ TEST_F(Diagnose, AnEffectThatIsNotThereIsRefused) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::steps

@@ -8,12 +8,12 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "quiet_run.h"
 #include "steps/extend/extended_study.h"
 #include "study/study.h"
 #include "study/toml/toml_text.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,7 +58,7 @@ class Extends : public testing::Test {
     }
   }
 
-  TestFolder folder_{"extends"};
+  app::TestFolder folder_{"extends"};
 };
 
 const mesh::Plate& plate_of(const study::Study& study) {
@@ -199,4 +199,4 @@ TEST(TomlText, IsReadBackAsTheSameTree) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::study

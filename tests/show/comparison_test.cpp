@@ -9,12 +9,12 @@
 #include <limits>
 
 #include "base/error.h"
-#include "quiet_run.h"
 #include "show/interpolation.h"
 #include "simulators/frf_cases.h"
 #include "steps/interpolation.h"
+#include "tests/app/quiet_run.h"
 
-namespace chladni::app {
+namespace chladni::show {
 namespace {
 
 namespace fs = std::filesystem;
@@ -119,7 +119,7 @@ TEST(ComparisonPictures, LeaveWhatIsNotKnownEmpty) {
 }
 
 TEST(ComparisonPictures, AreThere) {
-  const TestFolder folder("comparison");
+  const app::TestFolder folder("comparison");
   const auto png = [&](const char* name) { return folder.path() / name; };
   show::draw_responses(png("responses.png"), table().measured, simulation(), table().exact);
   show::draw_mac(png("mac.png"), comparison());
@@ -134,7 +134,7 @@ TEST(ComparisonPictures, AreThere) {
 
 // One sensor was measured, one place was not.
 TEST(PredictionsPicture, IsThere) {
-  const TestFolder folder("predictions");
+  const app::TestFolder folder("predictions");
   steps::IdentifiedModel model;
   model.measured.all = table().measured;
   model.measured.inputs = {0, 1, 2};
@@ -149,4 +149,4 @@ TEST(PredictionsPicture, IsThere) {
 }
 
 }  // namespace
-}  // namespace chladni::app
+}  // namespace chladni::show
