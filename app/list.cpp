@@ -13,6 +13,7 @@
 #include "placement/layout.h"
 #include "priors/interpolator.h"
 #include "priors/kernel.h"
+#include "study/schemas.h"
 
 namespace chladni::app {
 namespace {
@@ -100,8 +101,8 @@ void print_kernels(std::ostream& results) {
 }  // namespace
 
 std::vector<std::string> listable() {
-  return {"attachments", "bodies",         "criteria", "effects",  "elements",
-          "formats",     "interpolations", "kernels",  "materials"};
+  return {"attachments", "bodies",         "criteria", "effects", "elements",
+          "formats",     "interpolations", "kernels",  "keys",    "materials"};
 }
 
 int list(std::string_view what, std::ostream& results) {
@@ -113,6 +114,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "effects") print_effects(results);
   if (what == "interpolations") print_interpolations(results);
   if (what == "kernels") print_kernels(results);
+  if (what == "keys") results << study::page_of_keys();
   if (what != "elements") return 0;
   for (const auto* element : fem::elements()) {
     results << fmt::format("{:<16} {} nodes, order {}: {} [{}]\n", element->name, element->nodes,

@@ -2,8 +2,8 @@
 #include "mesh/tetrahedralize.h"
 #include "show/interpolation.h"
 #include "show/solution.h"
-#include "show/solution/study_measured_json.h"
 #include "stage/solution.h"
+#include "study/schemas.h"
 
 namespace chladni::show {
 namespace {
@@ -241,24 +241,21 @@ io::Json interpolation_json(const study::InterpolationPlan& plan) {
       {"polynomial_degree", plan.polynomial_degree}};
 }
 
+io::Json measurement_json(const study::MeasurementPlan& plan) {
+  return io::JsonObject{{"frf", plan.frf.filename().string()},
+                        {"time", plan.time.filename().string()},
+                        {"shapes", plan.shapes.filename().string()},
+                        {"truth", plan.truth.filename().string()},
+                        {"noise", plan.noise},
+                        {"modes", plan.modes},
+                        {"hold_out", io::Json::texts(plan.hold_out)},
+                        {"source", plan.source}};
+}
+
 io::Json diagnosis_plan_json(const study::DiagnosisPlan& plan) {
-  const auto& t = plan.tolerances;
   return io::JsonObject{
       {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
-      {"tolerances", io::JsonObject{{"gain", t.gain},
-                                    {"position_m", t.position},
-                                    {"delay_s", t.delay},
-                                    {"modulus", t.modulus},
-                                    {"density", t.density},
-                                    {"thickness", t.thickness},
-                                    {"orthotropy", t.orthotropy},
-                                    {"residual", t.residual},
-                                    {"frequency", t.frequency},
-                                    {"damping", t.damping},
-                                    {"loaded_damping", t.loaded_damping},
-                                    {"response", t.response},
-                                    {"scale", t.scale},
-                                    {"mass_kg", t.mass}}},
+      {"tolerances", study::tolerances_schema().json(plan.tolerances)},
       {"on", faces_json(plan.on)},
       {"effects", io::Json::texts(plan.effects)},
       {"most_causes", plan.most_causes},
@@ -275,16 +272,6 @@ io::Json expectations_json(const std::vector<study::Expectation>& expectations) 
         one.key, io::JsonObject{{"value", one.value}, {"within", one.within}, {"unit", one.unit}});
   }
   return object;
-}
-
-io::Json mesh_plan_json(const study::MeshPlan& plan) {
-  return io::JsonObject{{"edge_length_m", plan.edge_length},
-                        {"order", plan.order},
-                        {"layers", plan.layers},
-                        {"across_ribs", plan.across_ribs},
-                        {"mesher", plan.mesher},
-                        {"remesh", plan.remesh},
-                        {"repair", plan.fill_holes ? "fill" : "safe"}};
 }
 
 io::Json estimate_json(const stage::Understood& body, const stage::Cost& cost) {
@@ -305,10 +292,8 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
        io::JsonObject{{study.geometry.kind, std::visit([](const auto& b) { return body_json(b); },
                                                        study.geometry.body)}}},
       {"materials", materials},
-      {"mesh", mesh_plan_json(study.mesh)},
-      {"modes", io::JsonObject{{"count", study.modes.count},
-                               {"up_to_hz", study.modes.up_to_hz},
-                               {"damping_ratio", study.modes.damping_ratio}}},
+      {"mesh", study::mesh_schema().json(study.mesh)},
+      {"modes", study::modes_schema().json(study.modes)},
       {"supports", supports_json(study.supports)},
       {"attachments", attachments_json(study.attachments)},
       {"variations", variations_json(study.variations)},
@@ -319,9 +304,11 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   if (study.measurement) {
     object.emplace_back("measurement", measurement_json(*study.measurement));
   }
-  if (study.experiment) object.emplace_back("experiment", experiment_json(*study.experiment));
+  if (study.experiment)
+    object.emplace_back("experiment", study::experiment_schema().json(*study.experiment));
   if (study.identification) {
-    object.emplace_back("identification", identification_json(*study.identification));
+    object.emplace_back("identification",
+                        study::identification_schema().json(*study.identification));
   }
   if (study.interpolation) {
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));

@@ -2,6 +2,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "diagnosis/effect.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -28,23 +29,7 @@ void read_band(TableReader& table, std::string_view key, double& low_hz, double&
 
 diagnosis::Tolerances tolerances_of(TableReader& table) {
   diagnosis::Tolerances result;
-  const auto read = [&](std::string_view key, std::string_view unit, double& value) {
-    value = table.quantity(key, unit, Sign::not_negative).value_or(value);
-  };
-  read("gain", "1", result.gain);
-  read("position", "m", result.position);
-  read("delay", "s", result.delay);
-  read("modulus", "1", result.modulus);
-  read("density", "1", result.density);
-  read("thickness", "1", result.thickness);
-  read("orthotropy", "1", result.orthotropy);
-  read("residual", "1", result.residual);
-  read("frequency", "1", result.frequency);
-  read("damping", "1", result.damping);
-  read("loaded_damping", "1", result.loaded_damping);
-  read("response", "1", result.response);
-  read("scale", "1", result.scale);
-  read("mass", "kg", result.mass);
+  tolerances_schema().read(table, result);
   table.refuse_unknown();
   return result;
 }

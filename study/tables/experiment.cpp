@@ -1,12 +1,11 @@
 // [experiment] of a study: the virtual experiment.
 #include <algorithm>
 
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
 namespace {
-
-constexpr int kLongestPeriod = 1 << 24;
 
 std::string sensor_unit(const Study& study) {
   const auto& first = study.sensors.front().quantity;
@@ -31,24 +30,13 @@ void read_noise(TableReader& table, const Study& study, ExperimentPlan& plan) {
     plan.noise = table.quantity("noise", unit, Sign::not_negative).value_or(0.0);
     plan.quantisation = table.quantity("quantisation", unit, Sign::not_negative).value_or(0.0);
   }
-  plan.noise_ratio = table.quantity("noise_ratio", "1", Sign::not_negative).value_or(0.0);
   if (plan.noise > 0.0 && plan.noise_ratio > 0.0) {
     table.wrong(*table.find("noise_ratio"),
                 "experiment has noise and noise_ratio; expected one of them");
   }
-  plan.process_noise = table.quantity("process_noise", "N", Sign::not_negative).value_or(0.0);
 }
 
-void read_excitation(TableReader& table, ExperimentPlan& plan) {
-  plan.sample_rate_hz =
-      table.quantity("sample_rate", "Hz", Sign::positive).value_or(plan.sample_rate_hz);
-  plan.samples =
-      static_cast<int>(table.integer("samples", 8, kLongestPeriod).value_or(plan.samples));
-  plan.periods = static_cast<int>(table.integer("periods", 1, 10000).value_or(plan.periods));
-  plan.realisations =
-      static_cast<int>(table.integer("realisations", 1, 10000).value_or(plan.realisations));
-  plan.warm_up = static_cast<int>(table.integer("warm_up", 0, 10000).value_or(0));
-  plan.amplitude = table.quantity("amplitude", "N", Sign::positive).value_or(plan.amplitude);
+void read_band(TableReader& table, ExperimentPlan& plan) {
   if (const auto band = table.quantities("band", "Hz", 2, Sign::not_negative)) {
     plan.low_hz = (*band)(0);
     plan.high_hz = (*band)(1);
@@ -58,17 +46,12 @@ void read_excitation(TableReader& table, ExperimentPlan& plan) {
           "experiment.band: expected two frequencies, ascending, up to half of sample_rate");
     }
   }
-  plan.lines = table.choice("lines", {"all", "odd", "odd_with_detection"}).value_or(plan.lines);
-  plan.inputs = table.choice("inputs", {"one_at_a_time", "orthogonal"}).value_or(plan.inputs);
 }
 
 void read_loop(TableReader& table, const Study& study, ExperimentPlan& plan) {
-  plan.delay = table.quantity("delay", "s", Sign::not_negative).value_or(0.0);
-  plan.compensate = table.choice("compensate", {"all", "hold", "none"}).value_or(plan.compensate);
   plan.controlled = table.texts("controlled");
   refuse_strangers(table, "controlled", "actuator of the study", plan.controlled,
                    names_of(study.actuators));
-  plan.bandwidth_hz = table.quantity("bandwidth", "Hz", Sign::positive).value_or(0.0);
   if (!plan.controlled.empty() && plan.bandwidth_hz == 0.0 && !table.has("bandwidth")) {
     table.missing("bandwidth", "\"10 Hz\": controlled actuators need one");
   }
@@ -93,10 +76,8 @@ void read_experiment(TableReader& root, Study& study) {
   auto table = root.table("experiment");
   if (!table) return;
   auto& plan = study.experiment.emplace();
-  plan.structure =
-      table->choice("structure", {"study", "rigid_chain", "rigid_chain_with_carried_body"})
-          .value_or(plan.structure);
-  read_excitation(*table, plan);
+  experiment_schema().read(*table, plan);
+  read_band(*table, plan);
   read_noise(*table, study, plan);
   read_loop(*table, study, plan);
   read_cubic_spring(*table, study, plan);

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -210,14 +211,8 @@ void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& stu
 void read_mesh_part(TableReader& root, Study& study) {
   auto table = root.table("mesh");
   if (!table) return;
-  auto& mesh = study.mesh;
-  mesh.edge_length = table->quantity("edge_length", "m", Sign::positive).value_or(0.0);
-  mesh.order = static_cast<int>(table->integer("order", 1, 3).value_or(0));
-  mesh.layers = static_cast<int>(table->integer("layers", 1, 100).value_or(0));
-  mesh.across_ribs = static_cast<int>(table->integer("across_ribs", 1, 20).value_or(0));
-  mesh.mesher = table->choice("mesher", {"layered", "tetgen"}).value_or("");
-  mesh.remesh = table->truth("remesh").value_or(true);
-  mesh.fill_holes = table->choice("repair", {"safe", "fill"}).value_or("safe") == "fill";
+  mesh_schema().read(*table, study.mesh);
+  study.mesh.fill_holes = table->choice("repair", {"safe", "fill"}).value_or("safe") == "fill";
   table->refuse_unknown();
 }
 

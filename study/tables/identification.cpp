@@ -1,4 +1,5 @@
 // [identification] of a study: the fit of a modal model to the measurement.
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -25,7 +26,6 @@ void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan
                      names_of(study.actuators));
     pair.refuse_unknown();
   }
-  plan.pairs_within = table.quantity("pairs_within", "m", Sign::positive).value_or(1e-3);
 }
 
 // Refuses a key of one fitting method for the other methods, because it has no effect there.
@@ -35,12 +35,14 @@ void refuse_unless(bool allowed, TableReader& table, const char* key, const char
               table.name(key) + " changes nothing here; expected " + expected + " beside it");
 }
 
-void read_weighting(TableReader& table, IdentificationPlan& plan) {
-  // By default the thesis' method weighs by magnitude; the study may state another weighting.
-  plan.weighting = table.choice("weighting", {"variance", "inverse_magnitude"})
-                       .value_or(plan.method == "thesis" ? "inverse_magnitude" : "variance");
-  plan.cut_off_db = table.quantity("cut_off_db", "1", Sign::positive).value_or(plan.cut_off_db);
-  plan.clip_db = table.quantity("clip_db", "1", Sign::positive).value_or(plan.clip_db);
+// Keys that change nothing beside the others.
+void refuse_idle_keys(TableReader& table, const IdentificationPlan& plan) {
+  if (plan.method == "thesis" && plan.damping == "general") {
+    table.wrong(*table.find("damping"),
+                table.name("damping") +
+                    " is \"general\"; the thesis' path has real modes, expected "
+                    "method = \"likelihood\"");
+  }
   refuse_unless(plan.weighting == "inverse_magnitude", table, "clip_db",
                 "weighting = \"inverse_magnitude\"");
   if (plan.clip_db >= plan.cut_off_db) {
@@ -48,17 +50,10 @@ void read_weighting(TableReader& table, IdentificationPlan& plan) {
                                             " is not below cut_off_db: all lines would weigh the "
                                             "same; expected a smaller one");
   }
-}
-
-void read_thesis_path(TableReader& table, IdentificationPlan& plan) {
-  const auto whole = [&](const char* key, int& value, int least, int most) {
-    value = static_cast<int>(table.integer(key, least, most).value_or(value));
+  for (const auto* key :
+       {"fraction_degree", "sanathanan_koerner", "levenberg_marquardt", "modal_iterations"}) {
     refuse_unless(plan.method == "thesis", table, key, "method = \"thesis\"");
-  };
-  whole("fraction_degree", plan.fraction_degree, 1, 200);
-  whole("sanathanan_koerner", plan.sanathanan_koerner, 1, 10000);
-  whole("levenberg_marquardt", plan.levenberg_marquardt, 0, 10000);
-  whole("modal_iterations", plan.modal_iterations, 1, 10000);
+  }
 }
 
 }  // namespace
@@ -67,33 +62,11 @@ void read_identification(TableReader& root, Study& study) {
   auto table = root.table("identification");
   if (!table) return;
   auto& plan = study.identification.emplace();
+  identification_schema().read(*table, plan);
   read_band(*table, plan);
-  plan.method = table->choice("method", {"likelihood", "thesis"}).value_or(plan.method);
-  plan.damping = table->choice("damping", {"modal", "general"}).value_or(plan.damping);
-  if (plan.method == "thesis" && plan.damping == "general") {
-    table->wrong(*table->find("damping"),
-                 table->name("damping") +
-                     " is \"general\"; the thesis' path has real modes, expected "
-                     "method = \"likelihood\"");
-  }
-  read_weighting(*table, plan);
-  read_thesis_path(*table, plan);
-  plan.model_error = table->quantity("model_error", "1", Sign::not_negative);
-  plan.modes = static_cast<int>(table->integer("modes", 1, 1000).value_or(0));
-  plan.rigid_body_modes =
-      static_cast<int>(table->integer("rigid_body_modes", 0, 6).value_or(plan.rigid_body_modes));
-  plan.suspended_modes =
-      static_cast<int>(table->integer("suspended_modes", 0, 3).value_or(plan.suspended_modes));
-  plan.delay = table->truth("delay").value_or(plan.delay);
-  plan.delay_of =
-      table->choice("delay_of", {"all", "sensors", "actuators"}).value_or(plan.delay_of);
-  plan.residual = table->truth("residual").value_or(plan.residual);
-  plan.unit = table->text("unit").value_or("");
+  if (plan.method == "thesis" && !table->has("weighting")) plan.weighting = "inverse_magnitude";
+  refuse_idle_keys(*table, plan);
   read_pairs(*table, study, plan);
-  plan.gain = table->choice("gain", {"tied", "thesis"}).value_or(plan.gain);
-  plan.gain_errors =
-      table->choice("gain_errors", {"none", "sensors", "actuators"}).value_or(plan.gain_errors);
-  plan.stabilisation = static_cast<int>(table->integer("stabilisation", 2, 200).value_or(0));
   table->refuse_unknown();
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -91,13 +92,10 @@ void refuse_strangers(TableReader& table, std::string_view key, const std::strin
 void read_modes_part(TableReader& root, Study& study) {
   auto table = root.table("modes");
   if (!table) return;
-  study.modes.count = static_cast<int>(table->integer("count", 1, kMostModes).value_or(20));
-  study.modes.up_to_hz = table->quantity("up_to", "Hz", Sign::positive).value_or(0.0);
+  modes_schema().read(*table, study.modes);
   if (table->has("count") && table->has("up_to")) {
     table->wrong(*table->find("up_to"), "modes has count and up_to; expected one of them");
   }
-  study.modes.damping_ratio =
-      table->quantity("damping_ratio", "1", Sign::not_negative).value_or(0.0);
   if (study.modes.damping_ratio >= 1.0) {
     table->wrong(*table->find("damping_ratio"),
                  "modes.damping_ratio must be below 1 (a fraction of critical; 0.5 % is 0.005)");

@@ -52,6 +52,7 @@ void read_expectations(TableReader& root, Study& study);
 void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);
 
 inline constexpr int kMostModes = 5000;
+inline constexpr int kLongestPeriod = 1 << 24;  // samples
 
 /// Reports each name of `key` that is not `known`, with the nearest known one.
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,

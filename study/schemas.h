@@ -1,0 +1,31 @@
+// The tables of a study whose keys stand in a schema.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/tolerances.h"
+#include "study/schema.h"
+#include "study/study.h"
+
+namespace chladni::study {
+
+[[nodiscard]] const Schema<MeshPlan>& mesh_schema();
+[[nodiscard]] const Schema<ModesPlan>& modes_schema();
+[[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+[[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
+[[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
+
+/// The keys of one table.
+struct TableText {
+  std::string table;
+  std::vector<KeyText> keys;
+};
+
+/// All tables that have a schema.
+[[nodiscard]] std::vector<TableText> tables_with_schemas();
+
+/// The same as Markdown: docs/reference/keys.md.
+[[nodiscard]] std::string page_of_keys();
+
+}  // namespace chladni::study

@@ -1,0 +1,225 @@
+// Every key of these tables stands here once.
+#include "study/schemas.h"
+
+#include "study/tables/tables.h"
+
+namespace chladni::study {
+namespace {
+
+template <typename Plan>
+Key<Plan> band(double Plan::*low, double Plan::*high, const std::string& otherwise,
+               const std::string& meaning) {
+  return special<Plan>({"band", "two quantities in Hz, ascending", otherwise, meaning}, "band_hz",
+                       [=](const Plan& plan) {
+                         return io::JsonArray{plan.*low, plan.*high};
+                       });
+}
+
+io::Json pairs_json(const IdentificationPlan& plan) {
+  io::JsonArray pairs;
+  for (const auto& [sensor, actuator] : plan.pairs) {
+    pairs.push_back(io::JsonObject{{"sensor", sensor}, {"actuator", actuator}});
+  }
+  return pairs;
+}
+
+Key<diagnosis::Tolerances> tolerance(const std::string& name, const std::string& unit,
+                                     double diagnosis::Tolerances::*value,
+                                     const std::string& meaning) {
+  return quantity(name, unit, Sign::not_negative, value, meaning);
+}
+
+template <typename Plan>
+TableText text_of(const Schema<Plan>& schema) {
+  TableText text{schema.table, {}};
+  for (const auto& key : schema.keys) text.keys.push_back(key.text);
+  return text;
+}
+
+}  // namespace
+
+const Schema<MeshPlan>& mesh_schema() {
+  using P = MeshPlan;
+  static const Schema<P> schema = {
+      "mesh",
+      {quantity("edge_length", "m", Sign::positive, &P::edge_length, "of the tetrahedra",
+                "from the geometry"),
+       whole("order", 1, 3, &P::order, "of the elements",
+             "3, or 2 where cubic elements would be too many; that of a file of tetrahedra"),
+       whole("layers", 1, 100, &P::layers, "cells through the thickness of a layered mesh",
+             "chosen"),
+       whole("across_ribs", 1, 20, &P::across_ribs, "cells through a rib of a layered table",
+             "chosen"),
+       choice("mesher", {"layered", "tetgen"}, &P::mesher, "how the body is filled", "chosen"),
+       truth("remesh", &P::remesh, "even triangles on a file's surface before TetGen"),
+       special<P>({"repair", quoted({"safe", "fill"}), quoted({"safe"}),
+                   "of a file's surface; \"fill\" closes holes"},
+                  "repair",
+                  [](const P& plan) { return io::Json(plan.fill_holes ? "fill" : "safe"); })}};
+  return schema;
+}
+
+const Schema<ModesPlan>& modes_schema() {
+  using P = ModesPlan;
+  static const Schema<P> schema = {
+      "modes",
+      {whole("count", 1, kMostModes, &P::count, "flexible modes"),
+       quantity("up_to", "Hz", Sign::positive, &P::up_to_hz,
+                "all modes below this, instead of count", "none"),
+       quantity("damping_ratio", "1", Sign::not_negative, &P::damping_ratio,
+                "of every flexible mode, below 1")}};
+  return schema;
+}
+
+const Schema<ExperimentPlan>& experiment_schema() {
+  using P = ExperimentPlan;
+  const std::string sensors_unit = "a quantity in the sensors' unit, not negative";
+  static const Schema<P> schema = {
+      "experiment",
+      {choice("structure", {"study", "rigid_chain", "rigid_chain_with_carried_body"}, &P::structure,
+              "what is tested: the study's model, or the thesis' chain of rigid bodies"),
+       quantity("sample_rate", "Hz", Sign::positive, &P::sample_rate_hz, "of the loop"),
+       whole("samples", 8, kLongestPeriod, &P::samples, "of a period"),
+       whole("periods", 1, 10000, &P::periods, "recorded in each experiment"),
+       whole("realisations", 1, 10000, &P::realisations, "of the random phases"),
+       whole("warm_up", 0, 10000, &P::warm_up, "periods before those recorded"),
+       quantity("amplitude", "N", Sign::positive, &P::amplitude, "rms of each force"),
+       band(&P::low_hz, &P::high_hz, "the first line to an eighth of the rate", "excited lines"),
+       choice("lines", {"all", "odd", "odd_with_detection"}, &P::lines,
+              "that are excited; with detection one odd line of four is silent"),
+       choice("inputs", {"one_at_a_time", "orthogonal"}, &P::inputs,
+              "how the actuators take turns"),
+       special<P>({"noise", sensors_unit, "0", "rms of each sensor"}, "noise",
+                  [](const P& plan) { return io::Json(plan.noise); }),
+       quantity("noise_ratio", "1", Sign::not_negative, &P::noise_ratio,
+                "rms of each sensor over that of its response, instead of noise"),
+       quantity("process_noise", "N", Sign::not_negative, &P::process_noise,
+                "rms of a force on each actuator that nobody records"),
+       special<P>({"quantisation", sensors_unit, "0", "step of each sensor"}, "quantisation",
+                  [](const P& plan) { return io::Json(plan.quantisation); }),
+       quantity("delay", "s", Sign::not_negative, &P::delay, "from command to force"),
+       choice("compensate", {"all", "hold", "none"}, &P::compensate,
+              "what the estimate is freed from: delay and hold, the hold, nothing"),
+       special<P>({"cubic_spring", "a table with stiffness, sensor, actuator", "none",
+                   "a cubic spring to the ground at a collocated pair"},
+                  "cubic_stiffness_n_per_m3",
+                  [](const P& plan) { return io::Json(plan.cubic_stiffness); }),
+       special<P>({"cubic_spring.sensor", "a sensor of the study", "none", "its place"},
+                  "cubic_sensor", [](const P& plan) { return io::Json(plan.cubic_sensor); }),
+       special<P>({"cubic_spring.actuator", "an actuator of the study", "none", "its place"},
+                  "cubic_actuator", [](const P& plan) { return io::Json(plan.cubic_actuator); }),
+       special<P>({"controlled", "actuators of the study", "open loop",
+                   "actuators in a stabilising loop; a free body needs one"},
+                  "controlled", [](const P& plan) { return io::Json::texts(plan.controlled); }),
+       quantity("bandwidth", "Hz", Sign::positive, &P::bandwidth_hz,
+                "of the loop; beside controlled", "none"),
+       special<P>({"leaves", quoted({"frf", "time"}), quoted({"frf"}),
+                   "responses, or recordings as time_data.csv"},
+                  "leaves",
+                  [](const P& plan) { return io::Json(plan.leaves_time ? "time" : "frf"); })}};
+  return schema;
+}
+
+const Schema<IdentificationPlan>& identification_schema() {
+  using P = IdentificationPlan;
+  static const Schema<P> schema = {
+      "identification",
+      {band(&P::low_hz, &P::high_hz, "all lines above 0 Hz", "lines of the fit"),
+       choice("method", {"likelihood", "thesis"}, &P::method,
+              "of the fit; the thesis' path needs modes"),
+       choice("damping", {"modal", "general"}, &P::damping, "real shapes, or complex ones"),
+       choice("weighting", {"variance", "inverse_magnitude"}, &P::weighting,
+              "of the lines; inverse_magnitude is the thesis'",
+              quoted({"variance"}) + "; of the thesis' path " + quoted({"inverse_magnitude"})),
+       quantity(
+           "cut_off_db", "1", Sign::positive, &P::cut_off_db,
+           "of inverse_magnitude: lines lower than the largest by more decibels weigh the same"),
+       quantity("clip_db", "1", Sign::positive, &P::clip_db,
+                "of inverse_magnitude: lines nearer to the largest than these decibels weigh the "
+                "same; below cut_off_db",
+                "not clipped"),
+       whole("fraction_degree", 1, 200, &P::fraction_degree, "of the thesis' matrix fraction",
+             "the least with two poles for every mode"),
+       whole("sanathanan_koerner", 1, 10000, &P::sanathanan_koerner,
+             "iterations of that name in the thesis' path"),
+       whole("levenberg_marquardt", 0, 10000, &P::levenberg_marquardt,
+             "iterations on the fraction after them"),
+       whole("modal_iterations", 1, 10000, &P::modal_iterations,
+             "iterations on the modal model after that"),
+       quantity("model_error", "1", Sign::not_negative, &P::model_error,
+                "of |G|: error of the model; an upper limit where the file states variances",
+                "0 where the file states variances, else 0.01"),
+       whole("modes", 1, 1000, &P::modes, "flexible modes", "found by the fit"),
+       whole("rigid_body_modes", 0, 6, &P::rigid_body_modes, "modes at 0 Hz",
+             "found; 0 where a spring or a support holds the body"),
+       whole("suspended_modes", 0, 3, &P::suspended_modes,
+             "lowest modes above 0 Hz in which the body moves as a whole on soft springs", "found"),
+       truth("delay", &P::delay, "whether a delay is fitted"),
+       choice("delay_of", {"all", "sensors", "actuators"}, &P::delay_of,
+              "one delay, or one for each sensor or actuator"),
+       truth("residual", &P::residual, "whether the residual of the modes above is fitted"),
+       text("unit", &P::unit, "of the sensors, where the file states none", "as the file has it"),
+       special<P>({"pair", "tables with sensor, actuator", "those within pairs_within",
+                   "collocated sensor and actuator"},
+                  "pairs", pairs_json),
+       quantity("pairs_within", "m", Sign::positive, &P::pairs_within,
+                "the nearest sensor and actuator are a pair up to this distance"),
+       choice("gain", {"tied", "thesis"}, &P::gain, "how the two sides of a mode get one scale"),
+       choice("gain_errors", {"none", "sensors", "actuators"}, &P::gain_errors,
+              "the side whose gains are corrected by the pairs"),
+       whole("stabilisation", 2, 200, &P::stabilisation, "highest order of the diagram", "none")}};
+  return schema;
+}
+
+const Schema<diagnosis::Tolerances>& tolerances_schema() {
+  using P = diagnosis::Tolerances;
+  static const Schema<P> schema = {
+      "diagnosis.tolerances",
+      {tolerance("gain", "1", &P::gain, "of each channel, relative"),
+       tolerance("position", "m", &P::position, "of each channel along each axis"),
+       tolerance("delay", "s", &P::delay, "common to all channels"),
+       tolerance("modulus", "1", &P::modulus, "of the whole body, relative"),
+       tolerance("density", "1", &P::density, "of the whole body, relative"),
+       tolerance("thickness", "1", &P::thickness,
+                 "relative, of the whole and of each smooth wave over the body"),
+       tolerance("orthotropy", "1", &P::orthotropy, "of one direction's stiffness, relative"),
+       tolerance("residual", "1", &P::residual,
+                 "of the residual flexibility of the modes above, relative"),
+       tolerance("frequency", "1", &P::frequency, "of each mode, beside the error of its mesh"),
+       tolerance("damping", "1", &P::damping, "of each mode, in ln"),
+       tolerance(
+           "loaded_damping", "1", &P::loaded_damping,
+           "0: the damping ratios are those of the body's modes; 1: perhaps those of the modes "
+           "with all attachments"),
+       tolerance("response", "1", &P::response,
+                 "of each response by the mode shapes, relative to its channels' level"),
+       tolerance("scale", "1", &P::scale, "of all responses together, in ln"),
+       tolerance("mass", "kg", &P::mass,
+                 "of each sensor or actuator beyond the model, the same for a side")}};
+  return schema;
+}
+
+std::vector<TableText> tables_with_schemas() {
+  return {text_of(mesh_schema()), text_of(modes_schema()), text_of(experiment_schema()),
+          text_of(identification_schema()), text_of(tolerances_schema())};
+}
+
+std::string page_of_keys() {
+  std::string page =
+      "# Keys of a study\n\n"
+      "`chladni list keys` prints this page, and a test compares them. Text, units, defaults and "
+      "bounds are\nthose that the reader uses. [study.md](study.md) explains the tables, also "
+      "those "
+      "that are not here.\n";
+  for (const auto& table : tables_with_schemas()) {
+    page += fmt::format("\n## `[{}]`\n\n| key | what | may be | default |\n|---|---|---|---|\n",
+                        table.table);
+    for (const auto& key : table.keys) {
+      page += fmt::format("| `{}` | {} | {} | {} |\n", key.name, key.meaning, key.expected,
+                          key.otherwise);
+    }
+  }
+  return page;
+}
+
+}  // namespace chladni::study
