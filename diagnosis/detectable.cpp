@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "base/index.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "dense/blas.h"
@@ -22,8 +23,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // P(χ²(dof, λ) > threshold): a power of χ² is nearly normal.
 double power_of(double lambda, double dof, double threshold) {

@@ -7,13 +7,12 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/index.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // For each name of `wanted` its index in `channels`, or −1.
 std::vector<Index> places_of(const std::vector<std::string>& wanted,

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/index.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/search/probe.h"
 
@@ -14,8 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // One attachment, with its size a step smaller and a step larger; its displacements start at column
 // `first`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/index.h"
 #include "diagnosis/body_fields.h"
 #include "diagnosis/effects/moved_channel.h"
 
@@ -14,8 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 void put(std::vector<Deviation>& all, std::string name,
          std::function<void(State&, double eta)> apply) {

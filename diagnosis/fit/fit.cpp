@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
@@ -22,8 +23,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // The cause and the coordinate of a column.
 struct Column {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/parallel.h"
 #include "dense/algebra.h"
 #include "diagnosis/attached/attachments.h"
@@ -18,8 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 bool diagonal(const MatrixXd& matrix) { return matrix.isDiagonal(0.0); }
 

@@ -1,6 +1,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/fit/responses.h"
 #include "diagnosis/search/experiments.h"
@@ -12,8 +13,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // Nonzero part of a symmetric difference of matrices. It is either some diagonal entries, or the
 // full matrix multiplied by the solution on all lines, on the side with fewer channels.

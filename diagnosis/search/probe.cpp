@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/index.h"
 #include "base/parallel.h"
 
 namespace chladni::diagnosis {
@@ -24,8 +25,6 @@ using Complex = std::complex<double>;
 constexpr double kFaint = 1e-3;        // part of a prior's width that is nearly zero
 constexpr double kLogarithms = 14.0;   // in ln: a millionth of the usual size
 constexpr std::size_t kTogether = 16;  // number of probes in one solve
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // Meaning of the coordinates of an effect.
 struct Roles {
