@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "diagnosis/constants.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -93,7 +95,7 @@ void add_shear_and_turning(const Structure& structure, const VectorXd& powered_l
 }
 
 BodyChange thickened(const Structure& structure, const VectorXd& field) {
-  const ArrayXd t = (1.0 + field.array()).max(0.05);
+  const ArrayXd t = (1.0 + field.array()).max(kConstants.thinnest);
   return change(structure, t.pow(structure.bending_power) - 1.0, t - 1.0);
 }
 
@@ -101,7 +103,7 @@ BodyChange thickened_smoothly(const Structure& structure, const VectorXd& x) {
   const auto& waves = structure.cells.waves;
   const VectorXd field = smooth_fields(structure.cells) * x;
   if (waves.bent.empty()) return thickened(structure, field);
-  const ArrayXd t = (1.0 + field.array()).max(0.05);
+  const ArrayXd t = (1.0 + field.array()).max(kConstants.thinnest);
   const double power = structure.bending_power;
   BodyChange result =
       change(structure, t.pow(power) - 1.0 - power * field.array(), t - 1.0 - field.array());

@@ -5,14 +5,13 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "diagnosis/constants.h"
 #include "modal/frf.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-
-constexpr double kOnePlace = 1e-3;  // largest difference of the shapes of a pair, relative
 
 struct Collocated {
   Eigen::Index output = 0, input = 0;
@@ -26,7 +25,7 @@ std::vector<Collocated> collocated(const modal::ReducedModel& model) {
     for (Eigen::Index j = 0; j < model.input_count(); ++j) {
       const Eigen::RowVectorXd actuator = model.input_shapes.col(j).transpose();
       const double sign = sensor.dot(actuator) < 0.0 ? -1.0 : 1.0;
-      if ((sensor - sign * actuator).norm() > kOnePlace * sensor.norm()) continue;
+      if ((sensor - sign * actuator).norm() > kConstants.one_place * sensor.norm()) continue;
       pairs.push_back({i, j, sign});
       break;
     }

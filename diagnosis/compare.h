@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/structure.h"
 #include "identification/modal_fit.h"
 #include "modal/frf_set.h"
@@ -106,11 +107,14 @@ struct Comparison {
 
 struct ComparisonOptions {
   double low_hz = 0.0, high_hz = std::numeric_limits<double>::infinity();
-  int bands = 8;
-  double least_mac = 0.3;      ///< smallest MAC − (ln(frequency ratio) / apart)² of a pair
-  double apart = 0.3;          ///< equal shapes pair up to e^±0.25 in frequency
-  double apart_alone = 0.1;    ///< the same where shapes do not decide: up to e^±0.1
-  double repeated_gap = 5e-3;  ///< relative; closer modes are compared by their subspace
+  int bands = kConstants.bands;
+  /// Smallest MAC − (ln(frequency ratio) / apart)² of a pair.
+  double least_mac = kConstants.least_mac;
+  double apart = kConstants.apart;  ///< equal shapes pair up to e^±0.25 in frequency
+  /// The same where shapes do not decide: up to e^±0.1.
+  double apart_alone = kConstants.apart_alone;
+  /// Relative; closer modes are compared by their subspace.
+  double repeated_gap = kConstants.repeated_gap;
 };
 
 /// The structure in its modes at its channels, with its dashpots.

@@ -51,8 +51,8 @@ class Amplitude {
   }
 
   [[nodiscard]] bool plausible(double amplitude) const {
-    const auto& one = parameters_[at(probe_.size)];
-    return std::abs(coordinate(amplitude) - one.centre) < kPlausible * one.width;
+    const auto& size = parameters_[at(probe_.size)];
+    return std::abs(coordinate(amplitude) - size.centre) < kPlausible * size.width;
   }
 
   /// ln of Occam's factor.
@@ -61,12 +61,12 @@ class Amplitude {
     VectorXd scale(d);
     double beside = 0.0;
     for (Index i = 0; i < d; ++i) {
-      const auto& one = parameters_[at(i)];
-      const double width = prior_width(structure_, one);
+      const auto& parameter = parameters_[at(i)];
+      const double width = prior_width(structure_, parameter);
       scale(i) = width * growth(i, amplitude);
-      if (one.is_place()) continue;
+      if (parameter.is_place()) continue;
       const double x = i == probe_.size ? coordinate(amplitude) : probe_.x(i);
-      beside += 0.5 * std::pow((x - one.centre) / width, 2);
+      beside += 0.5 * std::pow((x - parameter.centre) / width, 2);
     }
     MatrixXd whole = scale.asDiagonal() * information * scale.asDiagonal();
     whole.diagonal().array() += 1.0;
@@ -91,38 +91,41 @@ Detectable described(const Structure& structure, const Effect& effect, const Pro
                      const LeastSize& least) {
   const auto parameters = effect.parameters(structure);
   const auto& size = parameters[at(probe.size)];
-  Detectable told;
-  told.effect = effect.name;
-  told.parameter = size.name;
-  told.unit = size.unit;
-  told.channels = effect.channels(structure, probe.option);
-  told.option = choice_of(effect, probe.option).text;
-  told.place = place_of({&effect, probe.option, probe.x}, structure);
+  Detectable detectable;
+  detectable.effect = effect.name;
+  detectable.parameter = size.name;
+  detectable.unit = size.unit;
+  detectable.channels = effect.channels(structure, probe.option);
+  detectable.option = choice_of(effect, probe.option).text;
+  detectable.place = place_of({&effect, probe.option, probe.x}, structure);
   for (Index i = 0; i < probe.x.size(); ++i) {
-    const auto& one = parameters[at(i)];
-    if (i != probe.size && one.unit == "Hz") told.frequency_hz = one.value(probe.x(i));
+    const auto& parameter = parameters[at(i)];
+    if (i != probe.size && parameter.unit == "Hz") {
+      detectable.frequency_hz = parameter.value(probe.x(i));
+    }
   }
-  told.from_above = probe.nothing == Nothing::plus_infinity;
-  told.size = std::isfinite(least.x) ? size.value(least.x) : kInfinite;
-  told.log_evidence = least.log_evidence;
-  return told;
+  detectable.from_above = probe.nothing == Nothing::plus_infinity;
+  detectable.size = std::isfinite(least.x) ? size.value(least.x) : kInfinite;
+  detectable.log_evidence = least.log_evidence;
+  return detectable;
 }
 
 Detectable described(const Structure& structure, const Effect& effect, Index option,
                      double log_evidence) {
-  Detectable told;
-  told.effect = effect.name;
-  told.channels = effect.channels(structure, option);
-  told.option = choice_of(effect, option).text;
-  told.size = std::numeric_limits<double>::quiet_NaN();
-  told.log_evidence = log_evidence;
-  return told;
+  Detectable detectable;
+  detectable.effect = effect.name;
+  detectable.channels = effect.channels(structure, option);
+  detectable.option = choice_of(effect, option).text;
+  detectable.size = std::numeric_limits<double>::quiet_NaN();
+  detectable.log_evidence = log_evidence;
+  return detectable;
 }
 
 // Lower rank: easier to detect.
-double rank(const Detectable& one) {
-  if (one.parameter.empty()) return -one.log_evidence;
-  return one.from_above && std::isfinite(one.size) ? -one.size : one.size;
+double rank(const Detectable& detectable) {
+  if (detectable.parameter.empty()) return -detectable.log_evidence;
+  return detectable.from_above && std::isfinite(detectable.size) ? -detectable.size
+                                                                 : detectable.size;
 }
 
 }  // namespace
@@ -181,7 +184,7 @@ Detector::Detector(const Experiment& experiment, const DetectableOptions& option
 std::vector<LeastSize> Detector::sizes(const Effect& effect,
                                        const std::vector<Probe>& probes) const {
   constexpr std::size_t kTogether = 32;  // limits the memory of the columns
-  std::vector<LeastSize> all;
+  std::vector<LeastSize> sizes;
   for (std::size_t first = 0; first < probes.size();) {
     // Probes that differ only in the choice of the size coordinate have the same columns.
     std::vector<Probe> different;
@@ -199,11 +202,12 @@ std::vector<LeastSize> Detector::sizes(const Effect& effect,
     for (const auto& look : looks_) known.push_back(look.of(columns));
     const Index d = columns.cols() / static_cast<Index>(different.size());
     for (std::size_t n = first; n < next; ++n) {
-      all.push_back(larger(effect, probes[n], known, d * static_cast<Index>(which[n - first]), d));
+      sizes.push_back(
+          larger(effect, probes[n], known, d * static_cast<Index>(which[n - first]), d));
     }
     first = next;
   }
-  return all;
+  return sizes;
 }
 
 LeastSize Detector::larger(const Effect& effect, const Probe& probe,
@@ -242,11 +246,11 @@ std::vector<Detectable> Detector::detectable(const Effect& effect) const {
   }
   if (each.empty()) return {};
   std::ranges::stable_sort(each, {}, rank);
-  std::vector<Detectable> told{each.back(), each[each.size() / 2], each.front()};
-  told[0].of = "worst";
-  told[1].of = "median";
-  told[2].of = "best";
-  return told;
+  std::vector<Detectable> quantiles{each.back(), each[each.size() / 2], each.front()};
+  quantiles[0].of = "worst";
+  quantiles[1].of = "median";
+  quantiles[2].of = "best";
+  return quantiles;
 }
 
 std::vector<Detectable> detectable(const Structure& structure, const modal::FrfSet& measured,
@@ -258,14 +262,14 @@ std::vector<Detectable> detectable(const Structure& structure, const modal::FrfS
   const Detector detector(experiment, own);
   const auto catalogue = catalogue_of(options);
   std::vector<std::vector<Detectable>> each(catalogue.size());
-  const dense::OneBlasThread one;
+  const dense::OneBlasThread one_thread;
   parallel_tasks(each.size(), [&](std::size_t n) {
     throw_if_interrupted();
     each[n] = detector.detectable(*catalogue[n]);
   });
-  std::vector<Detectable> all;
-  for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(all));
-  return all;
+  std::vector<Detectable> flat;
+  for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(flat));
+  return flat;
 }
 
 }  // namespace chladni::diagnosis

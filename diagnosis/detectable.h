@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/probe.h"
@@ -32,9 +33,10 @@ struct Detectable {
 };
 
 struct DetectableOptions {
-  double power = 0.99;          ///< fraction of the experiments in which it is found
-  double least_evidence = 8.0;  ///< ln of the Bayes factor that a cause needs, with Occam's factor
-  Eigen::Index places = 12;     ///< on the surface, spread evenly
+  double power = kConstants.power;  ///< fraction of the experiments in which it is found
+  /// ln of the Bayes factor that a cause needs, with Occam's factor.
+  double least_evidence = kConstants.least_evidence;
+  Eigen::Index places = kConstants.detectable_places;  ///< on the surface, spread evenly
 };
 
 /// Smallest detectable size of a probe's effect: its coordinate x, and the evidence at that size.
@@ -106,9 +108,8 @@ class Detector {
 /// (options.least_evidence). Cost: half a second of both cores per hundred lines of four sensors
 /// and 13 actuators.
 /// @throws as diagnosed
-[[nodiscard]] std::vector<Detectable> detectable(const Structure& structure,
-                                                 const modal::FrfSet& measured,
-                                                 const DiagnosisOptions& options,
-                                                 Eigen::Index places = 12);
+[[nodiscard]] std::vector<Detectable> detectable(
+    const Structure& structure, const modal::FrfSet& measured, const DiagnosisOptions& options,
+    Eigen::Index places = kConstants.detectable_places);
 
 }  // namespace chladni::diagnosis

@@ -8,8 +8,10 @@
 
 #include "base/error.h"
 #include "dense/blas.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
+#include "diagnosis/verdict/last_fits.h"
 #include "diagnosis/verdict/measure_next.h"
 #include "diagnosis/verdict/nonlinearity.h"
 #include "diagnosis/verdict/prepared.h"
@@ -21,33 +23,6 @@ namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-
-constexpr double kHardlyByChance = 0.05;
-
-// Fits the best few again, on more lines and with the errors of the mode shapes as parameters. The
-// search took these errors as noise.
-Found fitted_again(const Problem& problem, const Found& found) {
-  constexpr std::size_t kMost = 3;
-  const auto again = [&](const Fit& fit) {
-    return fitted(problem, with_deviations(fit, problem.deviations.size()));
-  };
-  Found fine;
-  const double best = found.fits.front().log_evidence;
-  std::vector<const Fit*> taken;
-  for (const auto& fit : found.fits) {
-    if (fit.causes.empty()) continue;
-    const bool close = best - fit.log_evidence < kOccamMargin && taken.size() < kMost;
-    const bool known = std::ranges::any_of(
-        taken, [&](const Fit* other) { return alike(problem.structure, *other, fit); });
-    if (known || !(close || &fit == &found.fits.front())) continue;
-    taken.push_back(&fit);
-    keep(fine.fits, again(fit));
-  }
-  fine.nothing = again(found.nothing);
-  if (!fine.fits.empty()) fine.nothing = nothing_beside(problem, fine.nothing, fine.fits.front());
-  keep(fine.fits, fine.nothing);
-  return fine;
-}
 
 // Map of the possible places of the first cause with a place in the best explanation.
 CauseMap map_of(const Problem& problem, const Fit& best) {
@@ -72,35 +47,36 @@ CauseMap map_of(const Problem& problem, const Fit& best) {
 }
 
 std::vector<std::string> breaches_of(const Problem& problem, const Fit& fit) {
-  std::vector<std::string> all;
+  std::vector<std::string> breaches;
   for (Index i = 0; i < fit.eta.size(); ++i) {
-    if (std::abs(fit.eta(i)) <= 3.0) continue;
-    all.push_back(fmt::format("{}: {:+.1f} tolerances",
-                              problem.deviations[static_cast<std::size_t>(i)].name, fit.eta(i)));
+    if (std::abs(fit.eta(i)) <= kConstants.significant) continue;
+    breaches.push_back(fmt::format("{}: {:+.1f} tolerances",
+                                   problem.deviations[static_cast<std::size_t>(i)].name,
+                                   fit.eta(i)));
   }
-  return all;
+  return breaches;
 }
 
-std::string note_on_places(const Structure& structure, const Explanation& told) {
-  if (by_chance_so_near(structure, told.causes) > kHardlyByChance) return "";
+std::string note_on_places(const Structure& structure, const Explanation& explanation) {
+  if (by_chance_so_near(structure, explanation.causes) > kConstants.near_by_chance) return "";
   return "causes of one kind are nearer to each other than chance would have them: they may be one "
          "thing that is spread out, which the catalogue lacks";
 }
 
 // The diagnosis without its notes.
 Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOptions& options) {
-  auto told = explanations(problem, found, options.rival_within);
+  auto explained = explanations(problem, found, options.rival_within);
   Diagnosis diagnosis;
-  diagnosis.verdict = judged(problem, found, told, options);
+  diagnosis.verdict = judged(problem, found, explained, options);
   diagnosis.excess_before = found.nothing.excess(problem.observed.number_count());
-  diagnosis.best = told.front();
-  diagnosis.rivals.assign(told.begin() + 1, told.end());
+  diagnosis.best = explained.front();
+  diagnosis.rivals.assign(explained.begin() + 1, explained.end());
   diagnosis.before = residue(problem, found.nothing);
-  const auto& best = found.fits[told.front().fit];
+  const auto& best = found.fits[explained.front().fit];
   diagnosis.after = residue(problem, best);
   diagnosis.map = map_of(problem, best);
   if (diagnosis.verdict == Verdict::ambiguous) {
-    diagnosis.measure_next = measure_next(problem, best, found.fits[told[1].fit]);
+    diagnosis.measure_next = measure_next(problem, best, found.fits[explained[1].fit]);
   }
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
@@ -112,14 +88,6 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   return diagnosis;
 }
 
-SearchLimits limits_of(const Prepared& given, const DiagnosisOptions& options) {
-  SearchLimits limits;
-  limits.most_causes = options.most_causes;
-  limits.least_evidence = options.least_evidence;
-  limits.unseen = given.shapes;
-  return limits;
-}
-
 Found searched_in(const Prepared& given, const DiagnosisOptions& options) {
   const Observed coarse = given.for_search(options.lines);
   return searched({*given.structure, coarse, given.tolerable, given.solver_error},
@@ -129,23 +97,24 @@ Found searched_in(const Prepared& given, const DiagnosisOptions& options) {
 }  // namespace
 
 std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
-  std::vector<const Effect*> all;
-  for (const auto* one : effects()) {
-    if (options.only.empty() || std::ranges::find(options.only, one->name) != options.only.end()) {
-      all.push_back(one);
+  std::vector<const Effect*> catalogue;
+  for (const auto* entry : effects()) {
+    if (options.only.empty() ||
+        std::ranges::find(options.only, entry->name) != options.only.end()) {
+      catalogue.push_back(entry);
     }
   }
   for (const auto& name : options.only) (void)effect(name);  // an unknown name throws
-  return all;
+  return catalogue;
 }
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
-  const dense::OneBlasThread one;  // the tasks of the search run in parallel instead
+  const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
   const auto given = prepared(structure, measured, options.tolerances);
   const Found first = searched_in(given, options);
   tell(options.progress, "the last word");
-  const Observed fine = thinned(given.observed, 2 * options.lines);
+  const Observed fine = thinned(given.observed, kConstants.last_fit_lines * options.lines);
   const auto deviations = given.all_deviations();
   const Problem problem{*given.structure, fine, deviations, given.solver_error};
   Found found = fitted_again(problem, first);

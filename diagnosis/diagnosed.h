@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/tolerances.h"
 #include "modal/frf_set.h"
@@ -71,10 +72,13 @@ struct Residue {
 
 struct DiagnosisOptions {
   Tolerances tolerances;
-  int lines = 320;  ///< lines of the search, at most; the last fit takes twice as many
-  int most_causes = 3;
-  double least_evidence = 8.0;    ///< that a cause needs: ln of the Bayes factor
-  double rival_within = 5.0;      ///< ln Z: the verdict is ambiguous if a rival is nearer than this
+  /// Lines of the search, at most; the last fit takes twice as many.
+  int lines = kConstants.lines_of_search;
+  int most_causes = kConstants.most_causes;
+  /// ln of the Bayes factor that a cause needs.
+  double least_evidence = kConstants.least_evidence;
+  /// ln Z: the verdict is ambiguous if a rival is nearer than this.
+  double rival_within = kConstants.rival_within;
   std::vector<std::string> only;  ///< names of effects; empty: all
   Progress progress = {};
 };

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -62,10 +63,10 @@ std::vector<Index> lines_of(const modal::FrfSet& set, double high_hz) {
   for (Index k = 0; k < set.line_count(); ++k) {
     if (set.frequency_hz(k) > 0.0 && set.frequency_hz(k) <= high_hz) lines.push_back(k);
   }
-  require(lines.size() >= 8,
+  require(lines.size() >= kConstants.least_lines,
           fmt::format("{} measured lines between 0 and {:.6g} Hz, where the simulation has modes; "
-                      "at least 8 are expected",
-                      lines.size(), high_hz));
+                      "at least {} are expected",
+                      lines.size(), high_hz, kConstants.least_lines));
   return lines;
 }
 
@@ -156,20 +157,22 @@ Observed thinned(const Observed& observed, Index count) {
       const double a = std::abs(observed.value(k - 1, c));
       const double b = std::abs(observed.value(k, c));
       if (a <= 0.0 || b <= 0.0) continue;
-      // Changes below three standard deviations of the noise do not count.
+      // Only changes that are not noise count.
       const double noise = 1.0 / (observed.weight(k, c) * b);
-      turned += std::max(0.0, std::abs(std::log(b / a)) - 3.0 * noise);
+      turned += std::max(0.0, std::abs(std::log(b / a)) - kConstants.significant * noise);
       responses += 1.0;
     }
     length(k) = length(k - 1) + (responses > 0.0 ? turned / responses : 0.0);
   }
-  // Half of the density follows the length of the curves, half is even.
+  // A part of the density follows the length of the curves, the rest is even.
   const double whole = std::max(length(lines - 1), 1e-12);
+  const double by_length = kConstants.lines_by_length;
+  const double evenly = 1.0 - by_length;
   std::vector<Index> chosen;
   double next = 0.0;
   for (Index k = 0; k < lines; ++k) {
-    const double way =
-        0.5 * length(k) / whole + 0.5 * static_cast<double>(k) / static_cast<double>(lines - 1);
+    const double way = by_length * length(k) / whole +
+                       evenly * static_cast<double>(k) / static_cast<double>(lines - 1);
     if (way * static_cast<double>(count - 1) < next) continue;
     chosen.push_back(k);
     next = std::floor(way * static_cast<double>(count - 1)) + 1.0;

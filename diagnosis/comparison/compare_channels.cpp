@@ -4,16 +4,12 @@
 #include <complex>
 
 #include "diagnosis/comparison/compared_responses.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Complex = std::complex<double>;
-
-constexpr double kAboveNoise = 3.0;   // deviations above zero, for a line in the comparison
-constexpr double kPhasesSay = 0.2;    // smallest correlation that decides a sign
-constexpr double kBetter = 0.05;      // smallest gain in likeness by an exchange
-constexpr double kSameChannel = 0.5;  // smallest likeness after the exchange
 
 double median(const Eigen::VectorXd& of) {
   std::vector<double> values;
@@ -30,7 +26,8 @@ double log_ratio(const ComparedResponse& one) {
   Eigen::VectorXd ratios = Eigen::VectorXd::Constant(one.count(), kNotMeasured);
   for (Eigen::Index k = 0; k < one.count(); ++k) {
     const double size = std::abs(one.measured(k));
-    if (one.variance.size() > 0 && size < kAboveNoise * std::sqrt(one.variance(k))) continue;
+    const bool stated = one.variance.size() > 0;
+    if (stated && size < kConstants.significant * std::sqrt(one.variance(k))) continue;
     ratios(k) = std::log(size / std::abs(one.simulated(k)));
   }
   return median(ratios);
@@ -86,7 +83,9 @@ void consider_swaps(const Eigen::MatrixXd& alike, bool outputs, Eigen::Index res
       Swap one{outputs, i, k};
       one.alike = 0.5 * (alike(i, i) + alike(k, k));
       one.alike_exchanged = 0.5 * (alike(i, k) + alike(k, i));
-      if (!(one.alike_exchanged > std::max(one.alike + kBetter, kSameChannel))) continue;
+      const double least =
+          std::max(one.alike + kConstants.exchange_better, kConstants.same_channel);
+      if (!(one.alike_exchanged > least)) continue;
       const double gain = (one.alike_exchanged - one.alike) * static_cast<double>(responses);
       if (gain <= most) continue;
       most = gain;
@@ -155,7 +154,7 @@ void set_signs(const ComparedResponses& of, ResponseComparison& result) {
   const Eigen::MatrixXd agreed = rows.asDiagonal() * known * columns.asDiagonal();
   const Eigen::MatrixXd counted = cosine.array().isFinite().cast<double>();
   const auto said = [](double sign, double sum, double count) {
-    return sum > kPhasesSay * count && count > 0.0 ? sign : kNotMeasured;
+    return sum > kConstants.phases_say * count && count > 0.0 ? sign : kNotMeasured;
   };
   result.output_sign.resize(of.outputs);
   result.input_sign.resize(of.inputs);

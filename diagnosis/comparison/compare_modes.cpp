@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "diagnosis/compare.h"
+#include "diagnosis/constants.h"
 #include "modal/groups.h"
 #include "modal/mac.h"
 #include "modal/pairing.h"
@@ -16,15 +17,6 @@ namespace chladni::diagnosis {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-
-constexpr double kInView = 1e-4;      // of the largest shape at the channels of one side
-constexpr double kBeyondLast = 1.05;  // times the last measured mode, if no band is given
-constexpr double kReach = 1.3;        // times the band: simulated modes within it may be partners
-constexpr double kNoResonance = 0.5;  // damping ratio: the resonance is as wide as its frequency
-constexpr double kUnsure = 0.01;      // relative deviation that a frequency may always have
-constexpr double kSupported = 3.0;    // deviations by which a shape must differ from zero
-constexpr double kClear = 0.2;        // lead in MAC with which the shape alone chooses a partner
-constexpr double kConfused = 0.5;
 
 /// Flexible modes at the channels that were measured, ascending in frequency.
 struct Seen {
@@ -59,7 +51,8 @@ std::vector<bool> in_view(const modal::ReducedModel& model, const Channels& chan
   const Eigen::VectorXd in = model.input_shapes(columns, channels.inputs).rowwise().norm();
   std::vector<bool> seen;
   for (Eigen::Index k = 0; k < out.size(); ++k) {
-    seen.push_back(out(k) > kInView * out.maxCoeff() && in(k) > kInView * in.maxCoeff());
+    seen.push_back(out(k) > kConstants.in_view * out.maxCoeff() &&
+                   in(k) > kConstants.in_view * in.maxCoeff());
   }
   return seen;
 }
@@ -86,15 +79,18 @@ std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
   const double damping = fit.model.damping_ratio(m);
   const double deviation = fit.frequency_std_hz(m);
   if (f < options.low_hz || f > options.high_hz) return "beside the band";
-  if (!(damping < kNoResonance)) return fmt::format("damping ratio {:.2g}: no resonance", damping);
-  if (!(deviation <= std::max(damping, kUnsure) * f)) {
+  if (!(damping < kConstants.no_resonance)) {
+    return fmt::format("damping ratio {:.2g}: no resonance", damping);
+  }
+  if (!(deviation <= std::max(damping, kConstants.frequency_known) * f)) {
     return fmt::format("its frequency is known to {:.2g} Hz only", deviation);
   }
   const Eigen::VectorXd out = fit.model.output_shapes.col(m)(channels.outputs);
   const Eigen::VectorXd in = fit.model.input_shapes.row(m).transpose()(channels.inputs);
   const Eigen::VectorXd out_std = fit.output_std.col(m)(channels.outputs);
   const Eigen::VectorXd in_std = fit.input_std.row(m).transpose()(channels.inputs);
-  const bool supported = sureness(out, out_std) > kSupported && sureness(in, in_std) > kSupported;
+  const bool supported = sureness(out, out_std) > kConstants.significant &&
+                         sureness(in, in_std) > kConstants.significant;
   return supported ? "" : "its shape is within three deviations of zero";
 }
 
@@ -123,7 +119,8 @@ Seen simulated_modes(const modal::ReducedModel& model, const Channels& channels,
   Indices kept;
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const double f = model.frequency_hz(columns[k]);
-    if (f < result.low_hz / kReach || f > result.high_hz * kReach) continue;
+    const double reach = kConstants.reach;
+    if (f < result.low_hz / reach || f > result.high_hz * reach) continue;
     if (view[k]) {
       kept.push_back(columns[k]);
     } else if (f >= result.low_hz && f <= result.high_hz) {
@@ -206,7 +203,7 @@ bool by_shape(const Likeness& like, const Indices& group, const modal::ModePair&
     const bool repeated =
         group[static_cast<std::size_t>(i)] == group[static_cast<std::size_t>(pair.a)];
     if (repeated || like.apart(i, pair.b) >= apart) continue;
-    if (like.mac(i, pair.b) > pair.mac - kClear) return false;
+    if (like.mac(i, pair.b) > pair.mac - kConstants.clear_mac) return false;
   }
   return true;
 }
@@ -307,7 +304,7 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   result.input_comac = Eigen::VectorXd::Constant(q, NAN);
   if (channels.outputs.empty() || channels.inputs.empty()) return result;
   const Seen b = measured_modes(fit, channels, options, result);
-  const double last = b.column.empty() ? 0.0 : kBeyondLast * b.frequency_hz.maxCoeff();
+  const double last = b.column.empty() ? 0.0 : kConstants.beyond_last * b.frequency_hz.maxCoeff();
   result.low_hz = options.low_hz;
   result.high_hz = std::isfinite(options.high_hz) ? options.high_hz : last;
   const Seen a = simulated_modes(simulated, channels, result);
@@ -319,7 +316,7 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   }
   const double gap = options.repeated_gap;
   result.confusion = confusion(a, gap);
-  result.shapes_tell = result.confusion <= kConfused;
+  result.shapes_tell = result.confusion <= kConstants.confused;
   const Likeness like = likeness_of(a, b, gap);
   const auto pairing = paired(like, result.shapes_tell, options);
   set_pairs(pairing, like, a, b, simulated, fit, options, result);

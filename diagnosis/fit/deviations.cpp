@@ -7,6 +7,7 @@
 
 #include "base/index.h"
 #include "diagnosis/body_fields.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/effects/moved_channel.h"
 
 namespace chladni::diagnosis {
@@ -76,8 +77,9 @@ std::vector<std::pair<Index, Index>> clusters(const Structure& structure, double
   for (Index k = structure.rigid_count; k < structure.mode_count(); ++k) {
     const double f = structure.frequency_hz(k);
     if (f > high_hz) break;
-    const bool near = !all.empty() && f - structure.frequency_hz(k - 1) <
-                                          4.0 * std::max(structure.damping_ratio(k), 1e-4) * f;
+    const double damping = std::max(structure.damping_ratio(k), kConstants.least_damping);
+    const bool near =
+        !all.empty() && f - structure.frequency_hz(k - 1) < kConstants.one_cluster * damping * f;
     if (near) {
       ++all.back().second;
     } else {

@@ -15,6 +15,7 @@
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/search/quadratic.h"
 
 namespace chladni::diagnosis {
@@ -32,14 +33,14 @@ struct Column {
 };
 
 std::vector<Column> columns_of(const Structure& structure, const std::vector<Supposed>& causes) {
-  std::vector<Column> all;
+  std::vector<Column> columns;
   for (std::size_t c = 0; c < causes.size(); ++c) {
     Index i = 0;
     for (const auto& parameter : causes[c].effect->parameters(structure)) {
-      all.push_back({c, i++, parameter});
+      columns.push_back({c, i++, parameter});
     }
   }
-  return all;
+  return columns;
 }
 
 // Factors of the steps to both sides that stay on the surface: 1 and 1, or one of them 0 at its
@@ -153,9 +154,9 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
     if (!held.empty()) by = quadratic.held(held).step(lambda);
     Fit next = here.fit;
     step(problem.structure, next, columns, by);
-    if (auto there = reached(problem, std::move(next))) {
-      taken = there->fit.objective < here.fit.objective;
-      if (taken) here = std::move(*there);
+    if (auto trial = reached(problem, std::move(next))) {
+      taken = trial->fit.objective < here.fit.objective;
+      if (taken) here = std::move(*trial);
     }
     here.fit.converged = quadratic.promised(by) < tolerance;
     lambda = taken ? std::max(1e-9, 0.1 * lambda) : std::max(1e-4, 10.0 * lambda);
@@ -256,10 +257,10 @@ class About {
 
 bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
   if (a.effect != b.effect || a.option != b.option) return false;
-  const auto here = place_of(a, structure);
-  const auto there = place_of(b, structure);
-  if (!here || !there) return true;
-  return (*here - *there).norm() < 0.05 * structure.surface.size();
+  const auto place_a = place_of(a, structure);
+  const auto place_b = place_of(b, structure);
+  if (!place_a || !place_b) return true;
+  return (*place_a - *place_b).norm() < kConstants.same_place * structure.surface.size();
 }
 
 }  // namespace
@@ -276,9 +277,8 @@ Index Fit::coordinate_count() const {
 }
 
 double Fit::evidence_at_best() const {
-  constexpr double kBelieved = 8.0;
   if (converged || !std::isfinite(promise)) return log_evidence;
-  return log_evidence + std::clamp(promise, 0.0, kBelieved);
+  return log_evidence + std::clamp(promise, 0.0, kConstants.promise_at_most);
 }
 
 double Fit::excess(double numbers) const {
@@ -288,9 +288,9 @@ double Fit::excess(double numbers) const {
 
 bool alike(const Structure& structure, const Fit& a, const Fit& b) {
   if (a.causes.size() != b.causes.size()) return false;
-  return std::ranges::all_of(a.causes, [&](const Supposed& one) {
+  return std::ranges::all_of(a.causes, [&](const Supposed& cause) {
     return std::ranges::any_of(
-        b.causes, [&](const Supposed& other) { return same_choice(structure, one, other); });
+        b.causes, [&](const Supposed& other) { return same_choice(structure, cause, other); });
   });
 }
 
@@ -325,7 +325,7 @@ MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& caus
     constexpr double kStep = 1e-3;
     return sloping(about.with_deviation(i, -kStep), about.with_deviation(i, kStep), 2.0 * kStep);
   };
-  const dense::OneBlasThread one;
+  const dense::OneBlasThread one_thread;
   parallel_tasks(at(jacobian.cols()), [&](std::size_t n) {
     const auto i = static_cast<Index>(n);
     jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);
@@ -353,7 +353,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
     quadratic = quadratic_at(problem, here, columns);
     const bool moved = descended(problem, columns, limits.tolerance, quadratic, here, lambda);
     const double fall = before - here.fit.objective;
-    is_here = fall < 0.1;
+    is_here = fall < kConstants.small_fall;
     if (!moved) break;
     hopeless =
         iteration >= 2 && here.fit.objective - (limits.iterations - iteration) * fall > limits.bar;
@@ -361,7 +361,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   here.fit.iterations = iteration;
   if (!is_here && !hopeless) quadratic = quadratic_at(problem, here, columns);
   here.fit.promise = hopeless ? 0.0 : promised(problem, columns, quadratic, here.fit);
-  here.fit.converged = !hopeless && here.fit.promise < kNothingMore;
+  here.fit.converged = !hopeless && here.fit.promise < kConstants.nothing_more;
   conclude(quadratic.curvature, here.fit);
   return here.fit;
 }

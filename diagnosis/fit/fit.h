@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/responses.h"
@@ -30,9 +31,6 @@ struct Problem {
 [[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
                              const Eigen::VectorXd& eta);
 
-/// The named causes explain little if more than this part of the misfit is left.
-inline constexpr double kLeftAtMost = 0.2;
-
 /// z that a loss of ln likelihood adds for this many numbers, and the inverse.
 [[nodiscard]] inline double excess_of(double lost, double numbers) {
   return 2.0 * lost / std::sqrt(2.0 * numbers);
@@ -40,9 +38,6 @@ inline constexpr double kLeftAtMost = 0.2;
 [[nodiscard]] inline double lost_by(double excess, double numbers) {
   return 0.5 * excess * std::sqrt(2.0 * numbers);
 }
-
-/// A fit may be this much lower in ln posterior density than another and still have more evidence.
-inline constexpr double kOccamMargin = 60.0;
 
 /// Causes at their most probable sizes (posterior mode).
 struct Fit {
@@ -55,12 +50,12 @@ struct Fit {
   int iterations = 0;
   /// Fall of the objective by one more step, if it were quadratic; 0 if the fit was given up.
   double promise = 0.0;
-  bool converged = false;  ///< `promise` is too small to matter
+  bool converged = false;  ///< `promise` is below Constants::nothing_more
   std::vector<Fit> less;   ///< fits without each cause in turn; empty: not known
 
   [[nodiscard]] Eigen::Index coordinate_count() const;  ///< over all causes
   /// Upper estimate of the evidence of a fit that has not converged: evidence plus promise. The
-  /// promise counts up to 8, because beyond that the quadratic model is not reliable.
+  /// promise counts up to Constants::promise_at_most.
   [[nodiscard]] double evidence_at_best() const;
   /// Penalised misfit χ² + ηᵀη: stretched tolerances count as misfit.
   [[nodiscard]] double strained() const { return chi_square + eta.squaredNorm(); }
@@ -68,28 +63,26 @@ struct Fit {
   [[nodiscard]] double excess(double numbers) const;
 };
 
-/// True if both have the same causes and choices, at places within 5 % of the surface's size.
+/// True if both have the same causes and choices, at places that are one (Constants::same_place).
 [[nodiscard]] bool alike(const Structure& structure, const Fit& a, const Fit& b);
 
 /// The fit with `count` deviations; the added ones are 0.
 [[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);
 
 struct FitLimits {
-  int iterations = 30;
-  double tolerance = 0.05;  ///< of the objective, which is the logarithm of a probability
+  int iterations = kConstants.fit_iterations;
+  /// Of the objective, which is the logarithm of a probability.
+  double tolerance = kConstants.fit_tolerance;
   /// The fit stops if the remaining iterations, each as good as the last, cannot reach this
   /// objective.
   double bar = HUGE_VAL;
 };
 
-/// A fit has converged if its promise, in ln of a probability, is below this.
-inline constexpr double kNothingMore = 0.5;
-
 /// Minimum of the objective by Levenberg and Marquardt in all coordinates, with slopes from
 /// diagnosis::slope. The fit starts at `start.causes` and `start.eta`. Evidence, covariance and
-/// promise belong to the end point. If the last step lowered the objective by less than 0.1, they
-/// are taken at the point before this step. Cost: per iteration one solve of all lines, a slope per
-/// coordinate, N (coordinates)².
+/// promise belong to the end point. If the last step lowered the objective by less than
+/// Constants::small_fall, they are taken at the point before this step. Cost: per iteration one
+/// solve of all lines, a slope per coordinate, N (coordinates)².
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
 
 /// Weighted d value / d x of each coordinate: N × coordinates; causes first, then deviations.

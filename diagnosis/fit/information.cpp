@@ -18,8 +18,8 @@ double prior_width(const Structure& structure, const Parameter& parameter) {
 }
 
 Information::Information(const Problem& problem, const Observed& slopes) {
-  const Eigen::ArrayXXd there = slopes.weight.array().max(1e-300);
-  const VectorXd ratio = (problem.observed.weight.array() / there).matrix().reshaped();
+  const Eigen::ArrayXXd weight = slopes.weight.array().max(1e-300);
+  const VectorXd ratio = (problem.observed.weight.array() / weight).matrix().reshaped();
   rows_.resize(2 * ratio.size());
   rows_ << ratio, ratio;
   const VectorXd eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));

@@ -5,6 +5,8 @@
 #include <functional>
 #include <utility>
 
+#include "base/index.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/probe.h"
 
@@ -13,8 +15,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector2d;
-
-constexpr double kAsMuch = 0.8;  // part of what its own place promises, to first order
 
 // The cause in another place, and the evidence that it promises there.
 struct Promise {
@@ -26,18 +26,18 @@ struct Promise {
 // Probes of the cause's size at some places, the last one at its own, with its other numbers kept.
 std::vector<Probe> probes_of(const Probing& probing, const Supposed& cause) {
   const auto parameters = cause.effect->parameters(probing.problem().structure);
-  auto all = probing.probes(*cause.effect, kPlacesOfScore);
-  std::erase_if(all, [&](const Probe& probe) { return probe.option != cause.option; });
-  if (all.empty()) return all;
-  all.resize(std::min<std::size_t>(all.size(), kPlacesOfScore), all.front());
-  all.push_back(all.front());
+  auto probes = probing.probes(*cause.effect, kConstants.places_of_score);
+  std::erase_if(probes, [&](const Probe& probe) { return probe.option != cause.option; });
+  if (probes.empty()) return probes;
+  probes.resize(std::min(probes.size(), at(kConstants.places_of_score)), probes.front());
+  probes.push_back(probes.front());
   for (Index i = 0; i < cause.x.size(); ++i) {
-    if (i == all.front().size) continue;
-    all.back().x(i) = cause.x(i);
-    if (parameters[static_cast<std::size_t>(i)].is_place()) continue;
-    for (auto& probe : all) probe.x(i) = cause.x(i);
+    if (i == probes.front().size) continue;
+    probes.back().x(i) = cause.x(i);
+    if (parameters[at(i)].is_place()) continue;
+    for (auto& probe : probes) probe.x(i) = cause.x(i);
   }
-  return all;
+  return probes;
 }
 
 // A strength has one sign, because its slope is that of its logarithm.
@@ -52,38 +52,38 @@ std::vector<Promise> promises(const Problem& problem, const Fit& without, const 
   const Information information(problem, without);
   const auto left = residual(problem.observed, probing.now().value);
   const auto [score, known] = information.scored(probing.size_columns(*cause.effect, probes), left);
-  std::vector<Promise> all;
+  std::vector<Promise> promises;
   for (std::size_t n = 0; n < probes.size(); ++n) {
     const auto i = static_cast<Index>(n);
-    Supposed there{cause.effect, cause.option, probes[n].x};
-    there.x(probes[n].size) = cause.x(probes[n].size);
-    const auto place = place_of(there, problem.structure);
+    Supposed moved{cause.effect, cause.option, probes[n].x};
+    moved.x(probes[n].size) = cause.x(probes[n].size);
+    const auto place = place_of(moved, problem.structure);
     const bool possible = known(i) > 0.0 && is_possible(probes[n], score(i));
     const double evidence = possible ? 0.5 * score(i) * score(i) / known(i) : 0.0;
-    all.push_back({std::move(there), *place, evidence});
+    promises.push_back({std::move(moved), *place, evidence});
   }
-  return all;
+  return promises;
 }
 
 }  // namespace
 
 std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, const Supposed& cause) {
-  constexpr std::size_t kMost = 2;
   if (!place_of(cause, problem.structure)) return {};
-  auto all = promises(problem, without, cause);
-  if (all.empty()) return {};
-  const Promise own = all.back();
-  all.pop_back();
-  std::ranges::stable_sort(all, std::greater{}, &Promise::evidence);
+  auto promised = promises(problem, without, cause);
+  if (promised.empty()) return {};
+  const Promise own = promised.back();
+  promised.pop_back();
+  std::ranges::stable_sort(promised, std::greater{}, &Promise::evidence);
   const double apart = Surface::kOnePeak * problem.structure.surface.size();
+  const double enough = kConstants.as_promising * own.evidence - kConstants.lost_between_places;
   std::vector<Vector2d> fields{own.place};
   std::vector<Supposed> found;
-  for (auto& one : all) {
-    if (found.size() == kMost || one.evidence < kAsMuch * own.evidence - kLostBetweenPlaces) break;
-    const auto near = [&](const Vector2d& other) { return (one.place - other).norm() < apart; };
+  for (auto& promise : promised) {
+    if (found.size() == kConstants.other_places || promise.evidence < enough) break;
+    const auto near = [&](const Vector2d& other) { return (promise.place - other).norm() < apart; };
     if (std::ranges::any_of(fields, near)) continue;
-    fields.push_back(one.place);
-    found.push_back(std::move(one.cause));
+    fields.push_back(promise.place);
+    found.push_back(std::move(promise.cause));
   }
   return found;
 }

@@ -7,9 +7,11 @@
 #include <optional>
 #include <utility>
 
+#include "base/index.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "dense/blas.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/probe.h"
 
@@ -39,7 +41,7 @@ std::optional<Supposed> sized(const Effect& effect, const Probe& probe, double s
 double occam(const Structure& structure, const Effect& effect, const Probe& probe, double step,
              double known) {
   const auto parameters = effect.parameters(structure);
-  const double width = parameters[static_cast<std::size_t>(probe.size)].width;
+  const double width = parameters[at(probe.size)].width;
   // For a strength, the slope of its logarithm is proportional to it.
   const double per_width = width * (probe.nothing == Nothing::zero ? 1.0 : std::abs(step));
   return 0.5 * std::log1p(per_width * per_width * known) +
@@ -49,7 +51,7 @@ double occam(const Structure& structure, const Effect& effect, const Probe& prob
 std::vector<Hint> hints_of(const Probing& probing, const Information& information,
                            const VectorXd& left, const Effect& effect, const HintLimits& limits) {
   const auto& structure = probing.problem().structure;
-  const auto probes = probing.probes(effect, kPlacesOfScore);
+  const auto probes = probing.probes(effect, kConstants.places_of_score);
   if (probes.empty()) return {};
   const auto [score, known] = information.scored(probing.size_columns(effect, probes), left);
   std::vector<Hint> best;
@@ -61,7 +63,7 @@ std::vector<Hint> hints_of(const Probing& probing, const Information& informatio
                             occam(structure, effect, probes[n], step, limits.times * known(i));
     auto cause = sized(effect, probes[n], step);
     if (!cause || !std::isfinite(log_prior(*cause, structure))) continue;
-    const double lost = place_of(*cause, structure) ? kLostBetweenPlaces : 0.0;
+    const double lost = place_of(*cause, structure) ? kConstants.lost_between_places : 0.0;
     if (evidence < limits.least_evidence - lost) continue;
     const auto same = std::ranges::find_if(
         best, [&](const Hint& other) { return other.cause.option == cause->option; });
@@ -82,15 +84,15 @@ std::vector<Hint> hints(const Problem& problem, const Fit& about,
   const Information information(problem, about);
   const VectorXd left = residual(problem.observed, probing.now().value);
   std::vector<std::vector<Hint>> each(catalogue.size());
-  const dense::OneBlasThread one;
+  const dense::OneBlasThread one_thread;
   parallel_tasks(each.size(), [&](std::size_t n) {
     throw_if_interrupted();
     each[n] = hints_of(probing, information, left, *catalogue[n], limits);
   });
-  std::vector<Hint> all;
-  for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(all));
-  std::ranges::stable_sort(all, std::greater{}, &Hint::log_evidence);
-  return all;
+  std::vector<Hint> sorted;
+  for (auto& of_effect : each) std::ranges::move(of_effect, std::back_inserter(sorted));
+  std::ranges::stable_sort(sorted, std::greater{}, &Hint::log_evidence);
+  return sorted;
 }
 
 }  // namespace chladni::diagnosis

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/fit.h"
 
 namespace chladni::diagnosis {
@@ -14,7 +15,7 @@ struct Hint {
 };
 
 struct HintLimits {
-  double least_evidence = 8.0;
+  double least_evidence = kConstants.least_evidence;
   double times = 1.0;  ///< measured numbers of the full data over those of the problem
 };
 

@@ -12,6 +12,7 @@
 
 #include "base/index.h"
 #include "base/parallel.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -22,8 +23,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
-constexpr double kFaint = 1e-3;        // part of a prior's width that is nearly zero
-constexpr double kLogarithms = 14.0;   // in ln: a millionth of the usual size
 constexpr std::size_t kTogether = 16;  // number of probes in one solve
 
 // Meaning of the coordinates of an effect.
@@ -42,25 +41,25 @@ Roles roles_of(const std::vector<Parameter>& parameters) {
   roles.about_zero = is_about_zero(first);
   roles.at_rest = VectorXd::Zero(static_cast<Index>(parameters.size()));
   for (Index i = 0; i < roles.at_rest.size(); ++i) {
-    const auto& one = parameters[at(i)];
-    if (one.scale == Parameter::Scale::place_u) roles.u = i;
-    if (one.scale == Parameter::Scale::place_v) roles.v = i;
-    if (one.is_place()) continue;
-    const bool size = roles.about_zero ? is_about_zero(one) : i == 0;
-    if (!size) roles.at_rest(i) = one.centre;
-    if (!size && one.unit == "Hz") roles.frequencies.push_back(i);
-    if (size && one.scale == first.scale) roles.sizes.push_back(i);
+    const auto& parameter = parameters[at(i)];
+    if (parameter.scale == Parameter::Scale::place_u) roles.u = i;
+    if (parameter.scale == Parameter::Scale::place_v) roles.v = i;
+    if (parameter.is_place()) continue;
+    const bool size = roles.about_zero ? is_about_zero(parameter) : i == 0;
+    if (!size) roles.at_rest(i) = parameter.centre;
+    if (!size && parameter.unit == "Hz") roles.frequencies.push_back(i);
+    if (size && parameter.scale == first.scale) roles.sizes.push_back(i);
   }
   return roles;
 }
 
 // A very small size; zero if all coordinates are sizes.
 double faint(const std::vector<Parameter>& parameters, Index size, Nothing nothing) {
-  const auto& one = parameters[at(size)];
-  if (nothing == Nothing::minus_infinity) return one.centre - kLogarithms;
-  if (nothing == Nothing::plus_infinity) return one.centre + kLogarithms;
+  const auto& parameter = parameters[at(size)];
+  if (nothing == Nothing::minus_infinity) return parameter.centre - kConstants.faint_strength;
+  if (nothing == Nothing::plus_infinity) return parameter.centre + kConstants.faint_strength;
   const bool others = std::ranges::any_of(parameters, std::not_fn(is_about_zero));
-  return others ? kFaint * one.width : 0.0;
+  return others ? kConstants.faint * parameter.width : 0.0;
 }
 
 // Interleaves the bits of two numbers in [0, 1]: near numbers are near places.
@@ -76,10 +75,18 @@ std::uint64_t along_a_curve(double u, double v) {
   return sum;
 }
 
-// True if there is surface all around a place, so it is not on the rim.
-bool is_within(const Surface& surface, const Eigen::Vector2d& place) {
-  constexpr double kAround = 1e-4;  // m, more than any step
-  for (const double by : {-kAround, kAround}) {
+// Distance [m] from which on a place is off the rim: more than any step of its coordinates.
+double rim_distance(const std::vector<Parameter>& parameters) {
+  double step = 0.0;
+  for (const auto& parameter : parameters) {
+    if (parameter.is_place()) step = std::max(step, parameter.step);
+  }
+  return kConstants.rim_steps * step;
+}
+
+// True if there is surface at this distance all around a place.
+bool is_within(const Surface& surface, const Eigen::Vector2d& place, double distance) {
+  for (const double by : {-distance, distance}) {
     for (const auto& axis : {Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()}) {
       if (!surface.at(place + by * axis)) return false;
     }
@@ -104,7 +111,7 @@ std::vector<Index> in_a_row(const Surface& surface) {
 }
 
 // Places of the scan, each for an equal part of the area; off the rim if possible.
-std::vector<Index> spread(const Surface& surface, Index count) {
+std::vector<Index> spread(const Surface& surface, Index count, double from_rim) {
   if (surface.count() == 0) return {};
   const auto order = in_a_row(surface);
   const double share = surface.area.sum() / static_cast<double>(count);
@@ -115,7 +122,7 @@ std::vector<Index> spread(const Surface& surface, Index count) {
       passed += surface.area(n);
       const bool next = passed > (static_cast<double>(chosen.size()) + 0.5) * share;
       const Eigen::Vector2d place = surface.places.row(n).transpose();
-      if (next && (!off_the_rim || is_within(surface, place))) chosen.push_back(n);
+      if (next && (!off_the_rim || is_within(surface, place, from_rim))) chosen.push_back(n);
     }
     if (!chosen.empty()) break;
   }
@@ -158,10 +165,10 @@ State among(const State& all, State alone, const Hung& own, const State& base) {
 
 }  // namespace
 
-bool is_about_zero(const Parameter& one) {
-  const bool factor = one.scale == Parameter::Scale::logarithmic && one.unit == "1";
-  return one.scale == Parameter::Scale::linear || one.scale == Parameter::Scale::relative ||
-         (factor && one.centre == 0.0);
+bool is_about_zero(const Parameter& parameter) {
+  const bool factor = parameter.scale == Parameter::Scale::logarithmic && parameter.unit == "1";
+  return parameter.scale == Parameter::Scale::linear ||
+         parameter.scale == Parameter::Scale::relative || (factor && parameter.centre == 0.0);
 }
 
 Probing::Probing(const Problem& problem) : Probing(problem, state_of(problem.structure)) {}
@@ -173,12 +180,12 @@ Probing::Probing(const Problem& problem, State state)
       now_(solved(state_, body_)) {}
 
 std::vector<Probe> Probing::probes(const Effect& effect, Index places) const {
-  std::vector<Probe> all;
-  if (effect.parameters(problem_.structure).empty()) return all;
+  std::vector<Probe> every;
+  if (effect.parameters(problem_.structure).empty()) return every;
   for (Index option = 0; option < effect.options(problem_.structure); ++option) {
-    std::ranges::move(probes_of_choice(effect, option, places), std::back_inserter(all));
+    std::ranges::move(probes_of_choice(effect, option, places), std::back_inserter(every));
   }
-  return all;
+  return every;
 }
 
 std::vector<Probe> Probing::probes_of_choice(const Effect& effect, Index option,
@@ -186,12 +193,16 @@ std::vector<Probe> Probing::probes_of_choice(const Effect& effect, Index option,
   const auto parameters = effect.parameters(problem_.structure);
   const Roles roles = roles_of(parameters);
   const auto& surface = problem_.structure.surface;
-  const auto where = roles.u < 0 ? std::vector<Index>{-1} : spread(surface, places);
-  const std::size_t times = roles.frequencies.empty() ? 1 : (roles.u < 0 ? 12 : 2);
+  const bool placed = roles.u >= 0;
+  const auto where =
+      placed ? spread(surface, places, rim_distance(parameters)) : std::vector<Index>{-1};
+  const std::size_t frequencies =
+      placed ? kConstants.frequencies_at_place : kConstants.probe_frequencies;
+  const std::size_t times = roles.frequencies.empty() ? 1 : frequencies;
   Probe probe{option, roles.at_rest, 0, Nothing::zero};
-  std::vector<Probe> all;
+  std::vector<Probe> probes;
   for (std::size_t n = 0; n < times * where.size(); ++n) {
-    if (roles.u >= 0) {
+    if (placed) {
       probe.x(roles.u) = surface.places(where[n % where.size()], 0);
       probe.x(roles.v) = surface.places(where[n % where.size()], 1);
     }
@@ -200,20 +211,20 @@ std::vector<Probe> Probing::probes_of_choice(const Effect& effect, Index option,
     }
     if (!roles.about_zero && n == 0) probe.nothing = direction(effect, probe);
     for (const auto size : roles.sizes) {
-      all.push_back(probe);
-      all.back().size = size;
-      all.back().x(size) = faint(parameters, size, probe.nothing);
+      probes.push_back(probe);
+      probes.back().size = size;
+      probes.back().x(size) = faint(parameters, size, probe.nothing);
     }
   }
-  return all;
+  return probes;
 }
 
 // The infinity toward which the response depends less on the coordinate.
 Nothing Probing::direction(const Effect& effect, Probe probe) const {
   const double centre = effect.parameters(problem_.structure).front().centre;
   std::vector<Probe> both(2, probe);
-  both[0].x(0) = centre - kLogarithms;
-  both[1].x(0) = centre + kLogarithms;
+  both[0].x(0) = centre - kConstants.faint_strength;
+  both[1].x(0) = centre + kConstants.faint_strength;
   const MatrixXd slopes = size_columns(effect, both);
   return slopes.col(0).norm() < slopes.col(1).norm() ? Nothing::minus_infinity
                                                      : Nothing::plus_infinity;
@@ -221,24 +232,24 @@ Nothing Probing::direction(const Effect& effect, Probe probe) const {
 
 MatrixXd Probing::columns(const Effect& effect, std::span<const Probe> probes) const {
   const auto count = static_cast<Index>(effect.parameters(problem_.structure).size());
-  MatrixXd all(2 * problem_.observed.value.size(), count * static_cast<Index>(probes.size()));
+  MatrixXd columns(2 * problem_.observed.value.size(), count * static_cast<Index>(probes.size()));
   for (std::size_t first = 0; first < probes.size(); first += kTogether) {
     const auto part = probes.subspan(first, std::min(kTogether, probes.size() - first));
-    all.middleCols(count * static_cast<Index>(first), count * static_cast<Index>(part.size())) =
+    columns.middleCols(count * static_cast<Index>(first), count * static_cast<Index>(part.size())) =
         columns_together(effect, part, true);
   }
-  return all;
+  return columns;
 }
 
 MatrixXd Probing::size_columns(const Effect& effect, std::span<const Probe> probes) const {
   if (!probes.empty() && only_hangs(effect, probes.front())) return hung_columns(effect, probes);
-  MatrixXd all(2 * problem_.observed.value.size(), static_cast<Index>(probes.size()));
+  MatrixXd columns(2 * problem_.observed.value.size(), static_cast<Index>(probes.size()));
   for (std::size_t first = 0; first < probes.size(); first += kTogether) {
     const auto part = probes.subspan(first, std::min(kTogether, probes.size() - first));
-    all.middleCols(static_cast<Index>(first), static_cast<Index>(part.size())) =
+    columns.middleCols(static_cast<Index>(first), static_cast<Index>(part.size())) =
         columns_together(effect, part, false);
   }
-  return all;
+  return columns;
 }
 
 MatrixXd Probing::columns_together(const Effect& effect, std::span<const Probe> probes,
@@ -292,12 +303,12 @@ MatrixXcd Probing::change(const Effect& effect, Index option) const {
 
 MatrixXd Probing::changes(const Effect& effect) const {
   const Index options = effect.options(problem_.structure);
-  MatrixXd all(2 * problem_.observed.value.size(), options);
+  MatrixXd columns(2 * problem_.observed.value.size(), options);
   parallel_tasks(at(options), [&](std::size_t n) {
     const auto option = static_cast<Index>(n);
-    all.col(option) = weighted(problem_.observed, change(effect, option));
+    columns.col(option) = weighted(problem_.observed, change(effect, option));
   });
-  return all;
+  return columns;
 }
 
 }  // namespace chladni::diagnosis

@@ -30,11 +30,6 @@ struct Probe {
   [[nodiscard]] double sign() const { return nothing == Nothing::plus_infinity ? -1.0 : 1.0; }
 };
 
-/// Number of places at which the score test tries a cause.
-inline constexpr Eigen::Index kPlacesOfScore = 144;
-/// Largest loss of ln evidence between two neighbouring places.
-inline constexpr double kLostBetweenPlaces = 6.0;
-
 /// Computes probes of one problem about one state of its structure, solved once.
 class Probing {
  public:
@@ -47,9 +42,10 @@ class Probing {
   [[nodiscard]] const Solved& now() const { return now_; }
 
   /// The probes of an effect: for each choice and each size coordinate, at `places` places spread
-  /// evenly over the surface. An effect with a place and a frequency has twice as many, each at
-  /// another frequency of the band. An effect with a frequency but no place has 12. All other
-  /// coordinates are at the centres of their priors. Empty for an effect that is not possible here
+  /// evenly over the surface. An effect with a place and a frequency has some at each place
+  /// (Constants::frequencies_at_place), each at another frequency of the band. An effect with a
+  /// frequency but no place has Constants::probe_frequencies. All other coordinates are at the
+  /// centres of their priors. Empty for an effect that is not possible here
   /// or has no numbers.
   [[nodiscard]] std::vector<Probe> probes(const Effect& effect, Eigen::Index places) const;
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "diagnosis/attached/attachments.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -31,7 +32,7 @@ std::vector<Index> peaks_of(const Surface& surface, const Eigen::VectorXd& expla
     const bool near = std::ranges::any_of(
         peaks, [&](Index j) { return (places.row(i) - places.row(j)).norm() < apart; });
     if (!near) peaks.push_back(i);
-    if (peaks.size() == 8) break;
+    if (peaks.size() == kConstants.peaks) break;
   }
   return peaks;
 }
@@ -81,7 +82,8 @@ Scene::Scene(const Structure& structure, const Observed& observed, State state,
       places_(place_scan(structure_, observed_, now_, state_)) {
   const Eigen::VectorXd damping =
       structure.damping_ratio.tail(structure.mode_count() - structure.rigid_count);
-  frequency_step_ = std::clamp(damping.mean(), 5e-4, 2e-2);
+  frequency_step_ =
+      std::clamp(damping.mean(), kConstants.least_frequency_step, kConstants.most_frequency_step);
 }
 
 double Scene::low_hz() const { return observed_.omega(0) / (2.0 * std::numbers::pi); }

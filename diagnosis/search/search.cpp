@@ -14,6 +14,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "dense/blas.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/search/elsewhere.h"
 #include "diagnosis/search/hints.h"
@@ -28,9 +29,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kNoise = 1.0;    // z below which a residual is noise
-constexpr double kMuch = 1000.0;  // z above which very much is left
 
 // A possible further cause, with its misfit in a scene.
 struct Candidate {
@@ -82,20 +80,20 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
       tell(level.progress, fmt::format("cause {}: {}", level.number, level.catalogue[e]->name),
            static_cast<double>(e) / static_cast<double>(each.size()));
     }
-    for (auto& one : best_starts(scene, *level.catalogue[e])) {
-      each[e].push_back({std::move(one.cause), one.misfit, &base, nominal});
+    for (auto& start : best_starts(scene, *level.catalogue[e])) {
+      each[e].push_back({std::move(start.cause), start.misfit, &base, nominal});
     }
   });
-  std::vector<Candidate> all;
+  std::vector<Candidate> candidates;
   for (auto& of_effect : each) {
-    for (auto& one : of_effect) {
-      if (is_there_already(level.problem.structure, base, one.cause)) continue;
-      one.misfit -= scene.misfit();  // the fall of χ², which can be compared between scenes
-      all.push_back(std::move(one));
+    for (auto& candidate : of_effect) {
+      if (is_there_already(level.problem.structure, base, candidate.cause)) continue;
+      candidate.misfit -= scene.misfit();  // the fall of χ², which can be compared between scenes
+      candidates.push_back(std::move(candidate));
     }
   }
-  std::ranges::stable_sort(all, {}, &Candidate::misfit);
-  return all;
+  std::ranges::stable_sort(candidates, {}, &Candidate::misfit);
+  return candidates;
 }
 
 std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal,
@@ -105,8 +103,8 @@ std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidat
   start.causes.push_back(candidate.cause);
   try {
     FitLimits quick;
-    quick.iterations = 16;
-    quick.tolerance = 0.3;
+    quick.iterations = kConstants.quick_iterations;
+    quick.tolerance = kConstants.quick_tolerance;
     quick.bar = bar;
     return fitted(problem, start, quick);
   } catch (const NumericalFailure&) {
@@ -128,7 +126,8 @@ std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidat
 // True if the residual is so large that it stretches the tolerances far.
 bool is_large(const Level& level, const Fit& base) {
   const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
-  return level.number == 1 && stretch > 2.0 && base.excess(numbers(level.problem)) > 20.0;
+  return level.number == 1 && stretch > kConstants.large_stretch &&
+         base.excess(numbers(level.problem)) > kConstants.large_excess;
 }
 
 // Looks for large causes with the tolerances at 0. Small causes hide in fitted tolerances, so it
@@ -136,31 +135,31 @@ bool is_large(const Level& level, const Fit& base) {
 std::vector<Candidate> candidates_of(const Level& level, const Fit& base) {
   const double stretch = base.eta.squaredNorm() / static_cast<double>(base.eta.size());
   const bool large = is_large(level, base);
-  std::vector<Candidate> all;
-  if (!large) all = looked_at(level, base, false);
-  if (large || (level.number == 1 && stretch > 0.1)) {
-    for (auto& one : looked_at(level, base, true)) all.push_back(std::move(one));
+  std::vector<Candidate> candidates;
+  if (!large) candidates = looked_at(level, base, false);
+  if (large || (level.number == 1 && stretch > kConstants.small_stretch)) {
+    for (auto& candidate : looked_at(level, base, true)) candidates.push_back(std::move(candidate));
   }
-  std::ranges::stable_sort(all, {}, &Candidate::misfit);
-  return all;
+  std::ranges::stable_sort(candidates, {}, &Candidate::misfit);
+  return candidates;
 }
 
 // Adds causes that the scene cannot show. They are of first order, so not if very much is left.
 void add_hints(const Level& level, const Fit& base, std::vector<Candidate>& chosen) {
-  constexpr int kMost = 4;
-  if (is_large(level, base) && base.excess(numbers(level.problem)) > kMuch) return;
+  const bool hopeless = base.excess(numbers(level.problem)) > kConstants.hopeless_excess;
+  if (is_large(level, base) && hopeless) return;
   const Observed few = thinned(level.problem.observed, level.limits.lines_of_scene);
-  std::vector<Deviation> all = level.problem.deviations;
-  all.insert(all.end(), level.limits.unseen.begin(), level.limits.unseen.end());
-  const Problem coarse{level.problem.structure, few, all};
+  std::vector<Deviation> free = level.problem.deviations;
+  free.insert(free.end(), level.limits.unseen.begin(), level.limits.unseen.end());
+  const Problem coarse{level.problem.structure, few, free};
   Fit about = base;
-  about.eta = VectorXd::Zero(static_cast<Index>(all.size()));
+  about.eta = VectorXd::Zero(static_cast<Index>(free.size()));
   about.eta.head(base.eta.size()) = base.eta;
   const double times = numbers(level.problem) / numbers(coarse);
   int taken = 0;
   for (const auto& hint :
        hints(coarse, about, level.catalogue, {level.limits.least_evidence, times})) {
-    if (taken == kMost) break;
+    if (taken == kConstants.hints_per_level) break;
     if (is_there_already(level.problem.structure, base, hint.cause)) continue;
     chosen.push_back({hint.cause, -2.0 * hint.log_evidence, &base, false});
     ++taken;
@@ -199,13 +198,13 @@ std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& 
 // Fits with one more cause for each explanation of the beam. Two are fitted at once for any number
 // of threads, so that later fits always meet the same limit.
 std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, double bar = HUGE_VAL) {
-  constexpr std::size_t kAtOnce = 2;
+  const std::size_t at_once = kConstants.fits_at_once;
   std::vector<Fit> grown;
   const Fit* under_best = nullptr;
   for (const auto& base : beam) {
     const auto chosen = worth_fitting(level, base);
-    for (std::size_t first = 0; first < chosen.size(); first += kAtOnce) {
-      std::vector<std::optional<Fit>> fits(std::min(kAtOnce, chosen.size() - first));
+    for (std::size_t first = 0; first < chosen.size(); first += at_once) {
+      std::vector<std::optional<Fit>> fits(std::min(at_once, chosen.size() - first));
       tell(level.progress,
            fmt::format("cause {}: fitting {}", level.number, chosen[first].cause.effect->name));
       parallel_tasks(fits.size(), [&](std::size_t i) {
@@ -213,7 +212,7 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, doub
       });
       for (auto& fit : fits) {
         if (!fit || overlaps_itself(level.problem.structure, *fit)) continue;
-        bar = std::min(bar, fit->objective + kOccamMargin);
+        bar = std::min(bar, fit->objective + kConstants.occam_margin);
         if (grown.empty() || fit->log_evidence > grown.front().log_evidence) under_best = &base;
         keep(grown, std::move(*fit));
       }
@@ -232,11 +231,12 @@ Fit exchanged(const Level& level, Fit best, Found& found) {
   std::size_t untested = best.causes.size();  // a cause that came in last was the best
   for (std::size_t c = 0; c < untested;) {
     auto grown = level_up(level, {without(level.problem, best, c, found.nothing)},
-                          best.objective + kOccamMargin);
+                          best.objective + kConstants.occam_margin);
     for (const auto& fit : grown) {
       if (fit.log_evidence > best.log_evidence - level.limits.beam_within) keep(found.fits, fit);
     }
-    if (grown.empty() || grown.front().log_evidence <= best.log_evidence + 1.0) {
+    const double enough = best.log_evidence + kConstants.exchange_gain;
+    if (grown.empty() || grown.front().log_evidence <= enough) {
       ++c;
       continue;
     }
@@ -256,9 +256,11 @@ Fit settled(const Level& level, Found& found) {
   const Fit simpler = pruned(level.problem, found.fits.front(), found.nothing, level.limits);
   const double n = numbers(level.problem);
   const double left = simpler.excess(n);
-  if (left > kMuch && left > kLeftAtMost * found.nothing.excess(n)) return simpler;
+  const double before = found.nothing.excess(n);
+  const bool hopeless = left > kConstants.hopeless_excess;
+  if (hopeless && left > kConstants.left_at_most * before) return simpler;
   // With a single cause, its alternatives were already tried.
-  if (found.nothing.excess(n) < kNoise || simpler.causes.size() < 2) return simpler;
+  if (before < kConstants.noise_excess || simpler.causes.size() < 2) return simpler;
   Level again = level;
   again.number = static_cast<int>(simpler.causes.size());
   const Fit other = exchanged(again, simpler, found);
@@ -285,7 +287,8 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
   const auto& limits = level.limits;
   for (; level.number <= limits.most_causes; ++level.number) {
     const double best_before = found.fits.front().log_evidence;
-    level.down_to_noise = level.number > 1 && beam.front().excess(numbers(level.problem)) < kNoise;
+    const double left = beam.front().excess(numbers(level.problem));
+    level.down_to_noise = level.number > 1 && left < kConstants.noise_excess;
     if (level.down_to_noise) beam.resize(1);
     auto grown = level_up(level, beam);
     for (const auto& fit : grown) keep(found.fits, fit);
@@ -303,8 +306,7 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
 // True if the resonances are so wrong that a zero response would be almost as good. Then a cause
 // that makes the responses smaller seems to explain the data, and the real cause does not.
 bool is_lost(const Problem& problem, const Fit& fit) {
-  constexpr double kCoherent = 0.3;  // part of the data's power
-  return fit.chi_square > kCoherent * problem.observed.power();
+  return fit.chi_square > kConstants.lost_power * problem.observed.power();
 }
 
 bool is_a_gain(const Effect* effect) {
@@ -317,7 +319,7 @@ bool is_a_gain(const Effect* effect) {
 // fit for each number of causes.
 std::vector<Fit> with_free_gains(const Level& level) {
   Tolerances any_gain = no_tolerances();
-  any_gain.gain = 1.0;
+  any_gain.gain = kConstants.free_gain;
   const auto& [structure, observed, tolerable, solver_error] = level.problem;
   auto free = deviations(structure, any_gain, 0.0);
   free.insert(free.begin(), tolerable.begin(), tolerable.end());
@@ -354,11 +356,11 @@ void fit_nothing_again(const Problem& problem, Found& found) {
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
                const SearchLimits& limits, const Progress& progress) {
-  const dense::OneBlasThread one;
+  const dense::OneBlasThread one_thread;
   Found found;
   found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   tell(progress, "the simulation within its tolerances");
-  found.nothing = fitted(problem, found.nothing, {.iterations = 25});
+  found.nothing = fitted(problem, found.nothing, {.iterations = kConstants.nothing_iterations});
   found.fits = {found.nothing};
   grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
   fit_nothing_again(problem, found);

@@ -4,21 +4,26 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/fit.h"
 
 namespace chladni::diagnosis {
 
 struct SearchLimits {
-  int most_causes = 3;
-  int fits_per_level = 5;       ///< fits in full per explanation, of the best candidates
-  int lines_of_scene = 120;     ///< at most, for a first look
-  int beam = 2;                 ///< explanations carried to the next level, at most
-  double beam_within = 20.0;    ///< distance in ln evidence from the best of these
-  double least_evidence = 8.0;  ///< ln of the Bayes factor that one more cause needs
-  double least_share = 0.01;    ///< a cause stays if it brings this part of the total gain
-  double least_excess = 5.0;    ///< a cause stays if this excess z is left without it
-  double sure_evidence = 12.0;  ///< a cause stays with this evidence, if that also exceeds the
-                                ///< errors of the others (Effect::error)
+  int most_causes = kConstants.most_causes;
+  int fits_per_level = kConstants.fits_per_level;  ///< fits in full per explanation
+  int lines_of_scene = kConstants.lines_of_scene;  ///< at most, for a first look
+  int beam = kConstants.beam;                      ///< explanations carried to the next level
+  double beam_within = kConstants.beam_within;  ///< distance in ln evidence from the best of these
+  /// ln of the Bayes factor that one more cause needs.
+  double least_evidence = kConstants.least_evidence;
+  /// A cause stays if it brings this part of the total gain.
+  double least_share = kConstants.least_share;
+  /// A cause stays if this excess z is left without it.
+  double least_excess = kConstants.least_excess;
+  /// A cause stays with this evidence, if that also exceeds the errors of the others
+  /// (Effect::error).
+  double sure_evidence = kConstants.sure_evidence;
   /// Errors that are noise in the search and parameters in the final fit. An effect that they can
   /// explain gives no hint.
   std::vector<Deviation> unseen = {};

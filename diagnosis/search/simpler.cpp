@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/attached/attachments.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -13,24 +14,24 @@ namespace {
 // True if two attachments in one place push alike on the measured lines; if not, no fit is needed.
 // Also true if one of them is not exactly one attachment.
 bool pushes_alike(const Problem& problem, const Supposed& a, const Supposed& b) {
-  constexpr double kAlike = 0.5;
   const auto hung = [&](const Supposed& cause) {
     State state = state_of(problem.structure);
     change_of(cause, problem.structure)(state);
     return state.attached;
   };
-  const auto one = hung(a);
-  const auto other = hung(b);
-  if (one.size() != 1 || other.size() != 1) return true;
+  const auto hung_a = hung(a);
+  const auto hung_b = hung(b);
+  if (hung_a.size() != 1 || hung_b.size() != 1) return true;
   double apart = 0.0;
   double size = 0.0;
   for (const double omega : problem.observed.omega) {
     const std::complex<double> s(0.0, omega);
-    const auto force = dynamic_stiffness(one.front(), s);
-    apart += std::norm(force - dynamic_stiffness(other.front(), s));
+    const auto force = dynamic_stiffness(hung_a.front(), s);
+    apart += std::norm(force - dynamic_stiffness(hung_b.front(), s));
     size += std::norm(force);
   }
-  return apart < kAlike * kAlike * size;
+  const double part = kConstants.alike_force;
+  return apart < part * part * size;
 }
 
 // ln of evidence that the simpler effect may leave of the gain of a cause.
@@ -120,7 +121,7 @@ Fit add_simpler(const Problem& problem, Found& found, double equal) {
       Fit start = general;
       start.causes[c] = std::move(simpler);
       FitLimits limits;
-      limits.bar = general.objective + kOccamMargin + 2.0 * left;
+      limits.bar = general.objective + kConstants.occam_margin + 2.0 * left;
       Fit fit = fitted(problem, start, limits);
       if (general.log_evidence - fit.log_evidence < std::max(equal, left)) best = fit;
       keep(found.fits, std::move(fit), 1);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/search/quadratic.h"
 
 namespace chladni::diagnosis {
@@ -65,10 +66,11 @@ Start improved(const Scene& scene, Start candidate) {
   const auto parameters = candidate.cause.effect->parameters(scene.structure());
   if (parameters.empty()) return candidate;
   double lambda = 1e-2;
-  for (int iteration = 0; iteration < 8; ++iteration) {
+  for (int iteration = 0; iteration < kConstants.start_iterations; ++iteration) {
     const auto quadratic = quadratic_at(scene, candidate.cause, parameters);
     const double fall = improve_once(scene, quadratic, candidate, lambda);
-    if (fall < 0.5 + 1e-4 * candidate.misfit) break;
+    const double part = kConstants.start_fall_part * candidate.misfit;
+    if (fall < kConstants.start_fall + part) break;
   }
   return candidate;
 }
@@ -80,9 +82,11 @@ VectorXd strides(const Scene& scene, const Supposed& cause) {
   const double apart = std::sqrt(structure.surface.area.mean());
   VectorXd by(cause.x.size());
   for (Index i = 0; i < by.size(); ++i) {
-    const auto& one = parameters[static_cast<std::size_t>(i)];
-    const bool linear = one.scale == Parameter::Scale::linear;
-    by(i) = one.is_place() ? 0.5 * apart : linear ? 0.3 * std::abs(cause.x(i)) : 0.35;
+    const auto& parameter = parameters[static_cast<std::size_t>(i)];
+    const bool linear = parameter.scale == Parameter::Scale::linear;
+    by(i) = parameter.is_place() ? kConstants.stride_of_place * apart
+            : linear             ? kConstants.stride_of_difference * std::abs(cause.x(i))
+                                 : kConstants.stride_of_logarithm;
   }
   return by;
 }
@@ -96,9 +100,8 @@ class DirectSearch {
 
   /// Continues from `best` with at most about this many misfits.
   [[nodiscard]] Start from(Start best, int misfits) {
-    constexpr int kHalved = 6;
     left_ = misfits;
-    for (int halved = 0; halved < kHalved && left_ > 0;) {
+    for (int halved = 0; halved < kConstants.halvings && left_ > 0;) {
       Start next = explored(best);
       if (!(next.misfit < best.misfit)) {
         by_ *= 0.5;
@@ -126,9 +129,9 @@ class DirectSearch {
       for (const double side : {1.0, -1.0}) {
         Supposed next = here.cause;
         next.x(i) += side * by_(i);
-        const double there = misfit(next);
-        if (!(there < here.misfit)) continue;
-        here = {std::move(next), there};
+        const double moved = misfit(next);
+        if (!(moved < here.misfit)) continue;
+        here = {std::move(next), moved};
         break;
       }
     }
@@ -141,19 +144,18 @@ class DirectSearch {
 };
 
 bool is_far(const Scene& scene, const Start& start) {
-  constexpr double kMuch = 20.0;  // times the noise
   const bool hangs = place_of(start.cause, scene.structure()).has_value();
-  return hangs && start.misfit > kMuch * scene.observed().number_count() &&
+  return hangs && start.misfit > kConstants.far_misfit * scene.observed().number_count() &&
          scene.is_cheap(start.cause);
 }
 
 // True for the same choice and the same place.
-bool alike(const std::vector<Parameter>& parameters, const Supposed& one,
+bool alike(const std::vector<Parameter>& parameters, const Supposed& cause,
            const EffectStart& other) {
-  if (one.option != other.option) return false;
+  if (cause.option != other.option) return false;
   for (std::size_t n = 0; n < parameters.size(); ++n) {
     const auto c = static_cast<Index>(n);
-    if (parameters[n].is_place() && one.x(c) != other.x(c)) return false;
+    if (parameters[n].is_place() && cause.x(c) != other.x(c)) return false;
   }
   return true;
 }
@@ -184,20 +186,19 @@ std::vector<Start> likeliest(const Scene& scene, const Effect& effect, std::size
 // Keeps the best `most` starts. Those far from any fit are moved first: all a little, then the best
 // ones further.
 void move_far(const Scene& scene, std::vector<Start>& starts, std::size_t most) {
-  constexpr int kLittle = 80;
-  constexpr int kFurther = 170;
-  std::vector<std::pair<Start, std::optional<DirectSearch>>> all;
-  for (auto& one : starts) {
+  std::vector<std::pair<Start, std::optional<DirectSearch>>> searches;
+  for (auto& start : starts) {
     std::optional<DirectSearch> search;
-    if (is_far(scene, one)) search.emplace(scene, one);
-    if (search) one = search->from(std::move(one), kLittle);
-    all.emplace_back(std::move(one), std::move(search));
+    if (is_far(scene, start)) search.emplace(scene, start);
+    if (search) start = search->from(std::move(start), kConstants.moves_first);
+    searches.emplace_back(std::move(start), std::move(search));
   }
-  std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first.misfit; });
-  all.resize(std::min(all.size(), most));
+  std::ranges::stable_sort(searches, {}, [](const auto& pair) { return pair.first.misfit; });
+  searches.resize(std::min(searches.size(), most));
   starts.clear();
-  for (auto& [start, search] : all) {
-    starts.push_back(search ? search->from(std::move(start), kFurther) : std::move(start));
+  for (auto& [start, search] : searches) {
+    starts.push_back(search ? search->from(std::move(start), kConstants.moves_further)
+                            : std::move(start));
   }
   std::ranges::stable_sort(starts, {}, &Start::misfit);
 }
@@ -205,12 +206,10 @@ void move_far(const Scene& scene, std::vector<Start>& starts, std::size_t most) 
 }  // namespace
 
 std::vector<Start> best_starts(const Scene& scene, const Effect& effect) {
-  constexpr std::size_t kMoved = 6;
-  constexpr std::size_t kKept = 2;
   if (effect.options(scene.structure()) == 0) return {};
-  auto best = likeliest(scene, effect, kMoved);
-  move_far(scene, best, kKept);
-  for (auto& one : best) one = improved(scene, std::move(one));
+  auto best = likeliest(scene, effect, kConstants.starts_moved);
+  move_far(scene, best, kConstants.starts_kept);
+  for (auto& start : best) start = improved(scene, std::move(start));
   return best;
 }
 

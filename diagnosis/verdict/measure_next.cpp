@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "diagnosis/constants.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -23,16 +25,15 @@ bool only_scales(const Fit& fit) {
 
 // Some places of the scan, evenly spread.
 std::vector<Index> some_places(const Surface& surface) {
-  constexpr Index kMost = 100;
-  const Index step = std::max<Index>(1, surface.count() / kMost);
+  const Index step = std::max<Index>(1, surface.count() / kConstants.next_places);
   std::vector<Index> places;
   for (Index n = step / 2; n < surface.count(); n += step) places.push_back(n);
   return places;
 }
 
 // Responses at some places of the surface to every actuator.
-Eigen::MatrixXcd there(const Problem& problem, const Fit& fit, const std::vector<Index>& places,
-                       const Eigen::VectorXd& omega) {
+Eigen::MatrixXcd responses_at(const Problem& problem, const Fit& fit,
+                              const std::vector<Index>& places, const Eigen::VectorXd& omega) {
   State state = state_of(problem, fit.causes, fit.eta);
   const auto count = static_cast<Index>(places.size());
   state.outputs = problem.structure.surface.shapes(places, Eigen::all);
@@ -47,15 +48,15 @@ Eigen::MatrixXcd there(const Problem& problem, const Fit& fit, const std::vector
 
 // Median of σ / |G|.
 double relative_noise(const Observed& observed) {
-  std::vector<double> all;
+  std::vector<double> relative;
   for (Index e = 0; e < observed.value.size(); ++e) {
     const double weight = observed.weight.reshaped()(e);
     const double size = std::abs(observed.value.reshaped()(e));
-    if (weight > 0.0 && size > 0.0) all.push_back(std::sqrt(2.0) / (weight * size));
+    if (weight > 0.0 && size > 0.0) relative.push_back(std::sqrt(2.0) / (weight * size));
   }
-  if (all.empty()) return 0.01;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
+  if (relative.empty()) return kConstants.next_noise;
+  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+  std::nth_element(relative.begin(), middle, relative.end());
   return *middle;
 }
 
@@ -69,26 +70,26 @@ std::string measure_next(const Problem& problem, const Fit& a, const Fit& b) {
   const auto& surface = problem.structure.surface;
   if (surface.count() == 0) return "";
   const auto places = some_places(surface);
-  const Observed few = thinned(problem.observed, 60);
-  const auto here = there(problem, a, places, few.omega);
-  const auto other = there(problem, b, places, few.omega);
+  const Observed few = thinned(problem.observed, kConstants.next_lines);
+  const auto here = responses_at(problem, a, places, few.omega);
+  const auto other = responses_at(problem, b, places, few.omega);
   const double noise = relative_noise(few);
   const double lines =
       static_cast<double>(problem.observed.line_count()) / static_cast<double>(few.line_count());
-  Eigen::VectorXd told = Eigen::VectorXd::Zero(static_cast<Index>(places.size()));
+  Eigen::VectorXd evidence = Eigen::VectorXd::Zero(static_cast<Index>(places.size()));
   const Index q = problem.structure.input_count();
-  for (Index n = 0; n < told.size(); ++n) {
+  for (Index n = 0; n < evidence.size(); ++n) {
     for (Index j = 0; j < q; ++j) {
-      const Index c = n + told.size() * j;
-      told(n) += ((here.col(c) - other.col(c)).cwiseAbs2().array() /
-                  (noise * noise * here.col(c).cwiseAbs2().array()).max(1e-300))
-                     .sum() *
-                 lines;
+      const Index c = n + evidence.size() * j;
+      evidence(n) += ((here.col(c) - other.col(c)).cwiseAbs2().array() /
+                      (noise * noise * here.col(c).cwiseAbs2().array()).max(1e-300))
+                         .sum() *
+                     lines;
     }
   }
   Index best = 0;
-  const double most = told.maxCoeff(&best);
-  if (most < 3.0) {
+  const double most = evidence.maxCoeff(&best);
+  if (most < kConstants.next_evidence) {
     return "no further sensor on this surface tells them apart: add a known mass, or look";
   }
   const auto place = surface.places.row(places[static_cast<std::size_t>(best)]);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/constants.h"
+
 namespace chladni::diagnosis {
 namespace {
 
@@ -42,11 +44,11 @@ Nonlinearity nonlinearity(const modal::FrfSet& measured) {
   Nonlinearity found;
   if (measured.variance.empty() || measured.noise_variance.empty()) return found;
   const Index lines = measured.line_count();
-  const auto all = power_of(measured, 0, lines);
-  if (all.variance <= 0.0) return found;
-  found.share = 1.0 - all.noise / all.variance;
-  found.level = level_of(all);
-  const Index bands = std::min<Index>(8, lines);
+  const auto whole = power_of(measured, 0, lines);
+  if (whole.variance <= 0.0) return found;
+  found.share = 1.0 - whole.noise / whole.variance;
+  found.level = level_of(whole);
+  const Index bands = std::min<Index>(kConstants.bands, lines);
   for (Index b = 0; b < bands; ++b) {
     const Index first = lines * b / bands;
     const Index count = lines * (b + 1) / bands - first;
@@ -61,7 +63,7 @@ Nonlinearity nonlinearity(const modal::FrfSet& measured) {
 
 std::string nonlinearity_note(const modal::FrfSet& measured) {
   const auto found = nonlinearity(measured);
-  if (found.share < 0.5) return {};
+  if (found.share < kConstants.nonlinear_share) return {};
   return fmt::format(
       "{:.0f} % of the variance changes with the realisation, not with the period: the structure "
       "is not linear at this level ({:.2g} % of the responses, most near {:.4g} Hz, {:.2g} %); "

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/constants.h"
+
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-
-constexpr double kLastBits = 1e-9;
-constexpr double kNotSure = 0.5;     // largest probability of a cause that is not named again
-constexpr double kTooLittle = -4.0;  // z
 
 // Measured numbers that the deviations use up: n − tr H⁻¹, with their prior precision of 1.
 double taken_by_deviations(const Fit& fit) {
@@ -24,7 +22,9 @@ double taken_by_deviations(const Fit& fit) {
 }  // namespace
 
 Structure nudged(Structure structure) {
-  const auto sign = [](Index i) { return i % 2 == 0 ? kLastBits : -kLastBits; };
+  const auto sign = [](Index i) {
+    return i % 2 == 0 ? kConstants.last_bits : -kConstants.last_bits;
+  };
   for (Index k = 0; k < structure.mode_count(); ++k) {
     structure.frequency_hz(k) *= 1.0 + sign(k / 2);
     for (auto* side : {&structure.outputs, &structure.inputs}) {
@@ -34,26 +34,27 @@ Structure nudged(Structure structure) {
   return structure;
 }
 
-std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& told,
+std::vector<std::size_t> not_repeated(const Structure& structure, const Fit& named,
                                       const Fit& again) {
-  std::vector<std::size_t> all;
-  for (std::size_t c = 0; c < told.causes.size(); ++c) {
-    Fit one;
-    one.causes = {told.causes[c]};
-    const bool there = std::ranges::any_of(again.causes, [&](const Supposed& cause) {
+  std::vector<std::size_t> lost;
+  for (std::size_t c = 0; c < named.causes.size(); ++c) {
+    Fit single;
+    single.causes = {named.causes[c]};
+    const bool repeated = std::ranges::any_of(again.causes, [&](const Supposed& cause) {
       Fit other;
       other.causes = {cause};
-      return alike(structure, one, other);
+      return alike(structure, single, other);
     });
-    if (!there) all.push_back(c);
+    if (!repeated) lost.push_back(c);
   }
-  return all;
+  return lost;
 }
 
 bool is_doubtful(const Diagnosis& diagnosis, const Fit& best) {
   const auto& causes = diagnosis.best.causes;
   if (diagnosis.verdict == Verdict::partial) {
-    return std::ranges::any_of(causes, [](const Cause& c) { return c.probability > kNotSure; });
+    return std::ranges::any_of(causes,
+                               [](const Cause& c) { return c.probability > kConstants.believed; });
   }
   return !causes.empty() && diagnosis.verdict != Verdict::unexplained && !best.converged;
 }
@@ -63,7 +64,7 @@ std::string doubt(const Structure& structure, const Fit& best, const Found& seco
   const Fit& again = second.fits.front();
   Fit any;
   for (const auto& fit : second.fits) {
-    if (fit.log_evidence < again.log_evidence - kOccamMargin) continue;
+    if (fit.log_evidence < again.log_evidence - kConstants.occam_margin) continue;
     any.causes.insert(any.causes.end(), fit.causes.begin(), fit.causes.end());
   }
   const auto lost = not_repeated(structure, best, any);
@@ -71,7 +72,7 @@ std::string doubt(const Structure& structure, const Fit& best, const Found& seco
   std::string names;
   for (const auto which : lost) {
     auto& cause = diagnosis.best.causes[which];
-    cause.probability = std::min(cause.probability, kNotSure);
+    cause.probability = std::min(cause.probability, kConstants.believed);
     names += (names.empty() ? "" : ", ") + cause.effect;
   }
   if (diagnosis.verdict == Verdict::named) diagnosis.verdict = Verdict::partial;
@@ -79,8 +80,9 @@ std::string doubt(const Structure& structure, const Fit& best, const Found& seco
   for (const auto which : not_repeated(structure, again, best)) {
     instead += (instead.empty() ? "" : ", ") + std::string(again.causes[which].effect->name);
   }
-  return fmt::format("not stable: a search from modes that differ by 1e-9 does not name {} again{}",
-                     names, instead.empty() ? "" : " but " + instead);
+  return fmt::format(
+      "not stable: a search from modes that differ by 1e{:.0f} does not name {} again{}",
+      std::log10(kConstants.last_bits), names, instead.empty() ? "" : " but " + instead);
 }
 
 std::string note_on_convergence(const Fit& best, const Fit& nothing) {
@@ -106,7 +108,7 @@ std::string note_on_noise(const Fit& best, double numbers) {
   const double used =
       best.chi_square + taken_by_deviations(best) + static_cast<double>(best.coordinate_count());
   const double z = (used - numbers) / std::sqrt(2.0 * numbers);
-  if (!(z < kTooLittle)) return "";
+  if (!(z < kConstants.too_little)) return "";
   return fmt::format(
       "less is left than noise of the stated variances would leave (z = {:.1f}): they "
       "are too large, by about {:.0f} %, or lines share their noise; deviations and "

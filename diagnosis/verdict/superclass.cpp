@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -137,18 +138,18 @@ Superclass mixing(const View& view, bool sensors) {
 // Free frequencies and dampings, with the causes included.
 Superclass frequencies(const Problem& problem, const Fit& best, double excess) {
   Tolerances free = no_tolerances();
-  free.frequency = 0.03;
-  free.damping = 0.7;
+  free.frequency = kConstants.free_frequency;
+  free.damping = kConstants.free_damping;
   free.residual = Tolerances{}.residual;
   const auto& omega = problem.observed.omega;
   const double band_hz = omega(omega.size() - 1) / (2.0 * std::numbers::pi);
-  const auto loose = deviations(problem.structure, free, 1.5 * band_hz);
-  std::vector<Deviation> all = problem.deviations;
-  all.insert(all.end(), loose.begin(), loose.end());
+  const auto loose = deviations(problem.structure, free, kConstants.free_modes * band_hz);
+  std::vector<Deviation> deviating = problem.deviations;
+  deviating.insert(deviating.end(), loose.begin(), loose.end());
   FitLimits limits;
-  limits.iterations = 6;
-  const Fit fit =
-      fitted({problem.structure, problem.observed, all}, with_deviations(best, all.size()), limits);
+  limits.iterations = kConstants.free_iterations;
+  const Fit fit = fitted({problem.structure, problem.observed, deviating},
+                         with_deviations(best, deviating.size()), limits);
   Superclass found;
   found.name = "modal frequencies and dampings";
   found.explained = (best.chi_square - fit.chi_square - static_cast<double>(loose.size())) / excess;
@@ -173,7 +174,7 @@ std::optional<Superclass> superclass(const Problem& problem, const Fit& best) {
   } catch (const NumericalFailure&) {
     // Then they are not a better explanation.
   }
-  if (!found || found->explained < 0.1) return std::nullopt;
+  if (!found || found->explained < kConstants.least_explained) return std::nullopt;
   return found;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/search/simpler.h"
 
 namespace chladni::diagnosis {
@@ -38,17 +39,17 @@ Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index 
 }
 
 Explanation explanation_of(const Problem& problem, const Found& found, const Fit& fit) {
-  Explanation told;
+  Explanation explanation;
   Index first = 0;
   for (std::size_t c = 0; c < fit.causes.size(); ++c) {
-    told.causes.push_back(cause_of(problem, fit, c, first));
+    explanation.causes.push_back(cause_of(problem, fit, c, first));
     first += fit.causes[c].x.size();
   }
-  told.log_evidence = fit.log_evidence - found.nothing.log_evidence;
-  told.promise = fit.evidence_at_best() - fit.log_evidence;
-  told.excess = fit.excess(problem.observed.number_count());
-  told.strained = fit.strained();
-  return told;
+  explanation.log_evidence = fit.log_evidence - found.nothing.log_evidence;
+  explanation.promise = fit.evidence_at_best() - fit.log_evidence;
+  explanation.excess = fit.excess(problem.observed.number_count());
+  explanation.strained = fit.strained();
+  return explanation;
 }
 
 // True for a number that is neither a place nor a frequency, because a pole shows its frequency
@@ -72,17 +73,19 @@ std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
   };
   std::vector<const Cause*> left;
   for (const auto& cause : other.causes) left.push_back(&cause);
-  std::vector<const Cause*> all;
+  std::vector<const Cause*> partners;
   for (const auto& cause : simple.causes) {
-    auto found = std::ranges::find_if(left, [&](auto* one) { return same_name(cause, *one); });
+    auto found =
+        std::ranges::find_if(left, [&](auto* candidate) { return same_name(cause, *candidate); });
     if (found == left.end()) {
-      found = std::ranges::find_if(left, [&](auto* one) { return is_simpler(cause, *one); });
+      found = std::ranges::find_if(left,
+                                   [&](auto* candidate) { return is_simpler(cause, *candidate); });
     }
     if (found == left.end()) return std::nullopt;
-    all.push_back(*found);
+    partners.push_back(*found);
     left.erase(found);
   }
-  return all;
+  return partners;
 }
 
 // True if `simple` has the same or simpler causes, or if `other` has all its causes and more.
@@ -95,13 +98,13 @@ bool nested(const Explanation& simple, const Explanation& other) {
 }
 
 // Widens the standard deviations by the errors of the causes. These errors cost `lost` in ln
-// likelihood, so their length in whitened data is sqrt(2 lost). The data have some 400 independent
-// directions (modes times channels), so any one number gets a twentieth of this length, in units of
-// its deviation. The error of mesh or solver acts on all sizes of a cause together.
-void widen_deviations(const Problem& problem, Explanation& told) {
-  const double lost = lost_by(told.error_excess, problem.observed.number_count());
-  const double wider = std::sqrt(1.0 + 0.005 * lost);
-  for (auto& cause : told.causes) {
+// likelihood, so their squared length in whitened data is 2 lost. It is spread over the independent
+// directions of the data (modes times channels), so any one number gets a small part of it. The
+// error of mesh or solver acts on all sizes of a cause together.
+void widen_deviations(const Problem& problem, Explanation& explanation) {
+  const double lost = lost_by(explanation.error_excess, problem.observed.number_count());
+  const double wider = std::sqrt(1.0 + kConstants.error_per_number * lost);
+  for (auto& cause : explanation.causes) {
     const bool by_shapes = effect(cause.effect).error > 0.0;
     for (auto& parameter : cause.parameters) {
       const double solver = by_shapes && is_a_size(parameter)
@@ -137,81 +140,89 @@ std::optional<double> cost_of_simplicity(const Explanation& simple, const Explan
 }
 
 // For each cause: the evidence lost without it, and the share of the excess that it removes.
-void weigh_causes(const Problem& problem, const Found& found, const Fit& fit, Explanation& told) {
+void weigh_causes(const Problem& problem, const Found& found, const Fit& fit,
+                  Explanation& explanation) {
   const double n = problem.observed.number_count();
   const double excess = std::max(found.nothing.strained() - n, 1e-9);
-  told.error_excess = 0.0;
-  for (std::size_t c = 0; c < told.causes.size(); ++c) {
+  explanation.error_excess = 0.0;
+  for (std::size_t c = 0; c < explanation.causes.size(); ++c) {
     const Fit less = without(problem, fit, c, found.nothing);
-    told.causes[c].log_evidence_gain = fit.log_evidence - less.evidence_at_best();
-    told.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
+    explanation.causes[c].log_evidence_gain = fit.log_evidence - less.evidence_at_best();
+    explanation.causes[c].share = std::clamp((less.strained() - fit.strained()) / excess, 0.0, 1.0);
     const double error = error_of(problem, fit.causes[c]);
-    told.error_excess +=
-        excess_of(error * error * std::max(told.causes[c].log_evidence_gain, 0.0), n);
+    explanation.error_excess +=
+        excess_of(error * error * std::max(explanation.causes[c].log_evidence_gain, 0.0), n);
   }
 }
 
 // Share of the initial penalised misfit that is left. The initial misfit counts at most as that of
 // a zero response: an explanation that is only nearer to the data than a simulation of another
 // structure explains little.
-double share_left(const Problem& problem, const Found& found, const Explanation& told) {
+double share_left(const Problem& problem, const Found& found, const Explanation& explanation) {
   const double n = problem.observed.number_count();
   const double was = std::min(found.nothing.strained(), problem.observed.power());
-  return std::max(told.strained - n, 0.0) / std::max(was - n, 1e-9);
+  return std::max(explanation.strained - n, 0.0) / std::max(was - n, 1e-9);
 }
 
 // The excess z that neither noise nor errors of the causes explain. Penalised misfit is used,
 // because its sum is χ² with N degrees of freedom if the tolerances are right.
-double unexplained(const Problem& problem, const Explanation& told) {
+double unexplained(const Problem& problem, const Explanation& explanation) {
   const double n = problem.observed.number_count();
   double sizes = 0.0;
-  for (const auto& cause : told.causes) sizes += static_cast<double>(cause.parameters.size());
-  const double left = (told.strained - n + sizes) / std::sqrt(2.0 * n);
-  return std::max(left - told.error_excess, 0.0);
+  for (const auto& cause : explanation.causes)
+    sizes += static_cast<double>(cause.parameters.size());
+  const double left = (explanation.strained - n + sizes) / std::sqrt(2.0 * n);
+  return std::max(left - explanation.error_excess, 0.0);
 }
 
 // Probability that causes and noise are all there is; then z is normal. An effect outside the
-// catalogue has a probability of one tenth and leaves any z up to 60. Each further cause makes the
-// explanation four times less likely. A cause near another one of its kind makes it less likely by
+// catalogue leaves any z up to a limit. Each further cause makes the explanation less likely. A
+// cause near another one of its kind makes it less likely by
 // the probability of this nearness by chance, because both may be one extended cause.
-double all_there_is(const Problem& problem, const Explanation& told) {
-  constexpr double kOther = 0.1 / 60.0;
-  const double further = std::max(0.0, static_cast<double>(told.causes.size()) - 1.0);
-  const double prior =
-      0.7 * std::pow(0.25, further) * by_chance_so_near(problem.structure, told.causes);
-  const double z = unexplained(problem, told);
+double all_there_is(const Problem& problem, const Explanation& explanation) {
+  const double other = kConstants.outside_prior / kConstants.outside_excess;
+  const double further = std::max(0.0, static_cast<double>(explanation.causes.size()) - 1.0);
+  const double prior = kConstants.one_cause_prior *
+                       std::pow(kConstants.further_cause_prior, further) *
+                       by_chance_so_near(problem.structure, explanation.causes);
+  const double z = unexplained(problem, explanation);
   const double noise = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-  return prior * noise / (prior * noise + kOther);
+  return prior * noise / (prior * noise + other);
 }
 
 // Probability that a cause is present although an unnamed one is too: its gain against the rest.
 double beside_unnamed(const Cause& cause, double left_share, double left) {
   const double gain = cause.log_evidence_gain;
-  const double outweighs = gain > 0.0 ? gain / (gain + 3.0 * left) : 1.0;  // 0: was not weighed
-  return 0.9 * (1.0 - left_share) * outweighs;
+  const double against = kConstants.weight_of_unnamed * left;
+  const double outweighs = gain > 0.0 ? gain / (gain + against) : 1.0;  // 0: was not weighed
+  return kConstants.beside_unnamed * (1.0 - left_share) * outweighs;
 }
 
-void share_probability(const Problem& problem, const Found& found, std::vector<Explanation>& all) {
+void share_probability(const Problem& problem, const Found& found,
+                       std::vector<Explanation>& explanations) {
   const double n = problem.observed.number_count();
   // A residual above noise is a cause that nobody named. It may also explain the other data.
   const double temper = std::max(1.0, found.fits.front().chi_square / n);
-  const double best = all.front().log_evidence;
+  const double best = explanations.front().log_evidence;
   double sum = 0.0;
-  for (auto& one : all) {
+  for (auto& explanation : explanations) {
     // A rival that has not converged may still become better.
-    const double promise = &one == &all.front() ? 0.0 : one.promise;
-    one.probability = std::exp(std::max(-700.0, (one.log_evidence + promise - best) / temper));
-    sum += one.probability;
+    const double promise = &explanation == &explanations.front() ? 0.0 : explanation.promise;
+    explanation.probability =
+        std::exp(std::max(-700.0, (explanation.log_evidence + promise - best) / temper));
+    sum += explanation.probability;
   }
-  for (auto& one : all) {
-    one.probability /= sum;
-    const double share = std::min(share_left(problem, found, one) / kLeftAtMost, 1.0);
-    const double left = lost_by(unexplained(problem, one), n);
-    const double whole = all_there_is(problem, one);
-    for (std::size_t c = 0; c < one.causes.size(); ++c) {
-      const double beside = beside_unnamed(one.causes[c], share, left) *
-                            of_its_own(problem.structure, one.causes, c);
-      one.causes[c].probability = one.probability * (whole + (1.0 - whole) * beside);
+  for (auto& explanation : explanations) {
+    explanation.probability /= sum;
+    const double share =
+        std::min(share_left(problem, found, explanation) / kConstants.left_at_most, 1.0);
+    const double left = lost_by(unexplained(problem, explanation), n);
+    const double whole = all_there_is(problem, explanation);
+    for (std::size_t c = 0; c < explanation.causes.size(); ++c) {
+      const double beside = beside_unnamed(explanation.causes[c], share, left) *
+                            of_its_own(problem.structure, explanation.causes, c);
+      explanation.causes[c].probability =
+          explanation.probability * (whole + (1.0 - whole) * beside);
     }
   }
 }
@@ -234,42 +245,42 @@ bool stands_for(const Explanation& simple, const Explanation& other, double equa
 // Puts a simpler explanation first. The misfit that it leaves is an error of its own: it is no
 // evidence against it, and no reason to look for more causes.
 void put_first(const Problem& problem, const Found& found, std::size_t which,
-               std::vector<Explanation>& all) {
-  const double evidence = all.front().log_evidence;
-  const double left = std::max(behind(all[which], all.front()), 0.0);
+               std::vector<Explanation>& explanations) {
+  const double evidence = explanations.front().log_evidence;
+  const double left = std::max(behind(explanations[which], explanations.front()), 0.0);
   const auto at = static_cast<std::ptrdiff_t>(which);
-  std::rotate(all.begin(), all.begin() + at, all.begin() + at + 1);
-  auto& front = all.front();
+  std::rotate(explanations.begin(), explanations.begin() + at, explanations.begin() + at + 1);
+  auto& front = explanations.front();
   weigh_causes(problem, found, found.fits[front.fit], front);
   front.error_excess += excess_of(left, problem.observed.number_count());
   front.log_evidence = std::max(front.log_evidence, evidence);
 }
 
 // Share of the surface that is as near to one cause as the other; 1 if they are not of one kind.
-double share_as_near(const Structure& structure, const Cause& one, const Cause& other) {
-  if (!one.place || !other.place || one.effect != other.effect) return 1.0;
-  const double around = std::numbers::pi * (*one.place - *other.place).squaredNorm();
+double share_as_near(const Structure& structure, const Cause& cause, const Cause& other) {
+  if (!cause.place || !other.place || cause.effect != other.effect) return 1.0;
+  const double around = std::numbers::pi * (*cause.place - *other.place).squaredNorm();
   return std::min(1.0, around / structure.surface.area.sum());
 }
 
 double half_mean(double sum, double count) { return count > 0.0 ? 0.5 * sum / count : 0.0; }
 
-// Residual in eighths of the lines.
-void add_bands(const Observed& observed, const Eigen::ArrayXXd& power, const Eigen::ArrayXXd& there,
-               Residue& left) {
-  constexpr Index kBands = 8;
-  left.band_edges_hz.resize(kBands + 1);
-  left.per_band.resize(kBands);
+// Residual in equal parts of the lines.
+void add_bands(const Observed& observed, const Eigen::ArrayXXd& power,
+               const Eigen::ArrayXXd& measured, Residue& left) {
+  const Index bands = kConstants.bands;
+  left.band_edges_hz.resize(bands + 1);
+  left.per_band.resize(bands);
   const Index lines = observed.line_count();
-  for (Index b = 0; b <= kBands; ++b) {
+  for (Index b = 0; b <= bands; ++b) {
     left.band_edges_hz(b) =
-        observed.omega(std::min(lines - 1, lines * b / kBands)) / (2.0 * std::numbers::pi);
+        observed.omega(std::min(lines - 1, lines * b / bands)) / (2.0 * std::numbers::pi);
   }
-  for (Index b = 0; b < kBands; ++b) {
-    const Index first = lines * b / kBands;
-    const Index count = lines * (b + 1) / kBands - first;
+  for (Index b = 0; b < bands; ++b) {
+    const Index first = lines * b / bands;
+    const Index count = lines * (b + 1) / bands - first;
     left.per_band(b) =
-        half_mean(power.middleRows(first, count).sum(), there.middleRows(first, count).sum());
+        half_mean(power.middleRows(first, count).sum(), measured.middleRows(first, count).sum());
   }
 }
 
@@ -293,46 +304,46 @@ double by_chance_so_near(const Structure& structure, const std::vector<Cause>& c
   return chance;
 }
 
-double of_its_own(const Structure& structure, const std::vector<Cause>& causes,
-                  std::size_t which) {
-  constexpr double kPrior = 0.1;  // prior of an extended cause, against one more of a kind
+double of_its_own(const Structure& structure, const std::vector<Cause>& causes, std::size_t which) {
   double share = 1.0;
   for (std::size_t c = 0; c < causes.size(); ++c) {
     if (c != which) share = std::min(share, share_as_near(structure, causes[which], causes[c]));
   }
-  return share < 1.0 ? share / (share + kPrior) : 1.0;
+  return share < 1.0 ? share / (share + kConstants.extended_prior) : 1.0;
 }
 
 std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {
-  std::vector<Explanation> all;
+  std::vector<Explanation> explanations;
   for (std::size_t n = 0; n < found.fits.size(); ++n) {
-    const bool again = std::ranges::any_of(all, [&](const Explanation& other) {
+    const bool again = std::ranges::any_of(explanations, [&](const Explanation& other) {
       return alike(problem.structure, found.fits[other.fit], found.fits[n]);
     });
     if (again) continue;
-    all.push_back(explanation_of(problem, found, found.fits[n]));
-    all.back().fit = n;
+    explanations.push_back(explanation_of(problem, found, found.fits[n]));
+    explanations.back().fit = n;
   }
-  weigh_causes(problem, found, found.fits[all.front().fit], all.front());
-  for (std::size_t n = 1; n < all.size(); ++n) {
-    if (stands_for(all[n], all.front(), equal)) put_first(problem, found, n, all);
+  weigh_causes(problem, found, found.fits[explanations.front().fit], explanations.front());
+  for (std::size_t n = 1; n < explanations.size(); ++n) {
+    if (stands_for(explanations[n], explanations.front(), equal)) {
+      put_first(problem, found, n, explanations);
+    }
   }
-  std::erase_if(all, [&](const Explanation& other) {
-    return &other != &all.front() && nested(all.front(), other);
+  std::erase_if(explanations, [&](const Explanation& other) {
+    return &other != &explanations.front() && nested(explanations.front(), other);
   });
-  widen_deviations(problem, all.front());
-  share_probability(problem, found, all);
-  return all;
+  widen_deviations(problem, explanations.front());
+  share_probability(problem, found, explanations);
+  return explanations;
 }
 
 Verdict judged(const Problem& problem, const Found& found,
                const std::vector<Explanation>& explanations, const DiagnosisOptions& options) {
   const auto& best = explanations.front();
-  const bool explained = all_there_is(problem, best) > 0.5;
+  const bool explained = all_there_is(problem, best) > kConstants.believed;
   if (best.causes.empty()) return explained ? Verdict::no_discrepancy : Verdict::unexplained;
   if (!explained) {
     const double left = share_left(problem, found, best);
-    return left < kLeftAtMost ? Verdict::partial : Verdict::unexplained;
+    return left < kConstants.left_at_most ? Verdict::partial : Verdict::unexplained;
   }
   const bool rivals = std::ranges::any_of(
       explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
@@ -347,11 +358,11 @@ Residue residue(const Problem& problem, const Fit& fit) {
   const Eigen::MatrixXcd whitened = (observed.value - responses(state, observed.omega))
                                         .cwiseProduct(observed.weight.cast<std::complex<double>>());
   const Eigen::ArrayXXd power = whitened.cwiseAbs2();
-  const Eigen::ArrayXXd there = (observed.weight.array() > 0.0).cast<double>();
+  const Eigen::ArrayXXd measured = (observed.weight.array() > 0.0).cast<double>();
   // Mean over every `stride`-th response, from `first` on.
   const auto over = [&](Index first, Index stride, Index count) {
     const auto columns = Eigen::seqN(first, count, stride);
-    return half_mean(power(Eigen::all, columns).sum(), there(Eigen::all, columns).sum());
+    return half_mean(power(Eigen::all, columns).sum(), measured(Eigen::all, columns).sum());
   };
   Residue left;
   left.per_output.resize(observed.outputs);
@@ -362,7 +373,7 @@ Residue residue(const Problem& problem, const Fit& fit) {
   for (Index j = 0; j < observed.inputs; ++j) {
     left.per_input(j) = over(j * observed.outputs, 1, observed.outputs);
   }
-  add_bands(observed, power, there, left);
+  add_bands(observed, power, measured, left);
   const Index lines = observed.line_count();
   const double lagged = whitened.topRows(lines - 1)
                             .conjugate()

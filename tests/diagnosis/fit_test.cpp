@@ -74,7 +74,7 @@ TEST(Fitted, TellsWhereItEndsAndWhetherItCouldGoOn) {
     EXPECT_NEAR(fit.log_evidence, there.log_evidence, 0.1) << iterations;
     EXPECT_NEAR(fit.promise, there.promise, 0.1 + 1e-6 * there.promise) << iterations;
     EXPECT_EQ(fit.converged, iterations == 30) << fit.promise;
-    EXPECT_EQ(fit.converged, fit.promise < kNothingMore);
+    EXPECT_EQ(fit.converged, fit.promise < kConstants.nothing_more);
   }
 }
 
