@@ -27,6 +27,7 @@ MAY_INCLUDE = {
 }
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],
+    r"boost/": ["base/search.cpp"],
     r"tetgen": ["mesh/mesher/tetgen_worker.cpp"],
     r"CGAL/": ["mesh/*/cgal_*.cpp", "mesh/*/cgal_*.h"],
     r"metis": ["fem/factor/metis_order.cpp"],

@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
+#include "base/search.h"
 #include "priors/residual/random_coefficients.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kRange = 8.0;  // range of ln β about the value that the sizes of both sides give
-constexpr double kStep = 0.25;
-constexpr double kNarrow = 1e-6;  // tolerance of ln β; matters if the noise is almost zero
+constexpr double kRange = 8.25;  // range of ln β about the value that the sizes of both sides give
+constexpr int kIntervals = 66;
+constexpr double kNarrowest =
+    1e-5;  // least width of a peak of ln β; matters if the noise is almost 0
 constexpr int kFine = 80;
 
 // [L; R] with both sides on one scale, and the functions at their places.
@@ -31,32 +32,19 @@ double evidence_of(const Sides& sides, double log_gain, int sign) {
 }
 
 struct Peak {
-  double at = 0.0, height = -std::numeric_limits<double>::infinity(), width = 1.0;
+  double at = 0.0, height = 0.0, width = 1.0;
 };
 
-// The highest point of a scan, refined by golden sections; the curvature gives its width.
+// The highest point; the curvature gives the width of the peak.
 Peak peak_of(const Sides& sides, double centre, int sign) {
-  Peak peak;
-  for (double step = -kRange; step <= kRange; step += kStep) {
-    const double height = evidence_of(sides, centre + step, sign);
-    if (height > peak.height) peak = {centre + step, height, 1.0};
-  }
-  double low = peak.at - kStep;
-  double high = peak.at + kStep;
-  const double section = 0.5 * (std::sqrt(5.0) - 1.0);
-  while (high - low > kNarrow) {
-    const double left = high - section * (high - low);
-    const double right = low + section * (high - low);
-    const bool is_left = evidence_of(sides, left, sign) > evidence_of(sides, right, sign);
-    (is_left ? high : low) = is_left ? right : left;
-  }
-  peak.at = 0.5 * (low + high);
-  peak.height = evidence_of(sides, peak.at, sign);
+  const auto depth = [&](double at) { return -evidence_of(sides, at, sign); };
+  const auto highest = minimum_in(depth, centre - kRange, centre + kRange, kIntervals);
+  Peak peak{highest.at, -highest.value};
   const double step = 1e-2;
   const double curvature = (2.0 * peak.height - evidence_of(sides, peak.at - step, sign) -
                             evidence_of(sides, peak.at + step, sign)) /
                            (step * step);
-  peak.width = std::clamp(1.0 / std::sqrt(std::max(curvature, 1e-2)), 10.0 * kNarrow, 2.0);
+  peak.width = std::clamp(1.0 / std::sqrt(std::max(curvature, 1e-2)), kNarrowest, 2.0);
   return peak;
 }
 

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
+#include "base/search.h"
 #include "identification/likelihood/normal_equations.h"
 #include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
 namespace {
 
-constexpr double kLowest = -0.5, kHighest = 2.5, kStep = 0.04;  // periods of the highest line
+constexpr double kLowest = -0.5, kHighest = 2.5;  // periods of the highest line
+constexpr int kIntervals = 75;
 
 }  // namespace
 
@@ -41,21 +42,14 @@ double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool ri
   const auto cost = [&](double periods) {
     return ResidueProblem(undelayed(data, periods * period), poles, rigid).residues().cost;
   };
-  double best = 0.0;
-  double least = std::numeric_limits<double>::infinity();
-  for (double at = kLowest; at <= kHighest; at += kStep) {
-    const double here = cost(at);
-    if (here < least) {
-      least = here;
-      best = at;
-    }
-  }
-  // Refines with the minimum of the parabola through the least cost and its neighbours.
-  const double before = cost(best - kStep);
-  const double after = cost(best + kStep);
-  const double curvature = before - 2.0 * least + after;
-  if (curvature > 0.0) best += 0.5 * kStep * (before - after) / curvature;
-  return best * period;
+  const auto best = lowest_of_scan(cost, kLowest, kHighest, kIntervals);
+  // The parabola through the least cost and its neighbours is enough: a fit refines the delay.
+  constexpr double kStep = (kHighest - kLowest) / kIntervals;
+  const double before = cost(best.at - kStep);
+  const double after = cost(best.at + kStep);
+  const double curvature = before - 2.0 * best.value + after;
+  const double shift = curvature > 0.0 ? 0.5 * kStep * (before - after) / curvature : 0.0;
+  return (best.at + shift) * period;
 }
 
 Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& poles, bool rigid,

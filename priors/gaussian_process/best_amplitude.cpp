@@ -4,37 +4,26 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "base/search.h"
 #include "priors/gaussian_process/gaussian_process.h"
 
 namespace chladni::priors {
 namespace {
 
-// −2 ln p(z) + const of independent z_j ~ N(0, 1 + a² λ_j).
-double misfit(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double log_variance) {
-  const Eigen::ArrayXd variance = 1.0 + std::exp(log_variance) * lambda;
-  return (variance.log() + square / variance).sum();
-}
+constexpr int kScan = 60;
 
-// The best point of a coarse scan, refined by golden sections.
-double smallest(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square, double low,
-                double high) {
-  constexpr int kScan = 60;
-  constexpr double kGolden = 0.6180339887498949;
-  const double step = (high - low) / kScan;
-  double best = low;
-  for (int k = 1; k <= kScan; ++k) {
-    const double here = low + k * step;
-    if (misfit(lambda, square, here) < misfit(lambda, square, best)) best = here;
-  }
-  double left = std::max(low, best - step);
-  double right = std::min(high, best + step);
-  while (right - left > 1e-7) {
-    const double a = right - kGolden * (right - left);
-    const double b = left + kGolden * (right - left);
-    (misfit(lambda, square, a) < misfit(lambda, square, b) ? right : left) =
-        misfit(lambda, square, a) < misfit(lambda, square, b) ? b : a;
-  }
-  return 0.5 * (left + right);
+// The ln a² between low and high of the least −2 ln p(z) of independent z_j ~ N(0, 1 + a² λ_j).
+double most_likely_log_square(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square,
+                              double low, double high) {
+  const auto misfit = [&](double log_square) {
+    const Eigen::ArrayXd variance = 1.0 + std::exp(log_square) * lambda;
+    return (variance.log() + square / variance).sum();
+  };
+  const auto slope = [&](double log_square) {
+    const Eigen::ArrayXd variance = 1.0 + std::exp(log_square) * lambda;
+    return ((variance - 1.0) / variance * (1.0 - square / variance)).sum();
+  };
+  return minimum_in(misfit, slope, low, high, kScan).at;
 }
 
 }  // namespace
@@ -51,8 +40,8 @@ double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& 
   Eigen::VectorXd z = white.cwiseProduct(values);
   if (trend.cols() > 0) {
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(white.asDiagonal() * trend);
-    const Eigen::MatrixXd all = qr.householderQ();
-    const auto rest = all.rightCols(values.size() - trend.cols());
+    const Eigen::MatrixXd basis = qr.householderQ();
+    const auto rest = basis.rightCols(values.size() - trend.cols());
     matrix = rest.transpose() * matrix * rest;
     z = rest.transpose() * z;
   }
@@ -64,7 +53,7 @@ double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& 
   const double mean = lambda.mean();
   const double low = std::log(1e-4 / mean);
   const double high = std::max(low + 1.0, std::log(1e6 * (1.0 + square.mean()) / mean));
-  return std::exp(0.5 * smallest(lambda, square, low, high));
+  return std::exp(0.5 * most_likely_log_square(lambda, square, low, high));
 }
 
 }  // namespace chladni::priors

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/search.h"
+
 namespace chladni::priors {
 namespace {
 
@@ -44,7 +46,6 @@ double interpolated(const std::vector<double>& places, std::vector<double> value
 // Maximum, between the nearest neighbours, of the polynomial through the best point
 // and two on each side.
 double summit(const Table& table, const Triple& t, Eigen::Index function) {
-  constexpr double kGolden = 0.6180339887498949;
   const auto first = t.left == table.begin() ? t.left : std::prev(t.left);
   const auto last = std::next(t.right) == table.end() ? t.right : std::next(t.right);
   std::vector<double> places;
@@ -53,15 +54,8 @@ double summit(const Table& table, const Triple& t, Eigen::Index function) {
     places.push_back(it->first);
     values.push_back(it->second(function) - t.best->second(function));
   }
-  double left = t.left->first;
-  double right = t.right->first;
-  while (right - left > 1e-9) {
-    const double a = right - kGolden * (right - left);
-    const double b = left + kGolden * (right - left);
-    const bool left_is_higher = interpolated(places, values, a) > interpolated(places, values, b);
-    (left_is_higher ? right : left) = left_is_higher ? b : a;
-  }
-  return 0.5 * (left + right);
+  const auto depth = [&](double at) { return -interpolated(places, values, at); };
+  return minimum_in(depth, t.left->first, t.right->first).at;
 }
 
 // The next point to evaluate for a function; NaN if its maximum is found.

@@ -7,12 +7,14 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "base/search.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kScan = 16.0;  // ln a² is searched within ±16 of the estimate from the values
-constexpr double kScanStep = 1.0;
+constexpr double kReach = 17.0;  // ln a² is searched so far about the estimate from the values
+constexpr int kIntervals = 34;
+constexpr double kVanishing = -15.5;   // ln a² below the estimate: practically zero
 constexpr double kNegligible = 1e-13;  // of the largest squared singular value
 
 }  // namespace
@@ -65,28 +67,15 @@ double RandomCoefficients::slope_at(double log_square) const {
   return 0.5 * (along_.array().square() * part / (1.0 + part).square() - part / (1.0 + part)).sum();
 }
 
-// A scan finds the highest peak; then bisection of the slope between its neighbours.
 void RandomCoefficients::find_amplitude() {
   const double signal = along_.squaredNorm() / std::max(strength_.sum(), 1e-300);
   const double middle = std::log(std::max(signal, 1e-300));
-  double best = middle;
-  double highest = -1e300;
-  for (double step = -kScan; step <= kScan; step += kScanStep) {
-    const double value = log_evidence_at(middle + step);
-    if (value <= highest) continue;
-    highest = value;
-    best = middle + step;
-  }
-  vanishes_ = best <= middle - kScan + 0.5 * kScanStep;
-  double low = best - kScanStep;
-  double high = best + kScanStep;
-  for (int i = 0; i < 50 && high - low > 1e-12; ++i) {
-    const double centre = 0.5 * (low + high);
-    (slope_at(centre) > 0.0 ? low : high) = centre;
-  }
-  const double log_square = 0.5 * (low + high);
-  square_ = std::exp(log_square);
-  log_evidence_ = log_evidence_at(log_square);
+  const auto best = minimum_in([&](double at) { return -log_evidence_at(at); },
+                               [&](double at) { return -slope_at(at); }, middle - kReach,
+                               middle + kReach, kIntervals);
+  vanishes_ = best.at <= middle + kVanishing;
+  square_ = std::exp(best.at);
+  log_evidence_ = -best.value;
 }
 
 Eigen::VectorXd RandomCoefficients::solved(const Eigen::VectorXd& whitened) const {

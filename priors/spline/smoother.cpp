@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "base/search.h"
 
 namespace chladni::priors {
 namespace {
@@ -131,16 +132,6 @@ Smoother::Criterion Smoother::criterion(const Eigen::VectorXd& values, Smoothing
           (slope - 2.0 * squares * share_slope / share) / (share * share)};
 }
 
-double Smoother::bisected(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
-                          double low, double high) const {
-  for (int step = 0; step < 60; ++step) {
-    const double middle = 0.5 * (low + high);
-    const bool rises = criterion(values, rule, noise, std::exp(middle)).slope > 0.0;
-    (rises ? high : low) = middle;
-  }
-  return std::exp(0.5 * (low + high));
-}
-
 Smoothing Smoother::given(const Eigen::VectorXd& values, double lambda, double noise) const {
   require(lambda > 0.0 && noise > 0.0, "smoother: lambda or the noise is not positive");
   const double likelihood_there =
@@ -155,19 +146,12 @@ Smoother::Lowest Smoother::lowest(const Eigen::VectorXd& values, SmoothingRule r
   const double low = std::log(1e-6 * smallest / (1.0 + loudness));
   const double high = std::log(1e6 * largest);
   const int count = static_cast<int>(std::ceil((high - low) / std::numbers::ln10 * kPerDecade));
-  const double step = (high - low) / count;
-  int best = 0;
-  double best_value = kFlat;
-  for (int k = 0; k <= count; ++k) {
-    const double value = criterion(values, rule, noise, std::exp(low + k * step)).value;
-    if (value < best_value) {
-      best = k;
-      best_value = value;
-    }
-  }
-  if (best == count) return {kFlat, false};
-  if (best == 0) return {std::exp(low), true};
-  return {bisected(values, rule, noise, low + (best - 1) * step, low + (best + 1) * step), false};
+  const auto at = [&](double log_lambda) {
+    return criterion(values, rule, noise, std::exp(log_lambda));
+  };
+  const auto best = minimum_in([&](double x) { return at(x).value; },
+                               [&](double x) { return at(x).slope; }, low, high, count);
+  return {best.at_high ? kFlat : std::exp(best.at), best.at_low};
 }
 
 Smoothing Smoother::chosen(const Eigen::VectorXd& values, SmoothingRule rule, double noise) const {

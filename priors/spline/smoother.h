@@ -51,7 +51,7 @@ class Smoother {
   [[nodiscard]] Criterion criterion(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
                                     double lambda) const;
 
-  /// The minimum of the criterion: the best of a grid of 8 per decade, then bisected to rounding.
+  /// The minimum of the criterion: the best of a grid of 8 per decade, then the root of its slope.
   /// @param noise  stated σ. `reml` learns its own, σ² = Σ z² h / (n − p). The cross-validations
   /// take Σ z² h² / Σ h (Wahba 1983), but at least the stated noise: it would vanish if they follow
   /// the values too closely. Cost: n² for each of some 250 points.
@@ -87,8 +87,6 @@ class Smoother {
   [[nodiscard]] Eigen::ArrayXd contrasts(const Eigen::VectorXd& values) const;
   [[nodiscard]] Eigen::ArrayXd shrinkage(double lambda) const;
   [[nodiscard]] Criterion cross_validation(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h) const;
-  [[nodiscard]] double bisected(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
-                                double low, double high) const;
 
   Eigen::VectorXd deviation_;   // n
   Eigen::MatrixXd scaled_;      // n×n: K over ν on both sides
