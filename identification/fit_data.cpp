@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
 
-constexpr int kReach = 4;   // lines on each side of a line for the local polynomial
-constexpr int kDegree = 3;  // degree of this polynomial
+constexpr int kReach = Constants::polynomial_reach;
+constexpr int kDegree = Constants::polynomial_degree;
 constexpr Eigen::Index kFewestLines = 2 * kReach + 1;
-constexpr int kSmooth = 12;  // lines on each side over which a variance is averaged
 // Receptances outside of these limits are no measurement. Within them, squares of squares are
 // still finite numbers.
 constexpr double kLeastSize = 1e-70, kMostSize = 1e70;
@@ -56,8 +56,8 @@ Eigen::VectorXd variance_of_measured(const Eigen::VectorXcd& value) {
   Eigen::VectorXd smooth(count);
   std::vector<double> window;
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index first = std::max<Eigen::Index>(0, k - kSmooth);
-    const Eigen::Index last = std::min(count - 1, k + kSmooth);
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - Constants::variance_reach);
+    const Eigen::Index last = std::min(count - 1, k + Constants::variance_reach);
     window.assign(raw.data() + first, raw.data() + last + 1);
     std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size()) / 2,
                      window.end());
@@ -196,9 +196,9 @@ ExpectedCost expected_cost(const FitData& data, Eigen::Index parameters) {
 }
 
 double noise_level(const FitData& data, double cost, Eigen::Index parameters) {
-  constexpr double kNoChance = 5.0;  // deviations
   const auto expected = expected_cost(data, parameters);
-  if (data.noise_known && cost <= expected.mean + kNoChance * expected.deviation) return 1.0;
+  if (data.noise_known && cost <= expected.mean + Constants::no_chance * expected.deviation)
+    return 1.0;
   return std::max(cost / std::max(expected.mean, 0.5), 1e-300);
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "identification/constants.h"
 #include "identification/delay_scan.h"
 #include "identification/likelihood/compression.h"
 #include "identification/poles/missing_mode.h"
@@ -14,12 +15,6 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kEnoughExcess = 3.0;    // cost above what noise leaves, in its deviations
-constexpr double kLeastDecrease = 0.02;  // relative, by a further mode, if the noise is not known
-constexpr int kFirstSteps = 12;          // iterations before spurious modes are left out
-constexpr Eigen::Index kMany = 200;      // responses above this number: channels are combined
-constexpr Eigen::Index kSketch = 14;     // combinations on each side for finding poles
-
 // Whether a fit with one more mode is worth its parameters.
 bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   const double level = noise_level(after, data);
@@ -27,7 +22,7 @@ bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   const double needed = 0.5 * level * std::max(1.0, parameters) *
                         std::log(static_cast<double>(data.measured_count()));
   const double won = before.cost - after.cost;
-  return won > needed && (data.noise_known || won > kLeastDecrease * before.cost);
+  return won > needed && (data.noise_known || won > Constants::least_decrease * before.cost);
 }
 
 // The poles that look repeated are used twice if that pays.
@@ -80,7 +75,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   while (flexible_count(result.fit) < most) {
     if (options.fit.keep_best && interrupted()) break;
     const bool wanted = options.modes > flexible_count(result.fit);
-    if (!wanted && data.noise_known && result.fit.excess() < kEnoughExcess) break;
+    if (!wanted && data.noise_known && result.fit.excess() < Constants::enough_excess) break;
     auto start = start_at(result.fit.model);
     const auto candidate = missing_mode(data, result.fit);
     if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
@@ -99,7 +94,7 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
                                      const FitOptions& options) {
   FitOptions real = options;
   real.damping = Damping::modal;
-  real.iterations = std::min(real.iterations, kFirstSteps);
+  real.iterations = std::min(real.iterations, Constants::first_iterations);
   return response_delays(modal_fit(data, start, real));
 }
 
@@ -107,9 +102,9 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
 // than five deviations, where the model's own error counts in the noise level. Else the old delay
 // stays and only takes the deviation of the free fit.
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
-  constexpr double kFiveDeviations = 12.5;
   auto free = modal_fit(data, start_at(fit.model), options);
-  if (fit.cost - free.cost > kFiveDeviations * noise_level(fit, data)) {
+  if (fit.cost - free.cost >
+      0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;
@@ -126,7 +121,7 @@ Identified from_start(const FitData& data, const Start& start,
     twice = repeated(data, start.pole, kept.residues());
   }
   FitOptions few = options.fit;
-  if (data.noise_known) few.iterations = std::min(few.iterations, kFirstSteps);
+  if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
   result.fit = first_fit(data, start, twice, few);
   result.steps.push_back({flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
@@ -162,7 +157,7 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   if (!moved.matters()) return std::nullopt;
   if (start.pole.size() < found.pole.size()) {  // perhaps the left-out poles are modes
     FitOptions few = options.fit;
-    few.iterations = std::min(few.iterations, kFirstSteps);
+    few.iterations = std::min(few.iterations, Constants::first_iterations);
     if (modal_fit(data, found, few).cost < fit.cost) return std::nullopt;
   }
   data = without_drift(data, fit, moved.shift);
@@ -198,7 +193,7 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
 // Finds poles from a few random combinations of the channels, then fits all directions that matter.
 Identified from_compressed(const Compressed& small, const FitData& measured,
                            const IdentificationOptions& options) {
-  const auto sketch = sketched(small.data, kSketch);
+  const auto sketch = sketched(small.data, Constants::sketch);
   auto of_sketch = options;
   of_sketch.drift = false;  // each sketched response mixes all responses
   auto result = from_all_responses(sketch, of_sketch);
@@ -226,7 +221,8 @@ Eigen::VectorXd delays_at_start(const FitData& data, const IdentificationOptions
 
 Identified identified(const FitData& measured, const IdentificationOptions& options) {
   const bool one_delay = !options.fit.delay || options.fit.delay_of == DelayOf::all;
-  if (measured.response_count() > kMany && options.fit.damping == Damping::modal && one_delay) {
+  if (measured.response_count() > Constants::many_responses &&
+      options.fit.damping == Damping::modal && one_delay) {
     if (const auto small = compressed(measured)) {
       return from_compressed(*small, measured, options);
     }

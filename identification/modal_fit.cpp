@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "identification/constants.h"
 #include "identification/likelihood/block_fractions.h"
 #include "identification/likelihood/fit_uncertainty.h"
 #include "identification/likelihood/levenberg.h"
@@ -16,13 +17,6 @@ namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-
-constexpr Eigen::Index kLargestBlock = 3;
-constexpr Eigen::Index kMostRigid = 12;
-constexpr double kWorthwhile = 25.0;  // significance of a direction, per channel
-constexpr double kAlike = 0.01;       // relative cost that diagonal blocks may add
-constexpr int kSingleSteps = 8;       // iterations towards single modes
-constexpr double kSame = 5.0;         // difference of costs that noise may explain
 
 void check(const FitData& data, const Start& start, const FitOptions& options) {
   require(data.value.rows() == data.line_count() && data.weight.rows() == data.line_count() &&
@@ -40,8 +34,9 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
               "apart by " +
               std::to_string(data.outputs) + " outputs and " + std::to_string(data.inputs) +
               " inputs");
-  require(start.rigid_count <= kMostRigid, "modal fit: " + std::to_string(start.rigid_count) +
-                                               " rigid-body modes, expected 12 or fewer");
+  require(start.rigid_count <= Constants::most_rigid,
+          "modal fit: " + std::to_string(start.rigid_count) +
+              " rigid-body modes, expected 12 or fewer");
   const auto channels = data.outputs + data.inputs;
   const auto of_mode = options.damping == Damping::general ? 2 * channels : channels + 1;
   const auto parameters =
@@ -57,7 +52,8 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
   }
 }
 
-// Groups of poles closer than a half-power bandwidth, in order; at most kLargestBlock in a group.
+// Groups of poles closer than a half-power bandwidth, in order; at most Constants::largest_block in
+// a group.
 std::vector<std::vector<Eigen::Index>> neighbours(const Eigen::VectorXcd& poles) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(poles.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
@@ -66,7 +62,7 @@ std::vector<std::vector<Eigen::Index>> neighbours(const Eigen::VectorXcd& poles)
   std::vector<std::vector<Eigen::Index>> all;
   for (const auto i : order) {
     const bool near = !all.empty() &&
-                      static_cast<Eigen::Index>(all.back().size()) < kLargestBlock &&
+                      static_cast<Eigen::Index>(all.back().size()) < Constants::largest_block &&
                       std::abs(poles(i).imag() - poles(all.back().back()).imag()) <
                           2.0 * std::max(-poles(i).real(), -poles(all.back().back()).real());
     if (near) {
@@ -108,7 +104,7 @@ Sides sides(const Eigen::MatrixXd& residue, Eigen::Index count) {
 // Whether every direction of a group stands out of the noise.
 bool all_stand_out(const Sides& group, Complex pole, const Target& target) {
   const Eigen::MatrixXd square = weighted_squares(pole, target);
-  const double least = kWorthwhile * static_cast<double>(target.outputs + target.inputs);
+  const double least = Constants::least_worth * static_cast<double>(target.outputs + target.inputs);
   for (Eigen::Index r = 0; r < group.sigma.size(); ++r) {
     const Eigen::MatrixXd part = group.left.col(r) * group.right.row(r);
     if (part.cwiseAbs2().cwiseProduct(square).sum() < least) return false;
@@ -264,15 +260,16 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
   }
   if (!any) return in_blocks;
   auto result = descent(std::move(single), target, fitted,
-                        {.iterations = kSingleSteps,
+                        {.iterations = Constants::single_iterations,
                          .damping = 1e-8,
                          .keep_best = options.keep_best,
                          .progress = options.progress});
-  const double allowed = in_blocks.misfit.cost * (1.0 + kAlike) + 1e-24 * target.total;
+  const double allowed =
+      in_blocks.misfit.cost * (1.0 + Constants::single_modes_cost) + 1e-24 * target.total;
   result.iterations += in_blocks.iterations;
   // If the data hardly separate the modes of a block, the descent is long and leads nowhere else.
   if (result.misfit.cost <
-      in_blocks.misfit.cost + kSame * target.noise_level(in_blocks.misfit.cost)) {
+      in_blocks.misfit.cost + Constants::same_cost * target.noise_level(in_blocks.misfit.cost)) {
     result.converged = in_blocks.converged;
   }
   return result.misfit.cost <= allowed ? result : in_blocks;

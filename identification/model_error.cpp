@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/constants.h"
+
 namespace chladni::identification {
-namespace {
-
-constexpr Eigen::Index kNeighbours = 12;  // lines on each side
-
-}  // namespace
-
 Eigen::VectorXd remaining_model_error(const FitData& noise_only, const Eigen::MatrixXcd& fitted,
                                       double most) {
   const Eigen::ArrayXXd weight = noise_only.weight.array();
@@ -26,8 +22,8 @@ Eigen::VectorXd remaining_model_error(const FitData& noise_only, const Eigen::Ma
   const Eigen::Index lines = noise_only.line_count();
   Eigen::VectorXd error(lines);
   for (Eigen::Index k = 0; k < lines; ++k) {
-    const Eigen::Index first = std::max<Eigen::Index>(0, k - kNeighbours);
-    const Eigen::Index count = std::min(lines, k + kNeighbours + 1) - first;
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - Constants::error_reach);
+    const Eigen::Index count = std::min(lines, k + Constants::error_reach + 1) - first;
     const double sum = power.segment(first, count).sum();
     const double squared = sum > 0.0 ? beyond.segment(first, count).sum() / sum : 0.0;
     error(k) = std::min(most, std::sqrt(std::max(0.0, squared)));

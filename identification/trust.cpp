@@ -9,31 +9,18 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
 
-constexpr double kMostUnexplained = 0.25;    // of the power; this is a relative error of a half
-constexpr double kMostDoubtful = 0.5;        // of the power that the modes explain
-constexpr double kOfItself = 0.5;            // relative deviation that makes a mode doubtful
-constexpr double kDeviations = 5.0;          // a larger difference is not chance
-constexpr double kFalseAlarm = 1e-6;         // per record
-constexpr double kBesideNeighbours = 8.0;    // times their median
-constexpr double kJump = 20.0;               // the same, for jumps in the data
-constexpr double kLoose = 1.5;               // level, where the noise is estimated here
-constexpr double kBadLevel = 10.0;           // a fit above this level may be distorted
-constexpr double kAlwaysOff = 0.002;         // of the response: every model has such an error
-constexpr double kSteepOff = 0.02;           // the same, for the change from line to line
-constexpr double kMedianPower = 0.6931;      // of an exponential number of mean 1
-constexpr Eigen::Index kReach = 12;          // lines on each side
-constexpr Eigen::Index kMostRefitted = 200;  // responses
-constexpr double kMostOutlying = 0.05;       // of the values; more of them are no outliers
+constexpr double kMedianPower = 0.6931;  // of an exponential number of mean 1
 
 // The |w n| that noise alone exceeds once in a million records.
 double largest_of_noise(const FitData& data) {
   const double numbers = std::max(1.0, 0.5 * static_cast<double>(data.measured_count()));
   const double v = data.noise_known ? data.noise_freedom : 0.0;
-  const double rare = std::log(numbers / kFalseAlarm);
+  const double rare = std::log(numbers / Constants::false_alarm);
   // P(F > t) is (1 + t/ν)^−ν with 2 and 2ν degrees of freedom; an exponential number has e^−t.
   return std::sqrt(v > 0.0 ? v * std::expm1(rare / v) : rare);
 }
@@ -45,12 +32,13 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// Median of the measured values among ±kReach lines, without those within `gap` of line k.
+// Median of the measured values among ±Constants::outlier_reach lines, without those within `gap`
+// of line k.
 double median_beside(const Eigen::VectorXd& values, const Eigen::VectorXd& weight, Eigen::Index k,
                      Eigen::Index gap) {
   std::vector<double> beside;
-  const auto last = std::min(values.size() - 1, k + kReach);
-  for (auto i = std::max<Eigen::Index>(0, k - kReach); i <= last; ++i) {
+  const auto last = std::min(values.size() - 1, k + Constants::outlier_reach);
+  for (auto i = std::max<Eigen::Index>(0, k - Constants::outlier_reach); i <= last; ++i) {
     if (std::abs(i - k) > gap && weight(i) > 0.0) beside.push_back(values(i));
   }
   return median(beside);
@@ -59,11 +47,10 @@ double median_beside(const Eigen::VectorXd& values, const Eigen::VectorXd& weigh
 // Whether numbers of mean 1 spread as noise does. The test ignores the largest hundredth: outliers
 // are fewer than that, resonances that the model does not explain are more.
 bool is_noise(std::vector<double>& powers) {
-  constexpr double kMostOfHundred = 12.0;  // 4.6 for exact variances, 6.2 for 8 degrees of freedom
   if (powers.empty()) return true;
   const auto high = powers.begin() + std::ssize(powers) * 99 / 100;
   std::nth_element(powers.begin(), high, powers.end());
-  return *high < kMostOfHundred && median(powers) < 1.5 * kMedianPower;
+  return *high < Constants::noise_tail && median(powers) < Constants::noise_median * kMedianPower;
 }
 
 // |G − Ĝ| in deviations of the noise; where noise does not explain the residual, of
@@ -85,7 +72,8 @@ Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, E
       parts.push_back(std::max(0.0, beyond) / std::pow(size(k), 2));
     }
   }
-  const double relative = std::max(median(parts) / kMedianPower, kAlwaysOff * kAlwaysOff);
+  const double relative =
+      std::max(median(parts) / kMedianPower, Constants::always_off * Constants::always_off);
   Eigen::VectorXd result = Eigen::VectorXd::Zero(lines);
   for (Eigen::Index k = 0; k < lines; ++k) {
     if (!(weight(k) > 0.0)) continue;
@@ -93,7 +81,7 @@ Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, E
     // Allows for resonances that drift or that are narrower than the distance of the lines.
     const double below = k > 0 ? std::abs(fitted(k) - fitted(k - 1)) : 0.0;
     const double above = k + 1 < lines ? std::abs(fitted(k + 1) - fitted(k)) : 0.0;
-    const double steep = (explained ? kSteepOff : 1.0) * std::max(below, above);
+    const double steep = (explained ? Constants::steep_off : 1.0) * std::max(below, above);
     square += steep * steep;
     result(k) = wrong(k) / std::sqrt(square);
   }
@@ -109,7 +97,8 @@ std::vector<OutlyingValue> outlying_of(const FitData& data, const ModalFit& fit)
     for (Eigen::Index k = 0; k < residual.size(); ++k) {
       if (!(residual(k) > least)) continue;
       const double beside = median_beside(residual, data.weight.col(e), k, 0);
-      if (residual(k) > kBesideNeighbours * beside) found.push_back({k, e, residual(k), beside});
+      if (residual(k) > Constants::beside_neighbours * beside)
+        found.push_back({k, e, residual(k), beside});
     }
   }
   return found;
@@ -134,7 +123,7 @@ std::vector<OutlyingValue> jumps_of(const FitData& data) {
           jump.segment(std::max<Eigen::Index>(0, k - 1), std::min<Eigen::Index>(lines - 1, k + 1) -
                                                              std::max<Eigen::Index>(0, k - 1) + 1)
               .maxCoeff() <= jump(k);
-      if (highest && jump(k) > kJump * beside) found.push_back({k, e, 0.0, 0.0});
+      if (highest && jump(k) > Constants::jump * beside) found.push_back({k, e, 0.0, 0.0});
     }
   }
   return found;
@@ -142,35 +131,33 @@ std::vector<OutlyingValue> jumps_of(const FitData& data) {
 
 // K×pq: |w h l r|² of one mode alone.
 Eigen::MatrixXd powers_of(const ModalFit& fit, Eigen::Index m, const FitData& data) {
-  ModalFit one;
-  one.model = fit.model;
-  one.model.rigid_count = m < fit.model.rigid_count ? 1 : 0;
-  one.model.frequency_hz = fit.model.frequency_hz.segment(m, 1);
-  one.model.damping_ratio = fit.model.damping_ratio.segment(m, 1);
-  one.model.output_shapes = fit.model.output_shapes.col(m);
-  one.model.input_shapes = fit.model.input_shapes.row(m);
-  one.model.residual.setZero();
+  ModalFit alone;
+  alone.model = fit.model;
+  alone.model.rigid_count = m < fit.model.rigid_count ? 1 : 0;
+  alone.model.frequency_hz = fit.model.frequency_hz.segment(m, 1);
+  alone.model.damping_ratio = fit.model.damping_ratio.segment(m, 1);
+  alone.model.output_shapes = fit.model.output_shapes.col(m);
+  alone.model.input_shapes = fit.model.input_shapes.row(m);
+  alone.model.residual.setZero();
   if (fit.complex) {
-    one.complex.emplace();
-    one.complex->outputs = fit.complex->outputs.col(m);
-    one.complex->inputs = fit.complex->inputs.row(m);
+    alone.complex.emplace();
+    alone.complex->outputs = fit.complex->outputs.col(m);
+    alone.complex->inputs = fit.complex->inputs.row(m);
   }
-  return responses(one, data.frequency_hz).cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2());
+  return responses(alone, data.frequency_hz).cwiseAbs2().cwiseProduct(data.weight.cwiseAbs2());
 }
 
 // Values in the lines that carry most of one mode: such a mode may exist only because of them.
 std::vector<OutlyingValue> sole_supports(const FitData& data, const ModalFit& fit) {
-  constexpr double kMost = 0.3;   // part of the mode's power in one line
-  constexpr double kPart = 0.01;  // part of that line's power in one response
   std::vector<OutlyingValue> found;
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
     const auto power = powers_of(fit, m, data);
     const Eigen::VectorXd lines = power.rowwise().sum();
     Eigen::Index k = 0;
     const double most = lines.maxCoeff(&k);
-    if (most < kMost * lines.sum()) continue;
+    if (most < Constants::sole_line * lines.sum()) continue;
     for (Eigen::Index e = 0; e < power.cols(); ++e) {
-      if (power(k, e) > kPart * most) found.push_back({k, e, 0.0, 0.0});
+      if (power(k, e) > Constants::sole_response * most) found.push_back({k, e, 0.0, 0.0});
     }
   }
   return found;
@@ -178,9 +165,9 @@ std::vector<OutlyingValue> sole_supports(const FitData& data, const ModalFit& fi
 
 FitData without(const FitData& data, const std::vector<OutlyingValue>& values) {
   FitData result = data;
-  for (const auto& one : values) {
-    result.value(one.line, one.response) = 0.0;
-    result.weight(one.line, one.response) = 0.0;
+  for (const auto& outlier : values) {
+    result.value(outlier.line, outlier.response) = 0.0;
+    result.weight(outlier.line, outlier.response) = 0.0;
   }
   return result;
 }
@@ -189,8 +176,9 @@ FitData without(const FitData& data, const std::vector<OutlyingValue>& values) {
 // line often reaches others of the line; if those stay, they distort the fit again.
 std::vector<OutlyingValue> whole_lines(const FitData& data, std::vector<OutlyingValue> candidates) {
   std::set<Eigen::Index> lines;
-  for (const auto& one : candidates) lines.insert(one.line);
-  if (static_cast<double>(lines.size()) > kMostOutlying * static_cast<double>(data.line_count())) {
+  for (const auto& candidate : candidates) lines.insert(candidate.line);
+  if (static_cast<double>(lines.size()) >
+      Constants::most_outlying * static_cast<double>(data.line_count())) {
     return candidates;
   }
   candidates.clear();
@@ -205,25 +193,25 @@ std::vector<OutlyingValue> whole_lines(const FitData& data, std::vector<Outlying
 // The candidates that the fit without them contradicts.
 std::vector<OutlyingValue> confirmed(const FitData& data, const ModalFit& clean,
                                      const std::vector<OutlyingValue>& candidates) {
-  const auto all = outlying_of(data, clean);
+  const auto outliers = outlying_of(data, clean);
   std::vector<OutlyingValue> kept;
-  for (const auto& one : all) {
+  for (const auto& outlier : outliers) {
     const bool asked = std::any_of(candidates.begin(), candidates.end(), [&](const auto& other) {
-      return other.line == one.line && other.response == one.response;
+      return other.line == outlier.line && other.response == outlier.response;
     });
-    if (asked) kept.push_back(one);
+    if (asked) kept.push_back(outlier);
   }
   return kept;
 }
 
-// Distance of a mode of `one` to the nearest mode of `other`, in joint deviations.
-double distance(const ModalFit& one, Eigen::Index m, const ModalFit& other) {
+// Distance of a mode of `fit` to the nearest mode of `other`, in joint deviations.
+double distance(const ModalFit& fit, Eigen::Index m, const ModalFit& other) {
   double nearest = std::numeric_limits<double>::infinity();
   for (auto i = other.model.rigid_count; i < other.model.mode_count(); ++i) {
-    const double frequency = std::abs(one.model.frequency_hz(m) - other.model.frequency_hz(i)) /
-                             std::hypot(one.frequency_std_hz(m), other.frequency_std_hz(i));
-    const double damping = std::abs(one.model.damping_ratio(m) - other.model.damping_ratio(i)) /
-                           std::hypot(one.damping_std(m), other.damping_std(i));
+    const double frequency = std::abs(fit.model.frequency_hz(m) - other.model.frequency_hz(i)) /
+                             std::hypot(fit.frequency_std_hz(m), other.frequency_std_hz(i));
+    const double damping = std::abs(fit.model.damping_ratio(m) - other.model.damping_ratio(i)) /
+                           std::hypot(fit.damping_std(m), other.damping_std(i));
     nearest = std::min(nearest, std::max(frequency, damping));
   }
   return nearest;
@@ -246,7 +234,7 @@ std::string difference(const ModalFit& found, const ModalFit& clean) {
       which = m;
     }
   }
-  if (!(most > kDeviations)) return {};
+  if (!(most > Constants::no_chance)) return {};
   text << "without them the mode at " << found.model.frequency_hz(which) << " Hz moves by " << most
        << " deviations";
   return text.str();
@@ -255,8 +243,8 @@ std::string difference(const ModalFit& found, const ModalFit& clean) {
 // Whether a mode has a third of its power in the lines of these values.
 bool lives_of(const ModalFit& fit, const FitData& data, const std::vector<OutlyingValue>& values) {
   for (const auto& support : sole_supports(data, fit)) {
-    for (const auto& one : values) {
-      if (one.line == support.line && one.response == support.response) return true;
+    for (const auto& outlier : values) {
+      if (outlier.line == support.line && outlier.response == support.response) return true;
     }
   }
   return false;
@@ -266,7 +254,7 @@ bool lives_of(const ModalFit& fit, const FitData& data, const std::vector<Outlyi
 void look_for_outliers(const Identified& found, const FitData& data,
                        const std::optional<IdentificationOptions>& again, Judgement& judgement) {
   auto candidates = outlying_of(data, found.fit);
-  if (!again || data.response_count() > kMostRefitted) {
+  if (!again || data.response_count() > Constants::most_refitted) {
     judgement.outlying = std::move(candidates);
     return;
   }
@@ -274,17 +262,20 @@ void look_for_outliers(const Identified& found, const FitData& data,
     candidates.insert(candidates.end(), more.begin(), more.end());
   };
   add(sole_supports(data, found.fit));
-  if (judgement.level > kBadLevel || judgement.unexplained > kMostUnexplained) add(jumps_of(data));
+  if (judgement.level > Constants::bad_level || judgement.unexplained > Constants::most_unexplained)
+    add(jumps_of(data));
   const double values = 0.5 * static_cast<double>(data.measured_count());
-  if (candidates.empty() || static_cast<double>(candidates.size()) > kMostOutlying * values) return;
+  if (candidates.empty() ||
+      static_cast<double>(candidates.size()) > Constants::most_outlying * values)
+    return;
   candidates = whole_lines(data, std::move(candidates));
   try {
     const auto clean = identified(without(data, candidates), *again);
     judgement.outlying = confirmed(data, clean.fit, candidates);
     if (judgement.outlying.empty()) return;
     // Where no variance is stated, deviations are guesses and weak modes appear and disappear.
-    const bool bent = data.noise_stated || judgement.level > kBadLevel ||
-                      judgement.unexplained > kMostUnexplained ||
+    const bool bent = data.noise_stated || judgement.level > Constants::bad_level ||
+                      judgement.unexplained > Constants::most_unexplained ||
                       lives_of(found.fit, data, judgement.outlying);
     const auto how = bent ? difference(found.fit, clean.fit) : std::string();
     if (!how.empty()) judgement.reasons.push_back("outlying values decide the result: " + how);
@@ -297,7 +288,7 @@ void look_for_outliers(const Identified& found, const FitData& data,
 std::string doubt(const ModalFit& fit, Eigen::Index m) {
   const auto& model = fit.model;
   const auto unsure = [](double deviation, double value) {
-    return !(deviation < kOfItself * std::abs(value));
+    return !(deviation < Constants::doubtful * std::abs(value));
   };
   if (unsure(fit.frequency_std_hz(m), model.frequency_hz(m))) return "its frequency is not known";
   if (unsure(fit.damping_std(m), model.damping_ratio(m))) return "its damping is not known";
@@ -309,7 +300,7 @@ std::string doubt(const ModalFit& fit, Eigen::Index m) {
       square += deviation(i) * deviation(i);
       size += shape(i) * shape(i);
     }
-    return square < kOfItself * kOfItself * size;
+    return square < Constants::doubtful * Constants::doubtful * size;
   };
   const bool shaped = known(fit.output_std.col(m), model.output_shapes.col(m)) &&
                       known(fit.input_std.row(m), model.input_shapes.row(m));
@@ -317,33 +308,33 @@ std::string doubt(const ModalFit& fit, Eigen::Index m) {
 }
 
 void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgement) {
-  double all = 0.0;
+  double total = 0.0;
   double doubtful = 0.0;
   for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
     const double power = powers_of(fit, m, data).sum();
-    all += power;
+    total += power;
     if (m < fit.model.rigid_count) continue;
     const auto why = doubt(fit, m);
     if (why.empty()) continue;
     judgement.doubtful.push_back({m, why});
     doubtful += power;
   }
-  judgement.doubtful_part = doubtful / std::max(all, 1e-300);
-  if (judgement.doubtful_part > kMostDoubtful) {
+  judgement.doubtful_part = doubtful / std::max(total, 1e-300);
+  if (judgement.doubtful_part > Constants::most_doubtful) {
     judgement.reasons.emplace_back("most of what is fitted is in modes that are hardly known");
   }
 }
 
 void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& judgement) {
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
   const Eigen::ArrayXXd wrong =
-      (data.value - responses(fit, data.frequency_hz)).cwiseAbs2().array() * there;
+      (data.value - responses(fit, data.frequency_hz)).cwiseAbs2().array() * measured;
   const double power = data.value.cwiseAbs2().sum();
   const double noise =
-      (there > 0.0).select(data.weight.array().max(1e-300).square().inverse(), 0.0).sum();
+      (measured > 0.0).select(data.weight.array().max(1e-300).square().inverse(), 0.0).sum();
   judgement.relative_error = std::sqrt(wrong.sum() / power);
   judgement.unexplained = std::max(0.0, wrong.sum() - noise) / power;
-  if (judgement.unexplained > kMostUnexplained) {
+  if (judgement.unexplained > Constants::most_unexplained) {
     std::ostringstream text;
     text << "the modes leave " << 100.0 * judgement.unexplained
          << " % of the responses' power unexplained by themselves or noise";
@@ -353,7 +344,8 @@ void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& j
 
 Trust verdict(const ModalFit& fit, const FitData& data, const Judgement& judgement) {
   if (!judgement.reasons.empty()) return Trust::none;
-  const bool more = data.noise_known ? fit.excess() > kDeviations : judgement.level > kLoose;
+  const bool more = data.noise_known ? fit.excess() > Constants::no_chance
+                                     : judgement.level > Constants::good_level;
   if (more) return Trust::systematic;
   return data.noise_known ? Trust::to_noise : Trust::good;
 }

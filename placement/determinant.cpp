@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "placement/constants.h"
 #include "placement/optimum/relaxation.h"
 #include "placement/optimum/search_tree.h"
 #include "placement/optimum/spacing.h"
@@ -17,7 +18,6 @@ namespace chladni::placement {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-constexpr double kRootTolerance = 1e-6;
 
 bool fits(const DeterminantProblem& problem, const Indices& sites, Eigen::Index candidate) {
   return placement::fits(problem.position, problem.spacing, sites, candidate);
@@ -184,7 +184,7 @@ Choice best_determinant(const DeterminantProblem& problem, const DeterminantOpti
   best.sites = exchanged(problem, greedy(problem));
   best.score = log_determinant(problem, best.sites);
   const auto root = relaxed(problem.rows, information(problem, {}), problem.count,
-                            best.score + options.enough, kRootTolerance);
+                            best.score + options.enough, Constants::root_tolerance);
   const Indices worth = worth_looking_at(problem, root, best.score + options.enough);
   const DeterminantProblem rest = part(problem, worth);
   Choice found = best;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "placement/constants.h"
+
 namespace chladni::placement {
 
 // A new criterion needs a definition in placement/layout_criteria/, its name here and its
@@ -102,7 +104,8 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& senso
       const Eigen::RowVector3d apart = sensors.position.row(s) - actuators.position.row(a);
       const double ahead = std::abs(apart.dot(direction));
       const double across = (apart - apart.dot(direction) * direction).norm();
-      const bool parallel = std::abs(direction.dot(actuators.direction.row(a))) > 0.999;
+      const bool parallel =
+          std::abs(direction.dot(actuators.direction.row(a))) > Constants::parallel;
       if (taken[static_cast<std::size_t>(a)] != 0 || !parallel || across > beside ||
           ahead > along || apart.norm() > distance) {
         continue;

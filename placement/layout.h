@@ -59,9 +59,8 @@ struct Samples {
 [[nodiscard]] Samples samples(const LayoutView& view);
 
 /// Per group (g): how strongly all points together see its least visible mode, relative to as many
-/// points of average motion. Below `kBlind` the layout cannot see it.
+/// points of average motion. Below Constants::blind the layout cannot see it.
 [[nodiscard]] Eigen::VectorXd sight(const LayoutView& view);
-inline constexpr double kBlind = 0.1;
 
 /// Places with directions, for the search of pairs: n×3 [m], n×3 (unit).
 struct Lines {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "placement/constants.h"
+
 namespace chladni::placement {
 namespace {
 
@@ -20,11 +22,11 @@ std::vector<mesh::Site> neighbours(const Sampler& sampler, const Sites& at, doub
         at.position.row(0).transpose() + step * (std::cos(angle) * u + std::sin(angle) * v);
     auto site = sampler.finder().nearest(place);
     // An edge belongs to two faces: do not go around the corner onto the other face.
-    if (site.normal.dot(normal) < 0.7) {
+    if (site.normal.dot(normal) < Constants::same_face) {
       const Eigen::Vector3d here = at.position.row(0).transpose();
       site = sampler.finder().nearest(site.position + 1e-3 * (here - site.position));
     }
-    if (site.normal.dot(normal) >= 0.7) found.push_back(site);
+    if (site.normal.dot(normal) >= Constants::same_face) found.push_back(site);
   }
   return found;
 }
@@ -35,7 +37,7 @@ Sites refined(const Sampler& sampler, const Sites& start, const Worth& worth, do
               double tolerance) {
   Sites best = start;
   double height = worth(start)(0);
-  for (int steps = 0; step >= tolerance && steps < 200; ++steps) {
+  for (int steps = 0; step >= tolerance && steps < Constants::refine_steps; ++steps) {
     const auto around = neighbours(sampler, best, step);
     Eigen::Index top = 0;
     const Sites sites = sampler.at(around);

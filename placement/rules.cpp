@@ -5,11 +5,11 @@
 
 #include "base/error.h"
 #include "mesh/faces.h"
+#include "placement/constants.h"
 
 namespace chladni::placement {
 namespace {
 
-constexpr int kPieces = 8;          // pieces of a curved edge
 constexpr double kStraight = 1e-9;  // relative to its length: allowed distance of an inner node
 
 bool forbids(const KeepOutBox& box, const Sites& sites, Eigen::Index i) {
@@ -52,7 +52,7 @@ bool forbids(const WholeFootprints&, const Sites& sites, Eigen::Index i) {
   return sites.whole[static_cast<std::size_t>(i)] == 0;
 }
 
-// An edge of a face from end to end: its two ends if it is straight, else kPieces
+// An edge of a face from end to end: its two ends if it is straight, else Constants::pieces
 // pieces of its curve.
 Points points_along(const mesh::TetMesh& body, Eigen::Index face, int edge) {
   const auto& [a, b] = mesh::kTriangleEdges[static_cast<std::size_t>(edge)];
@@ -67,9 +67,9 @@ Points points_along(const mesh::TetMesh& body, Eigen::Index face, int edge) {
     off = std::max(off, (nodes.row(2 + k) - (1.0 - t) * nodes.row(0) - t * nodes.row(1)).norm());
   }
   if (off <= kStraight * (nodes.row(1) - nodes.row(0)).norm()) return nodes.topRows(2);
-  Points line(kPieces + 1, 3);
-  for (int i = 0; i <= kPieces; ++i) {
-    const double t = static_cast<double>(i) / kPieces;
+  Points line(Constants::pieces + 1, 3);
+  for (int i = 0; i <= Constants::pieces; ++i) {
+    const double t = static_cast<double>(i) / Constants::pieces;
     Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
     barycentric(a) = 1.0 - t;
     barycentric(b) = t;

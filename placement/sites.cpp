@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "mesh/faces.h"
 #include "mesh/surface.h"
+#include "placement/constants.h"
 
 namespace chladni::placement {
 namespace {
@@ -138,7 +139,7 @@ Sampler::Sampler(const mesh::TetMesh& body, const modal::Modes& modes, Device de
           "placement: the direction is no unit vector");
   require(device_.footprint >= 0.0, "placement: the footprint is negative");
   const auto box = mesh::bounding_box(body.points);
-  step_ = 1e-3 * (box.row(1) - box.row(0)).norm();
+  step_ = Constants::slope_step * (box.row(1) - box.row(0)).norm();
 }
 
 Eigen::RowVectorXd Sampler::value(const mesh::Site& site, const Eigen::Vector3d& direction) const {
@@ -168,7 +169,7 @@ void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal
     }
     for (int k = 0; k < 12; ++k) {
       const Eigen::Vector3d rim = position + on_circle(along, radius, k, 12);
-      if (finder_.nearest(rim).distance > 0.05 * radius) {
+      if (finder_.nearest(rim).distance > Constants::rim_off * radius) {
         sites.whole[static_cast<std::size_t>(row)] = 0;
       }
     }

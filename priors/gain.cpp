@@ -6,13 +6,12 @@
 
 #include "base/error.h"
 #include "base/search.h"
+#include "priors/constants.h"
 #include "priors/residual/random_coefficients.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kRange = 8.25;  // range of ln β about the value that the sizes of both sides give
-constexpr int kIntervals = 66;
 constexpr double kNarrowest =
     1e-5;  // least width of a peak of ln β; matters if the noise is almost 0
 constexpr int kFine = 80;
@@ -38,7 +37,8 @@ struct Peak {
 // The highest point; the curvature gives the width of the peak.
 Peak peak_of(const Sides& sides, double centre, int sign) {
   const auto depth = [&](double at) { return -evidence_of(sides, at, sign); };
-  const auto highest = minimum_in(depth, centre - kRange, centre + kRange, kIntervals);
+  const auto highest = minimum_in(depth, centre - Constants::gain_reach,
+                                  centre + Constants::gain_reach, Constants::gain_intervals);
   Peak peak{highest.at, -highest.value};
   const double step = 1e-2;
   const double curvature = (2.0 * peak.height - evidence_of(sides, peak.at - step, sign) -
@@ -69,20 +69,28 @@ Moments moments_of(const Sides& sides, const Peak& peak, int sign, double refere
   return found;
 }
 
-bool is_same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j) {
-  constexpr double kSame = 1e-6;  // [m] for positions; also for directions
-  return (a.position.row(i) - b.position.row(j)).norm() <= kSame &&
-         (a.direction.row(i) - b.direction.row(j)).norm() <= kSame;
+bool is_same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j, double near) {
+  return (a.position.row(i) - b.position.row(j)).norm() <= near &&
+         (a.direction.row(i) - b.direction.row(j)).norm() <= Constants::same_direction;
+}
+
+// The distance below which two places of a body are one.
+double nearness(const TwoSidedShape& shape) {
+  Points places(shape.sensors.count() + shape.actuators.count(), 3);
+  places << shape.sensors.position, shape.actuators.position;
+  const auto diagonal = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
+  return Constants::same_place * diagonal;
 }
 
 // Functions of the higher modes: one for each place, shared by a collocated pair.
 Eigen::MatrixXd functions_beyond(const TwoSidedShape& shape, double deviation) {
   const auto s = shape.sensors.count();
   const auto a = shape.actuators.count();
+  const double near = nearness(shape);
   Eigen::MatrixXd functions = deviation * Eigen::MatrixXd::Identity(s + a, s + a);
   for (Eigen::Index k = 0; k < a; ++k) {
     for (Eigen::Index i = 0; i < s; ++i) {
-      if (!is_same_place(shape.sensors, i, shape.actuators, k)) continue;
+      if (!is_same_place(shape.sensors, i, shape.actuators, k, near)) continue;
       functions(s + k, s + k) = 0.0;
       functions(s + k, i) = deviation;
       break;

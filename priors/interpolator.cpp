@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 
 namespace chladni::priors {
@@ -30,9 +31,6 @@ constexpr std::array kAll{
     &matern_5_2_interpolator,
     &matern_3_2_interpolator,
 };
-
-constexpr double kSamePlace = 1e-6;           // of the diagonal of the places
-constexpr double kSameValueDeviations = 8.0;  // above it a channel is at fault, not noise
 
 std::string at(Eigen::Index place, Eigen::Index mode) {
   return "place " + std::to_string(place + 1) + ", mode " + std::to_string(mode + 1);
@@ -90,8 +88,8 @@ void require_sound_values(const MeasuredShapes& measured) {
 // Two channels at one point may differ only by their noise.
 void require_agreement(const MeasuredShapes& measured) {
   const auto& position = measured.places.position;
-  const double size =
-      (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() * kSamePlace;
+  const double size = (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() *
+                      Constants::same_place;
   for (Eigen::Index a = 0; a < position.rows(); ++a) {
     for (Eigen::Index b = a + 1; b < position.rows(); ++b) {
       const bool same =
@@ -101,7 +99,7 @@ void require_agreement(const MeasuredShapes& measured) {
       for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
         const double apart = std::abs(measured.values(a, i) - measured.values(b, i));
         const double noise = std::hypot(measured.noise(a, i), measured.noise(b, i));
-        require(apart <= kSameValueDeviations * noise,
+        require(apart <= Constants::same_value * noise,
                 "interpolation: places " + std::to_string(a + 1) + " and " + std::to_string(b + 1) +
                     " are the same point, and their values in mode " + std::to_string(i + 1) +
                     " differ by " + std::to_string(apart / noise) +

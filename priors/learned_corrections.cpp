@@ -7,17 +7,12 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "priors/constants.h"
 #include "priors/gaussian_process/optimum.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kLeastShare = 0.35;  // least η with corrections, relative to η without
-constexpr double kMiddleKappa = 1.0;  // κ of the remaining error
-constexpr double kKappaSpread = 0.05;
-constexpr int kStages = 3;         // of η, from its value without corrections to the least
-constexpr double kFarthest = 5.0;  // deviations of a correction
-constexpr double kFar = 2.5;       // deviations above which a doubt is noted
 constexpr double kImpossible = 1e10;  // stands for minus the logarithm of 0
 constexpr double kStep = 1e-4;        // difference step for the slopes, in deviations
 constexpr Eigen::Index kEta = 0, kKappa = 1, kGamma = 2, kFirst = 3;
@@ -43,8 +38,8 @@ class Search {
          const std::vector<Correction>& corrections, const ResidualErrors& plain,
          const ResidualPlausible& plausible)
       : measured_(measured), basis_(basis), corrections_(corrections), plain_(plain) {
-    middle_ = {0.0, std::log(kMiddleKappa), std::log(plausible.middle(2))};
-    spread_ = {1.0, kKappaSpread, plausible.spread(2)};
+    middle_ = {0.0, std::log(Constants::middle_kappa), std::log(plausible.middle(2))};
+    spread_ = {1.0, Constants::kappa_spread, plausible.spread(2)};
     deviation_.resize(static_cast<Eigen::Index>(corrections.size()));
     for (Eigen::Index f = 0; f < deviation_.size(); ++f) {
       deviation_(f) = corrections[static_cast<std::size_t>(f)].deviation;
@@ -101,13 +96,14 @@ Optimum lowest(const Search& search) {
   };
   Eigen::VectorXd at = search.start();
   const double most = at(kEta);
-  Eigen::VectorXd upper = Eigen::VectorXd::Constant(at.size(), kFarthest);
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(at.size(), Constants::farthest_correction);
   Eigen::VectorXd lower = -upper;
   Optimum best;
   int evaluations = 0;
-  for (int stage = 0; stage < kStages; ++stage) {
-    const bool last = stage + 1 == kStages;
-    at(kEta) = most + std::log(kLeastShare) * stage / (kStages - 1);
+  for (int stage = 0; stage < Constants::correction_stages; ++stage) {
+    const bool last = stage + 1 == Constants::correction_stages;
+    at(kEta) =
+        most + std::log(Constants::least_error_left) * stage / (Constants::correction_stages - 1);
     lower(kEta) = at(kEta);
     upper(kEta) = last ? most : at(kEta);
     best = minimum(objective, at, lower, upper,
@@ -180,7 +176,7 @@ LearnedCorrections learned_corrections(const MeasuredShapes& measured, const Mod
     const auto& one = corrections[static_cast<std::size_t>(f)];
     learned.deviation(f) = one.deviation * root.row(1 + f).norm();
     const double away = std::abs(best.at(kFirst + f));
-    if (away < kFar) continue;
+    if (away < Constants::doubtful) continue;
     learned.doubts.push_back(
         fmt::format("correction {} is {:.3g}, {:.1f} of the deviations that were thought plausible",
                     one.name, learned.parameters(f), away));

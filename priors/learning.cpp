@@ -6,14 +6,12 @@
 #include <random>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/gaussian_process/line_search.h"
 #include "priors/gaussian_process/optimum.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kLeastRatio = 1e-8;
-constexpr int kGrid = 16;  // lengths of the first grid in a search of one hyper-parameter
 
 // Range of ln θ of the kernel, then of ln of the noise ratio if it is learned.
 struct Range {
@@ -54,7 +52,7 @@ void require_sound(const Kernel& kernel, const Points& points, const Eigen::Matr
               (how.noise.rows() == values.rows() && how.noise.cols() == values.cols() &&
                (how.noise.array() > 0.0).all() && !how.learn_noise),
           "learning: known noise must be positive, of the size of the values, and is not learned");
-  require(how.noise_ratio >= kLeastRatio,
+  require(how.noise_ratio >= Constants::least_noise_ratio,
           "learning: the noise ratio is " + std::to_string(how.noise_ratio) +
               "; expected 1e-8 or more, lest rounding choose the length");
   require(how.priors.empty() ||
@@ -209,7 +207,8 @@ std::vector<Found> on_a_line(const Merits& merits, const Range& range, const Lea
     if (how.shared) return Eigen::VectorXd::Constant(1, seen.score.sum() + prior);
     return seen.score.array() + prior;
   };
-  const auto best = maxima_on_a_line(values, range.low(0), range.high(0), kGrid, how.tolerance);
+  const auto best =
+      maxima_on_a_line(values, range.low(0), range.high(0), Constants::length_grid, how.tolerance);
   std::vector<Found> found;
   for (const auto& one : best.maxima) {
     const auto shape = static_cast<Eigen::Index>(found.size());

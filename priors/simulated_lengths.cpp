@@ -4,17 +4,10 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/methods/euclidean_field.h"
 
 namespace chladni::priors {
-namespace {
-
-constexpr Eigen::Index kSamples = 400;  // more change the lengths little, thesis figure 5.12
-constexpr double kRigid = 0.25;         // of the first flexible frequency
-constexpr double kStill = 0.01;         // relative to the mode that moves the surface most
-
-}  // namespace
-
 std::vector<Eigen::Index> spread_points(const Points& points, Eigen::Index count) {
   const Eigen::RowVector3d middle = points.colwise().mean();
   std::vector<Eigen::Index> chosen;
@@ -34,13 +27,13 @@ std::vector<Eigen::Index> spread_points(const Points& points, Eigen::Index count
 SimulatedLengths simulated_lengths(const std::string& method, const Kernel& kernel,
                                    const Simulation& simulation, double most_hz) {
   (void)common_direction(method, simulation.surface);
-  const auto rows = spread_points(simulation.surface.position, kSamples);
+  const auto rows = spread_points(simulation.surface.position, Constants::length_samples);
   const Places sample = part(simulation.surface, rows);
   const Eigen::VectorXd size = sample.shapes.colwise().norm();
   SimulatedLengths lengths;
   for (Eigen::Index j = simulation.rigid_count(); j < simulation.mode_count(); ++j) {
     const bool in_band = simulation.frequency_hz(j) <= most_hz || lengths.columns.empty();
-    if (in_band && size(j) > kStill * size.maxCoeff()) lengths.columns.push_back(j);
+    if (in_band && size(j) > Constants::still * size.maxCoeff()) lengths.columns.push_back(j);
   }
   require(!lengths.columns.empty(),
           method +
@@ -64,7 +57,7 @@ int shortest(const SimulatedLengths& lengths) {
 
 int matching(const SimulatedLengths& lengths, const MeasuredShapes& measured, Eigen::Index mode) {
   const double frequency = measured.frequency_hz(mode);
-  if (frequency < kRigid * lengths.frequency_hz(0)) return -1;
+  if (frequency < Constants::rigid_frequency * lengths.frequency_hz(0)) return -1;
   const Eigen::VectorXd values = measured.values.col(mode);
   const Eigen::ArrayXd ratio = lengths.frequency_hz.array() / frequency;
   const bool any = (ratio >= 0.5 && ratio <= 2.0).any();

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "identification/constants.h"
 #include "identification/delay_scan.h"
 #include "identification/matrix_fraction.h"
 #include "identification/model_error.h"
@@ -121,13 +122,12 @@ void take_out_drift(IdentifiedModel& model) {
 // True if a closer fit is possible. The stated model error of a study is an upper limit. When its
 // modes are known, the data show the actual error, and the fit may be as close as that.
 bool may_come_nearer(const study::IdentificationPlan& plan, const IdentifiedModel& model) {
-  constexpr Eigen::Index kMany = 200;  // responses; more are fitted by combinations
   const auto& fit = model.found.fit;
   const bool single = std::none_of(fit.groups.begin(), fit.groups.end(),
                                    [](const auto& group) { return group.size > 1; });
   return !model.seen.variance.empty() && plan.weighting == "variance" && plan.method != "thesis" &&
          plan.damping == "modal" && plan.model_error.value_or(0.0) > 0.0 && single &&
-         model.data.response_count() <= kMany && fit.converged;
+         model.data.response_count() <= identification::Constants::many_responses && fit.converged;
 }
 
 // Fits again with the model error that the data show. Model errors are correlated along the lines

@@ -7,12 +7,10 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kHardToInvert = 1e3;
-constexpr double kClear = 3.0;  // deviations
 
 // Inputs that equal their reference in every record, to the last bit of the spectra.
 std::vector<bool> uncontrolled(const Spectra& spectra) {
@@ -45,12 +43,12 @@ void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& resu
   Eigen::Index stiff = 0;
   Eigen::Index unclear = 0;
   for (Eigen::Index k = 0; k < result.condition.size(); ++k) {
-    if (result.condition(k) > kHardToInvert) ++stiff;
+    if (result.condition(k) > Constants::hard_to_invert) ++stiff;
     if (variance.empty()) continue;
     const auto line = static_cast<std::size_t>(k);
     const double deviation = std::sqrt(variance[line].maxCoeff());
     const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(result.sensitivity[line], "sensitivity"));
-    if (svd.singularValues().minCoeff() < kClear * deviation) ++unclear;
+    if (svd.singularValues().minCoeff() < Constants::clear_sensitivity * deviation) ++unclear;
   }
   const auto of = " of " + std::to_string(result.condition.size()) + " lines";
   if (stiff > 0) {

@@ -5,13 +5,10 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kEnoughFreedom = 14.0;
-constexpr Eigen::Index kMostSmoothing = 5;
-constexpr double kFoldsFrom = 0.4;  // of the sampling frequency
 
 std::vector<ChannelChoice> all_of(Side side, std::size_t count) {
   std::vector<ChannelChoice> result;
@@ -22,8 +19,9 @@ std::vector<ChannelChoice> all_of(Side side, std::size_t count) {
 Eigen::Index smoothing(const FrfEstimateOptions& options, Eigen::Index freedom) {
   if (options.smooth_lines) return *options.smooth_lines;
   if (freedom < 1) return 0;
-  const double lines = std::ceil(kEnoughFreedom / static_cast<double>(freedom));
-  return std::min(kMostSmoothing, static_cast<Eigen::Index>(std::ceil(0.5 * (lines - 1.0))));
+  const double lines = std::ceil(Constants::enough_freedom / static_cast<double>(freedom));
+  return std::min(Constants::most_smoothing,
+                  static_cast<Eigen::Index>(std::ceil(0.5 * (lines - 1.0))));
 }
 
 }  // namespace
@@ -79,8 +77,9 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
                                     : "one realisation: the variance is that of the noise alone");
   }
   const double sampling = 1.0 / spectra.sample_time_s;
-  if (set.frequency_hz.size() > 0 && set.frequency_hz.tail(1)(0) > kFoldsFrom * sampling) {
-    estimate.notes.push_back("lines above " + std::to_string(kFoldsFrom * sampling) +
+  if (set.frequency_hz.size() > 0 &&
+      set.frequency_hz.tail(1)(0) > Constants::folds_from * sampling) {
+    estimate.notes.push_back("lines above " + std::to_string(Constants::folds_from * sampling) +
                              " Hz lie near half the sampling frequency: what moves above it folds "
                              "onto them");
   }

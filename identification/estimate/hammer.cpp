@@ -7,13 +7,11 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "identification/constants.h"
 #include "identification/estimate/fft.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kDoubleHit = 0.05;  // of the peak, outside the window
-constexpr double kAtRest = 0.02;     // of a response's largest value, in its last twentieth
 
 // 1 until the window's end, then half a cosine down to 0.
 Eigen::VectorXd force_window(const Eigen::VectorXd& force, double length_s, double sample_time) {
@@ -59,7 +57,7 @@ void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& wi
   const Eigen::VectorXd force = record.inputs.col(input).cwiseAbs();
   const double peak = force.maxCoeff();
   const Eigen::VectorXd outside = (1.0 - window.array()) * force.array();
-  if (outside.maxCoeff() > kDoubleHit * peak) {
+  if (outside.maxCoeff() > Constants::double_hit * peak) {
     notes.push_back(name + ": a second hit, or noise, of " +
                     std::to_string(100.0 * outside.maxCoeff() / peak) +
                     " % of the peak outside the force window");
@@ -68,7 +66,7 @@ void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& wi
   const auto end = std::max<Eigen::Index>(1, record.outputs.rows() / 20);
   for (Eigen::Index i = 0; i < record.outputs.cols(); ++i) {
     const Eigen::VectorXd y = record.outputs.col(i).cwiseAbs();
-    if (y.tail(end).maxCoeff() > kAtRest * y.maxCoeff()) {
+    if (y.tail(end).maxCoeff() > Constants::at_rest * y.maxCoeff()) {
       notes.push_back(name + ": output " + std::to_string(i + 1) +
                       " does not end at rest; expected a longer record or an exponential window");
       return;

@@ -7,15 +7,10 @@
 #include <limits>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr Eigen::Index kGroup = 16;  // lines
-constexpr double kTolerated = 0.1;   // of the deviation of the mean
-constexpr double kSignificant = 6.0;
-constexpr std::size_t kTelling = 64;  // number of groups that decide on the decays
-constexpr double kFloor = 1e-8;       // of the power of an output: least power of the noise
 
 // Mean powers over the records: of differences between periods, and of the outputs.
 struct Powers {
@@ -26,7 +21,7 @@ struct Powers {
 
 Powers powers(const Spectra& spectra, std::size_t periods) {
   const auto lines = spectra.line_count();
-  const auto size = std::min(kGroup, lines);
+  const auto size = std::min(Constants::decay_group, lines);
   const auto groups = lines / size;
   const auto channels = static_cast<Eigen::Index>(spectra.outputs.size());
   Powers result{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(periods) - 1, channels * groups),
@@ -98,7 +93,7 @@ struct Decay {
 };
 
 double floor_of(const Powers& powers, Eigen::Index g) {
-  return std::max(kFloor * powers.output(g), 1e-300);
+  return std::max(Constants::least_noise_power * powers.output(g), 1e-300);
 }
 
 // The groups in which a decay is clearest.
@@ -111,7 +106,7 @@ std::vector<Eigen::Index> telling(const Powers& powers) {
   };
   std::stable_sort(groups.begin(), groups.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return told(a) > told(b); });
-  if (groups.size() > kTelling) groups.resize(kTelling);
+  if (groups.size() > Constants::decay_groups) groups.resize(Constants::decay_groups);
   return groups;
 }
 
@@ -161,8 +156,8 @@ double bias_after(const Decay& decay, double dropped, double periods) {
 // Without a decay, twice the gain in log likelihood is χ² of a few degrees.
 bool significant(const Decay& decay) {
   const auto n = static_cast<double>(decay.fits.size());
-  return decay.gain > kSignificant * kSignificant ||
-         decay.gains > 2.0 * n + kSignificant * 2.0 * std::sqrt(n);
+  return decay.gain > Constants::decay_significant * Constants::decay_significant ||
+         decay.gains > 2.0 * n + Constants::decay_significant * 2.0 * std::sqrt(n);
 }
 
 std::string told(const TransientReport& report, std::size_t periods) {
@@ -175,9 +170,10 @@ std::string told(const TransientReport& report, std::size_t periods) {
          std::to_string(report.drop) + " of " + std::to_string(periods) +
          " periods dropped it shifts the mean by at most " + std::to_string(report.remaining) +
          " of its deviation" +
-         (report.remaining > kTolerated ? ": too much; remove it with the poles of a first fit, or "
-                                          "measure more periods"
-                                        : "");
+         (report.remaining > Constants::decay_tolerated
+              ? ": too much; remove it with the poles of a first fit, or "
+                "measure more periods"
+              : "");
 }
 
 }  // namespace
@@ -201,12 +197,12 @@ TransientReport transient(const Spectra& spectra) {
         const auto dropped = static_cast<double>(d);
         const double bias = bias_after(decay, dropped, count);
         const double error = (1.0 + bias * bias) / (count - dropped);
-        if (error < least || bias < kTolerated) {
+        if (error < least || bias < Constants::decay_tolerated) {
           report.drop = d;
           report.remaining = bias;
           least = error;
         }
-        if (bias < kTolerated) break;
+        if (bias < Constants::decay_tolerated) break;
       }
     }
   }

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "identification/constants.h"
 #include "identification/fraction/fraction_equations.h"
 #include "identification/poles/residue_problem.h"
 
@@ -18,7 +19,6 @@ namespace chladni::identification {
 namespace {
 
 using std::numbers::pi;
-constexpr Eigen::Index kMostUnknowns = 4000;  // coefficients of D
 
 Eigen::VectorXd in_units(const Eigen::VectorXd& frequency_hz, double scale) {
   return 2.0 * pi / scale * frequency_hz;
@@ -165,9 +165,9 @@ void check(const FitData& data, const MatrixFractionOptions& options) {
           "matrix fraction: degrees of " + std::to_string(options.degree) + " and " +
               std::to_string(options.numerator_degree) + "; expected 1 and 0 or more");
   const auto of_d = data.outputs * data.outputs * options.degree;
-  require(of_d <= kMostUnknowns, "matrix fraction: a denominator of " + std::to_string(of_d) +
-                                     " coefficients; at most " + std::to_string(kMostUnknowns) +
-                                     " are fitted");
+  require(of_d <= Constants::most_denominator,
+          "matrix fraction: a denominator of " + std::to_string(of_d) + " coefficients; at most " +
+              std::to_string(Constants::most_denominator) + " are fitted");
   const auto unknowns = of_d + data.response_count() * (options.numerator_degree + 1);
   require(data.measured_count() > unknowns,
           "matrix fraction: " + std::to_string(data.measured_count()) + " measured numbers for " +

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
@@ -54,7 +55,6 @@ double scale(const ModalFit& fit, const GainMatch& match, const CouplingBasis& b
 
 ImaginaryParts imaginary_parts(const ModalFit& fit, const GainMatch& match,
                                const CouplingBasis& basis) {
-  constexpr double kShapeError = 0.02;
   const Index n = match.imaginary.rows();
   const Index k = basis.at_places.rows();
   const Index r = basis.frequency_hz.size();
@@ -70,7 +70,8 @@ ImaginaryParts imaginary_parts(const ModalFit& fit, const GainMatch& match,
     const MatrixXd rows = basis.at_rows * deviation.asDiagonal();
     const MatrixXd places = basis.at_places * deviation.asDiagonal();
     const VectorXd seen = match.imaginary.col(m);
-    const double slack = kShapeError * seen.norm() / std::sqrt(static_cast<double>(n));
+    const double slack =
+        Constants::imaginary_slack * seen.norm() / std::sqrt(static_cast<double>(n));
     MatrixXd covariance = rows * rows.transpose();
     covariance.diagonal() += match.imaginary_deviation.col(m).cwiseAbs2();
     covariance.diagonal().array() += slack * slack + 1e-12 * covariance.trace();

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 
@@ -135,10 +136,9 @@ std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::In
 // pair. A gain is the same in all modes; an entry of a pair that is not one place would pull the
 // gain with the full certainty of the fit.
 std::vector<LogRatios> consistent(std::vector<LogRatios> modes, Eigen::Index pairs) {
-  constexpr double kContradicts = 5.0;  // deviations
   while (true) {
     const auto worst = worst_of(layout_of(modes, pairs));
-    if (worst.off < kContradicts) return modes;
+    if (worst.off < Constants::no_chance) return modes;
     auto fewer = modes;
     auto& mode = fewer[worst.mode];
     mode = without(mode, worst.entry);

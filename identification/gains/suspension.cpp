@@ -7,12 +7,11 @@
 #include <string>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
 
-constexpr double kLeastApart = 3.0;  // frequency of the next mode over that of a suspended one
-constexpr double kMostBent = 0.2;    // part of a suspended mode's rms
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // Part of a shape that no rigid motion explains, relative to the shape. NaN: the
@@ -59,9 +58,10 @@ Suspension suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
   if (fit.model.rigid_count > 0) return {};
   Eigen::Index count = 0;
   const auto most = std::min(outputs.cols(), fit.model.mode_count());
-  while (count < most && bent_part(fit, count, outputs, inputs) < kMostBent) ++count;
+  while (count < most && bent_part(fit, count, outputs, inputs) < Constants::suspended_bent)
+    ++count;
   while (count > 0 && !(count < fit.model.mode_count() &&
-                        kLeastApart * frequency(count - 1) < frequency(count))) {
+                        Constants::suspended_apart * frequency(count - 1) < frequency(count))) {
     --count;
   }
   return lowest(fit, outputs, inputs, count);

@@ -8,11 +8,10 @@
 #include <cmath>
 
 #include "base/finite.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kDependent = 1e-3;  // least over largest singular value of normalised shapes
 
 // Real part of v e^{jφ} with the φ that makes it largest, normalised.
 Eigen::VectorXd turned_real(const Eigen::VectorXcd& v) {
@@ -41,14 +40,13 @@ Eigen::VectorXcd poles(const Block& block) {
 }
 
 Block damped_after(Block block, const Block& before) {
-  constexpr double kMostOff = 0.1;  // part of the damping that a step leaves at least
   if (block.general) {
-    const double least =
-        std::max(kLeastDampingRatio * std::abs(block.pole), -kMostOff * before.pole.real());
+    const double least = std::max(kLeastDampingRatio * std::abs(block.pole),
+                                  -Constants::damping_left * before.pole.real());
     block.pole.real(std::min(block.pole.real(), -least));
   } else if (!block.rigid && block.size() == 1 && block.stiffness(0, 0) > 0.0) {
     const double least = std::max(2.0 * kLeastDampingRatio * std::sqrt(block.stiffness(0, 0)),
-                                  kMostOff * before.damping(0, 0));
+                                  Constants::damping_left * before.damping(0, 0));
     block.damping(0, 0) = std::max(block.damping(0, 0), least);
   }
   return block;
@@ -124,7 +122,8 @@ std::vector<Block> diagonalised(const Block& block) {
         turned_real(solver.eigenvectors().col(upper[static_cast<std::size_t>(r)]).head(g));
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(turn, "shapes of a block"));
-  if (svd.singularValues()(g - 1) < kDependent * svd.singularValues()(0)) return {};
+  if (svd.singularValues()(g - 1) < Constants::dependent_shapes * svd.singularValues()(0))
+    return {};
   const Eigen::MatrixXd left = block.left * turn;
   const Eigen::MatrixXd right = turn.inverse() * block.right;
   std::vector<Block> modes;

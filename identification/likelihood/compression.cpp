@@ -9,13 +9,10 @@
 #include "base/draw.h"
 #include "base/finite.h"
 #include "dense/algebra.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kSeparable = 0.1;    // rms of log w − log (a b c)
-constexpr double kAboveNoise = 1.05;  // of an eigenvalue over the largest one of noise alone
-constexpr Eigen::Index kMostDirections = 48;
 
 struct Scales {
   Eigen::VectorXd output, input, line;  // 0: not measured
@@ -59,7 +56,7 @@ Scales scales(const FitData& data) {
     const double own = rows(e % p) + columns(e / p) - all;
     square += (data.weight.col(e).array().log() - line - own).square().mean();
   }
-  result.separable = std::sqrt(square / static_cast<double>(responses)) < kSeparable;
+  result.separable = std::sqrt(square / static_cast<double>(responses)) < Constants::separable;
   return result;
 }
 
@@ -94,8 +91,8 @@ Eigen::MatrixXd directions(const Eigen::MatrixXd& square, Eigen::Index lines, Ei
   const double level = noise_known ? 0.5 * numbers : solver.eigenvalues()(size / 4);
   const double edge = std::pow(1.0 + std::sqrt(static_cast<double>(size) / numbers), 2);
   Eigen::Index count = 0;
-  while (count < std::min(size, kMostDirections) &&
-         solver.eigenvalues()(size - 1 - count) > kAboveNoise * edge * level) {
+  while (count < std::min(size, Constants::most_directions) &&
+         solver.eigenvalues()(size - 1 - count) > Constants::above_noise * edge * level) {
     ++count;
   }
   return solver.eigenvectors().rightCols(std::max<Eigen::Index>(count, 1)).rowwise().reverse();

@@ -4,13 +4,12 @@
 #include <numbers>
 
 #include "dense/algebra.h"
+#include "identification/constants.h"
 #include "identification/likelihood/compression.h"
 #include "identification/likelihood/fit_uncertainty.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr int kRounds = 3;
 
 struct Sides {
   Eigen::VectorXd left;
@@ -161,7 +160,7 @@ void refine_shapes(const Compressed& small, const FitData& data, bool residual, 
     return Eigen::MatrixXd(unit.asDiagonal() *
                            Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(unit.asDiagonal() * sides));
   };
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < Constants::expansion_rounds; ++round) {
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(left.cols(), p);
     for (Eigen::Index j = 0; j < data.inputs; ++j) {
       sums += b(j) * right.col(j).asDiagonal() * along.middleCols(j * p, p);

@@ -10,13 +10,12 @@
 #include <numeric>
 #include <sstream>
 
+#include "identification/constants.h"
 #include "identification/likelihood/covariance.h"
 #include "identification/likelihood/general_mode.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kUnknownShape = 0.15;  // relative deviation above which a shape counts as unknown
 
 double own_frequency(const Block& block) {
   if (block.general) return std::abs(block.pole);
@@ -229,7 +228,8 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
 std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
   const auto& model = fit.model;
   const auto unknown = [&](Eigen::Index m) {
-    return fit.output_std.col(m).norm() > kUnknownShape * model.output_shapes.col(m).norm();
+    return fit.output_std.col(m).norm() >
+           Constants::unknown_shape * model.output_shapes.col(m).norm();
   };
   std::vector<modal::ModeGroup> groups;
   if (model.rigid_count > 0) groups.push_back({0, model.rigid_count});

@@ -5,13 +5,10 @@
 
 #include "base/interrupt.h"
 #include "dense/algebra.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kLargestDamping = 1e8;
-constexpr double kEnough = 1e-3;    // decrease of the cost, over the level of the noise
-constexpr double kUndamped = 1e-3;  // below it a step is as good as that of Gauss and Newton
 
 // Solves (N + λ diag N) x = g, scaled to a unit diagonal. Empty if that is not positive definite.
 Eigen::VectorXd damped_step(const NormalEquations& normal, double damping) {
@@ -42,7 +39,7 @@ bool is_stable(const BlockModel& model) {
 // Takes one accepted step; false if no damping helps.
 bool step_down(Descent& now, double& damping, const Target& target, const Fitted& fitted) {
   const auto normal = normal_equations(now.model, now.misfit, target, fitted);
-  for (; damping < kLargestDamping; damping *= 8.0) {
+  for (; damping < Constants::largest_step_damping; damping *= 8.0) {
     const auto step = damped_step(normal, damping);
     if (step.size() == 0 || !step.allFinite()) continue;
     auto trial = moved(now.model, step, fitted);
@@ -70,13 +67,14 @@ Descent descent(BlockModel start, const Target& target, const Fitted& fitted,
     if (options.keep_best && interrupted()) return now;
     throw_if_interrupted();
     const double before = now.misfit.cost;
-    const bool undamped = damping <= kUndamped;
+    const bool undamped = damping <= Constants::undamped;
     if (!step_down(now, damping, target, fitted)) {
       quiet = 2;
       break;
     }
     ++now.iterations;
-    const bool little = before - now.misfit.cost < kEnough * target.noise_level(now.misfit.cost);
+    const bool little =
+        before - now.misfit.cost < Constants::enough_decrease * target.noise_level(now.misfit.cost);
     quiet = little ? (undamped ? 2 : quiet + 1) : 0;
     tell(options.progress, "fitting", static_cast<double>(now.iterations) / options.iterations);
   }

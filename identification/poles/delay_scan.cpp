@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "base/search.h"
+#include "identification/constants.h"
 #include "identification/likelihood/normal_equations.h"
 #include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
-namespace {
-
-constexpr double kLowest = -0.5, kHighest = 2.5;  // periods of the highest line
-constexpr int kIntervals = 75;
-
-}  // namespace
-
 FitData undelayed(const FitData& data, double delay_s) {
   FitData result = data;
   const Eigen::VectorXd angle = 2.0 * std::numbers::pi * delay_s * data.frequency_hz;
@@ -42,9 +36,11 @@ double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool ri
   const auto cost = [&](double periods) {
     return ResidueProblem(undelayed(data, periods * period), poles, rigid).residues().cost;
   };
-  const auto best = lowest_of_scan(cost, kLowest, kHighest, kIntervals);
+  const auto best =
+      lowest_of_scan(cost, Constants::delay_low, Constants::delay_high, Constants::delay_intervals);
   // The parabola through the least cost and its neighbours is enough: a fit refines the delay.
-  constexpr double kStep = (kHighest - kLowest) / kIntervals;
+  constexpr double kStep =
+      (Constants::delay_high - Constants::delay_low) / Constants::delay_intervals;
   const double before = cost(best.at - kStep);
   const double after = cost(best.at + kStep);
   const double curvature = before - 2.0 * best.value + after;
@@ -65,12 +61,12 @@ Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& pole
     for (Eigen::Index e = 0; e < responses; ++e) {
       if (which.delay_index(e, data.outputs) == n) own.push_back(e);
     }
-    FitData one = data;
-    one.outputs = of == DelayOf::outputs ? 1 : data.outputs;
-    one.inputs = of == DelayOf::inputs ? 1 : data.inputs;
-    one.value = data.value(Eigen::all, own);
-    one.weight = data.weight(Eigen::all, own);
-    if (one.measured_count() > 0) result(own).setConstant(scanned_delay(one, poles, rigid));
+    FitData channel = data;
+    channel.outputs = of == DelayOf::outputs ? 1 : data.outputs;
+    channel.inputs = of == DelayOf::inputs ? 1 : data.inputs;
+    channel.value = data.value(Eigen::all, own);
+    channel.weight = data.weight(Eigen::all, own);
+    if (channel.measured_count() > 0) result(own).setConstant(scanned_delay(channel, poles, rigid));
   }
   return result;
 }

@@ -4,32 +4,29 @@
 #include <cmath>
 #include <limits>
 
+#include "identification/constants.h"
+
 namespace chladni::identification {
 namespace {
 
-constexpr double kStep = 1e-7;     // relative frequency step for the slopes
-constexpr double kMatters = 0.05;  // relative to the responses
-constexpr double kExcess = 5.0;    // deviations
-constexpr int kRounds = 10;
-constexpr double kSettled = 1e-3;  // last change of the shifts, relative to their size
-constexpr int kFewSteps = 12;      // iterations of each fit in between
+constexpr double kStep = 1e-7;  // relative frequency step for the slopes
 
 // The fit reduced to response e.
 ModalFit single(const ModalFit& fit, Eigen::Index e) {
   const auto i = e % fit.model.output_count();
   const auto j = e / fit.model.output_count();
-  ModalFit one;
-  one.model = fit.model;
-  one.model.output_shapes = fit.model.output_shapes.row(i);
-  one.model.input_shapes = fit.model.input_shapes.col(j);
-  one.model.residual = Eigen::MatrixXd::Constant(1, 1, fit.model.residual(i, j));
-  one.delay_s = response_delays(fit)(e);
+  ModalFit reduced;
+  reduced.model = fit.model;
+  reduced.model.output_shapes = fit.model.output_shapes.row(i);
+  reduced.model.input_shapes = fit.model.input_shapes.col(j);
+  reduced.model.residual = Eigen::MatrixXd::Constant(1, 1, fit.model.residual(i, j));
+  reduced.delay_s = response_delays(fit)(e);
   if (fit.complex) {
-    one.complex.emplace();
-    one.complex->outputs = fit.complex->outputs.row(i);
-    one.complex->inputs = fit.complex->inputs.col(j);
+    reduced.complex.emplace();
+    reduced.complex->outputs = fit.complex->outputs.row(i);
+    reduced.complex->inputs = fit.complex->inputs.col(j);
   }
-  return one;
+  return reduced;
 }
 
 // Derivative of the model by a relative shift of its resonances: K×pq.
@@ -71,14 +68,14 @@ Eigen::VectorXd settled(const Drift& drift) {
 double change_by(const FitData& data, const ModalFit& fit, const Eigen::VectorXd& shift) {
   const auto moved = without_drift(data, fit, shift);
   const auto fitted = responses(fit, data.frequency_hz);
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
+  const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
   double sum = 0.0;
   Eigen::Index count = 0;
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
-    const double size = (fitted.col(e).cwiseAbs2().array() * there.col(e)).sum();
+    const double size = (fitted.col(e).cwiseAbs2().array() * measured.col(e)).sum();
     if (!(size > 0.0)) continue;
-    sum +=
-        ((moved.value.col(e) - data.value.col(e)).cwiseAbs2().array() * there.col(e)).sum() / size;
+    sum += ((moved.value.col(e) - data.value.col(e)).cwiseAbs2().array() * measured.col(e)).sum() /
+           size;
     ++count;
   }
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
@@ -86,22 +83,24 @@ double change_by(const FitData& data, const ModalFit& fit, const Eigen::VectorXd
 
 }  // namespace
 
-bool Drift::matters() const { return change > kMatters && excess > kExcess; }
+bool Drift::matters() const {
+  return change > Constants::drift_matters && excess > Constants::no_chance;
+}
 
 DriftFit drift_fit(const FitData& data, const Start& start, const FitOptions& options) {
   const auto n = data.response_count();
   Drift result{Eigen::VectorXd::Zero(n),
                Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity()), 0.0, 0.0};
   FitOptions few = options;
-  few.iterations = std::min(few.iterations, kFewSteps);
+  few.iterations = std::min(few.iterations, Constants::first_iterations);
   auto fit = modal_fit(data, start, few);
   FitData freed = data;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < Constants::drift_rounds; ++round) {
     const Eigen::VectorXd before = result.shift;
     add_shifts(freed, fit, result);
     result.shift = settled(result);
     freed = without_drift(data, fit, result.shift);
-    if ((result.shift - before).norm() <= kSettled * result.shift.norm()) break;
+    if ((result.shift - before).norm() <= Constants::drift_settled * result.shift.norm()) break;
     fit = modal_fit(freed, start_at(fit.model), few);
   }
   result.change = change_by(data, fit, result.shift);
@@ -114,9 +113,9 @@ FitData without_drift(const FitData& data, const ModalFit& fit, const Eigen::Vec
   FitData result = data;
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
     if (shift(e) == 0.0) continue;
-    const auto one = single(fit, e);
-    const Eigen::VectorXcd change =
-        responses(one, data.frequency_hz) - responses(one, data.frequency_hz / (1.0 + shift(e)));
+    const auto response = single(fit, e);
+    const Eigen::VectorXcd change = responses(response, data.frequency_hz) -
+                                    responses(response, data.frequency_hz / (1.0 + shift(e)));
     result.value.col(e) +=
         change.cwiseProduct((data.weight.col(e).array() > 0.0).cast<double>().matrix());
   }

@@ -6,13 +6,12 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-
-constexpr double kReach = 8.0;  // bandwidths on each side that are used
 
 std::vector<double> damping_ratios(const ModalFit& fit) {
   std::vector<double> known;
@@ -23,11 +22,11 @@ std::vector<double> damping_ratios(const ModalFit& fit) {
   const double low = known.empty() ? 1e-3 : 0.25 * known.front();
   const double high = known.empty() ? 0.05 : std::min(0.2, 4.0 * known.back());
   const int count = std::max(3, static_cast<int>(std::ceil(std::log2(high / low))));
-  std::vector<double> all;
+  std::vector<double> ratios;
   for (int i = 0; i <= count; ++i) {
-    all.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
+    ratios.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
   }
-  return all;
+  return ratios;
 }
 
 struct Scanned {
@@ -40,7 +39,8 @@ struct Scanned {
 double gain_of(const Scanned& scanned, Complex pole) {
   const auto& f = scanned.data.frequency_hz;
   const double own = std::abs(pole) / (2.0 * std::numbers::pi);
-  const double reach = kReach * 2.0 * -pole.real() / (2.0 * std::numbers::pi);
+  const double reach =
+      Constants::missing_mode_reach * 2.0 * -pole.real() / (2.0 * std::numbers::pi);
   const double* begin = f.data();
   const auto first = std::lower_bound(begin, begin + f.size(), own - reach) - begin;
   const auto last = std::upper_bound(begin, begin + f.size(), own + reach) - begin;

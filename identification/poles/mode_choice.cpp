@@ -6,22 +6,18 @@
 #include <numbers>
 
 #include "base/finite.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
 
 using std::numbers::pi;
 
-constexpr double kWorthwhile = 25.0;  // significance of a pole, per channel
-constexpr double kSecond = 0.2;       // least size of a residue's second direction over its first
-constexpr double kBroad = 10.0;       // damping over the usual damping
-constexpr double kSatellite = 0.01;   // worth of a pole over that of a mode near it
-constexpr double kMostDamping = 0.4;  // largest damping ratio of a mode
-
 bool looks_like_a_mode(const std::complex<double>& pole, const FitData& data) {
   const double own = std::abs(pole) / (2.0 * pi);
-  return -pole.real() < kMostDamping * std::abs(pole) && own > 0.5 * data.frequency_hz(0) &&
-         own < 1.1 * data.frequency_hz(data.line_count() - 1);
+  return -pole.real() < Constants::most_damping * std::abs(pole) &&
+         own > Constants::below_band * data.frequency_hz(0) &&
+         own < Constants::above_band * data.frequency_hz(data.line_count() - 1);
 }
 
 // Usual damping of the poles: mean of its logarithm, weighted by their worth.
@@ -43,22 +39,23 @@ double line_spacing(const FitData& data) {
 // of either or ten lines, or anywhere if its damping is ten times the usual one.
 std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueProblem& problem,
                                              const Eigen::VectorXcd& poles,
-                                             const std::vector<Eigen::Index>& all) {
-  if (data.noise_stated || all.empty()) return all;
-  const auto worth = problem.residues(all).significance;
-  const Eigen::VectorXcd p = poles(all);
+                                             const std::vector<Eigen::Index>& candidates) {
+  if (data.noise_stated || candidates.empty()) return candidates;
+  const auto worth = problem.residues(candidates).significance;
+  const Eigen::VectorXcd p = poles(candidates);
   const double usual = usual_damping(p, worth);
-  const double lines = 10.0 * line_spacing(data);
+  const double lines = Constants::satellite_lines * line_spacing(data);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index a = 0; a < p.size(); ++a) {
-    const bool broad = -p(a).real() > kBroad * usual * std::abs(p(a));
+    const bool broad = -p(a).real() > Constants::broad * usual * std::abs(p(a));
     bool alone = true;
     for (Eigen::Index b = 0; b < p.size(); ++b) {
-      const double near = std::max(lines, -6.0 * std::min(p(a).real(), p(b).real()));
-      const bool weak = worth(a) < kSatellite * worth(b);
+      const double near =
+          std::max(lines, -2.0 * Constants::satellite_reach * std::min(p(a).real(), p(b).real()));
+      const bool weak = worth(a) < Constants::satellite_worth * worth(b);
       alone = alone && !(weak && (broad || std::abs(p(a).imag() - p(b).imag()) < near));
     }
-    if (alone) kept.push_back(all[static_cast<std::size_t>(a)]);
+    if (alone) kept.push_back(candidates[static_cast<std::size_t>(a)]);
   }
   return kept;
 }
@@ -66,7 +63,8 @@ std::vector<Eigen::Index> without_satellites(const FitData& data, const ResidueP
 }  // namespace
 
 double least_significance(const FitData& data, double cost) {
-  return kWorthwhile * static_cast<double>(data.outputs + data.inputs) * noise_level(data, cost);
+  return Constants::least_worth * static_cast<double>(data.outputs + data.inputs) *
+         noise_level(data, cost);
 }
 
 Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
@@ -90,12 +88,13 @@ Eigen::VectorXcd worthwhile(const FitData& data, const ResidueProblem& problem,
 
 Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles, bool rigid) {
   const auto worth = ResidueProblem(data, poles, rigid).residues().significance;
-  const double lines = 3.0 * line_spacing(data);
+  const double lines = Constants::strongest_lines * line_spacing(data);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index a = 0; a < poles.size(); ++a) {
     bool alone = true;
     for (Eigen::Index b = 0; b < poles.size(); ++b) {
-      const double near = std::max(lines, -6.0 * std::max(poles(a).real(), poles(b).real()));
+      const double near = std::max(
+          lines, -2.0 * Constants::satellite_reach * std::max(poles(a).real(), poles(b).real()));
       alone = alone && !(worth(a) < worth(b) && std::abs(poles(a).imag() - poles(b).imag()) < near);
     }
     if (alone) kept.push_back(a);
@@ -114,7 +113,7 @@ bool is_satellite(const FitData& data, const ModalFit& fit, const std::complex<d
     if (std::abs(own - fit.model.frequency_hz(m)) < width) return true;
     most = std::max(most, fit.model.damping_ratio(m));
   }
-  return ratio > kBroad * most;
+  return ratio > Constants::broad * most;
 }
 
 namespace {
@@ -125,7 +124,7 @@ Eigen::VectorXd second_direction(const Matrix& residue) {
   const Eigen::JacobiSVD<Matrix> svd(finite(residue, "residue"),
                                      Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto& sigma = svd.singularValues();
-  if (sigma.size() < 2 || sigma(1) < kSecond * sigma(0)) return {};
+  if (sigma.size() < 2 || sigma(1) < Constants::second_direction * sigma(0)) return {};
   const Matrix part = sigma(1) * svd.matrixU().col(1) * svd.matrixV().col(1).adjoint();
   return part.cwiseAbs2().reshaped();
 }

@@ -10,6 +10,8 @@
 #include "base/finite.h"
 #include "base/interrupt.h"
 #include "dense/blas.h"
+#include "identification/constants.h"
+#include "identification/likelihood/block_model.h"
 #include "identification/poles/denominator.h"
 #include "identification/poles/pole_products.h"
 
@@ -17,9 +19,6 @@ namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-
-constexpr double kStartDamping = 0.01;
-constexpr double kLeastDamping = 1e-7;  // for a pole on the imaginary axis
 
 // Equally spaced; if the band spans two decades, half of them are spaced by a constant ratio.
 Eigen::VectorXcd start_poles(const Eigen::VectorXd& x, Eigen::Index order) {
@@ -41,7 +40,7 @@ Eigen::VectorXcd start_poles(const Eigen::VectorXd& x, Eigen::Index order) {
   }
   Eigen::VectorXcd poles(order);
   for (Eigen::Index i = 0; i < order; ++i) {
-    poles(i) = at[static_cast<std::size_t>(i)] * Complex(-kStartDamping, 1.0);
+    poles(i) = at[static_cast<std::size_t>(i)] * Complex(-Constants::even_damping, 1.0);
   }
   return poles;
 }
@@ -74,7 +73,7 @@ Eigen::VectorXcd pairs_of(const Eigen::VectorXcd& all) {
   std::vector<Complex> upper;
   std::vector<double> real;
   for (const Complex& p : all) {
-    const double r = -std::max(std::abs(p.real()), kLeastDamping * std::abs(p));
+    const double r = -std::max(std::abs(p.real()), kLeastDampingRatio * std::abs(p));
     if (p.imag() > 1e-12 * std::abs(p)) upper.emplace_back(r, p.imag());
     if (std::abs(p.imag()) <= 1e-12 * std::abs(p)) real.push_back(std::max(-r, 1e-9));
   }

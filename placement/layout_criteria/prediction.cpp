@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "placement/constants.h"
 #include "placement/criteria.h"
 #include "placement/layout.h"
 
@@ -71,7 +72,7 @@ double frf_percent(const LayoutView& view) {
   double there = 0.0;
   for (const auto& group : view.groups) {
     const double omega = 2.0 * std::numbers::pi * view.frequency_hz(group.first);
-    const double damping = std::max(view.damping_ratio(group.first), 1e-3);
+    const double damping = std::max(view.damping_ratio(group.first), Constants::least_damping);
     const auto columns = [&](const Eigen::MatrixXd& m) {
       return m.middleCols(group.first, group.size);
     };

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "placement/constants.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
 
@@ -17,8 +18,7 @@ namespace chladni::placement {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-constexpr Eigen::Index kCoarse = 240;  // candidates of the first search
-constexpr double kForbidden = -1.0;    // gain of a forbidden site
+constexpr double kForbidden = -1.0;  // gain of a forbidden site
 
 // One shape. Its rows are scaled by the prior, so that its coefficients start as the identity.
 struct Shape {
@@ -152,7 +152,7 @@ double reach_of(const Points& position, const Indices& coarse) {
     }
     longest = std::max(longest, nearest);
   }
-  return 1.5 * std::sqrt(longest);
+  return Constants::coarse_reach * std::sqrt(longest);
 }
 
 Indices all_of(Eigen::Index count) {
@@ -182,8 +182,8 @@ class Search {
  public:
   explicit Search(const InterpolationProblem& problem)
       : problem_(problem), empty_(problem), all_(all_of(problem.rows.rows())) {
-    is_large_ = problem.rows.rows() > 2 * kCoarse;
-    coarse_ = is_large_ ? thinned(problem.position, kCoarse) : all_;
+    is_large_ = problem.rows.rows() > 2 * Constants::coarse;
+    coarse_ = is_large_ ? thinned(problem.position, Constants::coarse) : all_;
     if (is_large_) reach_ = reach_of(problem.position, coarse_);
   }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <queue>
 
+#include "placement/constants.h"
 #include "placement/optimum/relaxation.h"
 #include "placement/optimum/spacing.h"
 
@@ -53,7 +54,8 @@ class Search {
     const Eigen::MatrixXd rows = problem_.rows(node.free, Eigen::all);
     const double target = best_.score + options_.enough;
     // A node that will be split needs a looser tolerance only.
-    const double tolerance = node.in.empty() ? 1e-6 : 1e-4;
+    const double tolerance =
+        node.in.empty() ? Constants::root_tolerance : Constants::node_tolerance;
     const auto relaxation =
         relaxed(rows, information(problem_, node.in), wanted, target, tolerance);
     if (node.in.empty() && root_bound_ == HUGE_VAL) root_bound_ = relaxation.bound;

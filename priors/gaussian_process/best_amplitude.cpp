@@ -5,12 +5,11 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "base/search.h"
+#include "priors/constants.h"
 #include "priors/gaussian_process/gaussian_process.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr int kScan = 60;
 
 // The ln a² between low and high of the least −2 ln p(z) of independent z_j ~ N(0, 1 + a² λ_j).
 double most_likely_log_square(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd& square,
@@ -23,7 +22,7 @@ double most_likely_log_square(const Eigen::ArrayXd& lambda, const Eigen::ArrayXd
     const Eigen::ArrayXd variance = 1.0 + std::exp(log_square) * lambda;
     return ((variance - 1.0) / variance * (1.0 - square / variance)).sum();
   };
-  return minimum_in(misfit, slope, low, high, kScan).at;
+  return minimum_in(misfit, slope, low, high, Constants::process_intervals).at;
 }
 
 }  // namespace

@@ -5,11 +5,10 @@
 #include <map>
 
 #include "base/search.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr int kMostSteps = 40;
 
 using Table = std::map<double, Eigen::VectorXd>;
 
@@ -89,7 +88,7 @@ LineMaxima maxima_on_a_line(const ValuesOnLine& values, double low, double high,
   }
   const Eigen::Index count = table.begin()->second.size();
   for (Eigen::Index f = 0; f < count; ++f) {
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < Constants::line_steps; ++step) {
       const double at = next_place(table, f, tolerance, high - low);
       if (std::isnan(at)) break;
       table.emplace(at, values(at));

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 
 #include "base/finite.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 
@@ -15,7 +16,6 @@ Eigen::MatrixXd Trend::at(const Points& points) const {
 }
 
 Trend rigid_trend(const Points& points, const Eigen::RowVector3d& direction) {
-  constexpr double kFlat = 1e-6;  // of the widest spread
   Trend trend;
   trend.is_there = true;
   trend.centre = points.colwise().mean();
@@ -24,7 +24,9 @@ Trend rigid_trend(const Points& points, const Eigen::RowVector3d& direction) {
   const Eigen::BDCSVD<Eigen::MatrixXd> axes(finite(spread, "trend: places"), Eigen::ComputeThinV);
   const Eigen::VectorXd width = axes.singularValues();
   Eigen::Index rank = 0;
-  while (rank < std::min<Eigen::Index>(2, width.size()) && width(rank) > kFlat * width(0)) ++rank;
+  while (rank < std::min<Eigen::Index>(2, width.size()) &&
+         width(rank) > Constants::no_extent * width(0))
+    ++rank;
   const double size = spread.rowwise().norm().maxCoeff();
   trend.slopes = axes.matrixV().leftCols(rank) / (size > 0.0 ? size : 1.0);
   return trend;

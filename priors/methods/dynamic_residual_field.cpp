@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/finite.h"
+#include "priors/constants.h"
 #include "priors/learned_corrections.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
@@ -15,9 +16,6 @@
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kLeastTolerance = 0.1;  // of orthogonality after learned corrections: shapes that
-                                         // these make similar also fit better
 
 std::vector<FittedShape> fitted_shapes(const MeasuredShapes& measured, const ModalBasis& basis,
                                        const ResidualErrors& errors) {
@@ -124,7 +122,7 @@ Fit corrected_fit(const MeasuredShapes& measured, const ModalBasis& basis,
   auto fit = fit_on(corrected_measured(measured, modes), corrected_basis(basis, modes),
                     learned.likeliest.errors);
   add_uncertainty(measured, basis, learned, fit.shapes);
-  make_orthogonal(fit, kLeastTolerance);
+  make_orthogonal(fit, Constants::least_tolerance);
   for (auto& shape : fit.shapes) {
     shape.mean = modes.turn * shape.mean;
     shape.root = modes.turn * shape.root;

@@ -4,15 +4,13 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
 #include "priors/residual/residual_evidence.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr std::array kWidths{0.02, 0.05, 0.15};  // of ln f between a model's and the real shape
-constexpr std::array kResiduals{0.003, 0.01, 0.03, 0.1, 0.3, 1.0};  // of the mean square
 
 struct Mixture {
   double width = 0.0, residual = 0.0;
@@ -79,8 +77,8 @@ std::unique_ptr<ModeField> field(const MeasuredShapes& measured, const Simulatio
   double highest = -std::numeric_limits<double>::infinity();
   std::vector<FittedShape> best;
   Mixture chosen;
-  for (const double width : kWidths) {
-    for (const double residual : kResiduals) {
+  for (const double width : Constants::ensemble_widths) {
+    for (const double residual : Constants::ensemble_residuals) {
       auto shapes =
           fitted_shapes(measured, simulation.similar, basis, learned.errors, {width, residual});
       double evidence = 0.0;
@@ -94,10 +92,11 @@ std::unique_ptr<ModeField> field(const MeasuredShapes& measured, const Simulatio
   auto summary = modal_summary(best);
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   summary.parameters.push_back({"frequency_width", "1", one(chosen.width),
-                                chosen.width == kWidths.front() || chosen.width == kWidths.back()});
-  summary.parameters.push_back(
-      {"residual_part", "1", one(chosen.residual), chosen.residual == kResiduals.back()});
-  if (chosen.residual == kResiduals.back()) {
+                                chosen.width == Constants::ensemble_widths.front() ||
+                                    chosen.width == Constants::ensemble_widths.back()});
+  summary.parameters.push_back({"residual_part", "1", one(chosen.residual),
+                                chosen.residual == Constants::ensemble_residuals.back()});
+  if (chosen.residual == Constants::ensemble_residuals.back()) {
     summary.notes.push_back(
         "the shapes are not those of any model of the ensemble: it leaves out what matters here");
   }

@@ -6,17 +6,16 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kSameDirection = 1e-6;
 
 void require_direction(const std::string& method, const Places& places,
                        const Eigen::RowVector3d& direction) {
   for (Eigen::Index i = 0; i < places.count(); ++i) {
     const Eigen::RowVector3d here = places.direction.row(i);
-    require((here - direction).norm() <= kSameDirection,
+    require((here - direction).norm() <= Constants::same_direction,
             fmt::format("{}: place {} has the direction ({:.6g}, {:.6g}, {:.6g}), others "
                         "({:.6g}, {:.6g}, {:.6g}); it knows distances only and needs one direction "
                         "for all; dynamic_residual takes any",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "priors/constants.h"
 #include "priors/dynamic_residual.h"
 #include "priors/methods/euclidean_field.h"
 #include "priors/methods/interpolators.h"
@@ -12,11 +13,6 @@
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kAsymmetric = 0.15;    // part of the variance
-constexpr Eigen::Index kSurface = 300;  // points that represent the surface
-constexpr double kRigid = 0.25;         // of a flexible frequency
-constexpr double kBand = 2.0;  // the simulation's modes count up to this times the highest one
 
 // Choices of a method for each mode, made before the values are used.
 struct Settled {
@@ -43,13 +39,14 @@ class Expectation {
   Expectation(const MeasuredShapes& measured, const Simulation& simulation)
       : measured_(measured),
         simulation_(simulation),
-        surface_(part(simulation.surface, spread_points(simulation.surface.position, kSurface))) {
+        surface_(part(simulation.surface,
+                      spread_points(simulation.surface.position, Constants::expected_samples))) {
     // The frequencies agree up to a factor: the median ratio, counted from the lowest modes.
     std::vector<double> ratio;
     Eigen::Index j = simulation.rigid_count();
     for (Eigen::Index i = 0; i < measured.mode_count() && j < simulation.mode_count(); ++i) {
       const double part = measured.frequency_hz(i) / simulation.frequency_hz(j);
-      if (part < kRigid) continue;
+      if (part < Constants::rigid_frequency) continue;
       ratio.push_back(part);
       ++j;
     }
@@ -162,7 +159,7 @@ Settled one_length(const std::string& method, const Kernel& kernel, const Measur
 Settled length_per_mode(const std::string& method, const Kernel& kernel,
                         const MeasuredShapes& measured, const Simulation& simulation,
                         bool symmetric) {
-  const double most_hz = kBand * measured.frequency_hz.maxCoeff();
+  const double most_hz = Constants::length_band * measured.frequency_hz.maxCoeff();
   const auto lengths = simulated_lengths(method, kernel, simulation, most_hz);
   std::vector<Symmetry> symmetries;
   if (symmetric) symmetries = shape_symmetries(simulation, simulation.surface.direction.row(0));
@@ -178,7 +175,7 @@ Settled length_per_mode(const std::string& method, const Kernel& kernel,
     note_bounds(what, lengths.frequency_hz(mode), settled);
     if (!symmetric) continue;
     const auto column = static_cast<std::size_t>(lengths.columns[static_cast<std::size_t>(mode)]);
-    settled.kernel[k] = symmetrised(kernel, symmetries[column], kAsymmetric);
+    settled.kernel[k] = symmetrised(kernel, symmetries[column], Constants::asymmetric);
     settled.notes.push_back(fmt::format("mode {}: {} of the 8 symmetries of a square", i + 1,
                                         symmetries[column].operations.size()));
   }

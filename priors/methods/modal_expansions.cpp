@@ -4,16 +4,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kFree =
-    1e3;  // root of a rigid-body mode's variance over a value's: large enough to be free
-constexpr double kBand = 1.3;    // SEREP takes modes up to this times the highest measured one
-constexpr double kBlind = 1e-6;  // modes below this part of the strongest one's values are not seen
 
 // Coefficients with the deviations `deviation`, up to a scale of each shape.
 std::unique_ptr<ModeField> field_with(const MeasuredShapes& measured, const Simulation& simulation,
@@ -38,7 +34,8 @@ std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
   const double first = simulation.frequency_hz(rigid);
   Eigen::VectorXd deviation(r);
   for (Eigen::Index j = 0; j < r; ++j) {
-    deviation(j) = j < rigid ? kFree : std::pow(simulation.frequency_hz(j) / first, -power);
+    deviation(j) =
+        j < rigid ? Constants::free_rigid : std::pow(simulation.frequency_hz(j) / first, -power);
   }
   return field_with(measured, simulation, deviation);
 }
@@ -46,9 +43,9 @@ std::unique_ptr<ModeField> energy_spline(const MeasuredShapes& measured,
 // The modes in the band that the places see, at most as many as there are places.
 std::vector<Eigen::Index> modes_in_band(const MeasuredShapes& measured,
                                         const Simulation& simulation) {
-  const double limit = kBand * measured.frequency_hz.maxCoeff();
+  const double limit = Constants::serep_band * measured.frequency_hz.maxCoeff();
   const Eigen::VectorXd seen = measured.places.shapes.colwise().norm();
-  const double least = kBlind * seen.maxCoeff();
+  const double least = Constants::unseen_mode * seen.maxCoeff();
   std::vector<Eigen::Index> columns;
   for (Eigen::Index j = 0; j < simulation.mode_count(); ++j) {
     const bool fits = static_cast<Eigen::Index>(columns.size()) < measured.places.count();

@@ -4,16 +4,11 @@
 #include <cmath>
 
 #include "modal/groups.h"
+#include "priors/constants.h"
 #include "priors/simulated_lengths.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr Eigen::Index kSamples = 500;
-constexpr double kGrains = 0.75;     // reach of an image from a point, in mean point distances
-constexpr double kMapped = 0.98;     // least part of the samples that must be mapped
-constexpr double kSameShape = 0.95;  // correlation
-constexpr double kRepeated = 0.01;   // of the frequency
 
 // Columns: two axes across the direction, then the direction.
 Eigen::Matrix3d frame_of(const Eigen::RowVector3d& direction) {
@@ -63,7 +58,7 @@ std::vector<Eigen::Index> images(const Places& surface, const std::vector<Eigen:
     found.push_back(nearest);
   }
   const auto all = static_cast<double>(samples.size());
-  if (static_cast<double>(missed) > (1.0 - kMapped) * all) found.clear();
+  if (static_cast<double>(missed) > (1.0 - Constants::mapped) * all) found.clear();
   return found;
 }
 
@@ -115,21 +110,22 @@ std::vector<Symmetry> shape_symmetries(const Simulation& simulation,
   const auto& surface = simulation.surface;
   const auto operations = operations_of_a_square(frame_of(direction));
   const Eigen::RowVector3d centre = middle_of(surface.position, frame_of(direction));
-  const auto samples = spread_points(surface.position, kSamples);
+  const auto samples = spread_points(surface.position, Constants::symmetry_samples);
   const Eigen::MatrixXd shapes = surface.shapes(samples, Eigen::all);
   const double grain = std::sqrt(simulation.area.sum() / static_cast<double>(surface.count()));
   Eigen::MatrixXd characters =
       Eigen::MatrixXd::Zero(shapes.cols(), static_cast<Eigen::Index>(operations.size()));
   characters.col(0).setOnes();
   for (std::size_t g = 1; g < operations.size(); ++g) {
-    const auto there = images(surface, samples, operations[g], centre, kGrains * grain);
+    const auto there =
+        images(surface, samples, operations[g], centre, Constants::image_reach * grain);
     if (there.empty()) continue;
     const Eigen::ArrayXd kept = correlations(shapes, surface.shapes(there, Eigen::all)).array();
-    characters.col(static_cast<Eigen::Index>(g)) =
-        (kept > kSameShape).cast<double>() - (kept < -kSameShape).cast<double>();
+    characters.col(static_cast<Eigen::Index>(g)) = (kept > Constants::same_shape).cast<double>() -
+                                                   (kept < -Constants::same_shape).cast<double>();
   }
   std::vector<Symmetry> symmetries;
-  for (const auto& group : modal::groups(simulation.frequency_hz, kRepeated)) {
+  for (const auto& group : modal::groups(simulation.frequency_hz, Constants::repeated_frequency)) {
     const auto one = symmetry_of(group, characters, operations, centre);
     symmetries.insert(symmetries.end(), static_cast<std::size_t>(group.size), one);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/methods/blocks.h"
 #include "priors/methods/interpolators.h"
 #include "priors/spline/surface_kernel.h"
@@ -15,8 +16,6 @@
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kUnseen = 0.5;  // of a shape's mean square
 
 const Eigen::MatrixXd& harmonics_of(const Places& places, Eigen::Index count) {
   require(places.harmonics.rows() == places.count() && places.harmonics.cols() == count,
@@ -107,7 +106,7 @@ FitSummary summary_of(const std::vector<SurfaceShape>& shapes, const Simulation&
     if (std::isinf(shape.fit.smoothing.lambda)) {
       summary.notes.push_back(
           fmt::format("mode {}: nothing but a constant is found beyond the noise", i + 1));
-    } else if (expected(i) > kUnseen) {
+    } else if (expected(i) > Constants::unseen) {
       summary.notes.push_back(fmt::format(
           "mode {}: the places do not see it, {:.0f} % of its mean square is expected to be wrong",
           i + 1, 100.0 * expected(i)));

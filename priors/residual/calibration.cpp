@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr Eigen::Index kParts = 4;
-constexpr Eigen::Index kFewest = 8;  // places
-constexpr double kNarrowest = 0.75;
-constexpr double kWidest = 4.0;
-constexpr double kHeld = 0.95;
 
 MeasuredShapes part_of(const MeasuredShapes& measured, const std::vector<Eigen::Index>& rows) {
   return {part(measured.places, rows), measured.frequency_hz, measured.values(rows, Eigen::all),
@@ -25,7 +20,7 @@ std::vector<double> factors_of(const MeasuredShapes& measured, Eigen::Index whic
   std::vector<Eigen::Index> kept;
   std::vector<Eigen::Index> left;
   for (Eigen::Index k = 0; k < measured.places.count(); ++k) {
-    (k % kParts == which ? left : kept).push_back(k);
+    (k % Constants::parts == which ? left : kept).push_back(k);
   }
   const auto hidden = part_of(measured, left);
   const auto field = fit(part_of(measured, kept))->at(hidden.places);
@@ -43,9 +38,9 @@ std::vector<double> factors_of(const MeasuredShapes& measured, Eigen::Index whic
 }  // namespace
 
 double band_factor(const MeasuredShapes& measured, const Fitting& fit) {
-  if (measured.places.count() < kFewest) return 1.0;
-  std::vector<std::vector<double>> by_part(kParts);
-  parallel_ranges(kParts, [&](std::size_t begin, std::size_t end) {
+  if (measured.places.count() < Constants::fewest_places) return 1.0;
+  std::vector<std::vector<double>> by_part(Constants::parts);
+  parallel_ranges(Constants::parts, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       by_part[k] = factors_of(measured, static_cast<Eigen::Index>(k), fit);
     }
@@ -53,9 +48,9 @@ double band_factor(const MeasuredShapes& measured, const Fitting& fit) {
   std::vector<double> all;
   for (const auto& factors : by_part) all.insert(all.end(), factors.begin(), factors.end());
   const auto at =
-      all.begin() + static_cast<std::ptrdiff_t>(kHeld * static_cast<double>(all.size()));
+      all.begin() + static_cast<std::ptrdiff_t>(Constants::held * static_cast<double>(all.size()));
   std::nth_element(all.begin(), at, all.end());
-  return std::clamp(*at, kNarrowest, kWidest);
+  return std::clamp(*at, Constants::narrowest, Constants::widest);
 }
 
 }  // namespace chladni::priors

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/search.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
@@ -63,13 +64,9 @@ Products products_of(const std::vector<ShapeCoefficients>& shapes) {
 }  // namespace
 
 double learned_tolerance(const std::vector<ShapeCoefficients>& shapes) {
-  constexpr double kMiddle = 0.1;
-  constexpr double kLeast = 0.01;
-  constexpr double kMost = 1.0;
-  constexpr int kSteps = 60;
   const auto products = products_of(shapes);
   const auto misfit = [&](double log_spread) {
-    const double away = log_spread - std::log(kMiddle);
+    const double away = log_spread - std::log(Constants::middle_product);
     double sum = away * away;
     for (std::size_t k = 0; k < products.square.size(); ++k) {
       const double variance = std::exp(2.0 * log_spread) + products.variance[k];
@@ -78,7 +75,10 @@ double learned_tolerance(const std::vector<ShapeCoefficients>& shapes) {
     return sum;
   };
   // A grid is enough for a spread: its steps of 8 % are finer than what a few products tell.
-  return 2.0 * std::exp(lowest_of_scan(misfit, std::log(kLeast), std::log(kMost), kSteps).at);
+  return 2.0 *
+         std::exp(lowest_of_scan(misfit, std::log(Constants::least_product),
+                                 std::log(Constants::most_product), Constants::product_intervals)
+                      .at);
 }
 
 std::vector<ShapeCoefficients> orthogonal_shapes(const std::vector<ShapeCoefficients>& shapes,

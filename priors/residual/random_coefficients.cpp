@@ -8,13 +8,11 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "base/search.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
 
-constexpr double kReach = 17.0;  // ln a² is searched so far about the estimate from the values
-constexpr int kIntervals = 34;
-constexpr double kVanishing = -15.5;   // ln a² below the estimate: practically zero
 constexpr double kNegligible = 1e-13;  // of the largest squared singular value
 
 }  // namespace
@@ -70,10 +68,11 @@ double RandomCoefficients::slope_at(double log_square) const {
 void RandomCoefficients::find_amplitude() {
   const double signal = along_.squaredNorm() / std::max(strength_.sum(), 1e-300);
   const double middle = std::log(std::max(signal, 1e-300));
-  const auto best = minimum_in([&](double at) { return -log_evidence_at(at); },
-                               [&](double at) { return -slope_at(at); }, middle - kReach,
-                               middle + kReach, kIntervals);
-  vanishes_ = best.at <= middle + kVanishing;
+  const auto best =
+      minimum_in([&](double at) { return -log_evidence_at(at); },
+                 [&](double at) { return -slope_at(at); }, middle - Constants::amplitude_reach,
+                 middle + Constants::amplitude_reach, Constants::amplitude_intervals);
+  vanishes_ = best.at <= middle + Constants::vanishing;
   square_ = std::exp(best.at);
   log_evidence_ = -best.value;
 }

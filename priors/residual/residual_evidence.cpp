@@ -8,14 +8,12 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "priors/constants.h"
 #include "priors/gaussian_process/optimum.h"
 #include "priors/residual/random_coefficients.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr Eigen::Index kBeyond = 200;  // estimated modes above the computed ones
-constexpr double kFarDeviations = 2.5;
 
 // Frequencies of the modes above the last one. They grow with the power of the mode number that the
 // upper half shows, between that of a cubic body and that of a bar.
@@ -27,8 +25,8 @@ Eigen::VectorXd frequencies_beyond(const Eigen::VectorXd& frequency_hz, Eigen::I
   const double octaves =
       std::log(static_cast<double>(flexible) / static_cast<double>(flexible / 2));
   const double power = std::clamp(std::log(last / half) / octaves, 1.0 / 3.0, 2.0);
-  Eigen::VectorXd beyond(kBeyond);
-  for (Eigen::Index j = 0; j < kBeyond; ++j) {
+  Eigen::VectorXd beyond(Constants::modes_beyond);
+  for (Eigen::Index j = 0; j < Constants::modes_beyond; ++j) {
     beyond(j) =
         last * std::pow(1.0 + static_cast<double>(j + 1) / static_cast<double>(flexible), power);
   }
@@ -138,7 +136,7 @@ std::vector<std::string> doubts_of(const Eigen::Vector4d& logarithms,
   for (Eigen::Index k = 0; k < 4; ++k) {
     const double middle = plausible.middle(k);
     const double away = (logarithms(k) - std::log(middle)) / plausible.spread(k);
-    if (std::abs(away) < kFarDeviations) continue;
+    if (std::abs(away) < Constants::doubtful) continue;
     doubts.push_back(
         fmt::format("{} is {:.3g}, far from the plausible {:.3g} (a factor {:.2g} "
                     "either way): the simulation or the data may be wrong",

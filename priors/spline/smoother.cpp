@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "base/search.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
@@ -20,7 +21,6 @@ constexpr double kIndefinite = 1e-8;    // relative to the largest eigenvalue
 constexpr double kRounding = 1e-14;     // relative to the kernel
 constexpr double kNoEnergy = 1e-13;     // smaller eigenvalues are 0: places at one point
 constexpr double kNothingLeft = 1e-26;  // of the values' squares: the values lie in the free part
-constexpr double kPerDecade = 8.0;
 
 constexpr double kFlat = std::numeric_limits<double>::infinity();
 const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
@@ -145,7 +145,8 @@ Smoother::Lowest Smoother::lowest(const Eigen::VectorXd& values, SmoothingRule r
   const double smallest = (eigenvalue_.array() > 0.0).select(eigenvalue_, largest).minCoeff();
   const double low = std::log(1e-6 * smallest / (1.0 + loudness));
   const double high = std::log(1e6 * largest);
-  const int count = static_cast<int>(std::ceil((high - low) / std::numbers::ln10 * kPerDecade));
+  const int count = static_cast<int>(
+      std::ceil((high - low) / std::numbers::ln10 * Constants::smoothing_per_decade));
   const auto at = [&](double log_lambda) {
     return criterion(values, rule, noise, std::exp(log_lambda));
   };

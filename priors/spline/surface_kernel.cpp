@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "base/error.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr int kLengths = 32;
 
 // ln of the shortest and of the longest length that the harmonics resolve.
 std::pair<double, double> length_range(const Eigen::VectorXd& eigenvalue) {
@@ -64,10 +63,10 @@ SurfaceFit surface_fit(const Eigen::VectorXd& values, const Eigen::VectorXd& noi
   const double level = std::exp(noise.array().log().mean());
   const auto [low, high] = length_range(eigenvalue);
   SurfaceFit best;
-  for (int k = 0; k < kLengths; ++k) {
+  for (int k = 0; k < Constants::surface_lengths; ++k) {
     SurfaceFit fit;
-    fit.length = std::exp(low + (high - low) * k / (kLengths - 1));
-    fit.at_bound = k == 0 || k == kLengths - 1;
+    fit.length = std::exp(low + (high - low) * k / (Constants::surface_lengths - 1));
+    fit.at_bound = k == 0 || k == Constants::surface_lengths - 1;
     fit.variances = harmonic_variances(eigenvalue, mean_square, fit.length, smoothness);
     fit.noise = noise / level;
     fit.smoothing =

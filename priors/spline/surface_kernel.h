@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "priors/constants.h"
 #include "priors/spline/smoother.h"
 
 namespace chladni::priors {
@@ -10,7 +11,6 @@ namespace chladni::priors {
 /// Smoothness of the heat kernel.
 inline constexpr double kInfinitelySmooth = std::numeric_limits<double>::infinity();
 /// Smoothness of shapes that have a slope across the free rims of their surface, see below.
-inline constexpr double kRimSmoothness = 1.0;
 
 /// S_j, the variances of a field's coefficients on the harmonics −Δ u_j = μ_j u_j, scaled to a mean
 /// variance of 1 over the surface. Finite ν gives the Matern field of smoothness ν,
@@ -27,7 +27,7 @@ inline constexpr double kRimSmoothness = 1.0;
 /// @throws InvalidInput  length or ν is not positive
 [[nodiscard]] Eigen::VectorXd harmonic_variances(const Eigen::VectorXd& eigenvalue,
                                                  const Eigen::VectorXd& mean_square, double length,
-                                                 double smoothness = kRimSmoothness);
+                                                 double smoothness = Constants::rim_smoothness);
 
 /// k(x, x') = Σ_j S_j u_j(x) u_j(x'). @param a  N×h, @param b  n×h: the harmonics; @returns N×n
 /// @throws InvalidInput  the number of harmonics and of variances differ
@@ -54,7 +54,7 @@ struct SurfaceFit {
                                      const Eigen::MatrixXd& harmonics,
                                      const Eigen::VectorXd& eigenvalue,
                                      const Eigen::VectorXd& mean_square,
-                                     double smoothness = kRimSmoothness);
+                                     double smoothness = Constants::rim_smoothness);
 
 /// The smoother of such a fit, for places with these harmonics (s×h).
 [[nodiscard]] Smoother surface_smoother(const SurfaceFit& fit, const Eigen::MatrixXd& harmonics);

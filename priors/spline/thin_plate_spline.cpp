@@ -7,12 +7,10 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "priors/constants.h"
 
 namespace chladni::priors {
 namespace {
-
-constexpr double kParallel = 1e-6;  // of 1 − |cos|: 1.4 mrad
-constexpr double kOnALine = 1e-4;   // extent across over extent along
 
 std::string degrees(double cosine) {
   return std::to_string(std::acos(std::min(std::abs(cosine), 1.0)) * 180.0 / std::numbers::pi);
@@ -44,7 +42,8 @@ SplineDomain spline_domain(const Places& places) {
   require(extent(0) > 0.0 && extent(0) > 1e-12 * places.position.norm(),
           "thin plate spline: all places are at one point of the plane that they measure across; "
           "expected places beside each other");
-  const Eigen::Index dimensions = extent.size() < 2 || extent(1) <= kOnALine * extent(0) ? 1 : 2;
+  const Eigen::Index dimensions =
+      extent.size() < 2 || extent(1) <= Constants::on_a_line * extent(0) ? 1 : 2;
   domain.axes = oriented(svd.matrixV().leftCols(dimensions));
   domain.size = off.norm() / std::sqrt(static_cast<double>(off.rows()));
   return domain;
@@ -60,7 +59,7 @@ Eigen::VectorXd senses(const Eigen::Vector3d& direction, const Points& direction
   for (Eigen::Index k = 0; k < directions.rows(); ++k) {
     const double length = directions.row(k).norm();
     const double cosine = directions.row(k).dot(direction.transpose()) / length;
-    require(length > 0.0 && std::abs(cosine) > 1.0 - kParallel,
+    require(length > 0.0 && std::abs(cosine) > 1.0 - Constants::parallel,
             "interpolation: place " + std::to_string(k + 1) + " is measured or asked for " +
                 degrees(cosine) +
                 " degrees away from the first one's direction; expected one "

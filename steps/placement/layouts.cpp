@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "mesh/surface.h"
+#include "placement/constants.h"
 #include "steps/placement/placing.h"
 
 namespace chladni::steps {
@@ -95,7 +96,8 @@ std::vector<int> blind_modes(const stage::Solution& solution, const study::Place
   for (std::size_t g = 0; g < view.groups.size(); ++g) {
     const auto [first, size] = view.groups[g];
     // A mode that hardly moves the surface in this direction is not counted.
-    if (sight(static_cast<Eigen::Index>(g)) >= placement::kBlind || view.rms(first) < still) {
+    if (sight(static_cast<Eigen::Index>(g)) >= placement::Constants::blind ||
+        view.rms(first) < still) {
       continue;
     }
     for (Eigen::Index i = 0; i < size; ++i)

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "placement/constants.h"
 #include "tests/placement/plate.h"
 
 namespace chladni::placement {
@@ -102,8 +103,8 @@ TEST(Layout, CountsPairsOnce) {
 TEST(Layout, OnMirrorLinesIsBlindToWhatIsOddAboutThem) {
   const auto on_lines = view_at({{0.2, 0.0}, {-0.1, 0.0}, {0.0, 0.25}, {0.0, -0.15}}, {});
   EXPECT_LT(sight(on_lines)(0), 1e-3);  // the first mode twists: zero on both axes
-  EXPECT_LT(sight(on_lines)(0), kBlind);
-  EXPECT_GT(sight(some_view()).minCoeff(), kBlind);
+  EXPECT_LT(sight(on_lines)(0), Constants::blind);
+  EXPECT_GT(sight(some_view()).minCoeff(), Constants::blind);
 }
 
 TEST(ExpectedError, FallsWithEverySiteAndIsOneWithout) {
