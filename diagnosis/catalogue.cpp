@@ -11,50 +11,10 @@
 namespace chladni::diagnosis {
 namespace {
 
-// Causes in a channel come before causes in the body, because they cost less to check.
 constexpr std::array kAll{
-    &sensor_sign,
-    &actuator_sign,
-    &swapped_sensors,
-    &swapped_actuators,
-    &sensor_quantity,
-    &sensor_unit,
-    &sensor_gain,
-    &actuator_gain,
-    &overall_gain,
-    &sensor_position,
-    &actuator_position,
-    &sensor_direction,
-    &actuator_direction,
-    &sensor_crosstalk,
-    &actuator_crosstalk,
-    &delay,
-    &sensor_delay,
-    &actuator_delay,
-    &low_pass,
-    &sensor_low_pass,
-    &actuator_low_pass,
-    &youngs_modulus,
-    &density,
-    &thickness,
-    &size_error,
-    &orthotropy,
-    &modulus_field,
-    &thickness_field,
-    &local_stiffness,
-    &point_mass,
-    &mass_with_inertia,
-    &sensor_masses,
-    &actuator_masses,
-    &ground_spring,
-    &ground_damper,
-    &resonator,
-    &frame,
-    &suspension,
-    &modal_damping,
-    &hysteretic_damping,
-    &modes_above,
-    &drift,
+#define EFFECT(name, file) &name,
+#include "diagnosis/effects/entries.inc"
+#undef EFFECT
 };
 
 // Indices of the coordinates u and v.
@@ -63,8 +23,8 @@ std::optional<std::array<Eigen::Index, 2>> place_coordinates(const Supposed& sup
   std::array<Eigen::Index, 2> at{-1, -1};
   Eigen::Index i = 0;
   for (const auto& parameter : supposed.effect->parameters(structure)) {
-    if (parameter.scale == Parameter::Scale::place_u) at[0] = i;
-    if (parameter.scale == Parameter::Scale::place_v) at[1] = i;
+    if (parameter.role == Parameter::Role::place_u) at[0] = i;
+    if (parameter.role == Parameter::Role::place_v) at[1] = i;
     ++i;
   }
   if (at[0] < 0 || at[1] < 0) return std::nullopt;
@@ -89,17 +49,18 @@ Choice choice_of(const Effect& effect, Eigen::Index option) {
 }
 
 double Parameter::value(double x) const {
-  if (scale == Scale::logarithmic) return std::exp(x);
+  if (scale == Scale::logarithmic || scale == Scale::factor) return std::exp(x);
   if (scale == Scale::relative) return std::expm1(x);
   return x;
 }
 
 namespace {
 
-std::optional<double> value_of(const Supposed& supposed, const Structure& structure,
-                               std::string_view name) {
+// The value of the first parameter for which `is` holds.
+template <typename Is>
+std::optional<double> value_of(const Supposed& supposed, const Structure& structure, Is is) {
   const auto parameters = supposed.effect->parameters(structure);
-  const auto found = std::ranges::find(parameters, name, &Parameter::name);
+  const auto found = std::ranges::find_if(parameters, is);
   if (found == parameters.end()) return std::nullopt;
   return found->value(supposed.x(found - parameters.begin()));
 }
@@ -107,45 +68,16 @@ std::optional<double> value_of(const Supposed& supposed, const Structure& struct
 }  // namespace
 
 double Parameter::coordinate(double of) const {
-  if (scale == Scale::logarithmic) return std::log(of);
+  if (scale == Scale::logarithmic || scale == Scale::factor) return std::log(of);
   if (scale == Scale::relative) return std::log1p(of);
   return of;
 }
 
 double Parameter::value_per_coordinate(double x) const {
-  if (scale == Scale::logarithmic || scale == Scale::relative) return std::exp(x);
-  return 1.0;
+  return scale == Scale::linear ? 1.0 : std::exp(x);
 }
 
 namespace {
-
-struct SimplerPair {
-  std::string_view general, simpler;
-  double share = 0.0;
-};
-
-// The pole of a resonator is not visible if it brings less than this part of the gain: it lies
-// outside the band or is heavily damped.
-constexpr double kPoleUnseen = 0.01;
-
-// Rotary inertia depends on the slopes of the shapes, in which solvers differ more than in the
-// shapes. A point mass from another solver was found with a radius of gyration of 12 mm, for 0.0006
-// of its gain. Radii of 25 mm and more bring a tenth of the gain and more.
-constexpr double kTurnsOtherwise = 0.002;
-
-constexpr std::array kSimpler{
-    SimplerPair{"mass_with_inertia", "point_mass", kTurnsOtherwise},
-    SimplerPair{"resonator", "point_mass", kPoleUnseen},
-    SimplerPair{"resonator", "ground_spring", kPoleUnseen},
-    SimplerPair{"resonator", "ground_damper", kPoleUnseen},
-    SimplerPair{"modulus_field", "youngs_modulus"},
-    SimplerPair{"thickness_field", "thickness"},
-    SimplerPair{"hysteretic_damping", "modal_damping"},
-    SimplerPair{"sensor_gain", "sensor_sign"},
-    SimplerPair{"actuator_gain", "actuator_sign"},
-    SimplerPair{"sensor_direction", "sensor_position"},
-    SimplerPair{"actuator_direction", "actuator_position"},
-};
 
 // The value of the general effect's parameter for the simpler effect; its centre if there is none.
 double shared_coordinate(const Parameter& wanted, const Supposed& general,
@@ -161,18 +93,10 @@ double shared_coordinate(const Parameter& wanted, const Supposed& general,
 
 }  // namespace
 
-std::vector<Simpler> simpler_of(const Effect& effect) {
-  std::vector<Simpler> all;
-  for (const auto& pair : kSimpler) {
-    if (pair.general == effect.name) all.push_back({&diagnosis::effect(pair.simpler), pair.share});
-  }
-  return all;
-}
-
 std::vector<Supposed> simplified(const Supposed& supposed, const Structure& structure) {
   const auto general = supposed.effect->parameters(structure);
   std::vector<Supposed> all;
-  for (const auto& [simpler, share] : simpler_of(*supposed.effect)) {
+  for (const auto& [simpler, share] : supposed.effect->simpler) {
     if (supposed.option >= simpler->options(structure)) continue;
     const auto parameters = simpler->parameters(structure);
     Supposed one{simpler, supposed.option,
@@ -200,12 +124,16 @@ std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structur
 }
 
 double reach_of(const Supposed& supposed, const Structure& structure) {
-  return value_of(supposed, structure, "radius").value_or(0.0);
+  const auto is_extent = [](const Parameter& one) { return one.role == Parameter::Role::extent; };
+  return value_of(supposed, structure, is_extent).value_or(0.0);
 }
 
 double error_of(const Supposed& supposed, const Structure& structure) {
-  const double factor = value_of(supposed, structure, "factor").value_or(1.0);
-  return supposed.effect->error * std::min(1.0, std::abs(factor));
+  const auto& effect = *supposed.effect;
+  if (!effect.error_follows_size) return effect.error;
+  const auto is_size = [](const Parameter& one) { return one.is_size; };
+  return effect.error *
+         std::min(1.0, std::abs(value_of(supposed, structure, is_size).value_or(1.0)));
 }
 
 double log_prior(const Supposed& supposed, const Structure& structure) {

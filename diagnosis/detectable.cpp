@@ -78,7 +78,7 @@ class Amplitude {
   // Ratio of a coordinate's slope to that at the probe. The size multiplies the other slopes.
   [[nodiscard]] double growth(Index i, double amplitude) const {
     if (probe_.nothing != Nothing::zero) return amplitude;
-    return is_about_zero(parameters_[at(i)]) ? 1.0 : amplitude / probe_.x(probe_.size);
+    return parameters_[at(i)].is_about_zero() ? 1.0 : amplitude / probe_.x(probe_.size);
   }
 
   const Structure& structure_;
@@ -100,7 +100,7 @@ Detectable described(const Structure& structure, const Effect& effect, const Pro
   detectable.place = place_of({&effect, probe.option, probe.x}, structure);
   for (Index i = 0; i < probe.x.size(); ++i) {
     const auto& parameter = parameters[at(i)];
-    if (i != probe.size && parameter.unit == "Hz") {
+    if (i != probe.size && parameter.role == Parameter::Role::frequency) {
       detectable.frequency_hz = parameter.value(probe.x(i));
     }
   }

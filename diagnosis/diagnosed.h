@@ -8,6 +8,7 @@
 
 #include "base/progress.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/parameter.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/tolerances.h"
 #include "modal/frf_set.h"
@@ -21,6 +22,7 @@ enum class Verdict { no_discrepancy, named, ambiguous, partial, unexplained };
 struct CauseParameter {
   std::string name, unit;
   double value = 0.0, std = 0.0;
+  Parameter::Role role = Parameter::Role::strength;
 };
 
 struct Cause {

@@ -1,4 +1,4 @@
-// Catalogue of possible errors of a simulation: one entry per cause.
+// Catalogue of possible errors of a simulation: one record per cause.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,29 +9,13 @@
 #include <string_view>
 #include <vector>
 
+#include "diagnosis/few.h"
 #include "diagnosis/fit/state.h"
+#include "diagnosis/in_study.h"
+#include "diagnosis/parameter.h"
+#include "diagnosis/tolerances.h"
 
 namespace chladni::diagnosis {
-
-/// A parameter of an effect. The search moves its coordinate x, whose prior is normal.
-struct Parameter {
-  enum class Scale {
-    linear,       ///< value = x
-    logarithmic,  ///< value = exp(x): positive
-    relative,     ///< value = exp(x) − 1: above −1
-    place_u,      ///< value = x: with place_v uniform over the surface
-    place_v,
-  };
-  std::string_view name, unit;
-  Scale scale = Scale::linear;
-  double centre = 0.0, width = 1.0;  ///< of the prior of x
-  double step = 1e-4;                ///< of x, for finite differences
-
-  [[nodiscard]] double value(double x) const;
-  [[nodiscard]] double coordinate(double value) const;
-  [[nodiscard]] double value_per_coordinate(double x) const;
-  [[nodiscard]] bool is_place() const { return scale == Scale::place_u || scale == Scale::place_v; }
-};
 
 /// A start of the search for an effect.
 struct EffectStart {
@@ -48,6 +32,14 @@ struct Choice {
 };
 
 class Scene;  // diagnosis/search/scene.h
+struct Effect;
+
+/// A simpler special case of an effect. It is preferred where both explain the data about equally,
+/// or where it leaves less than `share` of what the general effect explains.
+struct Simpler {
+  const Effect* effect = nullptr;
+  double share = 0.0;
+};
 
 /// An effect: some parameters, and perhaps a discrete choice (which channel). With all sizes at 0
 /// (or their logarithm at −∞) it changes nothing.
@@ -73,10 +65,21 @@ struct Effect {
   /// an error of this size is not believed, and a residual of this size is no reason for one
   /// (error_of). 0: exact.
   double error = 0.0;
+  /// The error is that of an effect whose size is 1; a smaller one has less in proportion.
+  bool error_follows_size = false;
   /// Additional data of each choice, beside its channels; or none.
   Choice (*choice)(Eigen::Index option) = nullptr;
   /// The value of a parameter `name` of a simpler effect that follows from this one's x; or none.
   std::optional<double> (*implied)(std::string_view name, const Eigen::VectorXd& x) = nullptr;
+  /// Its special cases. A parameter of the same name is the same number in both.
+  Few<Simpler, 3> simpler = {};
+  /// The deviation of a sound structure that acts as this effect does; or none.
+  double Tolerances::*tolerance = nullptr;
+  /// A constant factor on channels: left out where a search lets all gains free.
+  bool is_gain = false;
+  /// It scales the body or all responses: the weight of the body tells such effects apart.
+  bool is_scale = false;
+  InStudy in_study = {};
 };
 
 /// Empty for an effect whose choices are its channels, or that has no choices.
@@ -88,14 +91,6 @@ struct Effect {
 /// @throws InvalidInput  no effect has this name; the message lists all names
 [[nodiscard]] const Effect& effect(std::string_view name);
 
-/// A simpler special case of an effect. It is preferred where both explain the data about equally,
-/// or where it leaves less than `share` of what the general effect explains.
-struct Simpler {
-  const Effect* effect = nullptr;
-  double share = 0.0;
-};
-[[nodiscard]] std::vector<Simpler> simpler_of(const Effect& effect);
-
 /// An effect with its parameter values.
 struct Supposed {
   const Effect* effect = nullptr;
@@ -103,7 +98,7 @@ struct Supposed {
   Eigen::VectorXd x;
 };
 
-/// The error of its effect. With a "factor" parameter it is multiplied by |factor|, at most 1.
+/// The error of its effect, times its |size| (at most 1) where it follows the size.
 [[nodiscard]] double error_of(const Supposed& supposed, const Structure& structure);
 
 /// The change that it makes to a state, for use on many states. Both arguments must outlive it.
@@ -117,7 +112,7 @@ struct Supposed {
 /// The place on the surface; none for effects without a place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
                                                       const Structure& structure);
-/// Radius [m] around its place in which it acts: its "radius", or 0.
+/// Radius [m] around its place in which it acts: its extent, or 0.
 [[nodiscard]] double reach_of(const Supposed& supposed, const Structure& structure);
 
 /// A size further from the centre of its prior than this many widths is not considered.

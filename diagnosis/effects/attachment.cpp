@@ -4,10 +4,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/effects/body_scale.h"
+
 namespace chladni::diagnosis {
 
-Parameter place_u() { return {"u", "m", Parameter::Scale::place_u, 0.0, 1.0, 1e-5}; }
-Parameter place_v() { return {"v", "m", Parameter::Scale::place_v, 0.0, 1.0, 1e-5}; }
+Parameter place_u(const Structure& structure) {
+  return {
+      .name = "u", .unit = "m", .role = Parameter::Role::place_u, .step = place_step(structure)};
+}
+Parameter place_v(const Structure& structure) {
+  return {
+      .name = "v", .unit = "m", .role = Parameter::Role::place_v, .step = place_step(structure)};
+}
 
 Eigen::Index has_surface(const Structure& structure) {
   return structure.surface.count() > 0 ? 1 : 0;

@@ -13,8 +13,8 @@ namespace chladni::diagnosis {
 inline constexpr double kHungError = 0.005;
 
 /// Coordinates "u" and "v" of the place.
-[[nodiscard]] Parameter place_u();
-[[nodiscard]] Parameter place_v();
+[[nodiscard]] Parameter place_u(const Structure& structure);
+[[nodiscard]] Parameter place_v(const Structure& structure);
 /// 0 if there is no surface to attach to.
 [[nodiscard]] Eigen::Index has_surface(const Structure& structure);
 /// An attachment at (u, v) with one displacement along the normal; zero shape outside the surface.

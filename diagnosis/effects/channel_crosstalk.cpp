@@ -11,7 +11,7 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXd;
 
 std::vector<Parameter> share(const Structure& /*structure*/) {
-  return {{"share", "1", Parameter::Scale::linear, 0.0, 0.05, 1e-5}};
+  return {{.name = "share", .unit = "1", .is_size = true, .width = 0.05, .step = 1e-5}};
 }
 
 // Ordered pairs: the disturbed channel and the disturbing one.
@@ -93,9 +93,12 @@ std::vector<EffectStart> likeliest(const Scene& scene) {
   return starts;
 }
 
+constexpr std::string_view kInTheRecords =
+    "it is in the records: take the share of the other channel off them";
+
 }  // namespace
 
-const Effect sensor_crosstalk{
+constinit const Effect sensor_crosstalk{
     .name = "sensor_crosstalk",
     .summary = "a sensor's record carries a share of another's",
     .source = "a row of C and of the residual plus a share of another",
@@ -105,8 +108,9 @@ const Effect sensor_crosstalk{
     .channels = both<Side::sensors>,
     .apply = mix<Side::sensors>,
     .starts = likeliest<Side::sensors>,
+    .in_study = {.refusal = kInTheRecords},
 };
-const Effect actuator_crosstalk{
+constinit const Effect actuator_crosstalk{
     .name = "actuator_crosstalk",
     .summary = "an actuator also gives a share of another's force",
     .source = "a column of B and of the residual plus a share of another",
@@ -116,6 +120,7 @@ const Effect actuator_crosstalk{
     .channels = both<Side::actuators>,
     .apply = mix<Side::actuators>,
     .starts = likeliest<Side::actuators>,
+    .in_study = {.refusal = kInTheRecords},
 };
 
 }  // namespace chladni::diagnosis

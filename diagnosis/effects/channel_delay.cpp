@@ -7,8 +7,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// The prior is that of amplifiers and converters, whatever the body is.
 std::vector<Parameter> delays(const Structure& /*structure*/) {
-  return {{"delay", "s", Parameter::Scale::linear, 0.0, 2e-4, 1e-8}};
+  return {{.name = "delay", .unit = "s", .is_size = true, .width = 2e-4, .step = 1e-8}};
 }
 
 void delay_all(State& state, const Structure& /*structure*/, Index /*option*/, const VectorXd& x) {
@@ -40,11 +41,12 @@ std::vector<EffectStart> each_delay(const Scene& scene) {
   return scan(scene, each_channel<side>(scene.structure()));
 }
 
+constexpr StudyKey kKey{"delay", "delay", "s", StudyKey::How::plus};
 constexpr std::string_view kSource = "e^{-s tau} on the responses";
 
 }  // namespace
 
-const Effect delay{
+constinit const Effect delay{
     .name = "delay",
     .summary = "all responses are late",
     .source = kSource,
@@ -54,8 +56,10 @@ const Effect delay{
     .channels = no_channels,
     .apply = delay_all,
     .starts = one_delay,
+    .tolerance = &Tolerances::delay,
+    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kKey}},
 };
-const Effect sensor_delay{
+constinit const Effect sensor_delay{
     .name = "sensor_delay",
     .summary = "a sensor is later than the others",
     .source = kSource,
@@ -65,8 +69,9 @@ const Effect sensor_delay{
     .channels = the_channel<Side::sensors>,
     .apply = delay_one<Side::sensors>,
     .starts = each_delay<Side::sensors>,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
-const Effect actuator_delay{
+constinit const Effect actuator_delay{
     .name = "actuator_delay",
     .summary = "an actuator is later than the others",
     .source = kSource,
@@ -76,6 +81,7 @@ const Effect actuator_delay{
     .channels = the_channel<Side::actuators>,
     .apply = delay_one<Side::actuators>,
     .starts = each_delay<Side::actuators>,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
 
 }  // namespace chladni::diagnosis

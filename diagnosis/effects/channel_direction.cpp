@@ -11,8 +11,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 std::vector<Parameter> tilts(const Structure& /*structure*/) {
-  return {{"toward_u", "rad", Parameter::Scale::linear, 0.0, 0.05, 1e-5},
-          {"toward_v", "rad", Parameter::Scale::linear, 0.0, 0.05, 1e-5}};
+  return {{.name = "toward_u", .unit = "rad", .is_size = true, .width = 0.05, .step = 1e-5},
+          {.name = "toward_v", .unit = "rad", .is_size = true, .width = 0.05, .step = 1e-5}};
 }
 
 // No option if the simulation has no motion along the surface.
@@ -51,9 +51,12 @@ std::vector<EffectStart> upright(const Scene& scene) {
   return starts;
 }
 
+constexpr InStudy kDirection{.table = InStudy::Table::channels,
+                             .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+
 }  // namespace
 
-const Effect sensor_direction{
+constinit const Effect sensor_direction{
     .name = "sensor_direction",
     .summary = "a sensor is tilted",
     .source = "its row of the shapes along the direction turned",
@@ -64,8 +67,10 @@ const Effect sensor_direction{
     .apply = tilt<Side::sensors>,
     .starts = upright<Side::sensors>,
     .error = kMovedError,
+    .simpler = {{&sensor_position}},
+    .in_study = kDirection,
 };
-const Effect actuator_direction{
+constinit const Effect actuator_direction{
     .name = "actuator_direction",
     .summary = "an actuator pushes at an angle",
     .source = "its column of the shapes along the direction turned",
@@ -76,6 +81,8 @@ const Effect actuator_direction{
     .apply = tilt<Side::actuators>,
     .starts = upright<Side::actuators>,
     .error = kMovedError,
+    .simpler = {{&actuator_position}},
+    .in_study = kDirection,
 };
 
 }  // namespace chladni::diagnosis

@@ -9,7 +9,12 @@ namespace {
 using Eigen::Index;
 
 std::vector<Parameter> gain_parameters(const Structure& /*structure*/) {
-  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.2, 1e-4}};
+  return {{.name = "relative",
+           .unit = "1",
+           .scale = Parameter::Scale::relative,
+           .is_size = true,
+           .width = 0.2,
+           .step = 1e-4}};
 }
 
 template <Side side>
@@ -39,11 +44,12 @@ std::vector<EffectStart> overall_starts(const Scene& scene) {
   return {{0, Eigen::VectorXd::Constant(1, std::log1p(gain.step))}};
 }
 
+constexpr StudyKey kKey{"gain", "relative", "", StudyKey::How::times_one_plus};
 constexpr std::string_view kSource = "a real factor on a row or column of the responses";
 
 }  // namespace
 
-const Effect sensor_gain{
+constinit const Effect sensor_gain{
     .name = "sensor_gain",
     .summary = "a sensor reads too much or too little",
     .source = kSource,
@@ -53,8 +59,12 @@ const Effect sensor_gain{
     .channels = the_channel<Side::sensors>,
     .apply = apply_gain<Side::sensors>,
     .starts = gain_starts<Side::sensors>,
+    .simpler = {{&sensor_sign}},
+    .tolerance = &Tolerances::gain,
+    .is_gain = true,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
-const Effect actuator_gain{
+constinit const Effect actuator_gain{
     .name = "actuator_gain",
     .summary = "an actuator gives more or less force than it says",
     .source = kSource,
@@ -64,8 +74,12 @@ const Effect actuator_gain{
     .channels = the_channel<Side::actuators>,
     .apply = apply_gain<Side::actuators>,
     .starts = gain_starts<Side::actuators>,
+    .simpler = {{&actuator_sign}},
+    .tolerance = &Tolerances::gain,
+    .is_gain = true,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
-const Effect overall_gain{
+constinit const Effect overall_gain{
     .name = "overall_gain",
     .summary = "all responses share a wrong scale",
     .source = kSource,
@@ -75,6 +89,10 @@ const Effect overall_gain{
     .channels = no_channels,
     .apply = apply_overall,
     .starts = overall_starts,
+    .tolerance = &Tolerances::scale,
+    .is_gain = true,
+    .is_scale = true,
+    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kKey}},
 };
 
 }  // namespace chladni::diagnosis

@@ -10,8 +10,16 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// The prior is that of amplifiers and filters, whatever the body is.
 std::vector<Parameter> corner(const Structure& /*structure*/) {
-  return {{"frequency", "Hz", Parameter::Scale::logarithmic, std::log(5e3), 2.0, 1e-4}};
+  return {{.name = "frequency",
+           .unit = "Hz",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::frequency,
+           .is_size = true,
+           .centre = std::log(5e3),
+           .width = 2.0,
+           .step = 1e-4}};
 }
 
 double lag(const VectorXd& x) { return std::exp(-x(0)) / (2.0 * std::numbers::pi); }
@@ -40,11 +48,12 @@ std::vector<EffectStart> each_corner(const Scene& scene) {
   return scan(scene, each_channel<side>(scene.structure()));
 }
 
+constexpr StudyKey kKey{"low_pass", "frequency", "Hz", StudyKey::How::plus_lag};
 constexpr std::string_view kSource = "1 / (1 + s / omega_c) on the responses";
 
 }  // namespace
 
-const Effect low_pass{
+constinit const Effect low_pass{
     .name = "low_pass",
     .summary = "amplifier or filter in all channels",
     .source = kSource,
@@ -54,8 +63,9 @@ const Effect low_pass{
     .channels = no_channels,
     .apply = filter_all,
     .starts = one_corner,
+    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kKey}},
 };
-const Effect sensor_low_pass{
+constinit const Effect sensor_low_pass{
     .name = "sensor_low_pass",
     .summary = "a sensor is slow",
     .source = kSource,
@@ -65,8 +75,9 @@ const Effect sensor_low_pass{
     .channels = the_channel<Side::sensors>,
     .apply = filter_one<Side::sensors>,
     .starts = each_corner<Side::sensors>,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
-const Effect actuator_low_pass{
+constinit const Effect actuator_low_pass{
     .name = "actuator_low_pass",
     .summary = "an actuator or its amplifier is slow",
     .source = kSource,
@@ -76,6 +87,7 @@ const Effect actuator_low_pass{
     .channels = the_channel<Side::actuators>,
     .apply = filter_one<Side::actuators>,
     .starts = each_corner<Side::actuators>,
+    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
 };
 
 }  // namespace chladni::diagnosis

@@ -15,7 +15,11 @@ template <Side side>
 std::vector<Parameter> of_each(const Structure& structure) {
   const double share =
       structure.mass_kg / static_cast<double>(channels_of<side>(structure).count());
-  return {{"mass", "kg", Parameter::Scale::linear, 0.0, 0.3 * share, 1e-6 * structure.mass_kg}};
+  return {{.name = "mass",
+           .unit = "kg",
+           .is_size = true,
+           .width = 0.3 * share,
+           .step = 1e-6 * structure.mass_kg}};
 }
 
 template <Side side>
@@ -58,7 +62,7 @@ constexpr std::string_view kSource = "s^2 m at the place of each, Woodbury";
 
 }  // namespace
 
-const Effect sensor_masses{
+constinit const Effect sensor_masses{
     .name = "sensor_masses",
     .summary = "every sensor weighs something that the model lacks: accelerometers",
     .source = kSource,
@@ -70,8 +74,13 @@ const Effect sensor_masses{
     .starts = weights<Side::sensors>,
     .change = carrying<Side::sensors>,
     .error = kHungError,
+    .tolerance = &Tolerances::mass,
+    .in_study = {.table = InStudy::Table::sensor_attachments,
+                 .kind = "mass",
+                 .is_positive = true,
+                 .keys = {{"mass", "mass", "kg"}}},
 };
-const Effect actuator_masses{
+constinit const Effect actuator_masses{
     .name = "actuator_masses",
     .summary = "every actuator carries a mass that the model lacks: coils, magnets",
     .source = kSource,
@@ -83,6 +92,11 @@ const Effect actuator_masses{
     .starts = weights<Side::actuators>,
     .change = carrying<Side::actuators>,
     .error = kHungError,
+    .tolerance = &Tolerances::mass,
+    .in_study = {.table = InStudy::Table::actuator_attachments,
+                 .kind = "mass",
+                 .is_positive = true,
+                 .keys = {{"mass", "mass", "kg"}}},
 };
 
 }  // namespace chladni::diagnosis

@@ -1,3 +1,4 @@
+#include "diagnosis/effects/body_scale.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/effects/moved_channel.h"
 #include "diagnosis/effects/sides.h"
@@ -9,9 +10,17 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 std::vector<Parameter> offsets(const Structure& structure) {
-  std::vector<Parameter> both{{"u", "m", Parameter::Scale::linear, 0.0, 0.01, 1e-5}};
+  const auto along = [&](std::string_view axis) {
+    return Parameter{.name = axis,
+                     .unit = "m",
+                     .role = Parameter::Role::offset,
+                     .is_size = true,
+                     .width = 0.01 * body_scale(structure),
+                     .step = place_step(structure)};
+  };
+  std::vector<Parameter> both{along("u")};
   const bool wide = !structure.outputs.slope_v.isZero(0.0) || !structure.inputs.slope_v.isZero(0.0);
-  if (wide) both.push_back({"v", "m", Parameter::Scale::linear, 0.0, 0.01, 1e-5});
+  if (wide) both.push_back(along("v"));
   return both;
 }
 
@@ -25,12 +34,13 @@ void move(State& state, const Structure& structure, Index option, const VectorXd
 template <Side side>
 std::vector<EffectStart> moves(const Scene& scene) {
   std::vector<EffectStart> starts;
+  const double scale = body_scale(scene.structure());
   const auto n = static_cast<Index>(offsets(scene.structure()).size());
   for (Index i = 0; i < channels_of<side>(scene.structure()).count(); ++i) {
     starts.push_back({i, VectorXd::Zero(n)});
     for (Index axis = 0; axis < n; ++axis) {
       for (const double by : {-0.012, -0.004, -0.001, 0.001, 0.004, 0.012}) {
-        starts.push_back({i, by * VectorXd::Unit(n, axis)});
+        starts.push_back({i, scale * by * VectorXd::Unit(n, axis)});
       }
     }
   }
@@ -42,9 +52,12 @@ Index all(const Structure& structure) {
   return channels_of<side>(structure).count();
 }
 
+constexpr InStudy kPlace{.table = InStudy::Table::channels,
+                         .keys = {{.key = "at", .how = StudyKey::How::computed}}};
+
 }  // namespace
 
-const Effect sensor_position{
+constinit const Effect sensor_position{
     .name = "sensor_position",
     .summary = "a sensor looks at another point than it says",
     .source = "its row of the shapes at the place moved",
@@ -55,8 +68,10 @@ const Effect sensor_position{
     .apply = move<Side::sensors>,
     .starts = moves<Side::sensors>,
     .error = kMovedError,
+    .tolerance = &Tolerances::position,
+    .in_study = kPlace,
 };
-const Effect actuator_position{
+constinit const Effect actuator_position{
     .name = "actuator_position",
     .summary = "an actuator pushes at another point than it says",
     .source = "its column of the shapes at the place moved",
@@ -67,6 +82,8 @@ const Effect actuator_position{
     .apply = move<Side::actuators>,
     .starts = moves<Side::actuators>,
     .error = kMovedError,
+    .tolerance = &Tolerances::position,
+    .in_study = kPlace,
 };
 
 }  // namespace chladni::diagnosis

@@ -30,9 +30,12 @@ std::vector<EffectStart> turned(const Scene& scene) {
   return starts;
 }
 
+constexpr InStudy kDirection{.table = InStudy::Table::channels,
+                             .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+
 }  // namespace
 
-const Effect sensor_sign{
+constinit const Effect sensor_sign{
     .name = "sensor_sign",
     .summary = "a sensor is wired or mounted the wrong way round",
     .source = "a row of the responses turned",
@@ -42,8 +45,9 @@ const Effect sensor_sign{
     .channels = the_channel<Side::sensors>,
     .apply = turn<Side::sensors>,
     .starts = turned<Side::sensors>,
+    .in_study = kDirection,
 };
-const Effect actuator_sign{
+constinit const Effect actuator_sign{
     .name = "actuator_sign",
     .summary = "an actuator pushes the other way",
     .source = "a column of the responses turned",
@@ -53,6 +57,7 @@ const Effect actuator_sign{
     .channels = the_channel<Side::actuators>,
     .apply = turn<Side::actuators>,
     .starts = turned<Side::actuators>,
+    .in_study = kDirection,
 };
 
 }  // namespace chladni::diagnosis

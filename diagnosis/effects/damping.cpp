@@ -11,7 +11,12 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> level(const Structure& /*structure*/) {
-  return {{"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.8, 1e-4}};
+  return {{.name = "factor",
+           .unit = "1",
+           .scale = Parameter::Scale::factor,
+           .is_size = true,
+           .width = 0.8,
+           .step = 1e-4}};
 }
 
 void scale(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
@@ -28,8 +33,13 @@ std::vector<EffectStart> levels(const Scene& /*scene*/) {
 }
 
 std::vector<Parameter> hysteresis(const Structure& /*structure*/) {
-  return {{"share", "1", Parameter::Scale::linear, 0.5, 0.5, 1e-4},
-          {"factor", "1", Parameter::Scale::logarithmic, 0.0, 0.3, 1e-4}};
+  return {
+      {.name = "share", .unit = "1", .is_size = true, .centre = 0.5, .width = 0.5, .step = 1e-4},
+      {.name = "factor",
+       .unit = "1",
+       .scale = Parameter::Scale::factor,
+       .width = 0.3,
+       .step = 1e-4}};
 }
 
 // Makes a part of each mode's losses proportional to displacement instead of velocity: 2ζω², not
@@ -50,7 +60,7 @@ std::vector<EffectStart> shares(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect modal_damping{
+constinit const Effect modal_damping{
     .name = "modal_damping",
     .summary = "all modes are damped more or less than supposed",
     .source = "D times a factor",
@@ -60,8 +70,11 @@ const Effect modal_damping{
     .channels = no_channels,
     .apply = scale,
     .starts = levels,
+    .tolerance = &Tolerances::damping,
+    .in_study = {.table = InStudy::Table::modes,
+                 .keys = {{"damping_ratio", "factor", "", StudyKey::How::times}}},
 };
-const Effect hysteretic_damping{
+constinit const Effect hysteretic_damping{
     .name = "hysteretic_damping",
     .summary = "losses follow the displacement, not the speed",
     .source = "K (1 + j eta) instead of s D",
@@ -71,6 +84,7 @@ const Effect hysteretic_damping{
     .channels = no_channels,
     .apply = relax,
     .starts = shares,
+    .simpler = {{&modal_damping}},
 };
 
 }  // namespace chladni::diagnosis

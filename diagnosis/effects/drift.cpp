@@ -8,7 +8,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 std::vector<Parameter> first_to_last(const Structure& /*structure*/) {
-  return {{"first_to_last", "1", Parameter::Scale::linear, 0.0, 2e-3, 1e-6}};
+  return {{.name = "first_to_last", .unit = "1", .is_size = true, .width = 2e-3, .step = 1e-6}};
 }
 
 // Needs more than two experiments: one per actuator, in their order.
@@ -32,7 +32,7 @@ std::vector<EffectStart> steps(const Scene& scene) {
 
 }  // namespace
 
-const Effect drift{
+constinit const Effect drift{
     .name = "drift",
     .summary = "the body's stiffness drifts from experiment to experiment, as with temperature",
     .source = "each column of the responses from a K of its own, evenly from first to last",
@@ -42,6 +42,8 @@ const Effect drift{
     .channels = no_channels,
     .apply = warm,
     .starts = steps,
+    .in_study = {.refusal = "it is the experiment's: measure in a shorter time or at one "
+                            "temperature, or diagnose the first columns alone"},
 };
 
 }  // namespace chladni::diagnosis

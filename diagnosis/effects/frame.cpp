@@ -10,10 +10,27 @@ using Eigen::VectorXd;
 
 std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
   const double typical_hz = structure.frequency_hz(structure.rigid_count);
-  return {
-      {"mass", "kg", Parameter::Scale::logarithmic, std::log(10.0 * structure.mass_kg), 2.0, 1e-4},
-      {"frequency", "Hz", Parameter::Scale::logarithmic, std::log(typical_hz), 1.5, 1e-5},
-      {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.02), 1.0, 1e-4}};
+  return {{.name = "mass",
+           .unit = "kg",
+           .scale = Parameter::Scale::logarithmic,
+           .is_size = true,
+           .centre = std::log(10.0 * structure.mass_kg),
+           .width = 2.0,
+           .step = 1e-4},
+          {.name = "frequency",
+           .unit = "Hz",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::frequency,
+           .centre = std::log(typical_hz),
+           .width = 1.5,
+           .step = 1e-5},
+          {.name = "damping_ratio",
+           .unit = "1",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::shape,
+           .centre = std::log(0.02),
+           .width = 1.0,
+           .step = 1e-4}};
 }
 
 void stand(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
@@ -43,7 +60,7 @@ std::vector<EffectStart> frames(const Scene& scene) {
 
 }  // namespace
 
-const Effect frame{
+constinit const Effect frame{
     .name = "frame",
     .summary = "the support moves: actuators push it back, sensors are measured against it",
     .source = "1 / (m s^2 + c s + k) added to all responses alike",

@@ -13,10 +13,15 @@ double typical(const Structure& structure) {
 }
 
 std::vector<Parameter> damping_and_place(const Structure& structure) {
-  return {
-      {"damping", "N s/m", Parameter::Scale::logarithmic, std::log(typical(structure)), 2.5, 1e-4},
-      place_u(),
-      place_v()};
+  return {{.name = "damping",
+           .unit = "N s/m",
+           .scale = Parameter::Scale::logarithmic,
+           .is_size = true,
+           .centre = std::log(typical(structure)),
+           .width = 2.5,
+           .step = 1e-4},
+          place_u(structure),
+          place_v(structure)};
 }
 
 void drag(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
@@ -35,7 +40,7 @@ std::vector<EffectStart> dashpots(const Scene& scene) {
 
 }  // namespace
 
-const Effect ground_damper{
+constinit const Effect ground_damper{
     .name = "ground_damper",
     .summary = "a damper in one place: eddy currents, a cable that rubs, a pad",
     .source = "s c at a place, Woodbury; modes become complex",
@@ -46,6 +51,10 @@ const Effect ground_damper{
     .apply = drag,
     .starts = dashpots,
     .error = kHungError,
+    .in_study = {.table = InStudy::Table::attachment,
+                 .kind = "damper",
+                 .along_normal = true,
+                 .keys = {{"damping", "damping", "N s/m"}}},
 };
 
 }  // namespace chladni::diagnosis

@@ -14,10 +14,15 @@ double typical(const Structure& structure) {
 }
 
 std::vector<Parameter> stiffness_and_place(const Structure& structure) {
-  return {
-      {"stiffness", "N/m", Parameter::Scale::logarithmic, std::log(typical(structure)), 3.0, 1e-4},
-      place_u(),
-      place_v()};
+  return {{.name = "stiffness",
+           .unit = "N/m",
+           .scale = Parameter::Scale::logarithmic,
+           .is_size = true,
+           .centre = std::log(typical(structure)),
+           .width = 3.0,
+           .step = 1e-4},
+          place_u(structure),
+          place_v(structure)};
 }
 
 void hold(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
@@ -36,7 +41,7 @@ std::vector<EffectStart> springs(const Scene& scene) {
 
 }  // namespace
 
-const Effect ground_spring{
+constinit const Effect ground_spring{
     .name = "ground_spring",
     .summary = "something holds the body: flexure, cable, gravity compensator",
     .source = "k at a place, Woodbury",
@@ -47,6 +52,10 @@ const Effect ground_spring{
     .apply = hold,
     .starts = springs,
     .error = kHungError,
+    .in_study = {.table = InStudy::Table::attachment,
+                 .kind = "spring",
+                 .along_normal = true,
+                 .keys = {{"stiffness", "stiffness", "N/m"}}},
 };
 
 }  // namespace chladni::diagnosis

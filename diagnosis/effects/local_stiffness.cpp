@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "diagnosis/body_fields.h"
+#include "diagnosis/effects/attachment.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/search/scene.h"
 
@@ -24,11 +25,21 @@ double usual_radius(const Structure& structure) {
 }
 
 std::vector<Parameter> patch(const Structure& structure) {
-  return {
-      {"factor", "1", Parameter::Scale::relative, 0.0, 0.5, 1e-4},
-      {"u", "m", Parameter::Scale::place_u, 0.0, 1.0, 1e-5},
-      {"v", "m", Parameter::Scale::place_v, 0.0, 1.0, 1e-5},
-      {"radius", "m", Parameter::Scale::logarithmic, std::log(usual_radius(structure)), 0.4, 1e-4}};
+  return {{.name = "factor",
+           .unit = "1",
+           .scale = Parameter::Scale::relative,
+           .is_size = true,
+           .width = 0.5,
+           .step = 1e-4},
+          place_u(structure),
+          place_v(structure),
+          {.name = "radius",
+           .unit = "m",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::extent,
+           .centre = std::log(usual_radius(structure)),
+           .width = 0.4,
+           .step = 1e-4}};
 }
 
 Index has_cells(const Structure& structure) {
@@ -101,7 +112,7 @@ std::vector<EffectStart> centres(const Scene& scene) {
 
 }  // namespace
 
-const Effect local_stiffness{
+constinit const Effect local_stiffness{
     .name = "local_stiffness",
     .summary = "stiffer or softer in one place: crack, loose bolt, pocket, rib",
     .source = "K plus a factor of the stiffness within a patch",
@@ -113,6 +124,11 @@ const Effect local_stiffness{
     .starts = centres,
     .change = softening,
     .error = kOutlineError,
+    .error_follows_size = true,
+    .in_study = {.table = InStudy::Table::variation,
+                 .kind = "stiffness",
+                 .at_place = true,
+                 .keys = {{"radius", "radius", "m"}, {"relative", "factor", ""}}},
 };
 
 }  // namespace chladni::diagnosis

@@ -9,7 +9,11 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> relative(const Structure& /*structure*/) {
-  return {{"relative", "1", Parameter::Scale::relative, 0.0, 1.0, 1e-4}};
+  return {{.name = "relative",
+           .unit = "1",
+           .scale = Parameter::Scale::relative,
+           .is_size = true,
+           .step = 1e-4}};
 }
 
 Eigen::Index is_known(const Structure& structure) { return structure.residual.isZero(0.0) ? 0 : 1; }
@@ -29,7 +33,7 @@ std::vector<EffectStart> both_ways(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect modes_above{
+constinit const Effect modes_above{
     .name = "modes_above",
     .summary = "the modes above the band yield more or less than they should",
     .source = "their static flexibility (1 + r)",
@@ -39,6 +43,9 @@ const Effect modes_above{
     .channels = no_channels,
     .apply = yield,
     .starts = both_ways,
+    .tolerance = &Tolerances::residual,
+    .in_study = {.refusal = "no key holds what modes above the band yield: look for what gives way "
+                            "locally, under the sensors and actuators"},
 };
 
 }  // namespace chladni::diagnosis

@@ -7,8 +7,8 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> constants(const Structure& /*structure*/) {
-  return {{"along_u", "1", Parameter::Scale::linear, 0.0, 0.2, 1e-5},
-          {"shear", "1", Parameter::Scale::linear, 0.0, 0.2, 1e-5}};
+  return {{.name = "along_u", .unit = "1", .is_size = true, .width = 0.2, .step = 1e-5},
+          {.name = "shear", .unit = "1", .is_size = true, .width = 0.2, .step = 1e-5}};
 }
 
 Eigen::Index known(const Structure& structure) {
@@ -31,7 +31,7 @@ std::vector<EffectStart> steps(const Scene& /*scene*/) {
 
 }  // namespace
 
-const Effect orthotropy{
+constinit const Effect orthotropy{
     .name = "orthotropy",
     .summary = "stiffer along one side than along the other: rolled, ribbed, fibred",
     .source = "K plus parts of it by elastic constant",
@@ -41,6 +41,12 @@ const Effect orthotropy{
     .channels = no_channels,
     .apply = stretch,
     .starts = steps,
+    .tolerance = &Tolerances::orthotropy,
+    .in_study = {.table = InStudy::Table::materials,
+                 .keys = {{.key = "symmetry", .how = StudyKey::How::computed},
+                          {.key = "youngs_modulus", .how = StudyKey::How::computed},
+                          {.key = "poissons_ratio", .how = StudyKey::How::computed},
+                          {.key = "shear_modulus", .how = StudyKey::How::computed}}},
 };
 
 }  // namespace chladni::diagnosis

@@ -9,10 +9,13 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> mass_and_place(const Structure& structure) {
-  return {{"mass", "kg", Parameter::Scale::linear, 0.0, 0.03 * structure.mass_kg,
-           1e-6 * structure.mass_kg},
-          place_u(),
-          place_v()};
+  return {{.name = "mass",
+           .unit = "kg",
+           .is_size = true,
+           .width = 0.03 * structure.mass_kg,
+           .step = 1e-6 * structure.mass_kg},
+          place_u(structure),
+          place_v(structure)};
 }
 
 void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
@@ -33,7 +36,7 @@ std::vector<EffectStart> weights(const Scene& scene) {
 
 }  // namespace
 
-const Effect point_mass{
+constinit const Effect point_mass{
     .name = "point_mass",
     .summary = "a mass on the body that the model lacks (negative: missing material)",
     .source = "s^2 m at a place, Woodbury",
@@ -44,6 +47,10 @@ const Effect point_mass{
     .apply = hang,
     .starts = weights,
     .error = kHungError,
+    .in_study = {.table = InStudy::Table::attachment,
+                 .kind = "mass",
+                 .is_positive = true,
+                 .keys = {{"mass", "mass", "kg"}}},
 };
 
 }  // namespace chladni::diagnosis

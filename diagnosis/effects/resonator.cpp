@@ -10,12 +10,29 @@ using Eigen::VectorXd;
 
 std::vector<Parameter> oscillator_and_place(const Structure& structure) {
   const double typical_hz = structure.frequency_hz(structure.rigid_count);
-  return {
-      {"mass", "kg", Parameter::Scale::logarithmic, std::log(0.01 * structure.mass_kg), 2.0, 1e-4},
-      {"frequency", "Hz", Parameter::Scale::logarithmic, std::log(2.0 * typical_hz), 1.2, 1e-5},
-      {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.02), 1.0, 1e-4},
-      place_u(),
-      place_v()};
+  return {{.name = "mass",
+           .unit = "kg",
+           .scale = Parameter::Scale::logarithmic,
+           .is_size = true,
+           .centre = std::log(0.01 * structure.mass_kg),
+           .width = 2.0,
+           .step = 1e-4},
+          {.name = "frequency",
+           .unit = "Hz",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::frequency,
+           .centre = std::log(2.0 * typical_hz),
+           .width = 1.2,
+           .step = 1e-5},
+          {.name = "damping_ratio",
+           .unit = "1",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::shape,
+           .centre = std::log(0.02),
+           .width = 1.0,
+           .step = 1e-4},
+          place_u(structure),
+          place_v(structure)};
 }
 
 void carry(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
@@ -52,9 +69,13 @@ std::vector<EffectStart> oscillators(const Scene& scene) {
   return at_peaks(scene, sizes, 3);
 }
 
+// The pole of a resonator is not visible if it brings less than this part of the gain: it lies
+// outside the band or is heavily damped.
+constexpr double kPoleUnseen = 0.01;
+
 }  // namespace
 
-const Effect resonator{
+constinit const Effect resonator{
     .name = "resonator",
     .summary = "a mass on a spring hangs on the body: bracket, cable, loose part",
     .source = "m s^2 (k + c s) / (m s^2 + c s + k) at a place, Woodbury: one more pole",
@@ -68,6 +89,15 @@ const Effect resonator{
     .starts = oscillators,
     .error = kHungError,
     .implied = implied,
+    .simpler = {{&point_mass, kPoleUnseen},
+                {&ground_spring, kPoleUnseen},
+                {&ground_damper, kPoleUnseen}},
+    .in_study = {.table = InStudy::Table::attachment,
+                 .kind = "resonator",
+                 .along_normal = true,
+                 .keys = {{"mass", "mass", "kg"},
+                          {"frequency", "frequency", "Hz"},
+                          {.key = "damping_ratio", .how = StudyKey::How::computed}}},
 };
 
 }  // namespace chladni::diagnosis

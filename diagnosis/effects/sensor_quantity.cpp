@@ -111,7 +111,7 @@ std::vector<EffectStart> units(const Scene& scene) {
 
 }  // namespace
 
-const Effect sensor_quantity{
+constinit const Effect sensor_quantity{
     .name = "sensor_quantity",
     .summary = "velocity or acceleration called displacement, or the reverse",
     .source = "a row times a power of s",
@@ -121,10 +121,11 @@ const Effect sensor_quantity{
     .channels = whose<kPowers.size()>,
     .apply = differentiate,
     .starts = powers,
-    .error = 0.0,
     .choice = quantity,
+    .in_study = {.table = InStudy::Table::channels,
+                 .keys = {{.key = "quantity", .how = StudyKey::How::computed}}},
 };
-const Effect sensor_unit{
+constinit const Effect sensor_unit{
     .name = "sensor_unit",
     .summary = "a unit taken for another: g for m/s^2, mm for m, inch for mm",
     .source = "a row times one of the factors between units",
@@ -134,8 +135,10 @@ const Effect sensor_unit{
     .channels = whose<kFactors.size()>,
     .apply = rescale,
     .starts = units,
-    .error = 0.0,
     .choice = unit,
+    .is_gain = true,
+    .in_study = {.table = InStudy::Table::channels,
+                 .keys = {{"gain", "factor", "", StudyKey::How::times}}},
 };
 
 }  // namespace chladni::diagnosis

@@ -14,7 +14,12 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 std::vector<Parameter> relative(const Structure& /*structure*/) {
-  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.05, 1e-5}};
+  return {{.name = "relative",
+           .unit = "1",
+           .scale = Parameter::Scale::relative,
+           .is_size = true,
+           .width = 0.05,
+           .step = 1e-5}};
 }
 
 Index bends(const Structure& structure) {
@@ -76,7 +81,7 @@ std::vector<EffectStart> steps(const Scene& scene) {
 
 }  // namespace
 
-const Effect size_error{
+constinit const Effect size_error{
     .name = "size_error",
     .summary = "the body is longer and wider than its drawing, or smaller",
     .source = "K as 1/l^2 but for shear, M as l^2; channels stay where they are",
@@ -88,6 +93,10 @@ const Effect size_error{
     .starts = steps,
     .change = stretching,
     .error = 0.005,
+    .in_study = {.table = InStudy::Table::geometry,
+                 .keys = {{"length", "relative", "", StudyKey::How::times_one_plus},
+                          {"width", "relative", "", StudyKey::How::times_one_plus},
+                          {"diameter", "relative", "", StudyKey::How::times_one_plus}}},
 };
 
 }  // namespace chladni::diagnosis

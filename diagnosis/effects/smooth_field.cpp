@@ -19,8 +19,11 @@ std::vector<Parameter> coefficients(const Structure& structure) {
   std::vector<Parameter> all;
   for (Index f = 0; f < waves; ++f) {
     const auto n = static_cast<std::size_t>(f);
-    all.push_back(
-        {waves == 5 ? kPlane[n] : kLine[n], "1", Parameter::Scale::linear, 0.0, 0.05, 1e-5});
+    all.push_back({.name = waves == 5 ? kPlane[n] : kLine[n],
+                   .unit = "1",
+                   .is_size = true,
+                   .width = 0.05,
+                   .step = 1e-5});
   }
   return all;
 }
@@ -53,9 +56,15 @@ std::vector<EffectStart> flat(const Scene& scene) {
   return starts;
 }
 
+constexpr InStudy waves(std::string_view of) {
+  InStudy entry{.table = InStudy::Table::variation, .kind = of};
+  for (const auto name : kPlane) entry.keys.push_back({name, name, ""});
+  return entry;
+}
+
 }  // namespace
 
-const Effect modulus_field{
+constinit const Effect modulus_field{
     .name = "modulus_field",
     .summary = "Young's modulus varies smoothly over the body",
     .source = "sum of x_f K_f, Legendre polynomials over the body",
@@ -67,8 +76,10 @@ const Effect modulus_field{
     .starts = flat,
     .change = stiffening,
     .error = kWaveError,
+    .simpler = {{&youngs_modulus}},
+    .in_study = waves("stiffness"),
 };
-const Effect thickness_field{
+constinit const Effect thickness_field{
     .name = "thickness_field",
     .summary = "the thickness varies smoothly: a taper, a bow",
     .source = "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
@@ -80,6 +91,9 @@ const Effect thickness_field{
     .starts = flat,
     .change = thickening,
     .error = kWaveError,
+    .simpler = {{&thickness}},
+    .tolerance = &Tolerances::thickness,
+    .in_study = waves("thickness"),
 };
 
 }  // namespace chladni::diagnosis

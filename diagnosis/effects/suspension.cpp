@@ -12,8 +12,21 @@ using Eigen::VectorXd;
 
 std::vector<Parameter> frequency_and_damping(const Structure& structure) {
   const double typical_hz = 0.1 * structure.frequency_hz(structure.rigid_count);
-  return {{"frequency", "Hz", Parameter::Scale::logarithmic, std::log(typical_hz), 1.0, 1e-4},
-          {"damping_ratio", "1", Parameter::Scale::logarithmic, std::log(0.1), 1.5, 1e-4}};
+  return {{.name = "frequency",
+           .unit = "Hz",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::frequency,
+           .is_size = true,
+           .centre = std::log(typical_hz),
+           .width = 1.0,
+           .step = 1e-4},
+          {.name = "damping_ratio",
+           .unit = "1",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::shape,
+           .centre = std::log(0.1),
+           .width = 1.5,
+           .step = 1e-4}};
 }
 
 Index is_free(const Structure& structure) { return structure.rigid_count > 0 ? 1 : 0; }
@@ -42,7 +55,7 @@ std::vector<EffectStart> holds(const Scene& scene) {
 
 }  // namespace
 
-const Effect suspension{
+constinit const Effect suspension{
     .name = "suspension",
     .summary =
         "the body is held as a whole: a soft suspension, what is left of a control "
@@ -55,6 +68,9 @@ const Effect suspension{
     .apply = hold,
     .starts = holds,
     .error = kUneven,
+    .in_study = {.refusal =
+                     "no key holds a body as a whole: say the springs where they are, or take "
+                     "the control loop out of the records"},
 };
 
 }  // namespace chladni::diagnosis

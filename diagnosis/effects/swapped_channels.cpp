@@ -41,9 +41,13 @@ std::vector<EffectStart> swapped(const Scene& scene) {
   return starts;
 }
 
+constexpr InStudy kNames{.table = InStudy::Table::channels,
+                         .keys = {{.key = "name", .how = StudyKey::How::computed},
+                                  {.key = "node", .how = StudyKey::How::computed}}};
+
 }  // namespace
 
-const Effect swapped_sensors{
+constinit const Effect swapped_sensors{
     .name = "swapped_sensors",
     .summary = "two sensors carry each other's name",
     .source = "two rows of the responses exchanged",
@@ -53,8 +57,9 @@ const Effect swapped_sensors{
     .channels = both<Side::sensors>,
     .apply = swap_labels<Side::sensors>,
     .starts = swapped<Side::sensors>,
+    .in_study = kNames,
 };
-const Effect swapped_actuators{
+constinit const Effect swapped_actuators{
     .name = "swapped_actuators",
     .summary = "two actuators carry each other's name",
     .source = "two columns of the responses exchanged",
@@ -64,6 +69,7 @@ const Effect swapped_actuators{
     .channels = both<Side::actuators>,
     .apply = swap_labels<Side::actuators>,
     .starts = swapped<Side::actuators>,
+    .in_study = kNames,
 };
 
 }  // namespace chladni::diagnosis

@@ -10,7 +10,12 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> relative(const Structure& /*structure*/) {
-  return {{"relative", "1", Parameter::Scale::relative, 0.0, 0.2, 1e-5}};
+  return {{.name = "relative",
+           .unit = "1",
+           .scale = Parameter::Scale::relative,
+           .is_size = true,
+           .width = 0.2,
+           .step = 1e-5}};
 }
 
 void stiffen(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
@@ -59,9 +64,17 @@ std::vector<EffectStart> by_one(const Scene& scene) { return steps(scene, 1.0); 
 
 Eigen::Index bends(const Structure& structure) { return structure.bending_power > 0.0 ? 1 : 0; }
 
+constexpr InStudy scaled(InStudy::Table table, std::initializer_list<std::string_view> keys) {
+  InStudy entry{.table = table};
+  for (const auto key : keys) {
+    entry.keys.push_back({key, "relative", "", StudyKey::How::times_one_plus});
+  }
+  return entry;
+}
+
 }  // namespace
 
-const Effect youngs_modulus{
+constinit const Effect youngs_modulus{
     .name = "youngs_modulus",
     .summary = "the whole body is stiffer or softer",
     .source = "K (1 + e)",
@@ -71,8 +84,12 @@ const Effect youngs_modulus{
     .channels = no_channels,
     .apply = stiffen,
     .starts = by_half,
+    .tolerance = &Tolerances::modulus,
+    .is_scale = true,
+    .in_study =
+        scaled(InStudy::Table::materials, {"youngs_modulus", "shear_modulus", "c11", "c12", "c44"}),
 };
-const Effect density{
+constinit const Effect density{
     .name = "density",
     .summary = "the whole body is heavier or lighter",
     .source = "M (1 + r)",
@@ -82,8 +99,11 @@ const Effect density{
     .channels = no_channels,
     .apply = weigh,
     .starts = by_half,
+    .tolerance = &Tolerances::density,
+    .is_scale = true,
+    .in_study = scaled(InStudy::Table::materials, {"density"}),
 };
-const Effect thickness{
+constinit const Effect thickness{
     .name = "thickness",
     .summary = "the whole body is thicker or thinner",
     .source = "K (1 + t)^3 but for shear, M (1 + t) of a body that bends",
@@ -95,6 +115,10 @@ const Effect thickness{
     .starts = by_one,
     .change = thickening,
     .error = 0.005,
+    .tolerance = &Tolerances::thickness,
+    .is_scale = true,
+    .in_study = scaled(InStudy::Table::geometry,
+                       {"thickness", "height", "face_sheet", "wafer.thickness", "bores.depth"}),
 };
 
 }  // namespace chladni::diagnosis

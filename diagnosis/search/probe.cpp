@@ -33,22 +33,18 @@ struct Roles {
   VectorXd at_rest;      // sizes at 0, the others at the centres of their priors
 };
 
-// The first coordinate is a size. If it is about zero, others of the same kind are sizes too. A
-// factor beside a difference is not.
 Roles roles_of(const std::vector<Parameter>& parameters) {
   Roles roles;
-  const auto& first = parameters.front();
-  roles.about_zero = is_about_zero(first);
+  roles.about_zero = parameters.front().is_about_zero();
   roles.at_rest = VectorXd::Zero(static_cast<Index>(parameters.size()));
   for (Index i = 0; i < roles.at_rest.size(); ++i) {
     const auto& parameter = parameters[at(i)];
-    if (parameter.scale == Parameter::Scale::place_u) roles.u = i;
-    if (parameter.scale == Parameter::Scale::place_v) roles.v = i;
-    if (parameter.is_place()) continue;
-    const bool size = roles.about_zero ? is_about_zero(parameter) : i == 0;
-    if (!size) roles.at_rest(i) = parameter.centre;
-    if (!size && parameter.unit == "Hz") roles.frequencies.push_back(i);
-    if (size && parameter.scale == first.scale) roles.sizes.push_back(i);
+    if (parameter.role == Parameter::Role::place_u) roles.u = i;
+    if (parameter.role == Parameter::Role::place_v) roles.v = i;
+    if (parameter.is_size) roles.sizes.push_back(i);
+    if (parameter.is_size || parameter.is_place()) continue;
+    roles.at_rest(i) = parameter.centre;
+    if (parameter.role == Parameter::Role::frequency) roles.frequencies.push_back(i);
   }
   return roles;
 }
@@ -58,7 +54,7 @@ double faint(const std::vector<Parameter>& parameters, Index size, Nothing nothi
   const auto& parameter = parameters[at(size)];
   if (nothing == Nothing::minus_infinity) return parameter.centre - kConstants.faint_strength;
   if (nothing == Nothing::plus_infinity) return parameter.centre + kConstants.faint_strength;
-  const bool others = std::ranges::any_of(parameters, std::not_fn(is_about_zero));
+  const bool others = std::ranges::any_of(parameters, std::not_fn(&Parameter::is_about_zero));
   return others ? kConstants.faint * parameter.width : 0.0;
 }
 
@@ -164,12 +160,6 @@ State among(const State& all, State alone, const Hung& own, const State& base) {
 }
 
 }  // namespace
-
-bool is_about_zero(const Parameter& parameter) {
-  const bool factor = parameter.scale == Parameter::Scale::logarithmic && parameter.unit == "1";
-  return parameter.scale == Parameter::Scale::linear ||
-         parameter.scale == Parameter::Scale::relative || (factor && parameter.centre == 0.0);
-}
 
 Probing::Probing(const Problem& problem) : Probing(problem, state_of(problem.structure)) {}
 

@@ -16,9 +16,6 @@ enum class Nothing {
   plus_infinity,   ///< an effect that is weak if it is large: a low-pass corner, a support's mass
 };
 
-/// True for a difference, or a factor that is usually 1: no change at x = 0.
-[[nodiscard]] bool is_about_zero(const Parameter& parameter);
-
 /// An effect in one place, of one channel, at one frequency, at a very small size.
 struct Probe {
   Eigen::Index option = 0;

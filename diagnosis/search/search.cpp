@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -309,12 +307,6 @@ bool is_lost(const Problem& problem, const Fit& fit) {
   return fit.chi_square > kConstants.lost_power * problem.observed.power();
 }
 
-bool is_a_gain(const Effect* effect) {
-  constexpr std::array<std::string_view, 4> kGains{"sensor_gain", "actuator_gain", "overall_gain",
-                                                   "sensor_unit"};
-  return std::ranges::find(kGains, effect->name) != kGains.end();
-}
-
 // Searches with any gain allowed in each channel, then fits without these gains. Returns the best
 // fit for each number of causes.
 std::vector<Fit> with_free_gains(const Level& level) {
@@ -324,7 +316,7 @@ std::vector<Fit> with_free_gains(const Level& level) {
   auto free = deviations(structure, any_gain, 0.0);
   free.insert(free.begin(), tolerable.begin(), tolerable.end());
   std::vector<const Effect*> catalogue = level.catalogue;
-  std::erase_if(catalogue, is_a_gain);
+  std::erase_if(catalogue, [](const Effect* effect) { return effect->is_gain; });
   const Problem problem{structure, observed, free, solver_error};
   Fit rest;
   rest.eta = VectorXd::Zero(std::ssize(free));

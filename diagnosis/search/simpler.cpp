@@ -38,7 +38,7 @@ bool pushes_alike(const Problem& problem, const Supposed& a, const Supposed& b) 
 double may_leave(const Problem& problem, const Found& found, const Fit& best, std::size_t cause,
                  const Effect& simpler) {
   double share = std::pow(error_of(problem, best.causes[cause]), 2);
-  for (const auto& pair : simpler_of(*best.causes[cause].effect)) {
+  for (const auto& pair : best.causes[cause].effect->simpler) {
     if (pair.effect == &simpler) share = std::max(share, pair.share);
   }
   return share * std::max(found.nothing.objective - best.objective, 0.0);

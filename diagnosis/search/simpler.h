@@ -35,7 +35,7 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 [[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
                          const SearchLimits& limits);
 
-/// Replaces each cause of the best fit by its simpler effects (simpler_of), if these push on the
+/// Replaces each cause of the best fit by its simpler effects (Effect::simpler), if these push on the
 /// body about as the cause does. If both explain the data equally well, the simpler one is
 /// preferred, but the search need not have tried it. The new fits enter after the best. A
 /// replacement stays if it costs less than `equal` of evidence or than its share (Simpler). Returns

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,12 +13,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::array<std::string_view, 4> kScales{"youngs_modulus", "density", "thickness",
-                                                  "overall_gain"};
-
 bool only_scales(const Fit& fit) {
   return !fit.causes.empty() && std::ranges::all_of(fit.causes, [](const Supposed& cause) {
-    return std::ranges::find(kScales, cause.effect->name) != kScales.end();
+    return cause.effect->is_scale;
   });
 }
 

@@ -32,7 +32,7 @@ Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index 
     const double variance = fit.covariance(first + i, first + i);
     cause.parameters.push_back(
         {std::string(parameter.name), std::string(parameter.unit), parameter.value(supposed.x(i)),
-         parameter.value_per_coordinate(supposed.x(i)) * std::sqrt(variance)});
+         parameter.value_per_coordinate(supposed.x(i)) * std::sqrt(variance), parameter.role});
     ++i;
   }
   return cause;
@@ -52,10 +52,12 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   return explanation;
 }
 
-// True for a number that is neither a place nor a frequency, because a pole shows its frequency
-// directly.
+// True for a number that another mesh or solver finds otherwise. A place, an offset of a channel and
+// a frequency are not, because a pole shows its frequency directly.
 bool is_a_size(const CauseParameter& parameter) {
-  return parameter.name != "u" && parameter.name != "v" && parameter.unit != "Hz";
+  using Role = Parameter::Role;
+  return parameter.role == Role::strength || parameter.role == Role::extent ||
+         parameter.role == Role::shape;
 }
 
 bool same_name(const Cause& a, const Cause& b) {
@@ -67,7 +69,7 @@ bool same_name(const Cause& a, const Cause& b) {
 std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
                                                       const Explanation& other) {
   const auto is_simpler = [](const Cause& cause, const Cause& more) {
-    return std::ranges::any_of(simpler_of(effect(more.effect)), [&](const Simpler& simpler) {
+    return std::ranges::any_of(effect(more.effect).simpler, [&](const Simpler& simpler) {
       return simpler.effect->name == cause.effect;
     });
   };
@@ -118,7 +120,7 @@ void widen_deviations(const Problem& problem, Explanation& explanation) {
 // Part of the general effect's gain that the simpler effect may leave.
 double share_left_to(const Effect& simpler, const Effect& general) {
   double share = std::pow(simpler.error, 2);
-  for (const auto& pair : simpler_of(general)) {
+  for (const auto& pair : general.simpler) {
     if (pair.effect == &simpler) share = std::max(share, pair.share);
   }
   return share;

@@ -134,8 +134,8 @@ VectorXd plain_size(const Effect& effect) {
   for (Index i = 0; i < x.size(); ++i) {
     const auto& one = parameters[static_cast<std::size_t>(i)];
     x(i) = one.centre + 0.4 * one.width;
-    if (one.scale == Parameter::Scale::place_u) x(i) = 0.083;
-    if (one.scale == Parameter::Scale::place_v) x(i) = -0.127;
+    if (one.role == Parameter::Role::place_u) x(i) = 0.083;
+    if (one.role == Parameter::Role::place_v) x(i) = -0.127;
   }
   return x;
 }

@@ -3,15 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "diagnosis/body_fields.h"
 #include "diagnosis/fit/deviations.h"
+#include "diagnosis/fit/fit.h"
 #include "diagnosis/fit/responses.h"
 #include "diagnosis/search/probe.h"
 #include "diagnosis/small_plate.h"
@@ -33,8 +36,8 @@ VectorXd plain_size(const Effect& effect) {
   for (Index i = 0; i < x.size(); ++i) {
     const auto& one = parameters[static_cast<std::size_t>(i)];
     x(i) = one.centre + 0.4 * one.width;
-    if (one.scale == Parameter::Scale::place_u) x(i) = 0.083;
-    if (one.scale == Parameter::Scale::place_v) x(i) = -0.127;
+    if (one.role == Parameter::Role::place_u) x(i) = 0.083;
+    if (one.role == Parameter::Role::place_v) x(i) = -0.127;
   }
   return x;
 }
@@ -65,6 +68,63 @@ TEST_P(Effects, SayWhatTheyAre) {
   }
   for (Index option = 0; option < std::min<Index>(4, effect().options(small_plate())); ++option) {
     for (const auto& name : effect().channels(small_plate(), option)) EXPECT_FALSE(name.empty());
+  }
+}
+
+TEST_P(Effects, HaveRolesForTheirNumbers) {
+  const auto parameters = effect().parameters(small_plate());
+  if (parameters.empty()) return;
+  EXPECT_TRUE(parameters.front().is_size);
+  using Role = Parameter::Role;
+  const auto count = [&](Role role) {
+    return std::ranges::count(parameters, role, &Parameter::role);
+  };
+  EXPECT_EQ(count(Role::place_u), count(Role::place_v));
+  EXPECT_LE(count(Role::place_u), 1);
+  EXPECT_LE(count(Role::extent), count(Role::place_u));
+  for (const auto& one : parameters) {
+    EXPECT_TRUE(!one.is_size || one.scale == parameters.front().scale) << one.name;
+    EXPECT_EQ(one.role == Role::frequency, one.unit == "Hz") << one.name;
+    EXPECT_FALSE(one.is_place() && one.is_size) << one.name;
+  }
+}
+
+// Each key of a study gets a number that the effect has.
+TEST_P(Effects, SayWhatAStudySaysOfThem) {
+  const auto& said = effect().in_study;
+  EXPECT_EQ(said.table == InStudy::Table::none, said.keys.empty());
+  EXPECT_TRUE(said.keys.empty() || said.refusal.empty());
+  const bool has_kind = said.table == InStudy::Table::attachment ||
+                        said.table == InStudy::Table::sensor_attachments ||
+                        said.table == InStudy::Table::actuator_attachments ||
+                        said.table == InStudy::Table::variation;
+  EXPECT_EQ(has_kind, !said.kind.empty());
+  const auto parameters = effect().parameters(small_plate());
+  for (const auto& one : said.keys) {
+    EXPECT_FALSE(one.key.empty());
+    EXPECT_EQ(one.number.empty(), one.how == StudyKey::How::computed) << one.key;
+    const bool fitted = std::ranges::count(parameters, one.number, &Parameter::name) == 1;
+    EXPECT_TRUE(one.number.empty() || fitted || one.number == choice_of(effect(), 0).number)
+        << one.key;
+  }
+}
+
+// A small effect with a tolerance is a combination of the deviations of that tolerance.
+TEST_P(Effects, ActAsTheirTolerance) {
+  if (effect().tolerance == nullptr) GTEST_SKIP() << "has none";
+  Tolerances tolerances = no_tolerances();
+  tolerances.*(effect().tolerance) = 1e-3;
+  const auto tolerable = deviations(small_plate(), tolerances, 1e9);
+  ASSERT_FALSE(tolerable.empty());
+  const Observed observed = observed_in(state_of(small_plate()), 1.0);
+  const Problem problem{small_plate(), observed, tolerable};
+  const Probing probing(problem);
+  const MatrixXd known =
+      sensitivities(problem, {}, VectorXd::Zero(std::ssize(tolerable)), probing.now());
+  for (const auto& probe : probing.probes(effect(), 2)) {
+    const VectorXd by = probing.size_columns(effect(), std::span(&probe, 1)).col(0);
+    const VectorXd left = by - known * known.colPivHouseholderQr().solve(by);
+    EXPECT_LT(left.norm(), 0.05 * by.norm()) << probe.option;
   }
 }
 

@@ -120,12 +120,12 @@ TEST(Search, TriesTheSimplerEffectInTheEnd) {
 TEST(Search, HasASimplerEffectThatTakesOverWhatBothShare) {
   const auto& plate = small_plate();
   for (const auto* general : effects()) {
-    if (simpler_of(*general).empty()) continue;
+    if (general->simpler.empty()) continue;
     VectorXd x(static_cast<Index>(general->parameters(plate).size()));
     for (Index i = 0; i < x.size(); ++i) x(i) = 0.01 * static_cast<double>(i + 1);
     const Supposed whole{general, 0, x};
     const auto all = simplified(whole, plate);
-    ASSERT_EQ(all.size(), simpler_of(*general).size()) << general->name;
+    ASSERT_EQ(all.size(), general->simpler.size()) << general->name;
     for (const auto& simpler : all) {
       EXPECT_EQ(static_cast<std::size_t>(simpler.x.size()),
                 simpler.effect->parameters(plate).size());
