@@ -54,7 +54,7 @@ TEST(HiddenScore, TellsMissesApart) {
 TEST(HiddenScore, WantsWhatTheCatalogueLacksLeftOpen) {
   HiddenCase hidden;
   hidden.outside = true;
-  hidden.truth = {{"elastic_pad", {}, {}, {}}};
+  hidden.truth = {{"line_crack", {}, {}, {}}};
   EXPECT_EQ(scored(hidden, called(Verdict::partial, "ground_spring")).outcome, Outcome::right);
   EXPECT_EQ(scored(hidden, called(Verdict::named, "ground_spring")).outcome, Outcome::wrong);
   EXPECT_TRUE(scored(hidden, called(Verdict::named, "ground_spring")).confidently_wrong());
@@ -64,7 +64,7 @@ TEST(HiddenScore, WantsWhatTheCatalogueLacksLeftOpen) {
 TEST(HiddenScore, CountsASureWrongNameUnderAnyVerdict) {
   HiddenCase hidden;
   hidden.outside = true;
-  hidden.truth = {{"elastic_pad", {}, {}, {}}};
+  hidden.truth = {{"line_crack", {}, {}, {}}};
   auto told = called(Verdict::partial, "ground_spring");
   EXPECT_EQ(scored(hidden, told).outcome, Outcome::right);
   EXPECT_TRUE(scored(hidden, told).confidently_wrong());

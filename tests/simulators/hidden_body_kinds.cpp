@@ -100,6 +100,14 @@ HiddenEffect ground_damper(Recipe& recipe, Drawn& drawn) {
   return at_point(recipe, drawn, {{}, 0.0, 0.0, 0.0, c}, {{"damping", c}});
 }
 
+HiddenEffect pad(Recipe& recipe, Drawn& drawn) {
+  RitzPad one;
+  one.stiffness = drawn.scale.stiffness() * drawn.size(2e4, 4e6);
+  one.radius = drawn.dice.between(0.08, 0.15);
+  one.centre = drawn.place(0.05);
+  recipe.pads.push_back(one);
+  return {"", {{"stiffness", one.stiffness}, {"radius", one.radius}}, one.centre, {}};
+}
 HiddenEffect resonator(Recipe& recipe, Drawn& drawn) {
   RitzResonator one;
   one.mass = drawn.scale.mass * drawn.size(1e-3, 0.5);
@@ -183,6 +191,7 @@ const std::vector<HiddenKind>& body_kinds() {
       {"modes_above", false, yielding_above},
       {"suspension", false, suspension},
       {"drift", false, drift},
+      {"elastic_pad", false, pad},
   };
   return kinds;
 }
