@@ -10,5 +10,5 @@ set(fuzzed_measured
   io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/measured/time_csv
   io/uff/time_uff io/uff/uff io/uff/uff_binary io/uff/uff_channels io/uff/uff_function
   io/uff/uff_lines io/uff/uff_shape io/uff/uff_systems io/uff/uff_write
-  app/study/toml/study_source io/bytes/escape io/bytes/json io/bytes/message
+  study/toml/study_source io/bytes/escape io/bytes/json io/bytes/message
   io/measured/shape_table)
