@@ -33,7 +33,8 @@ struct InStudy {
     materials,             ///< the keys of every material
     geometry,              ///< the keys of the body
     modes,
-    channels,     ///< the keys of each channel that the cause names
+    sensors,      ///< the keys of the sensor that the cause names
+    actuators,    ///< the keys of the actuator that the cause names
     all_sensors,  ///< the keys of every sensor
   };
   Table table = Table::none;

@@ -69,7 +69,7 @@ constinit const Effect sensor_delay{
     .channels = the_channel<Side::sensors>,
     .apply = delay_one<Side::sensors>,
     .starts = each_delay<Side::sensors>,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::sensors, .keys = {kKey}},
 };
 constinit const Effect actuator_delay{
     .name = "actuator_delay",
@@ -81,7 +81,7 @@ constinit const Effect actuator_delay{
     .channels = the_channel<Side::actuators>,
     .apply = delay_one<Side::actuators>,
     .starts = each_delay<Side::actuators>,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::actuators, .keys = {kKey}},
 };
 
 }  // namespace chladni::diagnosis

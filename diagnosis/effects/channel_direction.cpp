@@ -51,8 +51,9 @@ std::vector<EffectStart> upright(const Scene& scene) {
   return starts;
 }
 
-constexpr InStudy kDirection{.table = InStudy::Table::channels,
-                             .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+constexpr InStudy turned_direction(InStudy::Table table) {
+  return {.table = table, .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+}
 
 }  // namespace
 
@@ -68,7 +69,7 @@ constinit const Effect sensor_direction{
     .starts = upright<Side::sensors>,
     .error = kMovedError,
     .simpler = {{&sensor_position}},
-    .in_study = kDirection,
+    .in_study = turned_direction(InStudy::Table::sensors),
 };
 constinit const Effect actuator_direction{
     .name = "actuator_direction",
@@ -82,7 +83,7 @@ constinit const Effect actuator_direction{
     .starts = upright<Side::actuators>,
     .error = kMovedError,
     .simpler = {{&actuator_position}},
-    .in_study = kDirection,
+    .in_study = turned_direction(InStudy::Table::actuators),
 };
 
 }  // namespace chladni::diagnosis

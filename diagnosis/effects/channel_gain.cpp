@@ -62,7 +62,7 @@ constinit const Effect sensor_gain{
     .simpler = {{&sensor_sign}},
     .tolerance = &Tolerances::gain,
     .is_gain = true,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::sensors, .keys = {kKey}},
 };
 constinit const Effect actuator_gain{
     .name = "actuator_gain",
@@ -77,7 +77,7 @@ constinit const Effect actuator_gain{
     .simpler = {{&actuator_sign}},
     .tolerance = &Tolerances::gain,
     .is_gain = true,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::actuators, .keys = {kKey}},
 };
 constinit const Effect overall_gain{
     .name = "overall_gain",

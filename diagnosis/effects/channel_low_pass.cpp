@@ -75,7 +75,7 @@ constinit const Effect sensor_low_pass{
     .channels = the_channel<Side::sensors>,
     .apply = filter_one<Side::sensors>,
     .starts = each_corner<Side::sensors>,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::sensors, .keys = {kKey}},
 };
 constinit const Effect actuator_low_pass{
     .name = "actuator_low_pass",
@@ -87,7 +87,7 @@ constinit const Effect actuator_low_pass{
     .channels = the_channel<Side::actuators>,
     .apply = filter_one<Side::actuators>,
     .starts = each_corner<Side::actuators>,
-    .in_study = {.table = InStudy::Table::channels, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::actuators, .keys = {kKey}},
 };
 
 }  // namespace chladni::diagnosis

@@ -52,8 +52,9 @@ Index all(const Structure& structure) {
   return channels_of<side>(structure).count();
 }
 
-constexpr InStudy kPlace{.table = InStudy::Table::channels,
-                         .keys = {{.key = "at", .how = StudyKey::How::computed}}};
+constexpr InStudy moved_place(InStudy::Table table) {
+  return {.table = table, .keys = {{.key = "at", .how = StudyKey::How::computed}}};
+}
 
 }  // namespace
 
@@ -69,7 +70,7 @@ constinit const Effect sensor_position{
     .starts = moves<Side::sensors>,
     .error = kMovedError,
     .tolerance = &Tolerances::position,
-    .in_study = kPlace,
+    .in_study = moved_place(InStudy::Table::sensors),
 };
 constinit const Effect actuator_position{
     .name = "actuator_position",
@@ -83,7 +84,7 @@ constinit const Effect actuator_position{
     .starts = moves<Side::actuators>,
     .error = kMovedError,
     .tolerance = &Tolerances::position,
-    .in_study = kPlace,
+    .in_study = moved_place(InStudy::Table::actuators),
 };
 
 }  // namespace chladni::diagnosis

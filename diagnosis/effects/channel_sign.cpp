@@ -30,8 +30,9 @@ std::vector<EffectStart> turned(const Scene& scene) {
   return starts;
 }
 
-constexpr InStudy kDirection{.table = InStudy::Table::channels,
-                             .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+constexpr InStudy turned_direction(InStudy::Table table) {
+  return {.table = table, .keys = {{.key = "direction", .how = StudyKey::How::computed}}};
+}
 
 }  // namespace
 
@@ -45,7 +46,7 @@ constinit const Effect sensor_sign{
     .channels = the_channel<Side::sensors>,
     .apply = turn<Side::sensors>,
     .starts = turned<Side::sensors>,
-    .in_study = kDirection,
+    .in_study = turned_direction(InStudy::Table::sensors),
 };
 constinit const Effect actuator_sign{
     .name = "actuator_sign",
@@ -57,7 +58,7 @@ constinit const Effect actuator_sign{
     .channels = the_channel<Side::actuators>,
     .apply = turn<Side::actuators>,
     .starts = turned<Side::actuators>,
-    .in_study = kDirection,
+    .in_study = turned_direction(InStudy::Table::actuators),
 };
 
 }  // namespace chladni::diagnosis

@@ -122,7 +122,7 @@ constinit const Effect sensor_quantity{
     .apply = differentiate,
     .starts = powers,
     .choice = quantity,
-    .in_study = {.table = InStudy::Table::channels,
+    .in_study = {.table = InStudy::Table::sensors,
                  .keys = {{.key = "quantity", .how = StudyKey::How::computed}}},
 };
 constinit const Effect sensor_unit{
@@ -137,7 +137,7 @@ constinit const Effect sensor_unit{
     .starts = units,
     .choice = unit,
     .is_gain = true,
-    .in_study = {.table = InStudy::Table::channels,
+    .in_study = {.table = InStudy::Table::sensors,
                  .keys = {{"gain", "factor", "", StudyKey::How::times}}},
 };
 

@@ -41,9 +41,11 @@ std::vector<EffectStart> swapped(const Scene& scene) {
   return starts;
 }
 
-constexpr InStudy kNames{.table = InStudy::Table::channels,
-                         .keys = {{.key = "name", .how = StudyKey::How::computed},
-                                  {.key = "node", .how = StudyKey::How::computed}}};
+constexpr InStudy exchanged_names(InStudy::Table table) {
+  return {.table = table,
+          .keys = {{.key = "name", .how = StudyKey::How::computed},
+                   {.key = "node", .how = StudyKey::How::computed}}};
+}
 
 }  // namespace
 
@@ -57,7 +59,7 @@ constinit const Effect swapped_sensors{
     .channels = both<Side::sensors>,
     .apply = swap_labels<Side::sensors>,
     .starts = swapped<Side::sensors>,
-    .in_study = kNames,
+    .in_study = exchanged_names(InStudy::Table::sensors),
 };
 constinit const Effect swapped_actuators{
     .name = "swapped_actuators",
@@ -69,7 +71,7 @@ constinit const Effect swapped_actuators{
     .channels = both<Side::actuators>,
     .apply = swap_labels<Side::actuators>,
     .starts = swapped<Side::actuators>,
-    .in_study = kNames,
+    .in_study = exchanged_names(InStudy::Table::actuators),
 };
 
 }  // namespace chladni::diagnosis

@@ -39,8 +39,7 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
     const study::Study study = study::parse_study(result.text, file, allowed);
     study::TomlEdit edit(result.text, file.string());
     const Extension by{edit, study, chart, cause, fits_variations};
-    const auto how = extend(cause.effect);
-    const auto refused = how == nullptr ? std::string("a study has no key for it") : how(by);
+    const auto refused = extend(cause.effect)(by);
     if (!refused.empty()) {
       result.unexpressed.push_back(cause.effect + ": " + refused);
       study::TomlEdit untouched(result.text, file.string());

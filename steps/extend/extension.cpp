@@ -110,7 +110,7 @@ Extend extend(std::string_view effect) {
   for (const auto part : {extend_body, extend_channels, extend_attachments}) {
     if (const auto found = part(effect)) return found;
   }
-  return nullptr;
+  return extend_by_record;
 }
 
 }  // namespace chladni::steps

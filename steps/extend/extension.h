@@ -30,10 +30,14 @@ struct Extension {
 /// incomplete changes must then be discarded
 using Extend = std::string (*)(const Extension& by);
 
-/// None if the table has no entry for this effect.
+/// The changes of the code's own tables, where keys are computed; else those of the effect's
+/// record.
 [[nodiscard]] Extend extend(std::string_view effect);
 
-// Parts of the table.
+/// @throws InvalidInput  no effect has the name of the cause
+[[nodiscard]] std::string extend_by_record(const Extension& by);
+
+// Tables of effects whose keys are computed; none if a table has no entry for the effect.
 [[nodiscard]] Extend extend_body(std::string_view effect);
 [[nodiscard]] Extend extend_channels(std::string_view effect);
 [[nodiscard]] Extend extend_attachments(std::string_view effect);

@@ -1,4 +1,4 @@
-// Causes that attach something to the body or hold it.
+// Causes that attach something to the body, with keys that are computed.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -8,12 +8,11 @@
 #include <cmath>
 #include <utility>
 
+#include "steps/extend/extended_tables.h"
 #include "steps/extend/extension.h"
 
 namespace chladni::steps {
 namespace {
-
-using Members = std::vector<std::pair<std::string, std::string>>;
 
 std::string quantity(double value, std::string_view unit) {
   return study::toml_text(digits(value) + " " + std::string(unit));
@@ -21,11 +20,6 @@ std::string quantity(double value, std::string_view unit) {
 
 std::string vector(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", digits(v(0)), digits(v(1)), digits(v(2)));
-}
-
-std::string normal(const Extension& by) {
-  if (looks_down(by)) return study::toml_text("z");
-  return vector(by.chart.axis_u.cross(by.chart.axis_v));
 }
 
 std::string unused_name(const study::Study& study, const std::string& wanted) {
@@ -38,60 +32,18 @@ std::string unused_name(const study::Study& study, const std::string& wanted) {
   return name;
 }
 
-void append_at(const Extension& by, const std::string& at, const std::string& kind,
-               const std::string& name, const Members& more) {
-  Members members{{"kind", study::toml_text(kind)},
-                  {"name", study::toml_text(unused_name(by.study, "diagnosed_" + name))},
-                  {"at", at}};
-  members.insert(members.end(), more.begin(), more.end());
-  by.edit.append("attachment", members, by.comment());
-}
-
 void append(const Extension& by, const std::string& kind, const Members& more) {
-  append_at(by, place(by), kind, kind, more);
-}
-
-std::string no_negative_mass() {
-  return "an attachment has no negative mass; less material is a matter of geometry";
-}
-
-std::string point_mass(const Extension& by) {
-  if (!(by.number("mass") > 0.0)) return no_negative_mass();
-  append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}});
-  return {};
+  append_attachment(by, place(by), kind, kind, more);
 }
 
 std::string mass_with_inertia(const Extension& by) {
-  if (!(by.number("mass") > 0.0)) return no_negative_mass();
+  if (!(by.number("mass") > 0.0)) return kNoNegativeMass;
   const double radius = by.number("radius_of_gyration");
   const double inertia = by.number("mass") * radius * radius;
   const Eigen::Vector3d about = inertia * (by.chart.axis_u.cwiseAbs() + by.chart.axis_v.cwiseAbs());
   std::string three;
   for (int k = 0; k < 3; ++k) three += (k > 0 ? ", " : "") + quantity(about(k), "kg m^2");
   append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}, {"inertia", "[" + three + "]"}});
-  return {};
-}
-
-std::string carried(const Extension& by, const std::vector<study::Channel>& channels) {
-  if (!(by.number("mass") > 0.0)) return no_negative_mass();
-  for (const auto& channel : channels) {
-    append_at(by, place(channel.at), "mass", "mass_of_" + channel.name,
-              {{"mass", quantity(by.number("mass"), "kg")}});
-  }
-  return {};
-}
-std::string sensor_masses(const Extension& by) { return carried(by, by.study.sensors); }
-std::string actuator_masses(const Extension& by) { return carried(by, by.study.actuators); }
-
-std::string ground_spring(const Extension& by) {
-  append(by, "spring",
-         {{"direction", normal(by)}, {"stiffness", quantity(by.number("stiffness"), "N/m")}});
-  return {};
-}
-
-std::string ground_damper(const Extension& by) {
-  append(by, "damper",
-         {{"direction", normal(by)}, {"damping", quantity(by.number("damping"), "N s/m")}});
   return {};
 }
 
@@ -112,22 +64,24 @@ std::string resonator(const Extension& by) {
   return {};
 }
 
-std::string suspension(const Extension& /*by*/) {
-  return "no key holds a body as a whole: say the springs where they are, or take the control loop "
-         "out of the records";
-}
-
-constexpr std::array<std::pair<std::string_view, Extend>, 8> kTable{
-    {{"point_mass", point_mass},
-     {"mass_with_inertia", mass_with_inertia},
-     {"sensor_masses", sensor_masses},
-     {"actuator_masses", actuator_masses},
-     {"ground_spring", ground_spring},
-     {"ground_damper", ground_damper},
-     {"suspension", suspension},
-     {"resonator", resonator}}};
+constexpr std::array<std::pair<std::string_view, Extend>, 2> kTable{
+    {{"mass_with_inertia", mass_with_inertia}, {"resonator", resonator}}};
 
 }  // namespace
+
+std::string normal(const Extension& by) {
+  if (looks_down(by)) return study::toml_text("z");
+  return vector(by.chart.axis_u.cross(by.chart.axis_v));
+}
+
+void append_attachment(const Extension& by, const std::string& at, const std::string& kind,
+                       const std::string& name, const Members& more) {
+  Members members{{"kind", study::toml_text(kind)},
+                  {"name", study::toml_text(unused_name(by.study, "diagnosed_" + name))},
+                  {"at", at}};
+  members.insert(members.end(), more.begin(), more.end());
+  by.edit.append("attachment", members, by.comment());
+}
 
 Extend extend_attachments(std::string_view effect) {
   for (const auto& [name, how] : kTable) {

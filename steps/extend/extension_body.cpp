@@ -1,4 +1,4 @@
-// Causes in the body as a whole: materials, geometry, damping.
+// Causes in the body as a whole, with keys that its shape or its material decides.
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -8,30 +8,11 @@
 
 #include "base/error.h"
 #include "stage/plane_stress.h"
+#include "steps/extend/extended_tables.h"
 #include "steps/extend/extension.h"
 
 namespace chladni::steps {
 namespace {
-
-// Scales every value of these keys in every material.
-std::string scale_materials(const Extension& by, std::initializer_list<const char*> keys,
-                            double factor) {
-  for (const auto* table : study::tables_of(by.edit.tree(), "material")) {
-    for (const auto* key : keys) {
-      if (const auto* value = study::member(*table, key)) scale(by, *value, factor);
-    }
-  }
-  return {};
-}
-
-std::string youngs_modulus(const Extension& by) {
-  return scale_materials(by, {"youngs_modulus", "shear_modulus", "c11", "c12", "c44"},
-                         1.0 + by.number("relative"));
-}
-
-std::string density(const Extension& by) {
-  return scale_materials(by, {"density"}, 1.0 + by.number("relative"));
-}
 
 // True if the chart is seen from above or from below.
 bool looks_along_z(const Extension& by) {
@@ -50,8 +31,6 @@ void scale_heights(const Extension& by, const study::TomlNode& body, double fact
     if (const auto* value = study::member(*bore, "depth")) scale(by, *value, factor);
   }
 }
-
-constexpr auto kOtherChart = "the diagnosis looks at the body along another axis than the key";
 
 std::string thickness(const Extension& by) {
   const auto* geometry = study::member(by.edit.tree(), "geometry");
@@ -73,26 +52,6 @@ std::string size_error(const Extension& by) {
     if (const auto* value = study::member(*body, key))
       scale(by, *value, 1.0 + by.number("relative"));
   }
-  return {};
-}
-
-std::string drift(const Extension& /*by*/) {
-  return "it is the experiment's: measure in a shorter time or at one temperature, or diagnose the "
-         "first columns alone";
-}
-
-std::string modes_above(const Extension& /*by*/) {
-  return "no key holds what modes above the band yield: look for what gives way locally, under the "
-         "sensors and actuators";
-}
-
-std::string modal_damping(const Extension& by) {
-  const auto* modes = study::member(by.edit.tree(), "modes");
-  const auto* ratio = modes == nullptr ? nullptr : study::member(*modes, "damping_ratio");
-  if (ratio == nullptr || by.study.modes.damping_ratio == 0.0) {
-    return "the study says no damping ratio that could be multiplied";
-  }
-  scale(by, *ratio, by.number("factor"));
   return {};
 }
 
@@ -151,43 +110,8 @@ std::string orthotropy(const Extension& by) {
   return {};
 }
 
-using Members = std::vector<std::pair<std::string, std::string>>;
-
-std::string append_waves(const Extension& by, const char* of) {
-  if (!by.fits_variations) return kOtherChart;
-  Members members{{"of", study::toml_text(of)}};
-  for (const auto wave : study::kVariationWaves) {
-    if (by.has(wave)) members.emplace_back(std::string(wave), digits(by.number(wave)));
-  }
-  by.edit.append("variation", members, by.comment());
-  return {};
-}
-std::string modulus_field(const Extension& by) { return append_waves(by, "stiffness"); }
-std::string thickness_field(const Extension& by) { return append_waves(by, "thickness"); }
-
-std::string local_stiffness(const Extension& by) {
-  if (!by.fits_variations) return kOtherChart;
-  by.edit.append("variation",
-                 {{"of", study::toml_text("stiffness")},
-                  {"at", place(by)},
-                  {"radius", study::toml_text(digits(1e3 * by.number("radius")) + " mm")},
-                  {"relative", digits(by.number("factor"))}},
-                 by.comment());
-  return {};
-}
-
-constexpr std::array<std::pair<std::string_view, Extend>, 11> kTable{
-    {{"youngs_modulus", youngs_modulus},
-     {"density", density},
-     {"thickness", thickness},
-     {"size_error", size_error},
-     {"drift", drift},
-     {"modes_above", modes_above},
-     {"modulus_field", modulus_field},
-     {"thickness_field", thickness_field},
-     {"local_stiffness", local_stiffness},
-     {"modal_damping", modal_damping},
-     {"orthotropy", orthotropy}}};
+constexpr std::array<std::pair<std::string_view, Extend>, 3> kTable{
+    {{"thickness", thickness}, {"size_error", size_error}, {"orthotropy", orthotropy}}};
 
 }  // namespace
 

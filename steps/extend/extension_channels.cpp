@@ -1,4 +1,4 @@
-// Causes on the path between a channel and its record.
+// Causes of channels with keys that are computed, and the tables of channels.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,91 +7,15 @@
 #include <utility>
 
 #include "base/error.h"
+#include "steps/extend/extended_tables.h"
 #include "steps/extend/extension.h"
 
 namespace chladni::steps {
 namespace {
 
-enum class Side { sensors, actuators };
-
-/// A channel of the study and its table in the document.
-struct Found {
-  const study::Channel& channel;
-  const study::TomlNode& table;
-};
-
-Found find(const Extension& by, Side side, const std::string& name) {
-  const auto& channels = side == Side::sensors ? by.study.sensors : by.study.actuators;
-  const auto tables =
-      study::tables_of(by.edit.tree(), side == Side::sensors ? "sensor" : "actuator");
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (channels[i].name == name) return {channels[i], *tables.at(i)};
-  }
-  throw InvalidInput(fmt::format("the cause {} is of \"{}\", which {} does not have",
-                                 by.cause.effect, name, by.study.file.string()));
-}
-
-Found only(const Extension& by, Side side) {
-  require(by.cause.channels.size() == 1, fmt::format("the cause {} names {} channels, expected one",
-                                                     by.cause.effect, by.cause.channels.size()));
-  return find(by, side, by.cause.channels.front());
-}
-
-std::vector<Found> all_sensors(const Extension& by) {
-  std::vector<Found> all;
-  for (const auto& sensor : by.study.sensors) all.push_back(find(by, Side::sensors, sensor.name));
-  return all;
-}
-
-std::string written(const Extension& by, const study::TomlNode& table, const char* key) {
+std::string written(const Extension& by, const study::TomlNode& table, const std::string& key) {
   const auto* value = study::member(table, key);
   return value == nullptr ? std::string() : std::string(by.edit.written(*value));
-}
-
-void set(const Extension& by, const Found& of, const char* key, const std::string& value) {
-  by.edit.set(of.table, "name", key, value, by.comment(written(by, of.table, key)));
-}
-
-void multiply_gain(const Extension& by, const Found& of, double factor) {
-  set(by, of, "gain", digits(of.channel.gain * factor));
-}
-void delay_by(const Extension& by, const Found& of) {
-  set(by, of, "delay",
-      study::toml_text(digits(1e6 * (of.channel.delay + by.number("delay"))) + " us"));
-}
-// Two lags in series are one with their sum, to first order.
-void filter_by(const Extension& by, const Found& of) {
-  const double before = of.channel.low_pass_hz > 0.0 ? 1.0 / of.channel.low_pass_hz : 0.0;
-  set(by, of, "low_pass",
-      study::toml_text(digits(1.0 / (before + 1.0 / by.number("frequency"))) + " Hz"));
-}
-
-template <Side side>
-std::string gain(const Extension& by) {
-  multiply_gain(by, only(by, side), 1.0 + by.number("relative"));
-  return {};
-}
-std::string overall_gain(const Extension& by) {
-  for (const auto& one : all_sensors(by)) multiply_gain(by, one, 1.0 + by.number("relative"));
-  return {};
-}
-template <Side side>
-std::string delay(const Extension& by) {
-  delay_by(by, only(by, side));
-  return {};
-}
-std::string overall_delay(const Extension& by) {
-  for (const auto& one : all_sensors(by)) delay_by(by, one);
-  return {};
-}
-template <Side side>
-std::string low_pass(const Extension& by) {
-  filter_by(by, only(by, side));
-  return {};
-}
-std::string overall_low_pass(const Extension& by) {
-  for (const auto& one : all_sensors(by)) filter_by(by, one);
-  return {};
 }
 
 std::string vector(const Eigen::Vector3d& v) {
@@ -101,7 +25,7 @@ std::string vector(const Eigen::Vector3d& v) {
 
 template <Side side>
 std::string sign(const Extension& by) {
-  const auto found = only(by, side);
+  const auto found = only_channel(by, side);
   const auto* direction = study::member(found.table, "direction");
   std::string turned = vector(-found.channel.direction);
   if (direction != nullptr && direction->kind == study::TomlNode::Kind::text) {
@@ -109,22 +33,22 @@ std::string sign(const Extension& by) {
     turned = study::toml_text(
         text.starts_with('-') ? text.substr(1) : "-" + text.substr(text.starts_with('+') ? 1 : 0));
   }
-  set(by, found, "direction", turned);
+  set_key(by, found, "direction", turned);
   return {};
 }
 
 template <Side side>
 std::string tilt(const Extension& by) {
-  const auto found = only(by, side);
+  const auto found = only_channel(by, side);
   const Eigen::Vector3d tilted = found.channel.direction + by.number("toward_u") * by.chart.axis_u +
                                  by.number("toward_v") * by.chart.axis_v;
-  set(by, found, "direction", vector(tilted.normalized()));
+  set_key(by, found, "direction", vector(tilted.normalized()));
   return {};
 }
 
 template <Side side>
 std::string position(const Extension& by) {
-  const auto found = only(by, side);
+  const auto found = only_channel(by, side);
   const double v = by.has("v") ? by.number("v") : 0.0;
   const Eigen::Vector3d step = by.number("u") * by.chart.axis_u + v * by.chart.axis_v;
   const auto* at = study::member(found.table, "at");
@@ -144,16 +68,16 @@ template <Side side>
 std::string swap(const Extension& by) {
   require(by.cause.channels.size() == 2, fmt::format("the cause {} names {} channels, expected two",
                                                      by.cause.effect, by.cause.channels.size()));
-  const auto a = find(by, side, by.cause.channels[0]);
-  const auto b = find(by, side, by.cause.channels[1]);
+  const auto a = channel_table(by, side, by.cause.channels[0]);
+  const auto b = channel_table(by, side, by.cause.channels[1]);
   if (a.channel.node.has_value() != b.channel.node.has_value()) {
     return "one of the two channels has a node number and the other has none";
   }
-  set(by, a, "name", study::toml_text(b.channel.name));
-  set(by, b, "name", study::toml_text(a.channel.name));
+  set_key(by, a, "name", study::toml_text(b.channel.name));
+  set_key(by, b, "name", study::toml_text(a.channel.name));
   if (a.channel.node && b.channel.node) {
-    set(by, a, "node", std::to_string(*b.channel.node));
-    set(by, b, "node", std::to_string(*a.channel.node));
+    set_key(by, a, "node", std::to_string(*b.channel.node));
+    set_key(by, b, "node", std::to_string(*a.channel.node));
   }
   return {};
 }
@@ -172,10 +96,10 @@ bool of_all(const Extension& by) {
 }
 
 // Sensors of the cause. A cause on all sensors of the fit also applies to those held out.
-std::vector<Found> sensors_of(const Extension& by) {
+std::vector<ChannelTable> sensors_of(const Extension& by) {
   if (of_all(by)) return all_sensors(by);
-  std::vector<Found> some;
-  for (const auto& name : by.cause.channels) some.push_back(find(by, Side::sensors, name));
+  std::vector<ChannelTable> some;
+  for (const auto& name : by.cause.channels) some.push_back(channel_table(by, Side::sensors, name));
   return some;
 }
 
@@ -225,44 +149,59 @@ std::string quantity(const Extension& by) {
       if (found.channel.quantity == kQuantities[k]) kind += static_cast<long>(k);
     }
     if (kind < 0 || kind > 2) return "a sensor measures displacement, velocity or acceleration";
-    set(by, found, "quantity", study::toml_text(kQuantities[static_cast<std::size_t>(kind)]));
+    set_key(by, found, "quantity", study::toml_text(kQuantities[static_cast<std::size_t>(kind)]));
   }
   return differentiate_unit(by, times);
 }
 
 std::string unit(const Extension& by) {
-  for (const auto& found : sensors_of(by)) multiply_gain(by, found, by.number("factor"));
+  for (const auto& found : sensors_of(by))
+    set_key(by, found, "gain", digits(found.channel.gain * by.number("factor")));
   return {};
 }
 
-std::string crosstalk(const Extension& /*by*/) {
-  return "it is in the records: take the share of the other channel off them";
-}
-
-constexpr std::array<std::pair<std::string_view, Extend>, 21> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 10> kTable{
     {{"sensor_sign", sign<Side::sensors>},
      {"actuator_sign", sign<Side::actuators>},
      {"swapped_sensors", swap<Side::sensors>},
      {"swapped_actuators", swap<Side::actuators>},
      {"sensor_quantity", quantity},
      {"sensor_unit", unit},
-     {"sensor_gain", gain<Side::sensors>},
-     {"actuator_gain", gain<Side::actuators>},
-     {"overall_gain", overall_gain},
      {"sensor_position", position<Side::sensors>},
      {"actuator_position", position<Side::actuators>},
      {"sensor_direction", tilt<Side::sensors>},
-     {"actuator_direction", tilt<Side::actuators>},
-     {"sensor_crosstalk", crosstalk},
-     {"actuator_crosstalk", crosstalk},
-     {"delay", overall_delay},
-     {"sensor_delay", delay<Side::sensors>},
-     {"actuator_delay", delay<Side::actuators>},
-     {"low_pass", overall_low_pass},
-     {"sensor_low_pass", low_pass<Side::sensors>},
-     {"actuator_low_pass", low_pass<Side::actuators>}}};
+     {"actuator_direction", tilt<Side::actuators>}}};
 
 }  // namespace
+
+ChannelTable channel_table(const Extension& by, Side side, const std::string& name) {
+  const auto& channels = side == Side::sensors ? by.study.sensors : by.study.actuators;
+  const auto tables =
+      study::tables_of(by.edit.tree(), side == Side::sensors ? "sensor" : "actuator");
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (channels[i].name == name) return {channels[i], *tables.at(i)};
+  }
+  throw InvalidInput(fmt::format("the cause {} is of \"{}\", which {} does not have",
+                                 by.cause.effect, name, by.study.file.string()));
+}
+
+ChannelTable only_channel(const Extension& by, Side side) {
+  require(by.cause.channels.size() == 1, fmt::format("the cause {} names {} channels, expected one",
+                                                     by.cause.effect, by.cause.channels.size()));
+  return channel_table(by, side, by.cause.channels.front());
+}
+
+std::vector<ChannelTable> all_sensors(const Extension& by) {
+  std::vector<ChannelTable> all;
+  for (const auto& sensor : by.study.sensors)
+    all.push_back(channel_table(by, Side::sensors, sensor.name));
+  return all;
+}
+
+void set_key(const Extension& by, const ChannelTable& of, const std::string& key,
+             const std::string& value) {
+  by.edit.set(of.table, "name", key, value, by.comment(written(by, of.table, key)));
+}
 
 Extend extend_channels(std::string_view effect) {
   for (const auto& [name, how] : kTable) {
