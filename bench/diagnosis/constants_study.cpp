@@ -20,8 +20,8 @@
 #include "diagnosis/verdict/last_fits.h"
 #include "diagnosis/verdict/prepared.h"
 #include "diagnosis/verdict/verdict.h"
-#include "simulators/hidden_effect.h"
-#include "simulators/ritz_structure.h"
+#include "simulators/hidden/hidden_effect.h"
+#include "simulators/plates/ritz_structure.h"
 
 namespace chladni {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "diagnosis/detectable.h"
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 
 namespace chladni {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "simulators/hidden_effect.h"
-#include "simulators/hidden_score.h"
+#include "simulators/hidden/hidden_effect.h"
+#include "simulators/hidden/hidden_score.h"
 #include "study_arguments.h"
 
 namespace chladni {

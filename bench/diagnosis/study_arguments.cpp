@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "base/error.h"
-#include "simulators/rig.h"
+#include "simulators/tables/rig.h"
 
 namespace chladni {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "simulators/hidden_effect.h"
-#include "simulators/ritz_structure.h"
+#include "simulators/hidden/hidden_effect.h"
+#include "simulators/plates/ritz_structure.h"
 
 namespace chladni {
 

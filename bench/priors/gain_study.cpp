@@ -10,9 +10,9 @@
 #include "base/draw.h"
 #include "priors/gain.h"
 #include "priors/learned_corrections.h"
-#include "simulators/plate_corrections.h"
-#include "simulators/plate_study.h"
-#include "simulators/real_tables.h"
+#include "simulators/tables/plate_corrections.h"
+#include "simulators/tables/plate_study.h"
+#include "simulators/tables/real_tables.h"
 
 namespace chladni {
 namespace {

@@ -14,9 +14,9 @@
 #include "base/parallel.h"
 #include "placement/interpolation.h"
 #include "priors/interpolator.h"
-#include "simulators/plate_corrections.h"
-#include "simulators/plate_study.h"
-#include "simulators/real_tables.h"
+#include "simulators/tables/plate_corrections.h"
+#include "simulators/tables/plate_study.h"
+#include "simulators/tables/real_tables.h"
 
 namespace chladni {
 namespace {

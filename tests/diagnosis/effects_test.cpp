@@ -18,7 +18,7 @@
 #include "diagnosis/fit/responses.h"
 #include "diagnosis/search/probe.h"
 #include "diagnosis/small_plate.h"
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -8,7 +8,7 @@
 #include "diagnosis/detectable.h"
 #include "diagnosis/search/hints.h"
 #include "diagnosis/small_plate.h"
-#include "simulators/loaded_table.h"
+#include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
 namespace {

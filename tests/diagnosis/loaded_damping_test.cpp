@@ -11,7 +11,7 @@
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
 #include "diagnosis/small_plate.h"
-#include "simulators/loaded_table.h"
+#include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/small_plate.h"
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {

@@ -12,8 +12,8 @@
 
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/verdict.h"
-#include "simulators/loaded_table.h"
 #include "simulators/portable_random.h"
+#include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
 namespace {

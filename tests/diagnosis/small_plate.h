@@ -3,8 +3,8 @@
 
 #include "diagnosis/fit/responses.h"
 #include "diagnosis/observed.h"
-#include "simulators/hidden_effect.h"
-#include "simulators/ritz_structure.h"
+#include "simulators/hidden/hidden_effect.h"
+#include "simulators/plates/ritz_structure.h"
 
 namespace chladni::diagnosis {
 

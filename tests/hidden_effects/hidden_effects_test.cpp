@@ -12,9 +12,9 @@
 
 #include "diagnosis/diagnosed.h"
 #include "hidden_effects/drawn_sample.h"
-#include "simulators/hidden_effect.h"
-#include "simulators/hidden_score.h"
-#include "simulators/ritz_structure.h"
+#include "simulators/hidden/hidden_effect.h"
+#include "simulators/hidden/hidden_score.h"
+#include "simulators/plates/ritz_structure.h"
 #include "simulators/twins.h"
 
 namespace chladni {

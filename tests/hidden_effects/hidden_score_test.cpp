@@ -1,4 +1,4 @@
-#include "simulators/hidden_score.h"
+#include "simulators/hidden/hidden_score.h"
 
 #include <gtest/gtest.h>
 

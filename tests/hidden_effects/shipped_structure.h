@@ -4,7 +4,7 @@
 
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/structure.h"
-#include "simulators/rig.h"
+#include "simulators/tables/rig.h"
 
 namespace chladni::hidden_effects {
 

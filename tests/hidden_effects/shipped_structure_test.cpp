@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 
 namespace chladni::hidden_effects {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "fit_errors.h"
-#include "gain_case.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/modal_fit.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
+#include "tests/identification/gains/gain_case.h"
 
 namespace chladni::identification {
 namespace {

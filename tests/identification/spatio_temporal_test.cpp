@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "base/error.h"
-#include "gain_case.h"
 #include "identification/fit_data.h"
 #include "known_fit.h"
+#include "tests/identification/gains/gain_case.h"
 
 namespace chladni::identification {
 namespace {

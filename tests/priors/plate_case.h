@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "base/draw.h"
-#include "simulators/plate_study.h"
-#include "simulators/real_tables.h"
+#include "simulators/tables/plate_study.h"
+#include "simulators/tables/real_tables.h"
 
 namespace chladni::priors {
 

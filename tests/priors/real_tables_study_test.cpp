@@ -7,9 +7,9 @@
 
 #include "base/parallel.h"
 #include "priors/interpolator.h"
-#include "simulators/plate_corrections.h"
-#include "simulators/plate_study.h"
-#include "simulators/real_tables.h"
+#include "simulators/tables/plate_corrections.h"
+#include "simulators/tables/plate_study.h"
+#include "simulators/tables/real_tables.h"
 
 namespace chladni::priors {
 namespace {

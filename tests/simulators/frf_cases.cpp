@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "simulators/kirchhoff_plate.h"
+#include "simulators/plates/kirchhoff_plate.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::simulators {

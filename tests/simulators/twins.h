@@ -2,7 +2,7 @@
 // and a moved channel.
 #pragma once
 
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 
 namespace chladni::simulators {
 

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "show/diagnosis.h"
-#include "simulators/hidden_effect.h"
+#include "simulators/hidden/hidden_effect.h"
 #include "steps/diagnosis.h"
 #include "tests/app/quiet_run.h"
 

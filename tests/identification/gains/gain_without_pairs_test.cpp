@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "gain_case.h"
+#include "identification/gain_match.h"
+#include "priors/residual/residual_evidence.h"
+#include "simulators/tables/plate_study.h"
+
+namespace chladni::identification {
+namespace {
+
+TEST(GainWithoutPairs, ScalesSuspendedModesByTheirMotion) {
+  const auto made = part(simulators::beam5x5(quiet()), {0, 4}, {1, 2, 3});  // no pair at all
+  GainMatchOptions options;
+  options.geometry = geometry_of(made, RigidMotion::beam);
+  options.geometry->suspended = {0, 1};
+  for (const double side : {1.0, -1.0}) {
+    auto fit = rescaled(true_fit(made), kScales);
+    fit.model.input_shapes *= side;
+    const auto match = matched(made, fit, options);
+    const auto truth = truth_at(match, made.truth);
+    for (Eigen::Index m = 0; m < 2; ++m) {
+      const double sign = kScales(m) > 0.0 ? 1.0 : -1.0;
+      EXPECT_EQ(match.modes[static_cast<std::size_t>(m)].by, MatchedBy::geometry);
+      EXPECT_EQ(match.modes[static_cast<std::size_t>(m)].sign, side > 0.0 ? 1 : -1);
+      EXPECT_LT((match.shapes.col(m) - sign * truth.col(m)).norm(), 1e-7 * truth.col(m).norm());
+    }
+    EXPECT_EQ(match.modes[2].by, MatchedBy::nothing);
+  }
+  constexpr int kDraws = 200;
+  const auto fit = true_fit(made);
+  const auto exact = matched(made, fit, options);
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(5, 2);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto match = matched(made, drawn_fit(fit, static_cast<unsigned>(draw)), options);
+    square += (match.shapes - exact.shapes).leftCols(2).cwiseAbs2() / kDraws;
+  }
+  const Eigen::ArrayXXd ratio =
+      square.cwiseSqrt().cwiseQuotient(exact.deviation.leftCols(2)).array();
+  EXPECT_LT((ratio - 1.0).abs().maxCoeff(), 4.5 / std::sqrt(2.0 * kDraws)) << ratio;
+}
+
+// 5.2.4 to 5.2.6: rigid-body modes blended in L and differently in R spoil the extended rows; the
+// sensors alone, or the motion on both sides, keep them straight.
+TEST(GainWithoutPairs, KeepsBlendedSuspensionModesStraight) {
+  const auto made = two_by_four();
+  auto fit = true_fit(made);
+  const Eigen::RowVectorXd other = fit.model.input_shapes.row(1);
+  fit.model.input_shapes.row(0) += 0.2 * other;  // only R, as the thesis found it
+  const auto bent_of = [&](const GainMatch& match) {
+    const Eigen::VectorXd x{{-0.1, 0.2, -0.2, 0.0, 0.1}};
+    Eigen::MatrixXd line(5, 2);
+    line << Eigen::VectorXd::Ones(5), x;
+    const Eigen::VectorXd shape = match.shapes.col(0);
+    return (shape - line * line.colPivHouseholderQr().solve(shape)).norm() / shape.norm();
+  };
+  auto options = with_pairs(made);
+  options.rule = GainRule::thesis;
+  EXPECT_GT(bent_of(matched(made, fit, options)), 0.05);
+  options.geometry = geometry_of(made, RigidMotion::beam);
+  options.geometry->suspended = {0, 1};
+  const auto straight = matched(made, fit, options);
+  EXPECT_LT(bent_of(straight), 1e-12);
+  EXPECT_EQ(straight.modes[0].by, MatchedBy::pairs);
+  options.rule = GainRule::tied;
+  const auto both = matched(made, fit, options);
+  EXPECT_LT(bent_of(both), 1e-12);
+  const auto blamed = [](const std::string& text) {
+    return text.find("a rigid motion") != std::string::npos;
+  };
+  EXPECT_TRUE(std::ranges::any_of(both.warnings, blamed));
+}
+
+TEST(GainWithoutPairs, ScalesModesAtZeroByTheMassMatrix) {
+  const auto made = simulators::oat4x13(quiet());
+  auto fit = true_fit(made);
+  simulators::Dice dice(3);
+  const Eigen::Matrix3d blend = dice.normal(3, 3);
+  fit.model.output_shapes.leftCols(3) = (fit.model.output_shapes.leftCols(3) * blend).eval();
+  fit.model.input_shapes.topRows(3) = (blend.inverse() * fit.model.input_shapes.topRows(3)).eval();
+  for (Eigen::Index m = 0; m < 3; ++m) fit.mode_covariance[static_cast<std::size_t>(m)].setZero();
+  fit.rigid_covariance.setZero();
+  GainMatchOptions options;
+  options.geometry = geometry_of(made, RigidMotion::plate);
+  const auto match = matched(made, fit, options);
+  ASSERT_EQ(match.rows.size(), 17U);
+  ASSERT_TRUE(match.rigid.has_value());
+  const double mass = 0.6 * 0.5988 * 2700.0 * 0.0149;
+  EXPECT_NEAR(match.rigid->mass(0, 0), mass, 1e-6 * mass);
+  EXPECT_NEAR(match.rigid->mass(0, 1), 0.0, 1e-9 * mass);
+  const auto truth = truth_at(match, made.truth);
+  const Eigen::MatrixXd products = match.shapes.leftCols(3) * match.shapes.leftCols(3).transpose();
+  const Eigen::MatrixXd wanted = truth.leftCols(3) * truth.leftCols(3).transpose();
+  EXPECT_LT((products - wanted).norm(), 1e-9 * wanted.norm());
+  EXPECT_EQ(match.modes[0].by, MatchedBy::geometry);
+}
+
+TEST(GainWithoutPairs, StatesTheDeviationsOfRowsFromTheMassMatrix) {
+  const auto made = simulators::oat4x13(quiet());
+  const auto fit = true_fit(made);
+  GainMatchOptions options;
+  options.geometry = geometry_of(made, RigidMotion::plate);
+  const auto exact = matched(made, fit, options);
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(17, 3);
+  constexpr int kDraws = 100;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto match = matched(made, drawn_fit(fit, static_cast<unsigned>(draw)), options);
+    square += (match.shapes - exact.shapes).leftCols(3).cwiseAbs2() / kDraws;
+  }
+  const Eigen::ArrayXXd ratio =
+      square.cwiseSqrt().cwiseQuotient(exact.deviation.leftCols(3)).array();
+  EXPECT_LT((ratio - 1.0).abs().maxCoeff(), 4.5 / std::sqrt(2.0 * kDraws)) << ratio;
+}
+
+TEST(GainWithoutPairs, MatchesABlockByItsPairs) {
+  const auto made = simulators::pairs(0.0, 0.01, 0.01, quiet());
+  ModalFit fit;
+  fit.model = made.truth;
+  simulators::Dice dice(9);
+  const Eigen::Matrix2d turn = dice.normal(2, 2);
+  fit.model.output_shapes.middleCols(1, 2) =
+      (fit.model.output_shapes.middleCols(1, 2) * turn).eval();
+  fit.model.input_shapes.middleRows(1, 2) =
+      (turn.inverse() * fit.model.input_shapes.middleRows(1, 2)).eval();
+  fit.groups = {{0, 1}, {1, 2}, {3, 1}};
+  const auto match = matched(made, fit, with_pairs(made));
+  ASSERT_EQ(match.rows.size(), 4U);
+  EXPECT_TRUE(match.warnings.empty());
+  const Eigen::MatrixXd block = match.shapes.middleCols(1, 2);
+  const Eigen::MatrixXd known = made.truth.output_shapes.middleCols(1, 2);
+  EXPECT_LT((block * block.transpose() - known * known.transpose()).norm(),
+            1e-10 * known.squaredNorm());
+}
+
+TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
+  const auto made = simulators::oat4x13(quiet());
+  const auto grid = simulators::PlateGrid{0.6, 0.5988, 20, 20};
+  const auto believed = simulators::plate_modes(
+      simulators::uniform_plate(grid, simulators::isotropic_bending(21658.0, 0.33), 40.2), 24);
+  const auto places = [&](const std::vector<modal::MeasuredChannel>& channels) {
+    Eigen::MatrixX2d all(std::ssize(channels), 2);
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      all.row(static_cast<Eigen::Index>(i)) = channels[i].position->head<2>().transpose();
+    }
+    return simulators::plate_places(believed, all);
+  };
+  GainMatchOptions options;
+  options.prior = GainPrior{places(made.measured.outputs),
+                            places(made.measured.inputs),
+                            priors::modal_basis(simulators::plate_simulation(
+                                believed, simulators::plate_surface(believed))),
+                            {}};
+  options.prior->residual.gamma = std::pow(139.0 / believed.frequency_hz(3), 2);
+  const auto match = matched(made, true_fit(made), options);
+  for (std::size_t m = 3; m < 9; ++m) {
+    const auto& mode = match.modes[m];
+    EXPECT_EQ(mode.by, MatchedBy::prior);
+    EXPECT_NEAR(std::log(mode.alpha), 0.0, 4.0 * mode.alpha_std / mode.alpha) << m;
+    EXPECT_LT(mode.alpha_std / mode.alpha, 0.3) << m;
+  }
+}
+
+}  // namespace
+}  // namespace chladni::identification
