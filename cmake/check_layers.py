@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """Fails when a room includes one it may not, or what lies in a folder of another room (only what
-stands at its top is for others), or when a library is named outside its door."""
+stands at its top is for others), or when a library is named outside its door.
+
+check_layers.py ROOT [--graph]: with --graph it prints who includes whom, and how often."""
+import collections
 import pathlib
 import re
 import sys
@@ -96,8 +99,23 @@ def faults_of_page(root):
                 yield f"docs/architecture.md: {room} lacks its folder {folder.name}"
 
 
+def graph(root):
+    """The rooms and what they include, with the number of includes, as the code has it."""
+    for room in MAY_INCLUDE:
+        counts = collections.Counter()
+        for file in [*root.glob(f"{room}/**/*.h"), *root.glob(f"{room}/**/*.cpp")]:
+            for line in file.read_text().splitlines():
+                if (m := INCLUDE.match(line)) and (target := m[1].split("/")[0]) != room:
+                    counts[target] += target in MAY_INCLUDE
+        edges = [f"{other} {count}" for other, count in counts.items() if count]
+        yield f"{room}: {', '.join(sorted(edges)) or '-'}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
+    if "--graph" in sys.argv:
+        print("\n".join(graph(root)))
+        return False
     faults = [*faults_of(root), *faults_of_tests(root), *faults_of_page(root)]
     print("\n".join(faults) or "layers hold")
     return bool(faults)
