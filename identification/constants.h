@@ -8,7 +8,7 @@
 
 namespace chladni::identification {
 
-/// Of each: what it decides [unit] (source).
+/// Each comment says what the constant decides [unit] (source).
 struct Constants {
   // Which poles are modes.
   /// Least worth of a pole, of a direction of a residue and of a rigid-body mode: the cost that it

@@ -7,7 +7,7 @@
 
 namespace chladni::placement {
 
-/// Of each: what it decides [unit] (source).
+/// Each comment says what the constant decides [unit] (source).
 struct Constants {
   // Layouts.
   /// Sight of a group of modes below which a layout cannot see it [points of average motion]

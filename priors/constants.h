@@ -8,7 +8,7 @@
 
 namespace chladni::priors {
 
-/// Of each: what it decides [unit] (source).
+/// Each comment says what the constant decides [unit] (source).
 struct Constants {
   // Length scales.
   /// Points of the surface from which the length scale of a simulated mode is learned; more change
