@@ -18,6 +18,10 @@ inline constexpr auto kNoNegativeMass =
 inline constexpr auto kOtherChart =
     "the diagnosis looks at the body along another axis than the key";
 
+/// A number in SI as a study writes it: lengths in mm, times in us, others in `unit`; without a
+/// unit a bare number.
+[[nodiscard]] std::string written(double value, std::string_view unit);
+
 /// "z", or the normal of the chart as three numbers.
 [[nodiscard]] std::string normal(const Extension& by);
 

@@ -14,10 +14,6 @@
 namespace chladni::steps {
 namespace {
 
-std::string quantity(double value, std::string_view unit) {
-  return study::toml_text(digits(value) + " " + std::string(unit));
-}
-
 std::string vector(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", digits(v(0)), digits(v(1)), digits(v(2)));
 }
@@ -42,8 +38,8 @@ std::string mass_with_inertia(const Extension& by) {
   const double inertia = by.number("mass") * radius * radius;
   const Eigen::Vector3d about = inertia * (by.chart.axis_u.cwiseAbs() + by.chart.axis_v.cwiseAbs());
   std::string three;
-  for (int k = 0; k < 3; ++k) three += (k > 0 ? ", " : "") + quantity(about(k), "kg m^2");
-  append(by, "mass", {{"mass", quantity(by.number("mass"), "kg")}, {"inertia", "[" + three + "]"}});
+  for (int k = 0; k < 3; ++k) three += (k > 0 ? ", " : "") + written(about(k), "kg m^2");
+  append(by, "mass", {{"mass", written(by.number("mass"), "kg")}, {"inertia", "[" + three + "]"}});
   return {};
 }
 
@@ -53,8 +49,8 @@ std::string resonator(const Extension& by) {
   const double ratio = by.number("damping_ratio") - by.study.modes.damping_ratio;
   append(by, "resonator",
          {{"direction", normal(by)},
-          {"mass", quantity(by.number("mass"), "kg")},
-          {"frequency", quantity(by.number("frequency"), "Hz")},
+          {"mass", written(by.number("mass"), "kg")},
+          {"frequency", written(by.number("frequency"), "Hz")},
           {"damping_ratio", digits(std::max(ratio, 0.0))}});
   if (ratio < 0.0) {
     by.edit.append_comment(fmt::format(
@@ -68,6 +64,13 @@ constexpr std::array<std::pair<std::string_view, Extend>, 2> kTable{
     {{"mass_with_inertia", mass_with_inertia}, {"resonator", resonator}}};
 
 }  // namespace
+
+std::string written(double value, std::string_view unit) {
+  if (unit.empty()) return digits(value);
+  if (unit == "m") return study::toml_text(digits(1e3 * value) + " mm");
+  if (unit == "s") return study::toml_text(digits(1e6 * value) + " us");
+  return study::toml_text(digits(value) + " " + std::string(unit));
+}
 
 std::string normal(const Extension& by) {
   if (looks_down(by)) return study::toml_text("z");

@@ -16,14 +16,6 @@ namespace {
 using diagnosis::InStudy;
 using diagnosis::StudyKey;
 
-// A number in the unit in which studies are written.
-std::string written(double value, std::string_view unit) {
-  if (unit.empty()) return digits(value);
-  if (unit == "m") return study::toml_text(digits(1e3 * value) + " mm");
-  if (unit == "s") return study::toml_text(digits(1e6 * value) + " us");
-  return study::toml_text(digits(value) + " " + std::string(unit));
-}
-
 double changed(double before, double number, StudyKey::How how) {
   switch (how) {
     case StudyKey::How::times:
