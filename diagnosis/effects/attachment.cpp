@@ -32,6 +32,30 @@ Attached attached_to(const Structure& structure, const std::optional<PointMotion
   return one;
 }
 
+std::vector<Parameter> oscillator_parameters(double mass_kg, double frequency_hz, double width) {
+  return {{.name = "mass",
+           .unit = "kg",
+           .scale = Parameter::Scale::logarithmic,
+           .is_size = true,
+           .centre = std::log(mass_kg),
+           .width = 2.0,
+           .step = 1e-4},
+          {.name = "frequency",
+           .unit = "Hz",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::frequency,
+           .centre = std::log(frequency_hz),
+           .width = width,
+           .step = 1e-5},
+          {.name = "damping_ratio",
+           .unit = "1",
+           .scale = Parameter::Scale::logarithmic,
+           .role = Parameter::Role::shape,
+           .centre = std::log(0.02),
+           .width = 1.0,
+           .step = 1e-4}};
+}
+
 Oscillator oscillator(const Eigen::VectorXd& x) {
   const double omega = 2.0 * std::numbers::pi * std::exp(x(1));
   const double mass = std::exp(x(0));

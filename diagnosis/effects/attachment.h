@@ -27,6 +27,10 @@ struct Oscillator {
   double mass = 0.0, damping = 0.0, stiffness = 0.0;
 };
 [[nodiscard]] Oscillator oscillator(const Eigen::VectorXd& x);
+/// Its parameters "mass", "frequency" and "damping_ratio", with the centres of the first two
+/// priors; `width` is that of ln frequency.
+[[nodiscard]] std::vector<Parameter> oscillator_parameters(double mass_kg, double frequency_hz,
+                                                           double width);
 /// ω₁ [rad/s] of the first flexible mode.
 [[nodiscard]] double first_omega(const Structure& structure);
 /// Starts: each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.

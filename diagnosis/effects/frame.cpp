@@ -10,27 +10,7 @@ using Eigen::VectorXd;
 
 std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
   const double typical_hz = structure.frequency_hz(structure.rigid_count);
-  return {{.name = "mass",
-           .unit = "kg",
-           .scale = Parameter::Scale::logarithmic,
-           .is_size = true,
-           .centre = std::log(10.0 * structure.mass_kg),
-           .width = 2.0,
-           .step = 1e-4},
-          {.name = "frequency",
-           .unit = "Hz",
-           .scale = Parameter::Scale::logarithmic,
-           .role = Parameter::Role::frequency,
-           .centre = std::log(typical_hz),
-           .width = 1.5,
-           .step = 1e-5},
-          {.name = "damping_ratio",
-           .unit = "1",
-           .scale = Parameter::Scale::logarithmic,
-           .role = Parameter::Role::shape,
-           .centre = std::log(0.02),
-           .width = 1.0,
-           .step = 1e-4}};
+  return oscillator_parameters(10.0 * structure.mass_kg, typical_hz, 1.5);
 }
 
 void stand(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,

@@ -10,29 +10,10 @@ using Eigen::VectorXd;
 
 std::vector<Parameter> oscillator_and_place(const Structure& structure) {
   const double typical_hz = structure.frequency_hz(structure.rigid_count);
-  return {{.name = "mass",
-           .unit = "kg",
-           .scale = Parameter::Scale::logarithmic,
-           .is_size = true,
-           .centre = std::log(0.01 * structure.mass_kg),
-           .width = 2.0,
-           .step = 1e-4},
-          {.name = "frequency",
-           .unit = "Hz",
-           .scale = Parameter::Scale::logarithmic,
-           .role = Parameter::Role::frequency,
-           .centre = std::log(2.0 * typical_hz),
-           .width = 1.2,
-           .step = 1e-5},
-          {.name = "damping_ratio",
-           .unit = "1",
-           .scale = Parameter::Scale::logarithmic,
-           .role = Parameter::Role::shape,
-           .centre = std::log(0.02),
-           .width = 1.0,
-           .step = 1e-4},
-          place_u(structure),
-          place_v(structure)};
+  auto parameters = oscillator_parameters(0.01 * structure.mass_kg, 2.0 * typical_hz, 1.2);
+  parameters.push_back(place_u(structure));
+  parameters.push_back(place_v(structure));
+  return parameters;
 }
 
 void carry(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
