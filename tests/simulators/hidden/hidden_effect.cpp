@@ -1,4 +1,5 @@
 #include "simulators/hidden/hidden_effect.h"
+#include "simulators/tables/table_channels.h"
 
 #include <fmt/format.h>
 
@@ -37,21 +38,6 @@ Recipe believed(const HiddenOptions& options) {
   recipe.output_mix = Eigen::MatrixXd::Identity(p, p);
   recipe.input_mix = Eigen::MatrixXd::Identity(q, q);
   return recipe;
-}
-
-// The channels as the test sheet states them, with their intended places.
-std::vector<modal::MeasuredChannel> channels(const std::vector<std::string>& names,
-                                             const Eigen::MatrixX2d& places,
-                                             const std::string& unit) {
-  std::vector<modal::MeasuredChannel> list(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto place = places.row(static_cast<Index>(i));
-    list[i].name = names[i];
-    list[i].direction = Eigen::Vector3d::UnitZ();
-    list[i].position = Eigen::Vector3d(place(0), place(1), 0.0);
-    list[i].unit = unit;
-  }
-  return list;
 }
 
 double median_magnitude(const std::vector<Eigen::MatrixXcd>& value) {
@@ -239,8 +225,8 @@ HiddenCase hidden_case(const std::vector<std::string>& kinds, unsigned seed,
                       options.lines, low_hz, high_hz));
   HiddenCase made;
   auto& measured = made.measured;
-  measured.outputs = channels(recipe.channels.output_names, recipe.channels.outputs, "m");
-  measured.inputs = channels(recipe.channels.input_names, recipe.channels.inputs, "N");
+  measured.outputs = measured_channels(recipe.channels.output_names, recipe.channels.outputs, "m");
+  measured.inputs = measured_channels(recipe.channels.input_names, recipe.channels.inputs, "N");
   measured.frequency_hz = Eigen::VectorXd::LinSpaced(options.lines, low_hz, high_hz);
   const auto nominal = responses(recipe, measured.frequency_hz, true);
   Drawn drawn{Dice(seed_of(kinds, seed)),

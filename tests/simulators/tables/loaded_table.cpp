@@ -41,20 +41,6 @@ Loaded loaded(const RitzModes& plate, const LoadedTable& table) {
   return {modes.eigenvalues().cwiseMax(0.0), modes.eigenvectors()};
 }
 
-std::vector<modal::MeasuredChannel> channels(const std::vector<std::string>& names,
-                                             const Eigen::MatrixX2d& places,
-                                             const std::string& unit) {
-  std::vector<modal::MeasuredChannel> list(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto place = places.row(static_cast<Index>(i));
-    list[i].name = names[i];
-    list[i].direction = Eigen::Vector3d::UnitZ();
-    list[i].position = Eigen::Vector3d(place(0), place(1), 0.0);
-    list[i].unit = unit;
-  }
-  return list;
-}
-
 double median_size(const std::vector<MatrixXcd>& responses) {
   std::vector<double> all;
   for (const auto& g : responses) {
@@ -73,8 +59,8 @@ modal::FrfSet loaded_table(const RitzModes& plate, const LoadedTable& table) {
   const MatrixXd outputs = modal_rows(plate, channel.outputs).deflection * shapes;
   const MatrixXd inputs = modal_rows(plate, channel.inputs).deflection * shapes;
   modal::FrfSet set;
-  set.outputs = channels(channel.output_names, channel.outputs, "m");
-  set.inputs = channels(channel.input_names, channel.inputs, "N");
+  set.outputs = measured_channels(channel.output_names, channel.outputs, "m");
+  set.inputs = measured_channels(channel.input_names, channel.inputs, "N");
   set.frequency_hz = VectorXd::LinSpaced(table.lines, table.low_hz, table.high_hz);
   VectorXd ratio = VectorXd::Constant(lambda.size(), table.damping_ratio);
   if (table.damping_spread > 0.0) {

@@ -14,4 +14,18 @@ TableChannels table_channels() {
   return all;
 }
 
+std::vector<modal::MeasuredChannel> measured_channels(const std::vector<std::string>& names,
+                                                      const Eigen::MatrixX2d& places,
+                                                      const std::string& unit) {
+  std::vector<modal::MeasuredChannel> list(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto place = places.row(static_cast<Eigen::Index>(i));
+    list[i].name = names[i];
+    list[i].direction = Eigen::Vector3d::UnitZ();
+    list[i].position = Eigen::Vector3d(place(0), place(1), 0.0);
+    list[i].unit = unit;
+  }
+  return list;
+}
+
 }  // namespace chladni::simulators

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "modal/frf_set.h"
+
 namespace chladni::simulators {
 
 /// Channels along z.
@@ -15,5 +17,10 @@ struct TableChannels {
 
 /// s1 to s4 at (±250, ±250) mm, a1 to a13.
 [[nodiscard]] TableChannels table_channels();
+
+/// Channels along z as a test sheet states them.
+/// @param places  n×2 [m], one for each name
+[[nodiscard]] std::vector<modal::MeasuredChannel> measured_channels(
+    const std::vector<std::string>& names, const Eigen::MatrixX2d& places, const std::string& unit);
 
 }  // namespace chladni::simulators
