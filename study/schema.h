@@ -27,9 +27,9 @@ struct KeyText {
 template <typename Plan>
 struct Key {
   KeyText text;
-  std::string json_name;                           ///< with its unit: "band_hz"
-  std::function<void(TableReader&, Plan&)> read;   ///< empty: a reader of its own does it
-  std::function<io::Json(const Plan& plan)> json;  ///< in SI
+  std::string json_name;                          ///< with its unit: "band_hz"
+  std::function<void(TableReader&, Plan&)> read;  ///< empty: a reader of its own does it
+  std::function<std::optional<io::Json>(const Plan& plan)> json;  ///< in SI; none: not shown
 };
 
 template <typename Plan>
@@ -46,7 +46,9 @@ struct Schema {
   /// The plan as study.json shows it: in SI, in the order of the keys.
   [[nodiscard]] io::JsonObject json(const Plan& plan) const {
     io::JsonObject object;
-    for (const auto& key : keys) object.emplace_back(key.json_name, key.json(plan));
+    for (const auto& key : keys) {
+      if (auto value = key.json(plan)) object.emplace_back(key.json_name, std::move(*value));
+    }
     return object;
   }
 };
@@ -141,7 +143,7 @@ Key<Plan> text(const std::string& name, std::string Plan::*value, const std::str
 /// A key with a reader of its own: what it may be depends on other keys or parts of the study.
 template <typename Plan>
 Key<Plan> special(KeyText text, std::string name_in_json,
-                  std::function<io::Json(const Plan& plan)> json) {
+                  std::function<std::optional<io::Json>(const Plan& plan)> json) {
   return {.text = std::move(text),
           .json_name = std::move(name_in_json),
           .read = {},

@@ -14,6 +14,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
+[[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
 
 /// The keys of one table.

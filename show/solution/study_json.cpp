@@ -252,19 +252,6 @@ io::Json measurement_json(const study::MeasurementPlan& plan) {
                         {"source", plan.source}};
 }
 
-io::Json diagnosis_plan_json(const study::DiagnosisPlan& plan) {
-  return io::JsonObject{
-      {"band_hz", io::JsonArray{plan.low_hz, plan.high_hz}},
-      {"tolerances", study::tolerances_schema().json(plan.tolerances)},
-      {"on", faces_json(plan.on)},
-      {"effects", io::Json::texts(plan.effects)},
-      {"most_causes", plan.most_causes},
-      {"least_evidence", plan.least_evidence},
-      {"rival_within", plan.rival_within},
-      {"lines", plan.lines},
-      {"hold_out_band_hz", io::JsonArray{plan.hold_out_low_hz, plan.hold_out_high_hz}}};
-}
-
 io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -314,7 +301,9 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
     object.emplace_back("interpolation", interpolation_json(*study.interpolation));
   }
   if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
-  if (study.diagnosis) object.emplace_back("diagnosis", diagnosis_plan_json(*study.diagnosis));
+  if (study.diagnosis) {
+    object.emplace_back("diagnosis", study::diagnosis_schema().json(*study.diagnosis));
+  }
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));

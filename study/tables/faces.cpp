@@ -25,6 +25,11 @@ FacePlan read_faces(TableReader& table, std::string_view key) {
   return on;
 }
 
+io::Json faces_json(const FacePlan& on) {
+  if (on.facing) return io::JsonObject{{"facing", io::Json(*on.facing)}};
+  return io::Json::texts(on.patches);
+}
+
 void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction,
                  bool& along_normal) {
   const TomlNode* node = table.find("direction");

@@ -5,18 +5,6 @@
 namespace chladni::study {
 namespace {
 
-void read_band(TableReader& table, IdentificationPlan& plan) {
-  const auto band = table.quantities("band", "Hz", 2, Sign::not_negative);
-  if (!band) return;
-  plan.low_hz = (*band)(0);
-  plan.high_hz = (*band)(1);
-  if (!(plan.high_hz > plan.low_hz)) {
-    table.wrong(*table.find("band"), table.name("band") +
-                                         ": its end is not above its start; "
-                                         "expected such as [\"10 Hz\", \"800 Hz\"]");
-  }
-}
-
 void read_pairs(TableReader& table, const Study& study, IdentificationPlan& plan) {
   for (auto& pair : table.tables("pair")) {
     plan.pairs.emplace_back(pair.required_text("sensor"), pair.required_text("actuator"));
@@ -63,7 +51,6 @@ void read_identification(TableReader& root, Study& study) {
   if (!table) return;
   auto& plan = study.identification.emplace();
   identification_schema().read(*table, plan);
-  read_band(*table, plan);
   if (plan.method == "thesis" && !table->has("weighting")) plan.weighting = "inverse_magnitude";
   refuse_idle_keys(*table, plan);
   read_pairs(*table, study, plan);

@@ -1,19 +1,10 @@
 // Every key of these tables stands here once.
 #include "study/schemas.h"
 
-#include "study/tables/tables.h"
+#include "study/tables/rows.h"
 
 namespace chladni::study {
 namespace {
-
-template <typename Plan>
-Key<Plan> band(double Plan::*low, double Plan::*high, const std::string& otherwise,
-               const std::string& meaning) {
-  return special<Plan>({"band", "two quantities in Hz, ascending", otherwise, meaning}, "band_hz",
-                       [=](const Plan& plan) {
-                         return io::JsonArray{plan.*low, plan.*high};
-                       });
-}
 
 io::Json pairs_json(const IdentificationPlan& plan) {
   io::JsonArray pairs;
@@ -84,7 +75,12 @@ const Schema<ExperimentPlan>& experiment_schema() {
        whole("realisations", 1, 10000, &P::realisations, "of the random phases"),
        whole("warm_up", 0, 10000, &P::warm_up, "periods before those recorded"),
        quantity("amplitude", "N", Sign::positive, &P::amplitude, "rms of each force"),
-       band(&P::low_hz, &P::high_hz, "the first line to an eighth of the rate", "excited lines"),
+       special<P>({"band", "two quantities in Hz, ascending",
+                   "the first line to an eighth of the rate", "excited lines"},
+                  "band_hz",
+                  [](const P& plan) {
+                    return io::JsonArray{plan.low_hz, plan.high_hz};
+                  }),
        choice("lines", {"all", "odd", "odd_with_detection"}, &P::lines,
               "that are excited; with detection one odd line of four is silent"),
        choice("inputs", {"one_at_a_time", "orthogonal"}, &P::inputs,
@@ -124,7 +120,8 @@ const Schema<IdentificationPlan>& identification_schema() {
   using P = IdentificationPlan;
   static const Schema<P> schema = {
       "identification",
-      {band(&P::low_hz, &P::high_hz, "all lines above 0 Hz", "lines of the fit"),
+      {band("band", &P::low_hz, &P::high_hz, "[\"10 Hz\", \"800 Hz\"]", "lines of the fit",
+            "all lines above 0 Hz"),
        choice("method", {"likelihood", "thesis"}, &P::method,
               "of the fit; the thesis' path needs modes"),
        choice("damping", {"modal", "general"}, &P::damping, "real shapes, or complex ones"),
@@ -200,8 +197,9 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
 }
 
 std::vector<TableText> tables_with_schemas() {
-  return {text_of(mesh_schema()), text_of(modes_schema()), text_of(experiment_schema()),
-          text_of(identification_schema()), text_of(tolerances_schema())};
+  return {text_of(mesh_schema()),       text_of(modes_schema()),
+          text_of(experiment_schema()), text_of(identification_schema()),
+          text_of(diagnosis_schema()),  text_of(tolerances_schema())};
 }
 
 std::string page_of_keys() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "io/json.h"
 #include "study/study.h"
 #include "study/toml/table_reader.h"
 
@@ -47,6 +48,9 @@ void read_expectations(TableReader& root, Study& study);
 
 /// "on": names of patches or { facing = "z" }. A wrong value is a problem.
 [[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
+
+/// The same in study.json.
+[[nodiscard]] io::Json faces_json(const FacePlan& on);
 
 /// "direction": "z", ... or "normal".
 void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);

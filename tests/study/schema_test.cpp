@@ -44,16 +44,19 @@ density = "2700 kg/m^3"
                      "plate.toml");
 }
 
+template <typename Plan>
+void expect_default(const Schema<Plan>& schema, const Plan& plan) {
+  EXPECT_EQ(io::text(io::Json(schema.json(plan))), io::text(io::Json(schema.json(Plan{}))))
+      << schema.table;
+}
+
 TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   const auto study = with("[identification]\n[mesh]\n[modes]\n[diagnosis]\ntolerances = {}\n");
-  EXPECT_EQ(io::text(io::Json(identification_schema().json(*study.identification))),
-            io::text(io::Json(identification_schema().json(IdentificationPlan{}))));
-  EXPECT_EQ(io::text(io::Json(mesh_schema().json(study.mesh))),
-            io::text(io::Json(mesh_schema().json(MeshPlan{}))));
-  EXPECT_EQ(io::text(io::Json(modes_schema().json(study.modes))),
-            io::text(io::Json(modes_schema().json(ModesPlan{}))));
-  EXPECT_EQ(io::text(io::Json(tolerances_schema().json(study.diagnosis->tolerances))),
-            io::text(io::Json(tolerances_schema().json(diagnosis::Tolerances{}))));
+  expect_default(identification_schema(), *study.identification);
+  expect_default(mesh_schema(), study.mesh);
+  expect_default(modes_schema(), study.modes);
+  expect_default(diagnosis_schema(), *study.diagnosis);
+  expect_default(tolerances_schema(), study.diagnosis->tolerances);
 }
 
 TEST(Schema, ReadsEachToleranceIntoItsOwnNumber) {

@@ -1,0 +1,66 @@
+// Rows of a schema that several tables have: bands, names, faces and directions.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "study/schema.h"
+#include "study/tables/tables.h"
+
+namespace chladni::study {
+
+/// Two frequencies, the second above the first. A wrong value is a problem, and `example` is part
+/// of its message.
+void read_band(TableReader& table, const std::string& name, const std::string& example,
+               double& low_hz, double& high_hz);
+
+template <typename Plan>
+Key<Plan> band(const std::string& name, double Plan::*low, double Plan::*high,
+               const std::string& example, const std::string& meaning,
+               const std::string& otherwise) {
+  return {.text = {name, "two quantities in Hz, ascending", otherwise, meaning},
+          .json_name = json_name(name, "Hz"),
+          .read = [=](TableReader& table,
+                      Plan& plan) { read_band(table, name, example, plan.*low, plan.*high); },
+          .json =
+              [=](const Plan& plan) {
+                return io::JsonArray{plan.*low, plan.*high};
+              }};
+}
+
+/// Names out of a list.
+/// @param what  one of them in messages: "method"
+template <typename Plan>
+Key<Plan> names(KeyText text, const std::string& what,
+                const std::function<std::vector<std::string>()>& known,
+                std::vector<std::string> Plan::*value) {
+  const std::string name = text.name;
+  return {.text = std::move(text),
+          .json_name = name,
+          .read =
+              [=](TableReader& table, Plan& plan) {
+                plan.*value = table.texts(name);
+                refuse_strangers(table, name, what, plan.*value, known());
+              },
+          .json = [=](const Plan& plan) { return io::Json::texts(plan.*value); }};
+}
+
+/// "on": the faces that a table is about.
+template <typename Plan>
+Key<Plan> faces(const std::string& meaning) {
+  return {.text = {"on", "names of patches, or { facing = \"z\" }", "what looks up", meaning},
+          .json_name = "on",
+          .read = [](TableReader& table, Plan& plan) { plan.on = read_faces(table, "on"); },
+          .json = [](const Plan& plan) { return faces_json(plan.on); }};
+}
+
+/// The names of the members of a list of the program: its effects, criteria, kernels.
+template <typename List>
+std::vector<std::string> names_in(const List& list) {
+  std::vector<std::string> names;
+  for (const auto* one : list) names.emplace_back(one->name);
+  return names;
+}
+
+}  // namespace chladni::study
