@@ -13,6 +13,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+[[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();

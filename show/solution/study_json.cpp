@@ -241,17 +241,6 @@ io::Json interpolation_json(const study::InterpolationPlan& plan) {
       {"polynomial_degree", plan.polynomial_degree}};
 }
 
-io::Json measurement_json(const study::MeasurementPlan& plan) {
-  return io::JsonObject{{"frf", plan.frf.filename().string()},
-                        {"time", plan.time.filename().string()},
-                        {"shapes", plan.shapes.filename().string()},
-                        {"truth", plan.truth.filename().string()},
-                        {"noise", plan.noise},
-                        {"modes", plan.modes},
-                        {"hold_out", io::Json::texts(plan.hold_out)},
-                        {"source", plan.source}};
-}
-
 io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -289,7 +278,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
       {"layouts", layouts_json(study.layouts)}};
   if (study.placement) object.emplace_back("placement", placement_plan_json(*study.placement));
   if (study.measurement) {
-    object.emplace_back("measurement", measurement_json(*study.measurement));
+    object.emplace_back("measurement", study::measurement_schema().json(*study.measurement));
   }
   if (study.experiment)
     object.emplace_back("experiment", study::experiment_schema().json(*study.experiment));

@@ -4,6 +4,40 @@
 #include "study/tables/rows.h"
 
 namespace chladni::study {
+namespace {
+
+/// A file of the measurement; study.json has its name without the folder.
+Key<MeasurementPlan> data_file(const std::string& name,
+                               std::filesystem::path MeasurementPlan::*value,
+                               const std::string& meaning) {
+  return special<MeasurementPlan>(
+      {name, "a path", "none", meaning}, name,
+      [=](const MeasurementPlan& plan) { return io::Json((plan.*value).filename().string()); });
+}
+
+}  // namespace
+
+const Schema<MeasurementPlan>& measurement_schema() {
+  using P = MeasurementPlan;
+  static const Schema<P> schema = {
+      "measurement",
+      {data_file("frf", &P::frf, "responses"),
+       data_file("time", &P::time, "recordings that responses are estimated from"),
+       data_file("shapes", &P::shapes, "a table of measured mode shapes"),
+       data_file("truth", &P::truth,
+                 "a study whose modes stand for measured ones, instead of shapes"),
+       quantity("noise", "1", Sign::positive, &P::noise,
+                "of a shape's value over its root mean square, where none is stated"),
+       special<P>({"modes", fmt::format("1 to {}", kMostModes), "those in view, at most 12",
+                   "flexible modes of truth that are measured"},
+                  "modes", [](const P& plan) { return io::Json(plan.modes); }),
+       special<P>({"hold_out", "channels of the study", "none",
+                   "channels that no fit may see; what is predicted there is scored"},
+                  "hold_out", [](const P& plan) { return io::Json::texts(plan.hold_out); }),
+       text("source", &P::source, "where files are to be had that do not come with the study",
+            "none")}};
+  return schema;
+}
 
 const Schema<DiagnosisPlan>& diagnosis_schema() {
   using P = DiagnosisPlan;

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "priors/interpolator.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -36,7 +37,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   auto table = root.table("measurement");
   if (!table) return;
   auto& plan = study.measurement.emplace();
-  plan.source = table->text("source").value_or("");
+  measurement_schema().read(*table, plan);
   plan.frf = read_path(*table, folder, "frf", source_text(plan));
   plan.time = read_path(*table, folder, "time", source_text(plan));
   plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
@@ -56,7 +57,6 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   if (table->has("shapes") && table->has("truth")) {
     table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");
   }
-  plan.noise = table->quantity("noise", "1", Sign::positive).value_or(0.01);
   plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
   plan.hold_out = table->texts("hold_out");
   refuse_strangers(*table, "hold_out", "channel of the study", plan.hold_out, channel_names(study));

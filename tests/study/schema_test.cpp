@@ -59,6 +59,14 @@ TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   expect_default(tolerances_schema(), study.diagnosis->tolerances);
 }
 
+TEST(Schema, LeavesTheOtherKeysOfAMeasurementByDefault) {
+  MeasurementPlan plan;
+  plan.frf = "measured.csv";
+  const auto study = with("[measurement]\nfrf = \"measured.csv\"\n");
+  EXPECT_EQ(io::text(io::Json(measurement_schema().json(*study.measurement))),
+            io::text(io::Json(measurement_schema().json(plan))));
+}
+
 TEST(Schema, ReadsEachToleranceIntoItsOwnNumber) {
   double value = 0.0;
   std::string table = "[diagnosis.tolerances]\n";
