@@ -226,21 +226,6 @@ io::Json priors_plan_json(const study::PriorsPlan& plan) {
       {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
 }
 
-io::Json interpolation_json(const study::InterpolationPlan& plan) {
-  io::JsonArray points;
-  for (const auto& point : plan.points) {
-    points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
-  }
-  return io::JsonObject{
-      {"methods", io::Json::texts(plan.methods)},
-      {"on", faces_json(plan.on)},
-      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
-      {"points", points},
-      {"predicted", plan.predicted},
-      {"table_pitch_m", plan.table_pitch},
-      {"polynomial_degree", plan.polynomial_degree}};
-}
-
 io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -287,7 +272,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
                         study::identification_schema().json(*study.identification));
   }
   if (study.interpolation) {
-    object.emplace_back("interpolation", interpolation_json(*study.interpolation));
+    object.emplace_back("interpolation", study::interpolation_schema().json(*study.interpolation));
   }
   if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
   if (study.diagnosis) {

@@ -142,6 +142,10 @@ Place read_place(TableReader& table, std::string_view key) {
   return place;
 }
 
+io::Json place_json(const Place& place) {
+  return io::Json(place.point.head(place.from_above ? 2 : 3));
+}
+
 void read_channels(TableReader& root, Study& study) {
   Names sensors("sensor");
   for (auto& table : root.tables("sensor")) {

@@ -1,5 +1,6 @@
 // The keys of what is measured, and of what is made of it.
 #include "diagnosis/effect.h"
+#include "priors/interpolator.h"
 #include "study/schemas.h"
 #include "study/tables/rows.h"
 
@@ -13,6 +14,31 @@ Key<MeasurementPlan> data_file(const std::string& name,
   return special<MeasurementPlan>(
       {name, "a path", "none", meaning}, name,
       [=](const MeasurementPlan& plan) { return io::Json((plan.*value).filename().string()); });
+}
+
+void read_points(TableReader& table, InterpolationPlan& plan) {
+  Names names("point");
+  for (auto& point : table.tables("point")) {
+    plan.points.push_back({point.required_text("name"), read_place(point, "at")});
+    names.add(point, plan.points.back().name);
+    point.refuse_unknown();
+  }
+}
+
+io::Json points_json(const InterpolationPlan& plan) {
+  io::JsonArray points;
+  for (const auto& point : plan.points) {
+    points.push_back(io::JsonObject{{"name", point.name}, {"at_m", place_json(point.at)}});
+  }
+  return points;
+}
+
+void read_predicted(TableReader& table, InterpolationPlan& plan) {
+  plan.predicted = table.text("predicted").value_or(plan.predicted);
+  if (plan.predicted.ends_with(".csv") && plan.predicted.find('/') == plan.predicted.npos) return;
+  table.wrong(*table.find("predicted"),
+              table.name("predicted") + ": found \"" + plan.predicted +
+                  "\", expected the name of a file such as \"predicted.csv\"");
 }
 
 }  // namespace
@@ -36,6 +62,32 @@ const Schema<MeasurementPlan>& measurement_schema() {
                   "hold_out", [](const P& plan) { return io::Json::texts(plan.hold_out); }),
        text("source", &P::source, "where files are to be had that do not come with the study",
             "none")}};
+  return schema;
+}
+
+const Schema<InterpolationPlan>& interpolation_schema() {
+  using P = InterpolationPlan;
+  static const Schema<P> schema = {
+      "interpolation",
+      {names<P>(
+           {"methods", "names of `chladni list interpolations`",
+            "the default and two of the thesis", "the first is the one that is shown"},
+           "method", [] { return names_in(priors::interpolators()); }, &P::methods),
+       faces<P>("whose motion is wanted"),
+       motion<P>("of that motion"),
+       {.text = {"point", "tables with name, at", "none", "where shapes are printed"},
+        .json_name = "points",
+        .read = read_points,
+        .json = points_json},
+       {.text = {"predicted", "the name of a file that ends in .csv", quoted({P{}.predicted}),
+                 "responses where nothing was measured"},
+        .json_name = "predicted",
+        .read = read_predicted,
+        .json = [](const P& plan) { return io::Json(plan.predicted); }},
+       quantity("table_pitch", "m", Sign::positive, &P::table_pitch,
+                "of a lookup table seen from above, mode_field.csv", "no table"),
+       whole("polynomial_degree", 1, 30, &P::polynomial_degree,
+             "in x and y, of mode_field_polynomial.json", "no polynomial")}};
   return schema;
 }
 

@@ -38,4 +38,8 @@ void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction,
   if (!along_normal) direction = table.direction("direction");
 }
 
+io::Json motion_json(const std::optional<Eigen::Vector3d>& direction) {
+  return direction ? io::Json(*direction) : io::Json("normal");
+}
+
 }  // namespace chladni::study

@@ -1,21 +1,9 @@
 // [measurement] and [interpolation] of a study: the measured data and what is computed from them.
-#include <algorithm>
-
 #include "base/error.h"
-#include "priors/interpolator.h"
 #include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
-namespace {
-
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const auto* method : priors::interpolators()) names.emplace_back(method->name);
-  return names;
-}
-
-}  // namespace
 
 std::string source_text(const MeasurementPlan& plan) {
   return plan.source.empty() ? "" : "; it does not come with the study: " + plan.source;
@@ -66,25 +54,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
 void read_interpolation(TableReader& root, Study& study) {
   auto table = root.table("interpolation");
   if (!table) return;
-  auto& plan = study.interpolation.emplace();
-  plan.methods = table->texts("methods");
-  refuse_strangers(*table, "methods", "method", plan.methods, method_names());
-  plan.on = read_faces(*table, "on");
-  read_motion(*table, plan.direction, plan.along_normal);
-  Names names("point");
-  for (auto& point : table->tables("point")) {
-    plan.points.push_back({point.required_text("name"), read_place(point, "at")});
-    names.add(point, plan.points.back().name);
-    point.refuse_unknown();
-  }
-  plan.table_pitch = table->quantity("table_pitch", "m", Sign::positive).value_or(0.0);
-  plan.predicted = table->text("predicted").value_or(plan.predicted);
-  if (!plan.predicted.ends_with(".csv") || plan.predicted.find('/') != plan.predicted.npos) {
-    table->wrong(*table->find("predicted"),
-                 table->name("predicted") + ": found \"" + plan.predicted +
-                     "\", expected the name of a file such as \"predicted.csv\"");
-  }
-  plan.polynomial_degree = static_cast<int>(table->integer("polynomial_degree", 1, 30).value_or(0));
+  interpolation_schema().read(*table, study.interpolation.emplace());
   table->refuse_unknown();
 }
 

@@ -55,6 +55,17 @@ Key<Plan> faces(const std::string& meaning) {
           .json = [](const Plan& plan) { return faces_json(plan.on); }};
 }
 
+/// "direction": that of the motion there.
+template <typename Plan>
+Key<Plan> motion(const std::string& meaning) {
+  return {.text = {"direction", R"("x", "-z", three numbers, or "normal")", "that of the faces",
+                   meaning},
+          .json_name = "direction",
+          .read = [](TableReader& table,
+                     Plan& plan) { read_motion(table, plan.direction, plan.along_normal); },
+          .json = [](const Plan& plan) { return motion_json(plan.direction); }};
+}
+
 /// The names of the members of a list of the program: its effects, criteria, kernels.
 template <typename List>
 std::vector<std::string> names_in(const List& list) {

@@ -199,8 +199,8 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
 std::vector<TableText> tables_with_schemas() {
   return {text_of(mesh_schema()),           text_of(modes_schema()),
           text_of(measurement_schema()),    text_of(experiment_schema()),
-          text_of(identification_schema()), text_of(diagnosis_schema()),
-          text_of(tolerances_schema())};
+          text_of(identification_schema()), text_of(interpolation_schema()),
+          text_of(diagnosis_schema()),      text_of(tolerances_schema())};
 }
 
 std::string page_of_keys() {

@@ -46,6 +46,9 @@ void read_expectations(TableReader& root, Study& study);
 /// "at" of a channel or attachment: two or three lengths. A missing or wrong value is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);
 
+/// The same in study.json.
+[[nodiscard]] io::Json place_json(const Place& place);
+
 /// "on": names of patches or { facing = "z" }. A wrong value is a problem.
 [[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
 
@@ -54,6 +57,8 @@ void read_expectations(TableReader& root, Study& study);
 
 /// "direction": "z", ... or "normal".
 void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);
+/// The same in study.json.
+[[nodiscard]] io::Json motion_json(const std::optional<Eigen::Vector3d>& direction);
 
 inline constexpr int kMostModes = 5000;
 inline constexpr int kLongestPeriod = 1 << 24;  // samples

@@ -51,10 +51,12 @@ void expect_default(const Schema<Plan>& schema, const Plan& plan) {
 }
 
 TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
-  const auto study = with("[identification]\n[mesh]\n[modes]\n[diagnosis]\ntolerances = {}\n");
+  const auto study =
+      with("[identification]\n[mesh]\n[modes]\n[interpolation]\n[diagnosis]\ntolerances = {}\n");
   expect_default(identification_schema(), *study.identification);
   expect_default(mesh_schema(), study.mesh);
   expect_default(modes_schema(), study.modes);
+  expect_default(interpolation_schema(), *study.interpolation);
   expect_default(diagnosis_schema(), *study.diagnosis);
   expect_default(tolerances_schema(), study.diagnosis->tolerances);
 }
