@@ -16,6 +16,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
 [[nodiscard]] const Schema<InterpolationPlan>& interpolation_schema();
+[[nodiscard]] const Schema<PriorsPlan>& priors_schema();
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
 

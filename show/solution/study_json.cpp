@@ -212,20 +212,6 @@ io::Json placement_plan_json(const study::PlacementPlan& plan) {
   return object;
 }
 
-io::Json priors_plan_json(const study::PriorsPlan& plan) {
-  io::JsonArray samples;
-  for (const int count : plan.samples) samples.emplace_back(count);
-  return io::JsonObject{
-      {"kernel", plan.kernel},
-      {"axes", plan.per_axis ? "per_axis" : "isotropic"},
-      {"by", plan.by},
-      {"modes", plan.modes},
-      {"samples", samples},
-      {"noise_ratio", plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio)},
-      {"on", faces_json(plan.on)},
-      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")}};
-}
-
 io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -274,7 +260,9 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   if (study.interpolation) {
     object.emplace_back("interpolation", study::interpolation_schema().json(*study.interpolation));
   }
-  if (study.priors) object.emplace_back("priors", priors_plan_json(*study.priors));
+  if (study.priors) {
+    object.emplace_back("priors", study::priors_schema().json(*study.priors));
+  }
   if (study.diagnosis) {
     object.emplace_back("diagnosis", study::diagnosis_schema().json(*study.diagnosis));
   }

@@ -1,6 +1,11 @@
 // The keys of what is measured, and of what is made of it.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
 #include "diagnosis/effect.h"
 #include "priors/interpolator.h"
+#include "priors/kernel.h"
 #include "study/schemas.h"
 #include "study/tables/rows.h"
 
@@ -39,6 +44,58 @@ void read_predicted(TableReader& table, InterpolationPlan& plan) {
   table.wrong(*table.find("predicted"),
               table.name("predicted") + ": found \"" + plan.predicted +
                   "\", expected the name of a file such as \"predicted.csv\"");
+}
+
+void read_learned_modes(TableReader& table, PriorsPlan& plan) {
+  plan.modes = static_cast<int>(table.integer("modes", 1, kMostModes).value_or(0));
+  if (const TomlNode* node = table.find("modes")) {
+    plan.modes_line = node->line;
+    plan.modes_column = node->column;
+  }
+}
+
+constexpr int kFewestSamples = 4;
+constexpr int kMostSamples = 4000;  // N³: a minute and 400 MB
+
+void read_samples(TableReader& table, PriorsPlan& plan) {
+  const TomlNode* node = table.find("samples");
+  if (node == nullptr) return;
+  plan.samples.clear();
+  const auto add = [&](const TomlNode& one) {
+    if (one.kind == TomlNode::Kind::integer && one.number >= kFewestSamples &&
+        one.number <= kMostSamples) {
+      plan.samples.push_back(static_cast<int>(one.number));
+    } else {
+      table.wrong(
+          one, fmt::format("{} holds {}; expected numbers of samples from {} to {}",
+                           table.name("samples"), description(one), kFewestSamples, kMostSamples));
+    }
+  };
+  if (node->kind == TomlNode::Kind::array && !node->elements.empty()) {
+    for (const auto& element : node->elements) add(element);
+  } else {
+    add(*node);
+  }
+  std::sort(plan.samples.begin(), plan.samples.end());
+}
+
+void read_noise_ratio(TableReader& table, PriorsPlan& plan) {
+  const TomlNode* ratio = table.find("noise_ratio");
+  if (ratio != nullptr && ratio->text == "learned") {
+    plan.learn_noise = true;
+    return;
+  }
+  plan.noise_ratio = table.quantity("noise_ratio", "1", Sign::positive).value_or(plan.noise_ratio);
+  if (plan.noise_ratio < 1e-8 || plan.noise_ratio > 1.0) {
+    table.wrong(*ratio, table.name("noise_ratio") +
+                            " is outside 1e-8 to 1; below, rounding would choose the length");
+  }
+}
+
+io::Json whole_numbers(const std::vector<int>& numbers) {
+  io::JsonArray array;
+  for (const int number : numbers) array.emplace_back(number);
+  return array;
 }
 
 }  // namespace
@@ -88,6 +145,39 @@ const Schema<InterpolationPlan>& interpolation_schema() {
                 "of a lookup table seen from above, mode_field.csv", "no table"),
        whole("polynomial_degree", 1, 30, &P::polynomial_degree,
              "in x and y, of mode_field_polynomial.json", "no polynomial")}};
+  return schema;
+}
+
+const Schema<PriorsPlan>& priors_schema() {
+  using P = PriorsPlan;
+  static const Schema<P> schema = {
+      "priors",
+      {choice("kernel", names_in(priors::kernels()), &P::kernel, "of the Gaussian process"),
+       either("axes", {"isotropic", "per_axis"}, "per_axis", &P::per_axis,
+              "one length scale, or one for each of x, y, z"),
+       choice("by", {"marginal_likelihood", "leave_one_out"}, &P::by, "what is made largest"),
+       {.text = {"modes", fmt::format("1 to {}", kMostModes), "12, or all there are",
+                 "flexible modes to learn from"},
+        .json_name = "modes",
+        .read = read_learned_modes,
+        .json = [](const P& plan) { return io::Json(plan.modes); }},
+       {.text = {"samples",
+                 fmt::format("whole numbers from {} to {}", kFewestSamples, kMostSamples),
+                 fmt::format("[{}]", fmt::join(P{}.samples, ", ")),
+                 "of each mode; the largest counts"},
+        .json_name = "samples",
+        .read = read_samples,
+        .json = [](const P& plan) { return whole_numbers(plan.samples); }},
+       {.text = {"noise_ratio", "1e-8 to 1, or \"learned\"", default_text(P{}.noise_ratio, "1"),
+                 "variance of the noise over that of the prior"},
+        .json_name = "noise_ratio",
+        .read = read_noise_ratio,
+        .json =
+            [](const P& plan) {
+              return plan.learn_noise ? io::Json("learned") : io::Json(plan.noise_ratio);
+            }},
+       faces<P>("whose motion is learned from"),
+       motion<P>("of that motion")}};
   return schema;
 }
 

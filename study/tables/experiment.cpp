@@ -81,7 +81,6 @@ void read_experiment(TableReader& root, Study& study) {
   read_noise(*table, study, plan);
   read_loop(*table, study, plan);
   read_cubic_spring(*table, study, plan);
-  plan.leaves_time = table->choice("leaves", {"frf", "time"}).value_or("frf") == "time";
   table->refuse_unknown();
 }
 

@@ -212,7 +212,6 @@ void read_mesh_part(TableReader& root, Study& study) {
   auto table = root.table("mesh");
   if (!table) return;
   mesh_schema().read(*table, study.mesh);
-  study.mesh.fill_holes = table->choice("repair", {"safe", "fill"}).value_or("safe") == "fill";
   table->refuse_unknown();
 }
 

@@ -1,4 +1,4 @@
-// Rows of a schema that several tables have: bands, names, faces and directions.
+// Rows of a schema that several tables have: bands, words, names, faces and directions.
 #pragma once
 
 #include <functional>
@@ -27,6 +27,20 @@ Key<Plan> band(const std::string& name, double Plan::*low, double Plan::*high,
               [=](const Plan& plan) {
                 return io::JsonArray{plan.*low, plan.*high};
               }};
+}
+
+/// One of two words; `yes` is the one for true.
+template <typename Plan>
+Key<Plan> either(const std::string& name, const std::vector<std::string>& words,
+                 const std::string& yes, bool Plan::*value, const std::string& meaning) {
+  const std::string no = words.at(words.front() == yes ? 1 : 0);
+  return {.text = {name, quoted(words), quoted({Plan{}.*value ? yes : no}), meaning},
+          .json_name = name,
+          .read =
+              [=](TableReader& table, Plan& plan) {
+                if (const auto word = table.choice(name, words)) plan.*value = *word == yes;
+              },
+          .json = [=](const Plan& plan) { return io::Json(plan.*value ? yes : no); }};
 }
 
 /// Names out of a list.

@@ -43,10 +43,8 @@ const Schema<MeshPlan>& mesh_schema() {
              "chosen"),
        choice("mesher", {"layered", "tetgen"}, &P::mesher, "how the body is filled", "chosen"),
        truth("remesh", &P::remesh, "even triangles on a file's surface before TetGen"),
-       special<P>({"repair", quoted({"safe", "fill"}), quoted({"safe"}),
-                   "of a file's surface; \"fill\" closes holes"},
-                  "repair",
-                  [](const P& plan) { return io::Json(plan.fill_holes ? "fill" : "safe"); })}};
+       either("repair", {"safe", "fill"}, "fill", &P::fill_holes,
+              "of a file's surface; \"fill\" closes holes")}};
   return schema;
 }
 
@@ -109,10 +107,8 @@ const Schema<ExperimentPlan>& experiment_schema() {
                   "controlled", [](const P& plan) { return io::Json::texts(plan.controlled); }),
        quantity("bandwidth", "Hz", Sign::positive, &P::bandwidth_hz,
                 "of the loop; beside controlled", "none"),
-       special<P>({"leaves", quoted({"frf", "time"}), quoted({"frf"}),
-                   "responses, or recordings as time_data.csv"},
-                  "leaves",
-                  [](const P& plan) { return io::Json(plan.leaves_time ? "time" : "frf"); })}};
+       either("leaves", {"frf", "time"}, "time", &P::leaves_time,
+              "responses, or recordings as time_data.csv")}};
   return schema;
 }
 
@@ -200,7 +196,8 @@ std::vector<TableText> tables_with_schemas() {
   return {text_of(mesh_schema()),           text_of(modes_schema()),
           text_of(measurement_schema()),    text_of(experiment_schema()),
           text_of(identification_schema()), text_of(interpolation_schema()),
-          text_of(diagnosis_schema()),      text_of(tolerances_schema())};
+          text_of(priors_schema()),         text_of(diagnosis_schema()),
+          text_of(tolerances_schema())};
 }
 
 std::string page_of_keys() {
