@@ -6,7 +6,8 @@ namespace chladni::study {
 
 std::string json_name(const std::string& name, const std::string& si_unit) {
   static const std::map<std::string, std::string> suffixes = {
-      {"1", ""}, {"Hz", "_hz"}, {"kg", "_kg"}, {"m", "_m"}, {"N", "_n"}, {"s", "_s"}};
+      {"1", ""},           {"Hz", "_hz"}, {"kg", "_kg"}, {"m", "_m"},
+      {"m/N", "_m_per_n"}, {"N", "_n"},   {"s", "_s"}};
   return name + suffixes.at(si_unit);
 }
 

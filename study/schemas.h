@@ -13,6 +13,11 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+[[nodiscard]] const Schema<PlacementPlan>& placement_schema();
+[[nodiscard]] const Schema<GridPlan>& grid_schema();
+[[nodiscard]] const Schema<UncertaintyPlan>& uncertainty_schema();
+/// The part of the plan that is in placement.choose.
+[[nodiscard]] const Schema<PlacementPlan>& choose_schema();
 [[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
 [[nodiscard]] const Schema<InterpolationPlan>& interpolation_schema();

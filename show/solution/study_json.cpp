@@ -158,60 +158,6 @@ io::Json layouts_json(const std::vector<study::LayoutPlan>& layouts) {
   return array;
 }
 
-io::Json faces_json(const study::FacePlan& on) {
-  if (on.facing) return io::JsonObject{{"facing", vector(*on.facing)}};
-  return io::Json::texts(on.patches);
-}
-
-io::Json placement_plan_json(const study::PlacementPlan& plan) {
-  io::JsonArray modes;
-  for (const int mode : plan.modes) modes.emplace_back(mode);
-  io::JsonArray zones;
-  for (const auto& zone : plan.keep_out) {
-    zones.push_back(io::JsonObject{{"shape", zone.shape},
-                                   {"from_m", vector(zone.from)},
-                                   {"to_m", vector(zone.to)},
-                                   {"diameter_m", zone.diameter},
-                                   {"patch", zone.patch}});
-  }
-  io::JsonArray interest;
-  for (const auto& place : plan.interest) interest.push_back(place_json(place));
-  io::JsonObject object = {
-      {"modes", modes},
-      {"up_to_hz", plan.up_to_hz},
-      {"criterion", plan.criterion},
-      {"direction", plan.direction ? vector(*plan.direction) : io::Json("normal")},
-      {"on", faces_json(plan.on)},
-      {"keep_out", zones},
-      {"edge_distance_m", plan.edge_distance},
-      {"footprint_m", plan.footprint},
-      {"spacing_m", plan.spacing},
-      {"there", io::Json::texts(plan.there)},
-      {"pairs", plan.pairs},
-      {"noise", plan.noise},
-      {"frf_noise_m_per_n", plan.frf_noise},
-      {"frequency_resolution_hz", plan.resolution_hz},
-      {"position_error_m", plan.position_error},
-      {"frequency_tolerance", plan.frequency_tolerance},
-      {"interest_m", interest},
-      {"choose", io::JsonObject{{"sites", plan.sites}, {"by", plan.choose_by}}}};
-  if (const auto& grid = plan.grid) {
-    object.emplace_back("grid", io::JsonObject{{"pitch_m", vector(grid->pitch)},
-                                               {"centre_m", vector(grid->centre)},
-                                               {"columns", grid->columns},
-                                               {"rows", grid->rows}});
-  }
-  if (const auto& unknown = plan.uncertainty) {
-    object.emplace_back("uncertainty", io::JsonObject{{"modulus", unknown->modulus},
-                                                      {"density", unknown->density},
-                                                      {"thickness", unknown->thickness},
-                                                      {"attached_mass_kg", unknown->attached_mass},
-                                                      {"members", unknown->members},
-                                                      {"take", unknown->worst ? "worst" : "mean"}});
-  }
-  return object;
-}
-
 io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
   io::JsonObject object;
   for (const auto& one : expectations) {
@@ -247,7 +193,9 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
       {"sensors", channels_json(study.sensors)},
       {"actuators", channels_json(study.actuators)},
       {"layouts", layouts_json(study.layouts)}};
-  if (study.placement) object.emplace_back("placement", placement_plan_json(*study.placement));
+  if (study.placement) {
+    object.emplace_back("placement", study::placement_schema().json(*study.placement));
+  }
   if (study.measurement) {
     object.emplace_back("measurement", study::measurement_schema().json(*study.measurement));
   }

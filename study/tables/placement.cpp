@@ -1,7 +1,7 @@
 // [placement] of a study: allowed places of devices, and the aim.
 #include <algorithm>
 
-#include "placement/criteria.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -10,7 +10,6 @@ namespace {
 /// modes = 3, modes = [1, 4], or up_to = "500 Hz" (also written modes = { up_to = ... }).
 void read_wanted_modes(TableReader& table, PlacementPlan& plan) {
   const TomlNode* node = table.find("modes");
-  plan.up_to_hz = table.quantity("up_to", "Hz", Sign::positive).value_or(0.0);
   if (node == nullptr) return;
   plan.modes_line = node->line;
   plan.modes_column = node->column;
@@ -91,54 +90,29 @@ void read_keep_out(TableReader& placement, PlacementPlan& plan) {
 void read_grid(TableReader& placement, PlacementPlan& plan) {
   auto table = placement.table("grid");
   if (!table) return;
-  GridPlan grid;
-  const auto one = table->find("pitch");
-  if (one != nullptr && one->kind == TomlNode::Kind::text) {
-    grid.pitch.setConstant(table->required_quantity("pitch", "m", Sign::positive));
-  } else if (one == nullptr) {
-    table->missing("pitch", "a length such as \"60 mm\", or two");
-  } else {
-    grid.pitch = table->quantities("pitch", "m", 2, Sign::positive).value_or(Eigen::Vector2d(1, 1));
-  }
-  grid.columns = static_cast<int>(table->integer("columns", 1, 1000).value_or(0));
-  grid.rows = static_cast<int>(table->integer("rows", 1, 1000).value_or(0));
+  grid_schema().read(*table, plan.grid.emplace());
   if (!table->has("columns")) table->missing("columns", "places along x, such as 9");
   if (!table->has("rows")) table->missing("rows", "places along y, such as 9");
-  grid.centre = table->quantities("centre", "m", 2).value_or(Eigen::Vector2d::Zero());
   table->refuse_unknown();
-  plan.grid = grid;
-}
-
-double ratio(TableReader& table, std::string_view key, double otherwise) {
-  return table.quantity(key, "1", Sign::not_negative).value_or(otherwise);
 }
 
 void read_uncertainty(TableReader& placement, PlacementPlan& plan) {
   auto table = placement.table("uncertainty");
   if (!table) return;
-  UncertaintyPlan uncertainty;
-  uncertainty.modulus = ratio(*table, "modulus", 0.0);
-  uncertainty.density = ratio(*table, "density", 0.0);
-  uncertainty.thickness = ratio(*table, "thickness", 0.0);
-  uncertainty.attached_mass =
-      table->quantity("attached_mass", "kg", Sign::not_negative).value_or(0.0);
-  uncertainty.members = static_cast<int>(table->integer("members", 2, 1000).value_or(32));
-  uncertainty.worst = table->choice("take", {"worst", "mean"}).value_or("worst") == "worst";
-  for (const auto* key : {"modulus", "density", "thickness"}) {
-    if (ratio(*table, key, 0.0) < 0.5) continue;
+  auto& uncertainty = plan.uncertainty.emplace();
+  uncertainty_schema().read(*table, uncertainty);
+  for (const auto& [key, value] :
+       {std::pair("modulus", uncertainty.modulus), std::pair("density", uncertainty.density),
+        std::pair("thickness", uncertainty.thickness)}) {
+    if (value < 0.5) continue;
     table->wrong(*table->find(key), table->name(key) +
                                         " is 50 % or more; expected a small relative deviation "
                                         "such as \"5 %\"");
   }
   table->refuse_unknown();
-  plan.uncertainty = uncertainty;
 }
 
-void read_noise(TableReader& table, PlacementPlan& plan) {
-  plan.noise = table.quantity("noise", "1", Sign::positive).value_or(0.01);
-  plan.frf_noise = table.quantity("frf_noise", "m/N", Sign::positive).value_or(0.0);
-  plan.resolution_hz = table.quantity("frequency_resolution", "Hz", Sign::positive).value_or(0.0);
-  plan.position_error = table.quantity("position_error", "m", Sign::not_negative).value_or(0.0);
+void check_noise(TableReader& table) {
   if (table.has("noise") && table.has("frf_noise")) {
     table.wrong(*table.find("frf_noise"),
                 "placement has noise and frf_noise; expected one of them");
@@ -150,16 +124,12 @@ void read_noise(TableReader& table, PlacementPlan& plan) {
   }
 }
 
-void read_places(TableReader& table, const Study& study, PlacementPlan& plan) {
-  read_motion(table, plan.direction, plan.along_normal);
-  plan.on = read_faces(table, "on");
-  read_keep_out(table, plan);
-  plan.edge_distance = table.quantity("edge_distance", "m", Sign::not_negative).value_or(0.0);
-  plan.footprint = table.quantity("footprint", "m", Sign::not_negative).value_or(0.0);
-  plan.spacing = table.quantity("spacing", "m", Sign::not_negative).value_or(0.0);
-  read_grid(table, plan);
+void read_there(TableReader& table, const Study& study, PlacementPlan& plan) {
   plan.there = table.texts("there");
   refuse_strangers(table, "there", "channel of the study", plan.there, channel_names(study));
+}
+
+void read_interest(TableReader& table, PlacementPlan& plan) {
   for (auto& point : table.tables("interest")) {
     plan.interest.push_back(read_place(point, "at"));
     point.refuse_unknown();
@@ -167,16 +137,9 @@ void read_places(TableReader& table, const Study& study, PlacementPlan& plan) {
 }
 
 void read_choice(TableReader& table, PlacementPlan& plan) {
-  std::vector<std::string> names;
-  for (const auto* criterion : placement::criteria()) names.emplace_back(criterion->name);
-  plan.criterion = table.choice("criterion", names).value_or("weakest_mode");
-  plan.pairs = static_cast<int>(table.integer("pairs", 1, 100).value_or(1));
-  plan.frequency_tolerance = ratio(table, "frequency_tolerance", 0.01);
   auto choose = table.table("choose");
   if (!choose) return;
-  plan.sites = static_cast<int>(choose->integer("sites", 1, 10000).value_or(0));
-  plan.choose_by =
-      choose->choice("by", {"determinant", "interpolation_error"}).value_or("determinant");
+  choose_schema().read(*choose, plan);
   choose->refuse_unknown();
 }
 
@@ -186,10 +149,14 @@ void read_placement(TableReader& root, Study& study) {
   auto table = root.table("placement");
   if (!table) return;
   auto& plan = study.placement.emplace();
+  placement_schema().read(*table, plan);
   read_wanted_modes(*table, plan);
-  read_places(*table, study, plan);
+  read_keep_out(*table, plan);
+  read_grid(*table, plan);
+  read_there(*table, study, plan);
+  read_interest(*table, plan);
   read_choice(*table, plan);
-  read_noise(*table, plan);
+  check_noise(*table);
   read_uncertainty(*table, plan);
   table->refuse_unknown();
 }

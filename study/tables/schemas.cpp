@@ -194,6 +194,8 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
 
 std::vector<TableText> tables_with_schemas() {
   return {text_of(mesh_schema()),           text_of(modes_schema()),
+          text_of(placement_schema()),      text_of(grid_schema()),
+          text_of(uncertainty_schema()),    text_of(choose_schema()),
           text_of(measurement_schema()),    text_of(experiment_schema()),
           text_of(identification_schema()), text_of(interpolation_schema()),
           text_of(priors_schema()),         text_of(diagnosis_schema()),

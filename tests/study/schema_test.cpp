@@ -52,11 +52,13 @@ void expect_default(const Schema<Plan>& schema, const Plan& plan) {
 
 TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   const auto study = with(
-      "[identification]\n[mesh]\n[modes]\n[interpolation]\n[priors]\n[diagnosis]\n"
+      "[identification]\n[mesh]\n[modes]\n[placement]\nchoose = "
+      "{}\n[interpolation]\n[priors]\n[diagnosis]\n"
       "tolerances = {}\n");
   expect_default(identification_schema(), *study.identification);
   expect_default(mesh_schema(), study.mesh);
   expect_default(modes_schema(), study.modes);
+  expect_default(placement_schema(), *study.placement);
   expect_default(interpolation_schema(), *study.interpolation);
   expect_default(priors_schema(), *study.priors);
   expect_default(diagnosis_schema(), *study.diagnosis);
