@@ -10,6 +10,11 @@
 
 namespace chladni::study {
 
+/// Without the constants.
+[[nodiscard]] const Schema<StudyMaterial>& material_schema();
+/// The constants of a symmetry: "isotropic", "cubic" or "orthotropic". study.json has them as
+/// `StudyMaterial::constants`.
+[[nodiscard]] const Schema<StudyMaterial>& constants_schema(const std::string& symmetry);
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
@@ -27,7 +32,7 @@ namespace chladni::study {
 
 /// The keys of one table.
 struct TableText {
-  std::string table;
+  std::string heading;  ///< "`[mesh]`"
   std::vector<KeyText> keys;
 };
 

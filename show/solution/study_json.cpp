@@ -56,7 +56,7 @@ io::Json body_json(const study::FileGeometry& geometry) {
 }
 
 io::Json material_json(const study::StudyMaterial& material) {
-  io::JsonObject object = {{"region", material.region}, {"symmetry", material.symmetry}};
+  io::JsonObject object = study::material_schema().json(material);
   for (const auto& [name, value] : material.constants) object.emplace_back(name, value);
   object.emplace_back("stiffness_pa", io::Json::rows(Eigen::MatrixXd(material.material.stiffness)));
   return object;

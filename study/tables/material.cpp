@@ -3,23 +3,11 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
 namespace {
-
-double poissons_ratio_of(TableReader& table) {
-  const double ratio = table.required_quantity("poissons_ratio", "1");
-  if (std::isnan(ratio) || (ratio > -1.0 && ratio < 0.5)) return ratio;
-  table.wrong(*table.find("poissons_ratio"),
-              table.name("poissons_ratio") + " is " + std::to_string(ratio) +
-                  "; expected more than -1 and less than 0.5 (0.33 for aluminium)");
-  return std::nan("");
-}
-
-void keep(StudyMaterial& material, const std::string& name, double value) {
-  material.constants.emplace_back(name, value);
-}
 
 bool all_known(const StudyMaterial& material) {
   for (const auto& [name, value] : material.constants) {
@@ -28,43 +16,26 @@ bool all_known(const StudyMaterial& material) {
   return true;
 }
 
-void read_isotropic(TableReader& table, double density, StudyMaterial& out) {
-  const double modulus = table.required_quantity("youngs_modulus", "Pa", Sign::positive);
-  const double ratio = poissons_ratio_of(table);
-  keep(out, "youngs_modulus", modulus);
-  keep(out, "poissons_ratio", ratio);
-  keep(out, "density", density);
-  if (all_known(out)) out.material = fem::isotropic(modulus, ratio, density);
+/// The constants of an orthotropic material come in threes.
+Eigen::Vector3d three(const StudyMaterial& material, std::size_t first) {
+  const auto& all = material.constants;
+  return {all[first].second, all[first + 1].second, all[first + 2].second};
 }
 
-void read_cubic(TableReader& table, double density, StudyMaterial& out) {
-  const double c11 = table.required_quantity("c11", "Pa", Sign::positive);
-  const double c12 = table.required_quantity("c12", "Pa");
-  const double c44 = table.required_quantity("c44", "Pa", Sign::positive);
-  keep(out, "c11", c11);
-  keep(out, "c12", c12);
-  keep(out, "c44", c44);
-  keep(out, "density", density);
-  if (all_known(out)) out.material = fem::cubic(c11, c12, c44, density);
-}
-
-Eigen::Vector3d three(TableReader& table, std::string_view key, std::string_view unit, Sign sign,
-                      const std::string& order, StudyMaterial& out) {
-  if (!table.has(key)) table.missing(key, "three values, in the order " + order);
-  const auto values = table.quantities(key, unit, 3, sign);
-  const Eigen::Vector3d kept =
-      values ? Eigen::Vector3d(*values) : Eigen::Vector3d::Constant(std::nan(""));
-  for (int i = 0; i < 3; ++i) keep(out, std::string(key) + "_" + std::to_string(i + 1), kept(i));
-  return kept;
-}
-
-void read_orthotropic(TableReader& table, double density, StudyMaterial& out) {
-  fem::Orthotropic constants;
-  constants.youngs_modulus = three(table, "youngs_modulus", "Pa", Sign::positive, "E1 E2 E3", out);
-  constants.poissons_ratio = three(table, "poissons_ratio", "1", Sign::any, "nu23 nu13 nu12", out);
-  constants.shear_modulus = three(table, "shear_modulus", "Pa", Sign::positive, "G23 G13 G12", out);
-  keep(out, "density", density);
-  if (all_known(out)) out.material = fem::orthotropic(constants, density);
+/// From the constants in the order of their schema, of which the density is the last.
+fem::Material material_from(const StudyMaterial& material) {
+  const auto& all = material.constants;
+  const double density = all.back().second;
+  if (material.symmetry == "cubic") {
+    return fem::cubic(all[0].second, all[1].second, all[2].second, density);
+  }
+  if (material.symmetry == "orthotropic") {
+    return fem::orthotropic({.youngs_modulus = three(material, 0),
+                             .poissons_ratio = three(material, 3),
+                             .shear_modulus = three(material, 6)},
+                            density);
+  }
+  return fem::isotropic(all[0].second, all[1].second, density);
 }
 
 /// axes = three rows, the material's axes in the body's frame; angle = rotation about z.
@@ -98,23 +69,16 @@ std::optional<Eigen::Matrix3d> axes_of(TableReader& table) {
 }
 
 void read_constants(TableReader& table, StudyMaterial& out) {
-  const double density = table.required_quantity("density", "kg/m^3", Sign::positive);
-  if (out.symmetry == "cubic") {
-    read_cubic(table, density, out);
-  } else if (out.symmetry == "orthotropic") {
-    read_orthotropic(table, density, out);
-  } else {
-    read_isotropic(table, density, out);
-  }
+  constants_schema(out.symmetry).read(table, out);
+  if (all_known(out)) out.material = material_from(out);
   const auto axes = axes_of(table);
   if (axes && all_known(out)) out.material = fem::turned(out.material, *axes);
 }
 
 StudyMaterial material_of(TableReader& table, const TomlNode& node) {
   StudyMaterial out;
-  out.region = table.text("region").value_or("");
-  out.symmetry =
-      table.choice("symmetry", {"isotropic", "cubic", "orthotropic"}).value_or("isotropic");
+  out.symmetry = "isotropic";
+  material_schema().read(table, out);
   try {
     read_constants(table, out);
   } catch (const InvalidInput& e) {

@@ -20,9 +20,10 @@ Key<diagnosis::Tolerances> tolerance(const std::string& name, const std::string&
   return quantity(name, unit, Sign::not_negative, value, meaning);
 }
 
+/// @param of  which of the tables of that name: "of kind `mass`"; or empty
 template <typename Plan>
-TableText text_of(const Schema<Plan>& schema) {
-  TableText text{schema.table, {}};
+TableText text_of(const Schema<Plan>& schema, const std::string& of = "") {
+  TableText text{fmt::format("`[{}]`{}{}", schema.table, of.empty() ? "" : " ", of), {}};
   for (const auto& key : schema.keys) text.keys.push_back(key.text);
   return text;
 }
@@ -193,13 +194,26 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
 }
 
 std::vector<TableText> tables_with_schemas() {
-  return {text_of(mesh_schema()),           text_of(modes_schema()),
-          text_of(placement_schema()),      text_of(grid_schema()),
-          text_of(uncertainty_schema()),    text_of(choose_schema()),
-          text_of(measurement_schema()),    text_of(experiment_schema()),
-          text_of(identification_schema()), text_of(interpolation_schema()),
-          text_of(priors_schema()),         text_of(diagnosis_schema()),
-          text_of(tolerances_schema())};
+  std::vector<TableText> tables = {text_of(material_schema())};
+  for (const auto* symmetry : {"isotropic", "cubic", "orthotropic"}) {
+    tables.push_back(
+        text_of(constants_schema(symmetry), fmt::format("of symmetry `{}`", symmetry)));
+  }
+  const auto add = [&](const auto& schema) { tables.push_back(text_of(schema)); };
+  add(mesh_schema());
+  add(modes_schema());
+  add(placement_schema());
+  add(grid_schema());
+  add(uncertainty_schema());
+  add(choose_schema());
+  add(measurement_schema());
+  add(experiment_schema());
+  add(identification_schema());
+  add(interpolation_schema());
+  add(priors_schema());
+  add(diagnosis_schema());
+  add(tolerances_schema());
+  return tables;
 }
 
 std::string page_of_keys() {
@@ -210,8 +224,8 @@ std::string page_of_keys() {
       "those "
       "that are not here.\n";
   for (const auto& table : tables_with_schemas()) {
-    page += fmt::format("\n## `[{}]`\n\n| key | what | may be | default |\n|---|---|---|---|\n",
-                        table.table);
+    page += fmt::format("\n## {}\n\n| key | what | may be | default |\n|---|---|---|---|\n",
+                        table.heading);
     for (const auto& key : table.keys) {
       page += fmt::format("| `{}` | {} | {} | {} |\n", key.name, key.meaning, key.expected,
                           key.otherwise);

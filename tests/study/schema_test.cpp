@@ -25,9 +25,9 @@ TEST(Schema, NamesEachKeyOnceWithItsMeaning) {
   for (const auto& table : tables_with_schemas()) {
     std::set<std::string> names;
     for (const auto& key : table.keys) {
-      EXPECT_TRUE(names.insert(key.name).second) << table.table << "." << key.name;
+      EXPECT_TRUE(names.insert(key.name).second) << table.heading << "." << key.name;
       EXPECT_FALSE(key.meaning.empty() || key.expected.empty() || key.otherwise.empty())
-          << table.table << "." << key.name;
+          << table.heading << "." << key.name;
     }
   }
 }
