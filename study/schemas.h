@@ -18,6 +18,8 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+[[nodiscard]] const Schema<Channel>& sensor_schema();
+[[nodiscard]] const Schema<Channel>& actuator_schema();
 [[nodiscard]] const Schema<PlacementPlan>& placement_schema();
 [[nodiscard]] const Schema<GridPlan>& grid_schema();
 [[nodiscard]] const Schema<UncertaintyPlan>& uncertainty_schema();

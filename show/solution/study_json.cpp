@@ -66,19 +66,10 @@ io::Json place_json(const study::Place& place) {
   return vector(place.point.head(place.from_above ? 2 : 3));
 }
 
-io::Json channels_json(const std::vector<study::Channel>& channels) {
+template <typename Plan>
+io::Json list_json(const study::Schema<Plan>& schema, const std::vector<Plan>& plans) {
   io::JsonArray array;
-  for (const auto& channel : channels) {
-    io::JsonObject object = {{"name", channel.name},
-                             {"at_m", place_json(channel.at)},
-                             {"direction", vector(channel.direction)},
-                             {"quantity", channel.quantity}};
-    if (channel.node) object.emplace_back("node", *channel.node);
-    if (channel.gain != 1.0) object.emplace_back("gain", channel.gain);
-    if (channel.delay != 0.0) object.emplace_back("delay_s", channel.delay);
-    if (channel.low_pass_hz != 0.0) object.emplace_back("low_pass_hz", channel.low_pass_hz);
-    array.emplace_back(object);
-  }
+  for (const auto& plan : plans) array.emplace_back(schema.json(plan));
   return array;
 }
 
@@ -190,8 +181,8 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
       {"supports", supports_json(study.supports)},
       {"attachments", attachments_json(study.attachments)},
       {"variations", variations_json(study.variations)},
-      {"sensors", channels_json(study.sensors)},
-      {"actuators", channels_json(study.actuators)},
+      {"sensors", list_json(study::sensor_schema(), study.sensors)},
+      {"actuators", list_json(study::actuator_schema(), study.actuators)},
       {"layouts", layouts_json(study.layouts)}};
   if (study.placement) {
     object.emplace_back("placement", study::placement_schema().json(*study.placement));

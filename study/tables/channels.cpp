@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "study/schemas.h"
 #include "study/tables/tables.h"
 
 namespace chladni::study {
@@ -14,18 +15,10 @@ Eigen::Vector3d required_direction(TableReader& table, std::string_view key) {
   return table.direction(key).value_or(Eigen::Vector3d::UnitZ());
 }
 
-Channel channel_of(TableReader& table, bool sensor) {
+Channel channel_of(TableReader& table, const Schema<Channel>& schema, const std::string& quantity) {
   Channel channel;
-  channel.name = table.required_text("name");
-  channel.at = read_place(table, "at");
-  channel.direction = required_direction(table, "direction");
-  channel.quantity = sensor ? table.choice("quantity", {"displacement", "velocity", "acceleration"})
-                                  .value_or("displacement")
-                            : table.choice("quantity", {"force"}).value_or("force");
-  channel.node = table.integer("node", 1, 2147483647);
-  channel.gain = table.quantity("gain", "1", Sign::positive).value_or(1.0);
-  channel.delay = table.quantity("delay", "s").value_or(0.0);
-  channel.low_pass_hz = table.quantity("low_pass", "Hz", Sign::positive).value_or(0.0);
+  channel.quantity = quantity;
+  schema.read(table, channel);
   table.refuse_unknown();
   return channel;
 }
@@ -149,12 +142,12 @@ io::Json place_json(const Place& place) {
 void read_channels(TableReader& root, Study& study) {
   Names sensors("sensor");
   for (auto& table : root.tables("sensor")) {
-    study.sensors.push_back(channel_of(table, true));
+    study.sensors.push_back(channel_of(table, sensor_schema(), "displacement"));
     sensors.add(table, study.sensors.back().name);
   }
   Names actuators("actuator");
   for (auto& table : root.tables("actuator")) {
-    study.actuators.push_back(channel_of(table, false));
+    study.actuators.push_back(channel_of(table, actuator_schema(), "force"));
     actuators.add(table, study.actuators.back().name);
   }
 }

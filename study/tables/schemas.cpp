@@ -202,6 +202,8 @@ std::vector<TableText> tables_with_schemas() {
   const auto add = [&](const auto& schema) { tables.push_back(text_of(schema)); };
   add(mesh_schema());
   add(modes_schema());
+  add(sensor_schema());
+  add(actuator_schema());
   add(placement_schema());
   add(grid_schema());
   add(uncertainty_schema());
