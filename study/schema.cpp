@@ -5,9 +5,18 @@
 namespace chladni::study {
 
 std::string json_name(const std::string& name, const std::string& si_unit) {
-  static const std::map<std::string, std::string> suffixes = {
-      {"1", ""},           {"Hz", "_hz"}, {"kg", "_kg"}, {"m", "_m"},
-      {"m/N", "_m_per_n"}, {"N", "_n"},   {"s", "_s"}};
+  static const std::map<std::string, std::string> suffixes = {{"1", ""},
+                                                              {"Hz", "_hz"},
+                                                              {"kg", "_kg"},
+                                                              {"kg m^2", "_kg_m2"},
+                                                              {"m", "_m"},
+                                                              {"m/N", "_m_per_n"},
+                                                              {"N", "_n"},
+                                                              {"N/m", "_n_per_m"},
+                                                              {"N s/m", "_n_s_per_m"},
+                                                              {"N m/rad", "_n_m_per_rad"},
+                                                              {"N m s/rad", "_n_m_s_per_rad"},
+                                                              {"s", "_s"}};
   return name + suffixes.at(si_unit);
 }
 

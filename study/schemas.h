@@ -20,6 +20,15 @@ namespace chladni::study {
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
 [[nodiscard]] const Schema<Channel>& sensor_schema();
 [[nodiscard]] const Schema<Channel>& actuator_schema();
+/// What attachments of all kinds have.
+[[nodiscard]] const Schema<AttachmentPlan>& attachment_schema();
+[[nodiscard]] const Schema<fem::PointMass>& mass_schema();
+[[nodiscard]] const Schema<fem::GroundSpring>& spring_schema();
+/// A ground spring without stiffness.
+[[nodiscard]] const Schema<fem::GroundSpring>& damper_schema();
+[[nodiscard]] const Schema<fem::GroundTorsionSpring>& torsion_spring_schema();
+[[nodiscard]] const Schema<fem::LinkSpring>& link_schema();
+[[nodiscard]] const Schema<fem::Resonator>& resonator_schema();
 [[nodiscard]] const Schema<PlacementPlan>& placement_schema();
 [[nodiscard]] const Schema<GridPlan>& grid_schema();
 [[nodiscard]] const Schema<UncertaintyPlan>& uncertainty_schema();

@@ -73,40 +73,22 @@ io::Json list_json(const study::Schema<Plan>& schema, const std::vector<Plan>& p
   return array;
 }
 
-void add(io::JsonObject& object, const fem::PointMass& mass) {
-  object.emplace_back("mass_kg", mass.mass);
-  object.emplace_back("inertia_kg_m2", vector(mass.inertia.diagonal()));
+const auto& schema_of(const fem::PointMass& /*what*/) { return study::mass_schema(); }
+const auto& schema_of(const fem::GroundSpring& /*what*/) { return study::spring_schema(); }
+const auto& schema_of(const fem::GroundTorsionSpring& /*what*/) {
+  return study::torsion_spring_schema();
 }
-
-void add(io::JsonObject& object, const fem::GroundTorsionSpring& spring) {
-  object.emplace_back("axis", vector(spring.axis));
-  object.emplace_back("stiffness_n_m_per_rad", spring.stiffness);
-  object.emplace_back("damping_n_m_s_per_rad", spring.damping);
-}
-
-void add(io::JsonObject& object, const fem::Resonator& resonator) {
-  object.emplace_back("direction", vector(resonator.direction));
-  object.emplace_back("mass_kg", resonator.mass);
-  object.emplace_back("stiffness_n_per_m", resonator.stiffness);
-  object.emplace_back("damping_n_s_per_m", resonator.damping);
-}
-
-template <typename Spring>
-void add(io::JsonObject& object, const Spring& spring) {
-  object.emplace_back("direction", vector(spring.direction));
-  object.emplace_back("stiffness_n_per_m", spring.stiffness);
-  object.emplace_back("damping_n_s_per_m", spring.damping);
-}
+const auto& schema_of(const fem::LinkSpring& /*what*/) { return study::link_schema(); }
+const auto& schema_of(const fem::Resonator& /*what*/) { return study::resonator_schema(); }
 
 io::Json attachments_json(const std::vector<study::AttachmentPlan>& plans) {
   io::JsonArray array;
   for (const auto& plan : plans) {
-    io::JsonObject object = {{"kind", plan.kind},
-                             {"name", plan.name},
-                             {"at_m", place_json(plan.at)},
-                             {"footprint_m", plan.footprint}};
-    if (plan.to) object.emplace_back("to_m", place_json(*plan.to));
-    std::visit([&](const auto& what) { add(object, what); }, plan.what);
+    auto object = study::attachment_schema().json(plan);
+    const auto add = [&](const auto& what) {
+      for (auto& member : schema_of(what).json(what)) object.push_back(std::move(member));
+    };
+    std::visit(add, plan.what);
     array.emplace_back(object);
   }
   return array;

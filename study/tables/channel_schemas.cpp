@@ -80,7 +80,123 @@ Schema<Channel> channel_schema(const std::string& table, const std::vector<std::
                       &P::low_pass_hz)}};
 }
 
+/// A quantity that must be given.
+template <typename Plan>
+Key<Plan> needed(const std::string& name, const std::string& si_unit, double Plan::*value,
+                 const std::string& meaning) {
+  auto key = quantity(name, si_unit, Sign::positive, value, meaning, "needed");
+  key.read = [=](TableReader& table, Plan& plan) {
+    plan.*value = table.required_quantity(name, si_unit, Sign::positive);
+  };
+  return key;
+}
+
+template <typename Plan>
+Key<Plan> damping(const std::string& si_unit) {
+  return quantity("damping", si_unit, Sign::not_negative, &Plan::damping, "of its dashpot");
+}
+
+/// Another way to say a number of the resonator; its reader computes it.
+Key<fem::Resonator> instead(const std::string& name, const std::string& si_unit, Sign sign,
+                            const std::string& meaning) {
+  return special<fem::Resonator>({name, expected_quantity(si_unit, sign), "none", meaning}, name,
+                                 not_shown<fem::Resonator>);
+}
+
 }  // namespace
+
+const Schema<AttachmentPlan>& attachment_schema() {
+  using P = AttachmentPlan;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {special<P>({"kind", quoted(attachment_kinds()), "needed", "says which other keys it has"},
+                  "kind", [](const P& plan) { return io::Json(plan.kind); }),
+       name_of<P>("differs from all other attachments'"), place<P>("its place on the body"),
+       quantity("footprint", "m", Sign::not_negative, &P::footprint,
+                "diameter over which it is spread evenly", "a point"),
+       special<P>({"to", "as at", "none", "the other end of a link, which needs it"}, "to_m",
+                  [](const P& plan) -> std::optional<io::Json> {
+                    if (!plan.to) return std::nullopt;
+                    return place_json(*plan.to);
+                  })}};
+  return schema;
+}
+
+const Schema<fem::PointMass>& mass_schema() {
+  using P = fem::PointMass;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {needed("mass", "kg", &P::mass, "of the point"),
+       {.text = {"inertia", "three quantities in kg m^2, not negative", "none",
+                 "about x, y, z through its own centre"},
+        .json_name = json_name("inertia", "kg m^2"),
+        .read =
+            [](TableReader& table, P& mass) {
+              const auto inertia = table.quantities("inertia", "kg m^2", 3, Sign::not_negative);
+              if (inertia) mass.inertia = inertia->asDiagonal();
+            },
+        .json = [](const P& mass) { return io::Json(mass.inertia.diagonal()); }}}};
+  return schema;
+}
+
+const Schema<fem::GroundSpring>& spring_schema() {
+  using P = fem::GroundSpring;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {direction("direction", &P::direction, "of the spring to the ground"),
+       needed("stiffness", "N/m", &P::stiffness, "of the spring"), damping<P>("N s/m")}};
+  return schema;
+}
+
+const Schema<fem::GroundSpring>& damper_schema() {
+  using P = fem::GroundSpring;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {direction("direction", &P::direction, "of the dashpot to the ground"),
+       needed("damping", "N s/m", &P::damping, "of the dashpot")}};
+  return schema;
+}
+
+const Schema<fem::GroundTorsionSpring>& torsion_spring_schema() {
+  using P = fem::GroundTorsionSpring;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {direction("axis", &P::axis, "of the rotation that the spring to the ground resists"),
+       needed("stiffness", "N m/rad", &P::stiffness, "of the spring"), damping<P>("N m s/rad")}};
+  return schema;
+}
+
+const Schema<fem::LinkSpring>& link_schema() {
+  using P = fem::LinkSpring;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {{.text = {"direction", kAxes, "the line from at to to", "of the spring"},
+        .json_name = "direction",
+        .read =
+            [](TableReader& table, P& link) {
+              link.direction = table.direction("direction").value_or(Eigen::Vector3d::Zero());
+            },
+        .json = [](const P& link) { return io::Json(link.direction); }},
+       needed("stiffness", "N/m", &P::stiffness, "of the spring"),
+       damping<P>("N s/m")}};
+  return schema;
+}
+
+const Schema<fem::Resonator>& resonator_schema() {
+  using P = fem::Resonator;
+  static const Schema<P> schema = {
+      "[attachment]",
+      {direction("direction", &P::direction, "of the motion of the mass"),
+       needed("mass", "kg", &P::mass, "of the body on the spring"),
+       quantity("stiffness", "N/m", Sign::positive, &P::stiffness, "of the spring",
+                "from frequency"),
+       instead("frequency", "Hz", Sign::positive,
+               "of the mass on its spring, instead of stiffness"),
+       quantity("damping", "N s/m", Sign::not_negative, &P::damping, "of its dashpot",
+                "0, or from damping_ratio"),
+       instead("damping_ratio", "1", Sign::not_negative, "instead of damping")}};
+  return schema;
+}
 
 const Schema<Channel>& sensor_schema() {
   static const auto schema =

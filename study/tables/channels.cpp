@@ -8,13 +8,6 @@
 namespace chladni::study {
 namespace {
 
-Eigen::Vector3d required_direction(TableReader& table, std::string_view key) {
-  if (!table.has(key)) {
-    table.missing(key, "\"x\", \"y\", \"z\", \"-x\", \"-y\", \"-z\" or three numbers");
-  }
-  return table.direction(key).value_or(Eigen::Vector3d::UnitZ());
-}
-
 Channel channel_of(TableReader& table, const Schema<Channel>& schema, const std::string& quantity) {
   Channel channel;
   channel.quantity = quantity;
@@ -23,84 +16,53 @@ Channel channel_of(TableReader& table, const Schema<Channel>& schema, const std:
   return channel;
 }
 
-fem::PointMass mass_of(TableReader& table) {
-  fem::PointMass mass;
-  mass.mass = table.required_quantity("mass", "kg", Sign::positive);
-  if (const auto inertia = table.quantities("inertia", "kg m^2", 3, Sign::not_negative)) {
-    mass.inertia = inertia->asDiagonal();
-  }
-  return mass;
-}
-
-template <typename Spring>
-void read_rates(TableReader& table, std::string_view stiffness_unit, std::string_view damping_unit,
-                bool needs_stiffness, Spring& spring) {
-  if (needs_stiffness) {
-    spring.stiffness = table.required_quantity("stiffness", stiffness_unit, Sign::positive);
-    spring.damping = table.quantity("damping", damping_unit, Sign::not_negative).value_or(0.0);
-  } else {
-    spring.damping = table.required_quantity("damping", damping_unit, Sign::positive);
-  }
-}
-
-fem::GroundSpring spring_of(TableReader& table, bool needs_stiffness) {
-  fem::GroundSpring spring;
-  spring.direction = required_direction(table, "direction");
-  read_rates(table, "N/m", "N s/m", needs_stiffness, spring);
-  return spring;
-}
-
-fem::GroundTorsionSpring torsion_spring_of(TableReader& table) {
-  fem::GroundTorsionSpring spring;
-  spring.axis = required_direction(table, "axis");
-  read_rates(table, "N m/rad", "N m s/rad", true, spring);
-  return spring;
-}
-
-fem::LinkSpring link_of(TableReader& table) {
-  fem::LinkSpring link;
-  link.direction = table.direction("direction").value_or(Eigen::Vector3d::Zero());
-  read_rates(table, "N/m", "N s/m", true, link);
-  return link;
+template <typename Part>
+Part read_part(TableReader& table, const Schema<Part>& schema) {
+  Part part;
+  schema.read(table, part);
+  return part;
 }
 
 /// Stiffness and damping, or natural frequency and damping ratio, of the mass on its spring.
 fem::Resonator resonator_of(TableReader& table) {
-  fem::Resonator resonator;
-  resonator.direction = required_direction(table, "direction");
-  resonator.mass = table.required_quantity("mass", "kg", Sign::positive);
-  const auto frequency = table.quantity("frequency", "Hz", Sign::positive);
-  const auto stiffness = table.quantity("stiffness", "N/m", Sign::positive);
+  auto resonator = read_part(table, resonator_schema());
   if (table.has("frequency") == table.has("stiffness")) {
     table.missing("stiffness", "either stiffness or frequency, such as frequency = \"51.9 Hz\"");
   }
-  const double omega = 2.0 * std::numbers::pi * frequency.value_or(0.0);
-  resonator.stiffness = stiffness.value_or(resonator.mass * omega * omega);
-  const auto damping = table.quantity("damping", "N s/m", Sign::not_negative);
+  if (const auto frequency = table.quantity("frequency", "Hz", Sign::positive)) {
+    const double omega = 2.0 * std::numbers::pi * *frequency;
+    resonator.stiffness = resonator.mass * omega * omega;
+  }
   const auto ratio = table.quantity("damping_ratio", "1", Sign::not_negative);
-  if (damping && ratio) {
+  if (ratio && table.has("damping")) {
     table.wrong(*table.find("damping_ratio"), table.path() +
                                                   " has damping and damping_ratio; "
                                                   "expected one of them");
+  } else if (ratio) {
+    resonator.damping = 2.0 * *ratio * std::sqrt(resonator.stiffness * resonator.mass);
   }
-  resonator.damping =
-      damping.value_or(2.0 * ratio.value_or(0.0) * std::sqrt(resonator.stiffness * resonator.mass));
   return resonator;
 }
 
 void read_kind(TableReader& table, AttachmentPlan& plan) {
-  if (plan.kind == "mass") plan.what = mass_of(table);
-  if (plan.kind == "spring") plan.what = spring_of(table, true);
-  if (plan.kind == "damper") plan.what = spring_of(table, false);
-  if (plan.kind == "torsion_spring") plan.what = torsion_spring_of(table);
+  if (plan.kind == "mass") plan.what = read_part(table, mass_schema());
+  if (plan.kind == "spring") plan.what = read_part(table, spring_schema());
+  if (plan.kind == "damper") plan.what = read_part(table, damper_schema());
+  if (plan.kind == "torsion_spring") plan.what = read_part(table, torsion_spring_schema());
   if (plan.kind == "resonator") plan.what = resonator_of(table);
   if (plan.kind == "link") {
-    plan.what = link_of(table);
+    plan.what = read_part(table, link_schema());
     plan.to = read_place(table, "to");
   }
 }
 
 }  // namespace
+
+const std::vector<std::string>& attachment_kinds() {
+  static const std::vector<std::string> kinds = {"mass",           "spring", "damper",
+                                                 "torsion_spring", "link",   "resonator"};
+  return kinds;
+}
 
 void Names::add(TableReader& table, const std::string& name) {
   if (name.empty()) return;
@@ -156,13 +118,9 @@ void read_attachments(TableReader& root, Study& study) {
   Names names("attachment");
   for (auto& table : root.tables("attachment")) {
     AttachmentPlan plan;
-    const std::vector<std::string> kinds = {"mass",           "spring", "damper",
-                                            "torsion_spring", "link",   "resonator"};
-    if (!table.has("kind")) table.missing("kind", listed(kinds));
-    plan.kind = table.choice("kind", kinds).value_or("");
-    plan.name = table.required_text("name");
-    plan.at = read_place(table, "at");
-    plan.footprint = table.quantity("footprint", "m", Sign::not_negative).value_or(0.0);
+    if (!table.has("kind")) table.missing("kind", listed(attachment_kinds()));
+    plan.kind = table.choice("kind", attachment_kinds()).value_or("");
+    attachment_schema().read(table, plan);
     names.add(table, plan.name);
     read_kind(table, plan);
     if (!plan.kind.empty()) table.refuse_unknown();

@@ -204,6 +204,13 @@ std::vector<TableText> tables_with_schemas() {
   add(modes_schema());
   add(sensor_schema());
   add(actuator_schema());
+  add(attachment_schema());
+  tables.push_back(text_of(mass_schema(), "of kind `mass`"));
+  tables.push_back(text_of(spring_schema(), "of kind `spring`"));
+  tables.push_back(text_of(damper_schema(), "of kind `damper`"));
+  tables.push_back(text_of(torsion_spring_schema(), "of kind `torsion_spring`"));
+  tables.push_back(text_of(link_schema(), "of kind `link`"));
+  tables.push_back(text_of(resonator_schema(), "of kind `resonator`"));
   add(placement_schema());
   add(grid_schema());
   add(uncertainty_schema());

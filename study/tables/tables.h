@@ -60,6 +60,9 @@ void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, 
 /// The same in study.json.
 [[nodiscard]] io::Json motion_json(const std::optional<Eigen::Vector3d>& direction);
 
+/// "mass", "spring", ...
+[[nodiscard]] const std::vector<std::string>& attachment_kinds();
+
 inline constexpr int kMostModes = 5000;
 inline constexpr int kLongestPeriod = 1 << 24;  // samples
 
