@@ -10,6 +10,16 @@
 
 namespace chladni::study {
 
+/// Also of a beam.
+[[nodiscard]] const Schema<mesh::Plate>& plate_schema();
+[[nodiscard]] const Schema<mesh::Disc>& disc_schema();
+[[nodiscard]] const Schema<mesh::Quadrilateral>& quadrilateral_schema();
+[[nodiscard]] const Schema<mesh::Sphere>& sphere_schema();
+/// Without the wafer.
+[[nodiscard]] const Schema<mesh::WaferTable>& wafer_table_schema();
+[[nodiscard]] const Schema<mesh::Bore>& bore_schema();
+[[nodiscard]] const Schema<mesh::WaferTable>& wafer_schema();
+[[nodiscard]] const Schema<FileGeometry>& file_schema();
 /// Without the constants.
 [[nodiscard]] const Schema<StudyMaterial>& material_schema();
 /// The constants of a symmetry: "isotropic", "cubic" or "orthotropic". study.json has them as

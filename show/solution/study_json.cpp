@@ -10,50 +10,22 @@ namespace {
 
 io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
 
-io::Json body_json(const mesh::Plate& plate) {
-  return io::JsonObject{
-      {"length_m", plate.length}, {"width_m", plate.width}, {"thickness_m", plate.thickness}};
+void append(io::JsonObject members, io::JsonObject& object) {
+  for (auto& member : members) object.push_back(std::move(member));
 }
 
-io::Json body_json(const mesh::Disc& disc) {
-  return io::JsonObject{{"diameter_m", disc.diameter},
-                        {"thickness_m", disc.thickness},
-                        {"hole_diameter_m", disc.hole_diameter}};
-}
-
+io::Json body_json(const mesh::Plate& plate) { return study::plate_schema().json(plate); }
+io::Json body_json(const mesh::Disc& disc) { return study::disc_schema().json(disc); }
 io::Json body_json(const mesh::Quadrilateral& plate) {
-  return io::JsonObject{{"corners_m", io::Json::rows(Eigen::MatrixXd(plate.corners))},
-                        {"thickness_m", plate.thickness}};
+  return study::quadrilateral_schema().json(plate);
 }
-
-io::Json body_json(const mesh::Sphere& sphere) {
-  return io::JsonObject{{"diameter_m", sphere.diameter}, {"hole_diameter_m", sphere.hole_diameter}};
-}
-
+io::Json body_json(const mesh::Sphere& sphere) { return study::sphere_schema().json(sphere); }
 io::Json body_json(const mesh::WaferTable& table) {
-  io::JsonArray bores;
-  for (const auto& bore : table.bores) {
-    bores.push_back(io::JsonObject{
-        {"at_m", vector(bore.centre)}, {"diameter_m", bore.diameter}, {"depth_m", bore.depth}});
-  }
-  return io::JsonObject{{"length_m", table.length},
-                        {"width_m", table.width},
-                        {"height_m", table.height},
-                        {"face_sheet_m", table.face_sheet},
-                        {"pockets", io::JsonArray{table.pockets_x, table.pockets_y}},
-                        {"rib_m", table.rib},
-                        {"rim_m", table.rim},
-                        {"edge_cutout_length_m", table.edge_cutout_length},
-                        {"edge_cutout_depth_m", table.edge_cutout_depth},
-                        {"corner_cutout_m", table.corner_cutout},
-                        {"bores", bores},
-                        {"wafer_diameter_m", table.wafer_diameter},
-                        {"wafer_thickness_m", table.wafer_thickness}};
+  auto object = study::wafer_table_schema().json(table);
+  append(study::wafer_schema().json(table), object);
+  return object;
 }
-
-io::Json body_json(const study::FileGeometry& geometry) {
-  return io::JsonObject{{"file", geometry.file.filename().string()}, {"unit", geometry.unit}};
-}
+io::Json body_json(const study::FileGeometry& file) { return study::file_schema().json(file); }
 
 io::Json material_json(const study::StudyMaterial& material) {
   io::JsonObject object = study::material_schema().json(material);
@@ -85,10 +57,7 @@ io::Json attachments_json(const std::vector<study::AttachmentPlan>& plans) {
   io::JsonArray array;
   for (const auto& plan : plans) {
     auto object = study::attachment_schema().json(plan);
-    const auto add = [&](const auto& what) {
-      for (auto& member : schema_of(what).json(what)) object.push_back(std::move(member));
-    };
-    std::visit(add, plan.what);
+    std::visit([&](const auto& what) { append(schema_of(what).json(what), object); }, plan.what);
     array.emplace_back(object);
   }
   return array;

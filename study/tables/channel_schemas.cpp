@@ -80,17 +80,6 @@ Schema<Channel> channel_schema(const std::string& table, const std::vector<std::
                       &P::low_pass_hz)}};
 }
 
-/// A quantity that must be given.
-template <typename Plan>
-Key<Plan> needed(const std::string& name, const std::string& si_unit, double Plan::*value,
-                 const std::string& meaning) {
-  auto key = quantity(name, si_unit, Sign::positive, value, meaning, "needed");
-  key.read = [=](TableReader& table, Plan& plan) {
-    plan.*value = table.required_quantity(name, si_unit, Sign::positive);
-  };
-  return key;
-}
-
 template <typename Plan>
 Key<Plan> damping(const std::string& si_unit) {
   return quantity("damping", si_unit, Sign::not_negative, &Plan::damping, "of its dashpot");

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "study/schemas.h"
-#include "study/tables/tables.h"
+#include "study/tables/rows.h"
 
 namespace chladni::study {
 namespace {
@@ -14,13 +14,6 @@ Channel channel_of(TableReader& table, const Schema<Channel>& schema, const std:
   schema.read(table, channel);
   table.refuse_unknown();
   return channel;
-}
-
-template <typename Part>
-Part read_part(TableReader& table, const Schema<Part>& schema) {
-  Part part;
-  schema.read(table, part);
-  return part;
 }
 
 /// Stiffness and damping, or natural frequency and damping ratio, of the mass on its spring.

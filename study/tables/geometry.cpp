@@ -6,107 +6,21 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "study/schemas.h"
-#include "study/tables/tables.h"
+#include "study/tables/rows.h"
 
 namespace chladni::study {
 namespace {
 
-mesh::Plate plate_of(TableReader& table) {
-  mesh::Plate plate;
-  plate.length = table.required_quantity("length", "m", Sign::positive);
-  plate.width = table.required_quantity("width", "m", Sign::positive);
-  plate.thickness = table.required_quantity("thickness", "m", Sign::positive);
-  return plate;
-}
-
-mesh::Disc disc_of(TableReader& table) {
-  mesh::Disc disc;
-  disc.diameter = table.required_quantity("diameter", "m", Sign::positive);
-  disc.thickness = table.required_quantity("thickness", "m", Sign::positive);
-  disc.hole_diameter = table.quantity("hole_diameter", "m", Sign::not_negative).value_or(0.0);
-  return disc;
-}
-
-mesh::Sphere sphere_of(TableReader& table) {
-  mesh::Sphere sphere;
-  sphere.diameter = table.required_quantity("diameter", "m", Sign::positive);
-  sphere.hole_diameter = table.quantity("hole_diameter", "m", Sign::not_negative).value_or(0.0);
-  return sphere;
-}
-
-mesh::Quadrilateral quadrilateral_of(TableReader& table) {
-  mesh::Quadrilateral plate;
-  plate.corners.setZero();
-  plate.thickness = table.required_quantity("thickness", "m", Sign::positive);
-  const TomlNode* corners = table.find("corners");
-  const std::string expected =
-      "four corners counter-clockwise, such as [[\"0 m\", \"0 m\"], [\"2 m\", \"0 m\"], ...]";
-  if (corners == nullptr) {
-    table.missing("corners", expected);
-    return plate;
-  }
-  bool good = corners->kind == TomlNode::Kind::array && corners->elements.size() == 4;
-  for (std::size_t k = 0; good && k < 4; ++k) {
-    const auto& corner = corners->elements[k].elements;
-    good = corner.size() == 2;
-    for (std::size_t i = 0; good && i < 2; ++i) {
-      plate.corners(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) =
-          table.value_of(corner[i], table.name("corners"), "m", Sign::any);
-    }
-  }
-  if (!good) table.wrong(*corners, table.name("corners") + " must be " + expected);
-  return plate;
-}
-
-void read_pockets(TableReader& table, mesh::WaferTable& wafer_table) {
-  if (const auto pockets = table.quantities("pockets", "1", 2, Sign::not_negative)) {
-    const bool whole = (pockets->array() == pockets->array().round()).all();
-    if (whole && pockets->maxCoeff() <= 200.0) {
-      wafer_table.pockets_x = static_cast<int>((*pockets)(0));
-      wafer_table.pockets_y = static_cast<int>((*pockets)(1));
-    } else {
-      table.wrong(*table.find("pockets"),
-                  table.name("pockets") + " must be two whole numbers up to 200, such as [9, 9]");
-    }
-  }
-  const bool has_pockets = wafer_table.pockets_x > 0 && wafer_table.pockets_y > 0;
-  wafer_table.face_sheet = table.quantity("face_sheet", "m", Sign::positive)
-                               .value_or(has_pockets ? 0.0 : wafer_table.height);
-  wafer_table.rib = table.quantity("rib", "m", Sign::positive).value_or(0.0);
-  wafer_table.rim = table.quantity("rim", "m", Sign::positive).value_or(0.0);
-  if (has_pockets && !table.has("face_sheet"))
-    table.missing("face_sheet", "a length, since there are pockets");
-  if (has_pockets && !table.has("rib")) table.missing("rib", "a length, since there are pockets");
-}
-
-void read_bores(TableReader& table, mesh::WaferTable& wafer_table) {
-  for (auto& one : table.tables("bores")) {
-    mesh::Bore bore;
-    if (!one.has("at")) one.missing("at", "two lengths such as [\"20 mm\", \"0 mm\"]");
-    bore.centre = one.quantities("at", "m", 2).value_or(Eigen::Vector2d::Zero());
-    bore.diameter = one.required_quantity("diameter", "m", Sign::positive);
-    bore.depth = one.quantity("depth", "m", Sign::not_negative).value_or(0.0);
-    one.refuse_unknown();
-    wafer_table.bores.push_back(bore);
-  }
-}
-
 mesh::WaferTable wafer_table_of(TableReader& table) {
-  mesh::WaferTable wafer_table;
-  wafer_table.length = table.required_quantity("length", "m", Sign::positive);
-  wafer_table.width = table.required_quantity("width", "m", Sign::positive);
-  wafer_table.height = table.required_quantity("height", "m", Sign::positive);
-  read_pockets(table, wafer_table);
-  if (const auto cutout = table.quantities("edge_cutout", "m", 2, Sign::not_negative)) {
-    wafer_table.edge_cutout_length = (*cutout)(0);
-    wafer_table.edge_cutout_depth = (*cutout)(1);
+  auto wafer_table = read_part(table, wafer_table_schema());
+  const bool has_pockets = wafer_table.pockets_x > 0 && wafer_table.pockets_y > 0;
+  if (!table.has("face_sheet")) {
+    if (has_pockets) table.missing("face_sheet", "a length, since there are pockets");
+    wafer_table.face_sheet = has_pockets ? 0.0 : wafer_table.height;
   }
-  wafer_table.corner_cutout =
-      table.quantity("corner_cutout", "m", Sign::not_negative).value_or(0.0);
-  read_bores(table, wafer_table);
+  if (has_pockets && !table.has("rib")) table.missing("rib", "a length, since there are pockets");
   if (auto wafer = table.table("wafer")) {
-    wafer_table.wafer_diameter = wafer->required_quantity("diameter", "m", Sign::positive);
-    wafer_table.wafer_thickness = wafer->required_quantity("thickness", "m", Sign::positive);
+    wafer_schema().read(*wafer, wafer_table);
     wafer->refuse_unknown();
   }
   return wafer_table;
@@ -167,11 +81,11 @@ constexpr std::array kKinds = {"plate",  "beam",        "disc", "quadrilateral",
                                "sphere", "wafer_table", "file"};
 
 decltype(Geometry::body) parametric_of(const std::string& kind, TableReader& table) {
-  if (kind == "disc") return disc_of(table);
-  if (kind == "sphere") return sphere_of(table);
-  if (kind == "quadrilateral") return quadrilateral_of(table);
+  if (kind == "disc") return read_part(table, disc_schema());
+  if (kind == "sphere") return read_part(table, sphere_schema());
+  if (kind == "quadrilateral") return read_part(table, quadrilateral_schema());
   if (kind == "wafer_table") return wafer_table_of(table);
-  return plate_of(table);
+  return read_part(table, plate_schema());
 }
 
 }  // namespace

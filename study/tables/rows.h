@@ -1,4 +1,5 @@
-// Rows of a schema that several tables have: bands, words, names, faces and directions.
+// Rows of a schema that several tables have: needed quantities, bands, words,
+// names, faces and directions.
 #pragma once
 
 #include <functional>
@@ -9,6 +10,17 @@
 #include "study/tables/tables.h"
 
 namespace chladni::study {
+
+/// A quantity that must be given.
+template <typename Plan>
+Key<Plan> needed(const std::string& name, const std::string& si_unit, double Plan::*value,
+                 const std::string& meaning) {
+  auto key = quantity(name, si_unit, Sign::positive, value, meaning, "needed");
+  key.read = [=](TableReader& table, Plan& plan) {
+    plan.*value = table.required_quantity(name, si_unit, Sign::positive);
+  };
+  return key;
+}
 
 /// Two frequencies, the second above the first. A wrong value is a problem, and `example` is part
 /// of its message.
@@ -78,6 +90,14 @@ Key<Plan> motion(const std::string& meaning) {
           .read = [](TableReader& table,
                      Plan& plan) { read_motion(table, plan.direction, plan.along_normal); },
           .json = [](const Plan& plan) { return motion_json(plan.direction); }};
+}
+
+/// What the keys of a schema say of a part.
+template <typename Part>
+Part read_part(TableReader& table, const Schema<Part>& schema) {
+  Part part;
+  schema.read(table, part);
+  return part;
 }
 
 /// The names of the members of a list of the program: its effects, criteria, kernels.

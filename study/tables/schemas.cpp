@@ -20,7 +20,7 @@ Key<diagnosis::Tolerances> tolerance(const std::string& name, const std::string&
   return quantity(name, unit, Sign::not_negative, value, meaning);
 }
 
-/// @param of  which of the tables of that name: "of kind `mass`"; or empty
+/// @param of  which tables of that name: "of kind `mass`"; or empty
 template <typename Plan>
 TableText text_of(const Schema<Plan>& schema, const std::string& of = "") {
   TableText text{fmt::format("`[{}]`{}{}", schema.table, of.empty() ? "" : " ", of), {}};
@@ -194,23 +194,33 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
 }
 
 std::vector<TableText> tables_with_schemas() {
-  std::vector<TableText> tables = {text_of(material_schema())};
+  std::vector<TableText> tables;
+  const auto add = [&](const auto& schema, const std::string& of = "") {
+    tables.push_back(text_of(schema, of));
+  };
+  add(file_schema());
+  add(plate_schema(), "and of a `beam`");
+  add(disc_schema());
+  add(quadrilateral_schema());
+  add(sphere_schema());
+  add(wafer_table_schema());
+  add(bore_schema());
+  add(wafer_schema());
+  add(material_schema());
   for (const auto* symmetry : {"isotropic", "cubic", "orthotropic"}) {
-    tables.push_back(
-        text_of(constants_schema(symmetry), fmt::format("of symmetry `{}`", symmetry)));
+    add(constants_schema(symmetry), fmt::format("of symmetry `{}`", symmetry));
   }
-  const auto add = [&](const auto& schema) { tables.push_back(text_of(schema)); };
   add(mesh_schema());
   add(modes_schema());
   add(sensor_schema());
   add(actuator_schema());
   add(attachment_schema());
-  tables.push_back(text_of(mass_schema(), "of kind `mass`"));
-  tables.push_back(text_of(spring_schema(), "of kind `spring`"));
-  tables.push_back(text_of(damper_schema(), "of kind `damper`"));
-  tables.push_back(text_of(torsion_spring_schema(), "of kind `torsion_spring`"));
-  tables.push_back(text_of(link_schema(), "of kind `link`"));
-  tables.push_back(text_of(resonator_schema(), "of kind `resonator`"));
+  add(mass_schema(), "of kind `mass`");
+  add(spring_schema(), "of kind `spring`");
+  add(damper_schema(), "of kind `damper`");
+  add(torsion_spring_schema(), "of kind `torsion_spring`");
+  add(link_schema(), "of kind `link`");
+  add(resonator_schema(), "of kind `resonator`");
   add(placement_schema());
   add(grid_schema());
   add(uncertainty_schema());
