@@ -80,12 +80,14 @@ std::vector<std::string> channel_names(const Study& study) {
 void refuse_strangers(TableReader& table, std::string_view key, const std::string& what,
                       const std::vector<std::string>& wanted,
                       const std::vector<std::string>& known) {
+  const TomlNode* node = table.find(key);
+  if (node == nullptr) return;  // the one who needs it has said so
   for (const auto& name : wanted) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
-    table.wrong(*table.find(key), table.name(key) + " names \"" + name + "\", but no " + what +
-                                      " has that name" +
-                                      (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    table.wrong(*node, table.name(key) + " names \"" + name + "\", but no " + what +
+                           " has that name" +
+                           (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
   }
 }
 

@@ -73,5 +73,9 @@ TEST(StudyIdentification, RefusesWhatIsOutOfBounds) {
   refused("suspended_modes = 4", "3");
 }
 
+TEST(StudyIdentification, RefusesAPairWithoutItsChannels) {
+  refused("pair = [{}]", "identification.pair[0] lacks \"sensor\"");
+}
+
 }  // namespace
 }  // namespace chladni::study
