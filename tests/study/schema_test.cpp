@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/error.h"
 #include "study/schemas.h"
 
 namespace chladni::study {
@@ -71,6 +72,38 @@ TEST(Schema, LeavesTheOtherKeysOfAMeasurementByDefault) {
   const auto study = with("[measurement]\nfrf = \"measured.csv\"\n");
   EXPECT_EQ(io::text(io::Json(measurement_schema().json(*study.measurement))),
             io::text(io::Json(measurement_schema().json(plan))));
+}
+
+/// "[[attachment]]" and a line that says the kind, from "`[[attachment]]` of kind `mass`".
+std::string head_of(const std::string& heading) {
+  const auto end = heading.find('`', 1);
+  const auto head = heading.substr(1, end - 1) + "\n";
+  const auto kind = heading.find("of kind `");
+  if (kind == std::string::npos) return head;
+  const auto word = heading.substr(kind + 9);
+  return head + "kind = \"" + word.substr(0, word.size() - 1) + "\"\n";
+}
+
+/// Whether the reader of a table refuses a key of that name; whatever it says of the value.
+bool refuses(const std::string& head, const std::string& key) {
+  try {
+    static_cast<void>(with(head + key + " = 0\n"));
+  } catch (const InvalidInput& e) {
+    return std::string(e.what()).find("unknown key") != std::string::npos;
+  }
+  return false;
+}
+
+TEST(Schema, NamesKeysThatTheReaderKnows) {
+  for (const auto& table : tables_with_schemas()) {
+    if (table.heading.starts_with("`[geometry") || table.heading.starts_with("`[[geometry") ||
+        table.heading.starts_with("`[material")) {
+      continue;  // a study has one of each already
+    }
+    const auto head = head_of(table.heading);
+    for (const auto& key : table.keys) EXPECT_FALSE(refuses(head, key.name)) << head << key.name;
+    EXPECT_TRUE(head == "[[attachment]]\n" || refuses(head, "no_such_key")) << head;
+  }
 }
 
 TEST(Schema, ReadsEachToleranceIntoItsOwnNumber) {
