@@ -150,10 +150,4 @@ Key<Plan> special(KeyText text, std::string name_in_json,
           .json = std::move(json)};
 }
 
-/// For a key that study.json has nothing of, or shows elsewhere.
-template <typename Plan>
-std::optional<io::Json> not_shown(const Plan& /*plan*/) {
-  return std::nullopt;
-}
-
 }  // namespace chladni::study

@@ -51,6 +51,9 @@ namespace chladni::study {
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
 
+/// A place in study.json: two or three coordinates.
+[[nodiscard]] io::Json place_json(const Place& place);
+
 /// The keys of one table.
 struct TableText {
   std::string heading;  ///< "`[mesh]`"

@@ -8,8 +8,6 @@
 namespace chladni::show {
 namespace {
 
-io::Json vector(const Eigen::VectorXd& values) { return io::Json(values); }
-
 void append(io::JsonObject members, io::JsonObject& object) {
   for (auto& member : members) object.push_back(std::move(member));
 }
@@ -32,10 +30,6 @@ io::Json material_json(const study::StudyMaterial& material) {
   for (const auto& [name, value] : material.constants) object.emplace_back(name, value);
   object.emplace_back("stiffness_pa", io::Json::rows(Eigen::MatrixXd(material.material.stiffness)));
   return object;
-}
-
-io::Json place_json(const study::Place& place) {
-  return vector(place.point.head(place.from_above ? 2 : 3));
 }
 
 template <typename Plan>
@@ -66,9 +60,10 @@ io::Json attachments_json(const std::vector<study::AttachmentPlan>& plans) {
 io::Json variations_json(const std::vector<study::VariationPlan>& plans) {
   io::JsonArray array;
   for (const auto& plan : plans) {
-    io::JsonObject object = {{"of", plan.of}};
+    io::JsonObject object;
+    object.emplace_back("of", plan.of);
     if (plan.at) {
-      object.emplace_back("at_m", place_json(*plan.at));
+      object.emplace_back("at_m", study::place_json(*plan.at));
       object.emplace_back("radius_m", plan.radius);
       object.emplace_back("relative", plan.relative);
     }
@@ -110,11 +105,14 @@ io::Json expectations_json(const std::vector<study::Expectation>& expectations) 
 }
 
 io::Json estimate_json(const stage::Understood& body, const stage::Cost& cost) {
-  return io::JsonObject{
-      {"extent_m", vector(body.extent_m)}, {"volume_m3", body.volume_m3},
-      {"mass_kg", body.mass_kg},           {"first_frequency_hz", body.first_frequency_hz},
-      {"taken_for", body.estimate_name},   {"degrees_of_freedom", cost.degrees_of_freedom},
-      {"memory_bytes", cost.memory_bytes}, {"seconds", cost.seconds}};
+  return io::JsonObject{{"extent_m", io::Json(body.extent_m)},
+                        {"volume_m3", body.volume_m3},
+                        {"mass_kg", body.mass_kg},
+                        {"first_frequency_hz", body.first_frequency_hz},
+                        {"taken_for", body.estimate_name},
+                        {"degrees_of_freedom", cost.degrees_of_freedom},
+                        {"memory_bytes", cost.memory_bytes},
+                        {"seconds", cost.seconds}};
 }
 
 }  // namespace
@@ -135,27 +133,16 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
       {"sensors", list_json(study::sensor_schema(), study.sensors)},
       {"actuators", list_json(study::actuator_schema(), study.actuators)},
       {"layouts", layouts_json(study.layouts)}};
-  if (study.placement) {
-    object.emplace_back("placement", study::placement_schema().json(*study.placement));
-  }
-  if (study.measurement) {
-    object.emplace_back("measurement", study::measurement_schema().json(*study.measurement));
-  }
-  if (study.experiment)
-    object.emplace_back("experiment", study::experiment_schema().json(*study.experiment));
-  if (study.identification) {
-    object.emplace_back("identification",
-                        study::identification_schema().json(*study.identification));
-  }
-  if (study.interpolation) {
-    object.emplace_back("interpolation", study::interpolation_schema().json(*study.interpolation));
-  }
-  if (study.priors) {
-    object.emplace_back("priors", study::priors_schema().json(*study.priors));
-  }
-  if (study.diagnosis) {
-    object.emplace_back("diagnosis", study::diagnosis_schema().json(*study.diagnosis));
-  }
+  const auto add = [&](const char* table, const auto& schema, const auto& plan) {
+    if (plan) object.emplace_back(table, schema.json(*plan));
+  };
+  add("placement", study::placement_schema(), study.placement);
+  add("measurement", study::measurement_schema(), study.measurement);
+  add("experiment", study::experiment_schema(), study.experiment);
+  add("identification", study::identification_schema(), study.identification);
+  add("interpolation", study::interpolation_schema(), study.interpolation);
+  add("priors", study::priors_schema(), study.priors);
+  add("diagnosis", study::diagnosis_schema(), study.diagnosis);
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));

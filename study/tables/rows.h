@@ -1,9 +1,11 @@
-// Rows of a schema that several tables have: needed quantities, bands, words,
-// names, faces and directions.
+// Rows of a schema that several tables have: needed quantities, bands, words, names, faces and
+// directions.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "study/schema.h"
@@ -90,6 +92,12 @@ Key<Plan> motion(const std::string& meaning) {
           .read = [](TableReader& table,
                      Plan& plan) { read_motion(table, plan.direction, plan.along_normal); },
           .json = [](const Plan& plan) { return motion_json(plan.direction); }};
+}
+
+/// For a key that study.json has nothing of, or shows elsewhere.
+template <typename Plan>
+std::optional<io::Json> not_shown(const Plan& /*plan*/) {
+  return std::nullopt;
 }
 
 /// What the keys of a schema say of a part.

@@ -46,9 +46,6 @@ void read_expectations(TableReader& root, Study& study);
 /// "at" of a channel or attachment: two or three lengths. A missing or wrong value is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);
 
-/// The same in study.json.
-[[nodiscard]] io::Json place_json(const Place& place);
-
 /// "on": names of patches or { facing = "z" }. A wrong value is a problem.
 [[nodiscard]] FacePlan read_faces(TableReader& table, std::string_view key);
 
