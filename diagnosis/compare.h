@@ -138,6 +138,10 @@ struct ComparisonOptions {
                                       const identification::ModalFit& fit,
                                       const ComparisonOptions& options = {});
 
+/// The reason why pole m of the fit is not a mode, by the rules above; empty if it is one.
+[[nodiscard]] std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
+                                      const ComparisonOptions& options = {});
+
 /// Collocated pairs: a sensor and an actuator whose shapes agree in all modes, up to the sign.
 [[nodiscard]] std::vector<Reciprocity> reciprocity(const modal::FrfSet& measured,
                                                    const modal::ReducedModel& simulated,

@@ -72,8 +72,27 @@ struct Residue {
   double lag_one = 0.0;                     ///< correlation of neighbouring lines
 };
 
+/// Standard deviation of one class of the model's errors, inferred from the data.
+struct ErrorLevel {
+  std::string of;          ///< "frequency", "shape", ...
+  double value = 0.0;      ///< relative; of "place" [m]
+  double usual = 0.0;      ///< before the data are seen
+  double at_most = 0.0;    ///< a larger one is not believed of a model of this structure
+  double determined = 0.0; ///< number of errors of this class that the data show
+};
+
+/// A measured mode beside the modes before and after the causes. NaN: none.
+struct ModeTold {
+  double measured_hz = 0.0, before_hz = 0.0, after_hz = 0.0;
+  double mac_before = 0.0, mac_after = 0.0;  ///< at sensors times at actuators
+};
+
+/// Whether the levels of the model's errors are inferred, or are the tolerances.
+enum class Levels { learned, known };
+
 struct DiagnosisOptions {
   Tolerances tolerances;
+  Levels levels = Levels::learned;
   /// Lines of the search, at most; the last fit takes twice as many.
   int lines = kConstants.lines_of_search;
   int most_causes = kConstants.most_causes;
@@ -95,6 +114,9 @@ struct Diagnosis {
   double excess_before = 0.0;  ///< z of the simulation within its tolerances
   Residue before, after;
   std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
+  /// Levels of the model's errors without a cause and beside the best causes; empty: known.
+  std::vector<ErrorLevel> levels_before, levels_after;
+  std::vector<ModeTold> modes;  ///< of a diagnosis of measured modes
   std::vector<std::string> notes;
 };
 

@@ -328,4 +328,12 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   return result;
 }
 
+std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
+                        const ComparisonOptions& options) {
+  Channels all;
+  for (Eigen::Index i = 0; i < fit.model.output_shapes.rows(); ++i) all.outputs.push_back(i);
+  for (Eigen::Index j = 0; j < fit.model.input_shapes.cols(); ++j) all.inputs.push_back(j);
+  return why_no_mode(fit, m, all, options);
+}
+
 }  // namespace chladni::diagnosis

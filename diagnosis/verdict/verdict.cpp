@@ -10,40 +10,21 @@
 
 #include "diagnosis/constants.h"
 #include "diagnosis/search/simpler.h"
+#include "diagnosis/verdict/cause_of.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
 
-Cause cause_of(const Problem& problem, const Fit& fit, std::size_t which, Index first) {
-  const auto& supposed = fit.causes[which];
-  Cause cause;
-  cause.effect = supposed.effect->name;
-  cause.channels = supposed.effect->channels(problem.structure, supposed.option);
-  const auto choice = choice_of(*supposed.effect, supposed.option);
-  cause.option = choice.text;
-  if (!choice.number.empty()) {
-    cause.fixed.push_back({std::string(choice.number), "1", choice.value, 0.0});
-  }
-  cause.place = place_of(supposed, problem.structure);
-  Index i = 0;
-  for (const auto& parameter : supposed.effect->parameters(problem.structure)) {
-    const double variance = fit.covariance(first + i, first + i);
-    cause.parameters.push_back(
-        {std::string(parameter.name), std::string(parameter.unit), parameter.value(supposed.x(i)),
-         parameter.value_per_coordinate(supposed.x(i)) * std::sqrt(variance), parameter.role});
-    ++i;
-  }
-  return cause;
-}
-
 Explanation explanation_of(const Problem& problem, const Found& found, const Fit& fit) {
   Explanation explanation;
   Index first = 0;
   for (std::size_t c = 0; c < fit.causes.size(); ++c) {
-    explanation.causes.push_back(cause_of(problem, fit, c, first));
-    first += fit.causes[c].x.size();
+    const Index count = fit.causes[c].x.size();
+    explanation.causes.push_back(cause_of(problem.structure, fit.causes[c],
+                                          fit.covariance.diagonal().segment(first, count)));
+    first += count;
   }
   explanation.log_evidence = fit.log_evidence - found.nothing.log_evidence;
   explanation.promise = fit.evidence_at_best() - fit.log_evidence;

@@ -1,0 +1,102 @@
+#include "diagnosis/diagnosed_modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "dense/blas.h"
+#include "diagnosis/modes/modes_search.h"
+#include "diagnosis/modes/modes_verdict.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// Rows of the measurement in the order of the structure's channels, and those channels.
+struct Shared {
+  std::vector<Index> measured, structure;
+};
+
+Shared shared(const std::vector<std::string>& measured, const std::vector<std::string>& structure,
+              std::vector<std::string>& notes) {
+  Shared rows;
+  for (std::size_t i = 0; i < structure.size(); ++i) {
+    const auto found = std::ranges::find(measured, structure[i]);
+    if (found == measured.end()) continue;
+    rows.measured.push_back(found - measured.begin());
+    rows.structure.push_back(static_cast<Index>(i));
+  }
+  for (const auto& name : measured) {
+    if (std::ranges::find(structure, name) == structure.end()) {
+      notes.push_back(name + " was measured, but the study has no such channel: left out");
+    }
+  }
+  return rows;
+}
+
+ChannelSide part(const ChannelSide& side, const std::vector<Index>& rows) {
+  ChannelSide result;
+  for (const Index i : rows) result.names.push_back(side.names[static_cast<std::size_t>(i)]);
+  const auto take = [&](const Eigen::MatrixXd& from) {
+    return from.rows() == 0 ? Eigen::MatrixXd(static_cast<Index>(rows.size()), from.cols())
+                            : Eigen::MatrixXd(from(rows, Eigen::all));
+  };
+  result.shapes = take(side.shapes);
+  result.slope_u = take(side.slope_u);
+  result.slope_v = take(side.slope_v);
+  result.aside_u = take(side.aside_u);
+  result.aside_v = take(side.aside_v);
+  result.places = side.places(rows, Eigen::all);
+  result.upper = take(side.upper);
+  return result;
+}
+
+// Structure and measurement with the channels that both have.
+struct Given {
+  Structure structure;
+  MeasuredModes measured;
+  std::vector<std::string> notes;
+};
+
+Given given(const Structure& structure, const MeasuredModes& measured) {
+  check(structure);
+  check(measured);
+  Given result{structure, measured, {}};
+  const auto out = shared(measured.outputs, structure.outputs.names, result.notes);
+  const auto in = shared(measured.inputs, structure.inputs.names, result.notes);
+  require(measured.outputs.empty() || !out.measured.empty(),
+          "no sensor in common: the measured modes and the study name other sensors");
+  auto& own = result.structure;
+  own.outputs = part(structure.outputs, out.structure);
+  own.inputs = part(structure.inputs, in.structure);
+  own.residual = structure.residual(out.structure, in.structure);
+  auto& modes = result.measured;
+  modes.outputs = own.outputs.names;
+  modes.inputs = own.inputs.names;
+  modes.output_shapes = measured.output_shapes(out.measured, Eigen::all);
+  modes.output_std = measured.output_std(out.measured, Eigen::all);
+  modes.input_shapes = measured.input_shapes(in.measured, Eigen::all);
+  modes.input_std = measured.input_std(in.measured, Eigen::all);
+  return result;
+}
+
+}  // namespace
+
+Diagnosis diagnosed(const Structure& structure, const MeasuredModes& measured,
+                    const DiagnosisOptions& options) {
+  const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
+  const auto own = given(structure, measured);
+  const ModesProblem problem(own.structure, own.measured, options.tolerances,
+                             options.levels == Levels::learned);
+  const auto found = searched(problem, catalogue_of(options), options.most_causes,
+                              options.least_evidence, options.progress);
+  tell(options.progress, "the last word");
+  Diagnosis diagnosis = answer(problem, found, options);
+  diagnosis.notes = own.notes;
+  return diagnosis;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,107 @@
+// Model-form errors of classes whose levels are inferred, and the likelihood of modal data under
+// them.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "diagnosis/tolerances.h"
+
+namespace chladni::diagnosis {
+
+/// Classes of errors that a sound model has. Each class has one level: the standard deviation of
+/// its errors.
+enum class ErrorClass {
+  frequency,  ///< of ln f of each mode
+  damping,    ///< of ln ζ of each mode
+  shape,      ///< of each shape value, over the mode's root mean square
+  phase,      ///< of the imaginary part of each shape value, likewise
+  residue,    ///< of ln residue of each mode, real and imaginary part
+  gain,       ///< of each channel, relative
+  place,      ///< [m] of each channel along each axis
+  field,      ///< of the thickness in smooth waves, relative
+};
+inline constexpr std::size_t kErrorClasses = 8;
+/// "frequency", "shape", ...
+[[nodiscard]] std::string_view name(ErrorClass of);
+
+/// A number for each class.
+using PerClass = Eigen::Array<double, kErrorClasses, 1>;
+
+/// What is known of the levels beforehand: ln s ~ N(ln usual, width²), s at most `at_most`.
+struct LevelPrior {
+  PerClass usual, at_most;
+  double width = 0.0;  ///< of ln s; 0: the levels are `usual`
+};
+/// The usual levels are the tolerances, but at least what models of real structures have.
+[[nodiscard]] LevelPrior level_prior(const Tolerances& tolerances, bool learned);
+
+/// The numbers of one measured mode.
+struct ModeBlock {
+  Eigen::VectorXd error;       ///< n: measured less model
+  Eigen::VectorXd noise;       ///< n: standard deviations of the measurement
+  std::vector<int> of;         ///< n: class of the number's own error; −1: none
+  std::vector<double> weight;  ///< n: the number's own error, over the level of its class
+  Eigen::MatrixXd free;        ///< n×c: errors of unit deviation, such as the mode's scale
+  /// n×d: share of the modes nearby in this one, for an error of frequency of 1.
+  Eigen::MatrixXd mixed;
+  Eigen::MatrixXd shared;  ///< n×k: errors of the channels and the body, for a deviation of 1
+
+  [[nodiscard]] Eigen::Index count() const { return error.size(); }
+};
+
+/// All numbers of a measurement under one hypothesis: N of them, in blocks.
+struct ModeErrors {
+  std::vector<ModeBlock> blocks;
+  std::vector<int> shared_of;  ///< k: class of each shared error; −1: its deviation is 1
+  double penalty = 0.0;        ///< ln of the probability of the pairing, with sign changed
+};
+
+/// The Gaussian likelihood of the errors at given levels.
+/// Covariance: diag(noise² + s²) + free freeᵀ + s_f² mixed mixedᵀ within a block, and shared
+/// sharedᵀ across blocks. Cost: N k² + Σ n³.
+class LevelLikelihood {
+ public:
+  LevelLikelihood(ModeErrors errors, const PerClass& levels);
+
+  [[nodiscard]] const ModeErrors& errors() const { return errors_; }
+  [[nodiscard]] const PerClass& levels() const { return levels_; }
+
+  /// −ln of the density of the errors.
+  [[nodiscard]] double negative_log() const;
+  /// AᵀC⁻¹B of columns that are stacked as the blocks are.
+  [[nodiscard]] Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) const;
+  /// −ln of the density of other errors with the same covariance and pairing.
+  [[nodiscard]] double negative_log(const Eigen::VectorXd& stacked) const;
+  /// For each class Σ η² / s² of the posterior means of its errors, and γ, the number of errors
+  /// that the data determine (MacKay, Neural Computation 4, 1992).
+  struct Evidence {
+    PerClass size, determined;
+  };
+  [[nodiscard]] Evidence evidence() const;
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
+
+  ModeErrors errors_;
+  PerClass levels_;
+  std::vector<Eigen::MatrixXd> factor_;  // Cholesky factor of each block's own covariance
+  Eigen::VectorXd error_;                // stacked, whitened by the blocks
+  Eigen::MatrixXd shared_;               // likewise, times its levels
+  Eigen::MatrixXd capacitance_;          // factor of 1 + sharedᵀ shared
+  double log_determinant_ = 0.0;
+};
+
+/// The errors of all blocks in one vector.
+[[nodiscard]] Eigen::VectorXd stacked(const ModeErrors& errors);
+
+/// One round of MacKay's update with the prior of the levels.
+[[nodiscard]] PerClass updated(const PerClass& levels, const LevelPrior& prior,
+                               const LevelLikelihood::Evidence& evidence);
+/// −ln of the prior density of the levels, and of the volume of their posterior (Laplace).
+[[nodiscard]] double negative_log_prior(const PerClass& levels, const LevelPrior& prior,
+                                        const LevelLikelihood::Evidence& evidence);
+
+}  // namespace chladni::diagnosis

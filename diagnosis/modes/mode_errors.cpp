@@ -1,0 +1,421 @@
+#include "diagnosis/modes/mode_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <utility>
+
+#include "base/index.h"
+#include "diagnosis/constants.h"
+#include "diagnosis/modes/partner.h"
+#include "modal/pairing.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr int kNone = -1;
+constexpr double kAloneFrequency = 0.3;  // deviation of ln f of a mode that the model lacks
+constexpr double kAlone = 3.0;           // ln: a measured mode that the model lacks
+constexpr double kUnseen = 2.0;     // ln: a mode of the model within the band that was not measured
+constexpr double kNearby = 0.15;    // ln f: modes nearer than this mix
+constexpr double kLeastGap = 0.02;  // ln f: nearer modes are of one span
+constexpr double kUnknownScale = 3.0;  // deviation of ln residue of a mode that is not believed
+
+int of(ErrorClass which) { return static_cast<int>(which); }
+
+// Fills the rows of a block from its first to its last.
+class Rows {
+ public:
+  Rows(Index most, Index shared, Index nearby) {
+    block_.error = VectorXd::Zero(most);
+    block_.noise = VectorXd::Zero(most);
+    block_.free = MatrixXd::Zero(most, 4);
+    block_.mixed = MatrixXd::Zero(most, nearby);
+    block_.shared = MatrixXd::Zero(most, shared);
+  }
+  // Adds a number and returns its row.
+  Index add(double error, double noise, int of, double weight = 1.0) {
+    const Index row = used_++;
+    block_.error(row) = error;
+    block_.noise(row) = noise;
+    block_.weight.push_back(weight);
+    block_.of.push_back(of);
+    return row;
+  }
+  [[nodiscard]] double& free(Index row, Index column) { return block_.free(row, column); }
+  [[nodiscard]] double& mixed(Index row, Index column) { return block_.mixed(row, column); }
+  [[nodiscard]] double& shared(Index row, Index column) { return block_.shared(row, column); }
+  void doubt(Index row, double deviation) {
+    block_.noise(row) = std::hypot(block_.noise(row), deviation);
+  }
+  [[nodiscard]] ModeBlock taken() {
+    block_.error.conservativeResize(used_);
+    block_.noise.conservativeResize(used_);
+    for (auto* columns : {&block_.free, &block_.mixed, &block_.shared}) {
+      columns->conservativeResize(used_, Eigen::NoChange);
+    }
+    return std::move(block_);
+  }
+
+ private:
+  ModeBlock block_;
+  Index used_ = 0;
+};
+
+// Columns of the shared errors: gains of sensors and actuators, their places along u and v, then
+// the body's.
+struct SharedColumns {
+  Index outputs = 0, inputs = 0, body = 0;
+  bool gains = false;  // channels have errors of their own where shapes were measured
+
+  [[nodiscard]] Index channels() const { return gains ? outputs + inputs : 0; }
+  [[nodiscard]] Index gain(bool sensor, Index i) const { return sensor ? i : outputs + i; }
+  [[nodiscard]] Index place(bool sensor, Index i, Index axis) const {
+    return channels() * (1 + axis) + gain(sensor, i);
+  }
+  [[nodiscard]] Index of_body(Index i) const { return 3 * channels() + i; }
+  [[nodiscard]] Index count() const { return 3 * channels() + body; }
+};
+
+std::vector<int> classes_of(const SharedColumns& columns, const std::vector<BodyError>& body) {
+  std::vector<int> all(at(columns.count()), kNone);
+  for (Index c = 0; c < columns.channels(); ++c) {
+    all[at(c)] = of(ErrorClass::gain);
+    all[at(columns.channels() + c)] = of(ErrorClass::place);
+    all[at(2 * columns.channels() + c)] = of(ErrorClass::place);
+  }
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    all[at(columns.of_body(static_cast<Index>(i)))] = body[i].of;
+  }
+  return all;
+}
+
+// First-order changes of all modes by an error of the body.
+struct ModeChange {
+  VectorXd frequency;        // n: of ln f
+  MatrixXd outputs, inputs;  // p×n, q×n
+};
+
+ModeChange change_by(const BodyError& error, const RecordedModes& model) {
+  const Index n = model.count();
+  const VectorXd lambda = (2.0 * std::numbers::pi * model.frequency_hz).cwiseAbs2();
+  const MatrixXd& phi = model.motion;
+  const Index r = phi.rows();
+  const MatrixXd stiffness = phi.transpose() * error.stiffness.topLeftCorner(r, r) * phi;
+  const MatrixXd mass = phi.transpose() * error.mass.topLeftCorner(r, r) * phi;
+  ModeChange change{VectorXd(n), {}, {}};
+  MatrixXd turn(n, n);
+  for (Index k = 0; k < n; ++k) {
+    for (Index l = 0; l < n; ++l) {
+      const double part = stiffness(l, k) - lambda(k) * mass(l, k);
+      const double gap = lambda(k) - lambda(l);
+      const double least = 2.0 * kLeastGap * lambda(k);
+      turn(l, k) =
+          l == k ? -0.5 * mass(k, k) : part / std::copysign(std::max(std::abs(gap), least), gap);
+      if (l == k) change.frequency(k) = 0.5 * part / lambda(k);
+    }
+  }
+  change.outputs = model.outputs * turn;
+  change.inputs = model.inputs * turn;
+  return change;
+}
+
+// All that the blocks of one hypothesis share.
+struct Scene {
+  const Structure& structure;
+  const MeasuredModes& measured;
+  const RecordedModes& model;
+  const ShapeUnits& units;
+  const std::vector<BodyError>& body;
+  SharedColumns columns;
+  std::vector<ModeChange> changes;  // per error of the body
+};
+
+// Motion of channel i along an axis of the chart, behind record i.
+double slope_of(const ChannelSide& side, Index i, Index axis, const VectorXd& motion) {
+  const auto& slopes = axis == 0 ? side.slope_u : side.slope_v;
+  if (slopes.rows() <= i) return 0.0;
+  return slopes.row(i).head(motion.size()).dot(motion);
+}
+
+// One side of a block: its first row (-1: no shape), the row of the residue (-1: none).
+struct Place {
+  const PartnerSide& side;
+  bool is_sensor;
+  Index first, residue;
+};
+
+double square_of(const PartnerSide& side) { return std::max(side.model.squaredNorm(), 0.1); }
+
+// A change of the model's record at one channel: in the shape and in the
+// residue.
+void put_change(Rows& rows, const Place& place, Index a, double change, Index column) {
+  if (place.first >= 0) rows.shared(place.first + 2 * a, column) += change;
+  if (place.residue < 0) return;
+  rows.shared(place.residue, column) += place.side.model(a) * change / square_of(place.side);
+}
+
+void put_channel_errors(Rows& rows, const Place& place, const VectorXd& motion,
+                        const Scene& scene) {
+  if (!scene.columns.gains) return;
+  const auto& channels = place.is_sensor ? scene.structure.outputs : scene.structure.inputs;
+  for (Index a = 0; a < place.side.count(); ++a) {
+    const Index i = place.side.rows[at(a)];
+    put_change(rows, place, a, place.side.model(a), scene.columns.gain(place.is_sensor, i));
+    for (const Index axis : {0, 1}) {
+      put_change(rows, place, a, slope_of(channels, i, axis, motion) * place.side.recorded(a),
+                 scene.columns.place(place.is_sensor, i, axis));
+    }
+  }
+}
+
+void put_body_errors(Rows& rows, const Place& place, const VectorXd& parts, const Scene& scene) {
+  for (std::size_t b = 0; b < scene.changes.size(); ++b) {
+    const auto& change = scene.changes[b];
+    const VectorXd shape = (place.is_sensor ? change.outputs : change.inputs) * parts;
+    for (Index a = 0; a < place.side.count(); ++a) {
+      put_change(rows, place, a, shape(place.side.rows[at(a)]) * place.side.recorded(a),
+                 scene.columns.of_body(static_cast<Index>(b)));
+    }
+  }
+}
+
+// The modes near mode k that mix with it.
+std::vector<Index> nearby(const RecordedModes& model, Index k) {
+  std::vector<Index> all;
+  for (Index l = 0; l < model.count(); ++l) {
+    const double apart = std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
+    if (l != k && apart < kNearby) all.push_back(l);
+  }
+  return all;
+}
+
+// What the modes nearby add, for an error of frequency of 1.
+void put_mixed(Rows& rows, const Place& place, Index k, const std::vector<Index>& near,
+               const Scene& scene) {
+  const auto& shapes = place.is_sensor ? scene.model.outputs : scene.model.inputs;
+  const double square = square_of(place.side);
+  for (std::size_t l = 0; l < near.size(); ++l) {
+    const auto column = static_cast<Index>(l);
+    const double apart =
+        std::abs(std::log(scene.model.frequency_hz(near[l]) / scene.model.frequency_hz(k)));
+    const double part = 1.0 / std::max(apart, kLeastGap) - 1.0 / kNearby;
+    for (Index a = 0; a < place.side.count(); ++a) {
+      const double change = part * shapes(place.side.rows[at(a)], near[l]) * place.side.recorded(a);
+      if (place.first >= 0) rows.mixed(place.first + 2 * a, column) += change;
+      if (place.residue >= 0) {
+        rows.mixed(place.residue, column) += place.side.model(a) * change / square;
+      }
+    }
+  }
+}
+
+// The rows of one side's shape: pairs of a real and an imaginary part. Returns the first; -1 for
+// none.
+Index put_shape(Rows& rows, const PartnerSide& side, bool is_sensor) {
+  if (!side.is_shape()) return -1;
+  Index first = -1;
+  for (Index a = 0; a < side.count(); ++a) {
+    const double real = side.measured(a).real() - side.model(a);
+    const Index row = rows.add(real, side.noise(a), of(ErrorClass::shape), side.weight(a));
+    const Index imaginary =
+        rows.add(side.measured(a).imag(), side.noise(a), of(ErrorClass::phase), side.weight(a));
+    if (a == 0) first = row;
+    rows.free(row, is_sensor ? 0 : 2) = side.model(a);
+    rows.free(imaginary, is_sensor ? 1 : 3) = side.model(a);
+  }
+  return first;
+}
+
+// Of ln of the least-squares factor, from the values' deviations.
+double factor_noise(const PartnerSide& side) {
+  const double squares = side.model.cwiseAbs2().dot(side.noise.cwiseAbs2());
+  return std::sqrt(squares) / square_of(side);
+}
+
+// ln of a residue over its model. A mode that the channels hardly see has a less certain one.
+Index put_residue(Rows& rows, const PartnerSide& out, const PartnerSide& in) {
+  const auto ratio = std::log(out.factor * in.factor);
+  const double noise = std::hypot(factor_noise(out), factor_noise(in));
+  const double weight = std::max(1.0, std::hypot(out.blindness(), in.blindness()) / std::sqrt(2.0));
+  const Index row = rows.add(ratio.real(), noise, of(ErrorClass::residue), weight);
+  rows.add(ratio.imag(), noise, of(ErrorClass::residue), weight);
+  return row;
+}
+
+Index most_rows(const MeasuredModes& measured) {
+  return 4 + 2 * (measured.output_shapes.rows() + measured.input_shapes.rows());
+}
+
+// Numbers of a channel that is not believed.
+void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
+  const auto what = place.is_sensor ? Disturbed::What::sensor : Disturbed::What::actuator;
+  const auto found = std::ranges::find(place.side.rows, disturbed.index);
+  if (disturbed.what != what || found == place.side.rows.end() || place.first < 0) return;
+  const Index row = place.first + 2 * (found - place.side.rows.begin());
+  rows.doubt(row, 1.0);
+  rows.doubt(row + 1, 1.0);
+}
+
+// The numbers of a mode that has a partner.
+ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
+                 const Disturbed& disturbed) {
+  const auto& [structure, measured, model, units, body, columns, changes] = scene;
+  const Index k = span.front();
+  const Partner other = partner(measured, model, units, i, span);
+  const auto near = nearby(model, k);
+  const VectorXd motion = model.motion * other.parts;
+  Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()));
+  const Index frequency = rows.add(std::log(measured.frequency_hz(i) / model.frequency_hz(k)),
+                                   measured.frequency_std(i), of(ErrorClass::frequency));
+  for (std::size_t b = 0; b < changes.size(); ++b) {
+    rows.shared(frequency, columns.of_body(static_cast<Index>(b))) =
+        changes[b].frequency.dot(other.parts.cwiseAbs2());
+  }
+  if (measured.damping_ratio(i) > 0.0 && model.damping_ratio(k) > 0.0) {
+    rows.add(std::log(measured.damping_ratio(i) / model.damping_ratio(k)), measured.damping_std(i),
+             of(ErrorClass::damping));
+  }
+  const Index first_out = put_shape(rows, other.sensors, true);
+  const Index first_in = put_shape(rows, other.actuators, false);
+  const bool has_residue =
+      measured.scaled && other.sensors.count() > 0 && other.actuators.count() > 0;
+  const Index residue = has_residue ? put_residue(rows, other.sensors, other.actuators) : -1;
+  for (const bool is_sensor : {true, false}) {
+    const Place place{is_sensor ? other.sensors : other.actuators, is_sensor,
+                      is_sensor ? first_out : first_in, residue};
+    put_mixed(rows, place, k, near, scene);
+    put_channel_errors(rows, place, motion, scene);
+    put_body_errors(rows, place, other.parts, scene);
+    doubt(rows, place, disturbed);
+  }
+  return rows.taken();
+}
+
+// The numbers of a mode without a partner: they are as wide as such numbers can be.
+ModeBlock alone(const Scene& scene, Index i) {
+  const auto& measured = scene.measured;
+  Rows rows(most_rows(measured), scene.columns.count(), 0);
+  rows.add(kAloneFrequency, kAloneFrequency, kNone);
+  if (measured.damping_ratio(i) > 0.0) rows.add(1.0, 1.0, kNone);
+  const auto put = [&](const Eigen::MatrixXcd& shapes) {
+    std::vector<Index> values;
+    for (Index a = 0; a < shapes.rows(); ++a) {
+      if (std::isfinite(std::abs(shapes(a, i)))) values.push_back(a);
+    }
+    if (values.size() < 2) return values.size();
+    const VectorXcd shape = shapes(values, i);
+    const double size = shape.norm() / std::sqrt(static_cast<double>(shape.size()));
+    const std::complex<double> square = shape.cwiseProduct(shape).sum();
+    const VectorXcd turned =
+        shape * std::polar(1.0 / std::max(size, 1e-300), -0.5 * std::arg(square));
+    for (Index a = 0; a < turned.size(); ++a) {
+      rows.add(turned(a).real(), 1.0, kNone);
+      rows.add(turned(a).imag(), 1.0, kNone);
+    }
+    return values.size();
+  };
+  const bool out = put(measured.output_shapes) > 0;
+  const bool in = put(measured.input_shapes) > 0;
+  if (measured.scaled && out && in) {
+    rows.add(kUnknownScale, kUnknownScale, kNone);
+    rows.add(kUnknownScale, kUnknownScale, kNone);
+  }
+  return rows.taken();
+}
+
+// Modes of the model between the lowest and the highest measured one that no measured mode has.
+double unseen(const MeasuredModes& measured, const RecordedModes& model, const Matching& matching) {
+  double count = 0.0;
+  for (Index k = 0; k < model.count(); ++k) {
+    const double hz = model.frequency_hz(k);
+    const bool within =
+        hz > measured.frequency_hz(0) && hz < measured.frequency_hz(measured.count() - 1);
+    if (within && std::ranges::find(matching.model, k) == matching.model.end()) count += 1.0;
+  }
+  return count;
+}
+
+}  // namespace
+
+Matching matched(const MeasuredModes& measured, const RecordedModes& model, const ShapeUnits& units,
+                 PairBy by) {
+  Matching result{std::vector<Index>(at(measured.count()), kNone), {}};
+  result.span.resize(result.model.size());
+  if (model.count() == 0) return result;
+  MatrixXd cost(measured.count(), model.count());
+  const double most = 1.0 - kConstants.least_mac;
+  for (Index i = 0; i < measured.count(); ++i) {
+    for (Index k = 0; k < model.count(); ++k) {
+      const double apart =
+          std::log(measured.frequency_hz(i) / model.frequency_hz(k)) / kConstants.apart;
+      cost(i, k) = apart * apart;
+      if (by == PairBy::shape && cost(i, k) < most) {
+        cost(i, k) +=
+            1.0 - partner(measured, model, units, i, span_of(measured, model, i, k)).likeness();
+      }
+    }
+  }
+  for (const auto& [i, k] : modal::assigned(cost, most)) {
+    result.model[at(i)] = k;
+    result.span[at(i)] = span_of(measured, model, i, k);
+  }
+  return result;
+}
+
+std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances) {
+  const State base = state_of(structure);
+  std::vector<BodyError> all;
+  constexpr double kStep = 1e-3;
+  const auto add = [&](const Deviation& deviation, int of, double unit) {
+    State state = base;
+    deviation.apply(state, kStep);
+    BodyError error{of, (state.stiffness - base.stiffness) / (kStep * unit),
+                    (state.mass - base.mass) / (kStep * unit)};
+    if (!error.stiffness.isZero(0.0) || !error.mass.isZero(0.0)) all.push_back(std::move(error));
+  };
+  Tolerances whole = no_tolerances();
+  whole.modulus = tolerances.modulus;
+  whole.density = tolerances.density;
+  whole.orthotropy = tolerances.orthotropy;
+  whole.mass = tolerances.mass;
+  for (const auto& deviation : deviations(structure, whole, 0.0)) add(deviation, kNone, 1.0);
+  Tolerances waves = no_tolerances();
+  waves.thickness = tolerances.thickness;
+  bool is_first = true;  // the uniform thickness comes before its waves
+  for (const auto& deviation : deviations(structure, waves, 0.0)) {
+    add(deviation, is_first ? kNone : of(ErrorClass::field), is_first ? 1.0 : waves.thickness);
+    is_first = false;
+  }
+  return all;
+}
+
+ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
+                       const RecordedModes& model, const ShapeUnits& units,
+                       const Matching& matching, const std::vector<BodyError>& body,
+                       const Disturbed& disturbed, bool with_shared) {
+  SharedColumns columns{measured.output_shapes.rows(), measured.input_shapes.rows(),
+                        static_cast<Index>(body.size()), false};
+  columns.gains = with_shared && columns.outputs + columns.inputs > 1;
+  Scene scene{structure, measured, model, units, body, columns, {}};
+  for (const auto& error : body) scene.changes.push_back(change_by(error, model));
+  ModeErrors errors;
+  errors.shared_of = classes_of(columns, body);
+  for (Index i = 0; i < measured.count(); ++i) {
+    const Index k = matching.model[at(i)];
+    const bool doubted = disturbed.what == Disturbed::What::mode && disturbed.index == i;
+    if (k < 0 && !doubted) errors.penalty += kAlone;
+    errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
+                                             : paired(scene, i, matching.span[at(i)], disturbed));
+  }
+  errors.penalty += kUnseen * unseen(measured, model, matching);
+  return errors;
+}
+
+}  // namespace chladni::diagnosis

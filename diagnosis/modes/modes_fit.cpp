@@ -1,0 +1,378 @@
+#include "diagnosis/modes/modes_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "base/decompositions.h"
+#include "base/error.h"
+#include "base/index.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kBelow = 0.4, kAbove = 2.0;  // of the measured band: modes that matter
+constexpr double kQuick = 1.6;                // of the band: modes of a quick search
+constexpr int kLevelRounds = 4;               // of levels alone, at the end
+constexpr double kSmallFall = 0.01;           // of the objective: the fit has converged
+
+// What models of real structures are off by, where a study states less.
+Tolerances believable(Tolerances tolerances, bool learned) {
+  if (!learned) return tolerances;
+  tolerances.modulus = std::max(tolerances.modulus, 0.01);
+  tolerances.density = std::max(tolerances.density, 0.01);
+  return tolerances;
+}
+
+double root_mean_square(const MatrixXd& matrix) {
+  return matrix.size() == 0 ? 1.0 : matrix.norm() / std::sqrt(static_cast<double>(matrix.size()));
+}
+
+ShapeUnits units_of(const Structure& structure) {
+  const Index flexible = structure.mode_count() - structure.rigid_count;
+  return {root_mean_square(structure.outputs.shapes.rightCols(flexible)),
+          root_mean_square(structure.inputs.shapes.rightCols(flexible))};
+}
+
+Index coordinates_below(const Structure& structure, double hz) {
+  Index count = 0;
+  while (count < structure.mode_count() && structure.frequency_hz(count) <= hz) ++count;
+  return std::max<Index>(count, std::min<Index>(structure.mode_count(), 12));
+}
+
+// The coordinates of all causes in one vector.
+VectorXd coordinates(const std::vector<Supposed>& causes) {
+  Index n = 0;
+  for (const auto& cause : causes) n += cause.x.size();
+  VectorXd all(n);
+  n = 0;
+  for (const auto& cause : causes) {
+    all.segment(n, cause.x.size()) = cause.x;
+    n += cause.x.size();
+  }
+  return all;
+}
+
+std::vector<Supposed> moved(std::vector<Supposed> causes, const VectorXd& step) {
+  Index first = 0;
+  for (auto& cause : causes) {
+    cause.x += step.segment(first, cause.x.size());
+    first += cause.x.size();
+  }
+  return causes;
+}
+
+// The priors of the coordinates: centres and inverse variances.
+struct CoordinatePrior {
+  VectorXd centre, precision, step;
+  std::vector<bool> is_place;
+
+  // Slope of −ln prior; a place has none.
+  [[nodiscard]] VectorXd slope(const VectorXd& x) const {
+    VectorXd result = precision.cwiseProduct(x - centre);
+    for (std::size_t i = 0; i < is_place.size(); ++i) {
+      if (is_place[i]) result(static_cast<Index>(i)) = 0.0;
+    }
+    return result;
+  }
+};
+CoordinatePrior prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
+  const Index n = coordinates(causes).size();
+  CoordinatePrior prior{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n), {}};
+  Index i = 0;
+  for (const auto& cause : causes) {
+    for (const auto& parameter : cause.effect->parameters(structure)) {
+      prior.centre(i) = parameter.centre;
+      // The variance of a place that is uniform over the surface.
+      const double width =
+          parameter.is_place() ? structure.surface.size() / std::sqrt(24.0) : parameter.width;
+      prior.precision(i) = std::pow(width, -2);
+      prior.is_place.push_back(parameter.is_place());
+      prior.step(i++) = parameter.step;
+    }
+  }
+  return prior;
+}
+
+double log_prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
+  double sum = 0.0;
+  for (const auto& cause : causes) sum += log_prior(cause, structure);
+  return sum;
+}
+
+}  // namespace
+
+ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
+                           const Tolerances& tolerances, bool learned)
+    : structure_(structure),
+      measured_(measured),
+      prior_(level_prior(tolerances, learned)),
+      units_(units_of(structure)),
+      body_(body_errors(structure, believable(tolerances, learned))),
+      solver_(state_of(structure), structure.mode_count()),
+      quick_(state_of(structure),
+             coordinates_below(structure, kQuick * measured.frequency_hz.maxCoeff())),
+      low_hz_(kBelow * measured.frequency_hz.minCoeff()),
+      high_hz_(kAbove * measured.frequency_hz.maxCoeff()) {}
+
+State ModesProblem::with(const std::vector<Supposed>& causes) const {
+  State state = state_of(structure_);
+  for (const auto& cause : causes) cause.effect->apply(state, structure_, cause.option, cause.x);
+  return state;
+}
+
+std::optional<RecordedModes> ModesProblem::modes(const State& state, bool quick) const {
+  try {
+    auto model = (quick ? quick_ : solver_).modes(state, low_hz_, high_hz_);
+    const bool is_finite = model.outputs.allFinite() && model.inputs.allFinite();
+    if (model.count() == 0 || !is_finite) return std::nullopt;
+    return model;
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<Matching> ModesProblem::matchings(const RecordedModes& model) const {
+  std::vector<Matching> all{matched(measured_, model, units_, PairBy::shape)};
+  auto by_frequency = matched(measured_, model, units_, PairBy::frequency);
+  if (by_frequency.model != all.front().model) all.push_back(std::move(by_frequency));
+  return all;
+}
+
+ModeErrors ModesProblem::errors(const ModesFit& hypothesis, const RecordedModes& model,
+                                const Matching& matching, bool with_shared) const {
+  static const std::vector<BodyError> kNoErrors;
+  return mode_errors(structure_, measured_, model, units_, matching,
+                     with_shared ? body_ : kNoErrors, hypothesis.disturbed, with_shared);
+}
+
+namespace {
+
+// One hypothesis on its way to its most probable sizes.
+class Descent {
+ public:
+  Descent(const ModesProblem& problem, ModesFit start)
+      : problem_(problem),
+        fit_(std::move(start)),
+        prior_(prior_of(problem.structure(), fit_.causes)) {}
+
+  // False: the start is impossible.
+  bool begin() {
+    auto model = modes(fit_.causes);
+    if (!model || !std::isfinite(log_prior_of(problem_.structure(), fit_.causes))) return false;
+    fit_.model = std::move(*model);
+    fit_.objective = kInfinite;
+    pair_again();
+    return std::isfinite(fit_.objective);
+  }
+
+  void round() {
+    if (prior_.centre.size() > 0) step();
+    learn();
+  }
+
+  void learn() {
+    fit_.levels = updated(fit_.levels, problem_.prior(), likelihood_->evidence());
+    take(likelihood_->errors());
+  }
+
+  // Pairs the modes in the most probable way.
+  void pair_again() {
+    const double prior = log_prior_of(problem_.structure(), fit_.causes);
+    for (const auto& matching : problem_.matchings(fit_.model)) {
+      if (likelihood_ && matching.model == fit_.matching.model) continue;
+      const LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
+      if (!(other.negative_log() - prior < fit_.objective)) continue;
+      fit_.matching = matching;
+      take(other.errors());
+    }
+  }
+
+  [[nodiscard]] ModesFit taken() {
+    const auto evidence = likelihood_->evidence();
+    fit_.determined = evidence.determined;
+    const double levels = negative_log_prior(fit_.levels, problem_.prior(), evidence);
+    const MatrixXd hessian = prior_.centre.size() > 0 ? curvature(slopes()) : MatrixXd();
+    const Index n = hessian.rows();
+    double volume = 0.0;
+    if (n > 0) {
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(hessian);
+      const VectorXd precision = parts.eigenvalues().cwiseMax(1e-300);
+      volume = 0.5 * (static_cast<double>(n) * std::log(2.0 * std::numbers::pi) -
+                      precision.array().log().sum());
+      fit_.covariance = parts.eigenvectors() * precision.cwiseInverse().asDiagonal() *
+                        parts.eigenvectors().transpose();
+    }
+    fit_.log_evidence = volume - levels - fit_.objective;
+    return std::move(fit_);
+  }
+
+  [[nodiscard]] double value() const { return fit_.objective; }
+
+ private:
+  // The likelihood of errors with the present causes and levels.
+  void take(ModeErrors errors) {
+    likelihood_.emplace(ModeErrors(std::move(errors)), fit_.levels);
+    own_ = stacked(likelihood_->errors());
+    fit_.objective = likelihood_->negative_log() - log_prior_of(problem_.structure(), fit_.causes);
+  }
+
+  // The change that each cause makes, kept for the next call with the same numbers.
+  using Changes = std::vector<std::function<void(State&)>>;
+
+  [[nodiscard]] std::optional<RecordedModes> after(const Changes& changes) const {
+    try {
+      State state = state_of(problem_.structure());
+      for (const auto& change : changes) change(state);
+      return problem_.modes(state, false);
+    } catch (const NumericalFailure&) {
+      return std::nullopt;
+    }
+  }
+  [[nodiscard]] std::optional<RecordedModes> modes(const std::vector<Supposed>& causes) const {
+    try {
+      Changes changes;
+      for (const auto& cause : causes) changes.push_back(change_of(cause, problem_.structure()));
+      return after(changes);
+    } catch (const NumericalFailure&) {
+      return std::nullopt;
+    }
+  }
+  // Modes where only the cause of coordinate c differs from the present causes, whose changes are
+  // known.
+  [[nodiscard]] std::optional<RecordedModes> modes_with(const std::vector<Supposed>& causes,
+                                                        Index c) const {
+    std::size_t which = 0;
+    for (Index first = causes[0].x.size(); first <= c; first += causes[++which].x.size()) {
+    }
+    try {
+      auto changes = changes_;
+      changes[which] = change_of(causes[which], problem_.structure());
+      return after(changes);
+    } catch (const NumericalFailure&) {
+      return std::nullopt;
+    }
+  }
+
+  // Errors at other sizes with the present pairs; empty where the numbers are not the same ones.
+  [[nodiscard]] VectorXd errors_at(const RecordedModes& model) const {
+    if (model.count() != fit_.model.count()) return {};
+    const VectorXd there = stacked(problem_.errors(fit_, model, fit_.matching, false));
+    return there.size() == own_.size() ? there : VectorXd();
+  }
+
+  // d(measured less model)/dx with the present pairs.
+  [[nodiscard]] MatrixXd slopes() {
+    changes_.clear();
+    for (const auto& cause : fit_.causes) {
+      changes_.push_back(change_of(cause, problem_.structure()));
+    }
+    MatrixXd result = MatrixXd::Zero(own_.size(), prior_.centre.size());
+    for (Index c = 0; c < result.cols(); ++c) {
+      VectorXd step = VectorXd::Zero(result.cols());
+      for (const double sign : {1.0, -1.0}) {
+        step(c) = sign * prior_.step(c);
+        const auto causes = moved(fit_.causes, step);
+        const auto model = modes_with(causes, c);
+        if (!model) continue;
+        const VectorXd there = errors_at(*model);
+        if (there.size() == 0) continue;
+        result.col(c) = (there - own_) / step(c);
+        break;
+      }
+    }
+    return result;
+  }
+
+  // Of the objective in x, with positive diagonal.
+  [[nodiscard]] MatrixXd curvature(const MatrixXd& slope) const {
+    MatrixXd hessian = likelihood_->product(slope, slope);
+    hessian.diagonal() += prior_.precision;
+    hessian.diagonal() = hessian.diagonal().cwiseMax(1e-12);
+    return hessian;
+  }
+
+  void step() {
+    const MatrixXd slope = slopes();
+    const MatrixXd hessian = curvature(slope);
+    const VectorXd gradient =
+        likelihood_->product(slope, own_) + prior_.slope(coordinates(fit_.causes));
+    for (int attempt = 0; attempt < 5; ++attempt) {
+      MatrixXd damped = hessian;
+      damped.diagonal() *= 1.0 + damping_;
+      const VectorXd by = -damped.ldlt().solve(gradient);
+      if (by.allFinite() && accept(by)) {
+        damping_ *= 0.2;
+        return;
+      }
+      damping_ = 8.0 * damping_ + 0.05;
+    }
+  }
+
+  // Takes the step if it lowers the objective at the present covariance.
+  bool accept(const VectorXd& by) {
+    auto causes = moved(fit_.causes, by);
+    for (std::size_t c = 0; c < causes.size(); ++c) {
+      keep_on_surface(problem_.structure(), fit_.causes[c], causes[c]);
+    }
+    const double prior = log_prior_of(problem_.structure(), causes);
+    if (!std::isfinite(prior)) return false;
+    auto model = modes(causes);
+    if (!model) return false;
+    const VectorXd there = errors_at(*model);
+    if (there.size() > 0) {
+      if (!(likelihood_->negative_log(there) - prior < fit_.objective)) return false;
+    } else {
+      const auto matching = problem_.matchings(*model).front();
+      const LevelLikelihood other(problem_.errors(fit_, *model, matching), fit_.levels);
+      if (!(other.negative_log() - prior < fit_.objective)) return false;
+      fit_.matching = matching;
+    }
+    fit_.causes = std::move(causes);
+    fit_.model = std::move(*model);
+    take(problem_.errors(fit_, fit_.model, fit_.matching));
+    return true;
+  }
+
+  const ModesProblem& problem_;
+  ModesFit fit_;
+  CoordinatePrior prior_;
+  std::optional<LevelLikelihood> likelihood_;
+  Changes changes_;  // of the present causes
+  VectorXd own_;     // errors at the present sizes
+  double damping_ = 1e-3;
+};
+
+}  // namespace
+
+ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
+  ModesFit first = start;
+  if (!(first.levels > 0.0).any()) first.levels = prior_.usual;
+  Descent descent(*this, first);
+  if (!descent.begin()) return first;
+  double before = kInfinite;
+  for (int round = 0; round < rounds; ++round) {
+    descent.round();
+    descent.pair_again();
+    if (round > 1 && before - descent.value() < kSmallFall) break;
+    before = descent.value();
+  }
+  for (int round = 0; round < std::min(rounds, kLevelRounds); ++round) descent.learn();
+  return descent.taken();
+}
+
+ModesFit ModesProblem::nothing(const Disturbed& disturbed) const {
+  ModesFit start;
+  start.disturbed = disturbed;
+  return fitted(start);
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,67 @@
+// Most probable causes of what modal data say against a simulation, with the levels of the
+// model-form error that they leave.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "diagnosis/effect.h"
+#include "diagnosis/modes/mode_errors.h"
+
+namespace chladni::diagnosis {
+
+/// A hypothesis about modal data, at its most probable numbers.
+struct ModesFit {
+  std::vector<Supposed> causes;
+  Disturbed disturbed;
+  PerClass levels = PerClass::Zero();
+  PerClass determined = PerClass::Zero();  ///< number of errors of each class that the data show
+  Matching matching;
+  RecordedModes model;
+  double objective = std::numeric_limits<double>::infinity();  ///< −ln of likelihood and priors
+  double log_evidence = -std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd covariance;  ///< of all x, cause by cause
+};
+
+/// What all hypotheses about one set of measured modes share.
+class ModesProblem {
+ public:
+  /// All must outlive it. @param learned  false: the levels are the tolerances
+  ModesProblem(const Structure& structure, const MeasuredModes& measured,
+               const Tolerances& tolerances, bool learned);
+
+  [[nodiscard]] const Structure& structure() const { return structure_; }
+  [[nodiscard]] const MeasuredModes& measured() const { return measured_; }
+  [[nodiscard]] const LevelPrior& prior() const { return prior_; }
+  [[nodiscard]] const ShapeUnits& units() const { return units_; }
+  /// The ways to pair the modes: by shape, and by frequency where that is another one.
+  [[nodiscard]] std::vector<Matching> matchings(const RecordedModes& model) const;
+
+  /// Modes of a state of the structure; none if it is impossible.
+  /// @param quick  with fewer coordinates, for a search
+  [[nodiscard]] std::optional<RecordedModes> modes(const State& state, bool quick) const;
+  /// The structure with these causes. @throws NumericalFailure  it is impossible
+  [[nodiscard]] State with(const std::vector<Supposed>& causes) const;
+  /// @param with_shared  as for mode_errors
+  [[nodiscard]] ModeErrors errors(const ModesFit& hypothesis, const RecordedModes& model,
+                                  const Matching& matching, bool with_shared = true) const;
+  /// The hypothesis at its most probable sizes and levels (Levenberg and Marquardt in the sizes,
+  /// MacKay's update of the levels), and its evidence (Laplace). The fit starts at the causes and
+  /// levels of `start`. Cost: some 20 eigenproblems per coordinate.
+  [[nodiscard]] ModesFit fitted(const ModesFit& start, int rounds = kRounds) const;
+  static constexpr int kRounds = 8;
+  /// The structure as it is, with levels learned.
+  [[nodiscard]] ModesFit nothing(const Disturbed& disturbed = {}) const;
+
+ private:
+  const Structure& structure_;
+  const MeasuredModes& measured_;
+  LevelPrior prior_;
+  ShapeUnits units_;
+  std::vector<BodyError> body_;
+  ModeSolver solver_, quick_;
+  double low_hz_ = 0.0, high_hz_ = 0.0;
+};
+
+}  // namespace chladni::diagnosis

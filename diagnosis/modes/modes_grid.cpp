@@ -1,0 +1,157 @@
+// Starts of an effect, by the roles of its parameters.
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/modes/modes_search.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kPlaces = 48;     // of an effect with a place
+constexpr Index kFewPlaces = 24;  // of one that also has a frequency or an extent
+constexpr int kFrequencies = 8;   // over the band
+
+// Places that are far from each other: each next one is the farthest from those before.
+std::vector<Index> spread(const Eigen::MatrixX2d& places, Index count) {
+  std::vector<Index> chosen;
+  if (places.rows() == 0) return chosen;
+  VectorXd distance = VectorXd::Constant(places.rows(), HUGE_VAL);
+  Index next = 0;
+  while (static_cast<Index>(chosen.size()) < std::min(count, places.rows())) {
+    chosen.push_back(next);
+    distance = distance.cwiseMin((places.rowwise() - places.row(next)).rowwise().squaredNorm());
+    distance.maxCoeff(&next);
+  }
+  return chosen;
+}
+
+using Values = std::vector<double>;
+
+Values sizes_of(const Parameter& parameter, bool few) {
+  Values values;
+  const Values parts =
+      parameter.is_about_zero()
+          ? (few ? Values{-1.0, -0.1, 0.1, 1.0}
+                 : Values{-2.0, -1.0, -0.3, -0.1, -0.03, 0.03, 0.1, 0.3, 1.0, 2.0})
+          : (few ? Values{-1.0, 0.0, 1.0} : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5});
+  for (const double part : parts) values.push_back(parameter.centre + part * parameter.width);
+  return values;
+}
+
+Values values_of(const Parameter& parameter, double low_hz, double high_hz) {
+  using Role = Parameter::Role;
+  const double c = parameter.centre;
+  const double w = parameter.width;
+  switch (parameter.role) {
+    case Role::frequency: {
+      Values values;
+      for (int i = 0; i < kFrequencies; ++i) {
+        const double part = (i + 0.5) / kFrequencies;
+        values.push_back(
+            parameter.coordinate(0.7 * low_hz * std::pow(1.4 * high_hz / (0.7 * low_hz), part)));
+      }
+      return values;
+    }
+    case Role::offset:
+      return {c - 1.5 * w, c - 0.5 * w, c, c + 0.5 * w, c + 1.5 * w};
+    default:
+      return {c};
+  }
+}
+
+// All points of the grid of one choice.
+class Grid {
+ public:
+  Grid(const Structure& structure, const Effect& effect, double low_hz, double high_hz)
+      : structure_(structure), parameters_(effect.parameters(structure)) {
+    bool has_place = false, has_more = false;
+    for (const auto& parameter : parameters_) {
+      has_place = has_place || parameter.is_place();
+      has_more = has_more || parameter.role == Parameter::Role::frequency ||
+                 parameter.role == Parameter::Role::extent;
+    }
+    for (const auto& parameter : parameters_) {
+      values_.push_back(parameter.role == Parameter::Role::strength
+                            ? sizes_of(parameter, has_place && has_more)
+                            : values_of(parameter, low_hz, high_hz));
+    }
+    if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);
+    x_.resize(static_cast<Index>(parameters_.size()));
+    if (has_place) {
+      for (const Index place : places_) {
+        put_place(place);
+        put_strengths();
+      }
+    } else {
+      put_strengths();
+    }
+  }
+  [[nodiscard]] const std::vector<VectorXd>& points() const { return points_; }
+
+ private:
+  void put_place(Index place) {
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      const auto role = parameters_[i].role;
+      const auto axis = role == Parameter::Role::place_u ? 0 : 1;
+      if (parameters_[i].is_place()) {
+        x_(static_cast<Index>(i)) = structure_.surface.places(place, axis);
+      }
+    }
+  }
+  // Each strength in turn is moved; the others stay at their centres.
+  void put_strengths() {
+    bool any = false;
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      if (parameters_[i].role != Parameter::Role::strength) continue;
+      any = true;
+      moved_ = i;
+      put(0);
+    }
+    moved_ = parameters_.size();
+    if (!any) put(0);
+  }
+  void put(std::size_t i) {
+    if (i == parameters_.size()) {
+      points_.push_back(x_);
+      return;
+    }
+    const auto& parameter = parameters_[i];
+    const bool stays = parameter.role == Parameter::Role::strength && i != moved_;
+    if (parameter.is_place() || stays) {
+      if (stays) x_(static_cast<Index>(i)) = parameter.centre;
+      put(i + 1);
+      return;
+    }
+    for (const double value : values_[i]) {
+      x_(static_cast<Index>(i)) = value;
+      put(i + 1);
+    }
+  }
+
+  const Structure& structure_;
+  std::vector<Parameter> parameters_;
+  std::vector<Values> values_;
+  std::vector<Index> places_;
+  std::vector<VectorXd> points_;
+  VectorXd x_;
+  std::size_t moved_ = 0;
+};
+
+}  // namespace
+
+std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect, double low_hz,
+                              double high_hz) {
+  std::vector<Supposed> starts;
+  const Index options = effect.options(structure);
+  if (options <= 0) return starts;
+  const Grid grid(structure, effect, low_hz, high_hz);
+  for (Index option = 0; option < options; ++option) {
+    for (const auto& point : grid.points()) starts.push_back({&effect, option, point});
+  }
+  return starts;
+}
+
+}  // namespace chladni::diagnosis

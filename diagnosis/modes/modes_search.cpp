@@ -1,0 +1,240 @@
+#include "diagnosis/modes/modes_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "base/index.h"
+#include "base/parallel.h"
+#include "diagnosis/constants.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
+constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;     // of these, fitted in full
+constexpr int kQuickRounds = 2;        // of such a first fit
+constexpr std::size_t kBeam = 2;       // fits from which a further cause is sought
+constexpr double kUnchanged = 1e-9;    // a smaller change of all numbers is none
+
+struct Candidate {
+  Supposed cause;
+  double objective = 0.0;
+};
+
+// A quick look at hypotheses beside one fit: its levels, its covariance where the same modes have
+// partners.
+class Look {
+ public:
+  Look(const ModesProblem& problem, const ModesFit& base)
+      : problem_(problem),
+        base_(base),
+        errors_(problem.errors(base, base.model, base.matching)),
+        likelihood_(errors_, base.levels),
+        state_(problem.with(base.causes)) {
+    const auto model = problem.modes(state_, true);
+    if (!model) return;
+    quick_hz_ = model->frequency_hz;
+    const auto matchings = problem.matchings(*model);
+    pairs_may_be_wrong_ = matchings.size() > 1;
+    quick_matching_ = matchings.front();
+    for (const auto& matching : matchings) {
+      if (matching.model == base.matching.model) quick_matching_ = matching;
+    }
+    here_ = shifted(*model, quick_matching_);
+  }
+
+  /// The objective with one more cause, less its prior's share; infinite if it is impossible or
+  /// changes nothing.
+  [[nodiscard]] double operator()(const Supposed& cause) const {
+    const double prior = log_prior(cause, problem_.structure());
+    if (!std::isfinite(prior)) return HUGE_VAL;
+    const auto model = with(cause);
+    if (!model) return HUGE_VAL;
+    if (model->frequency_hz.size() == quick_hz_.size() && model->frequency_hz == quick_hz_) {
+      const double there = objective(*model, quick_matching_);
+      if (there == HUGE_VAL || !pairs_may_be_wrong_) return there - prior;
+    }
+    double least = HUGE_VAL;
+    for (const auto& matching : problem_.matchings(*model)) {
+      least = std::min(least, objective(*model, matching));
+    }
+    return least - prior;
+  }
+
+ private:
+  // −ln likelihood; infinite where no number changes.
+  [[nodiscard]] double objective(const RecordedModes& model, const Matching& matching) const {
+    if (same_partners(matching)) {
+      const Eigen::VectorXd there = shifted(model, matching);
+      if (there.size() == here_.size()) {
+        const Eigen::VectorXd change = there - here_;
+        if (change.cwiseAbs().maxCoeff() < kUnchanged) return HUGE_VAL;
+        return likelihood_.negative_log(stacked(errors_) + change);
+      }
+    }
+    return LevelLikelihood(problem_.errors(base_, model, matching), base_.levels).negative_log();
+  }
+  [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model,
+                                        const Matching& matching) const {
+    return stacked(problem_.errors(base_, model, matching, false));
+  }
+  [[nodiscard]] bool same_partners(const Matching& matching) const {
+    for (std::size_t i = 0; i < matching.model.size(); ++i) {
+      if ((matching.model[i] < 0) != (base_.matching.model[i] < 0)) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const {
+    try {
+      State state = state_;
+      cause.effect->apply(state, problem_.structure(), cause.option, cause.x);
+      return problem_.modes(state, true);
+    } catch (const NumericalFailure&) {
+      return std::nullopt;
+    }
+  }
+
+  const ModesProblem& problem_;
+  const ModesFit& base_;
+  ModeErrors errors_;
+  LevelLikelihood likelihood_;
+  State state_;
+  Eigen::VectorXd here_, quick_hz_;
+  Matching quick_matching_;
+  bool pairs_may_be_wrong_ = false;
+};
+
+bool near(const Structure& structure, const Supposed& a, const Supposed& b) {
+  if (a.effect != b.effect || a.option != b.option) return false;
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
+  if (!here || !there) return true;
+  return (*here - *there).norm() < 2.0 * kConstants.same_place * structure.surface.size();
+}
+
+// The best starts of one effect, at places and choices of their own.
+std::vector<Candidate> best_of(const Look& look, const ModesProblem& problem,
+                               const Effect& effect) {
+  const auto& hz = problem.measured().frequency_hz;
+  std::vector<Candidate> all;
+  for (auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
+    const double objective = look(start);
+    if (std::isfinite(objective)) all.push_back({std::move(start), objective});
+  }
+  std::ranges::stable_sort(all, {}, &Candidate::objective);
+  std::vector<Candidate> best;
+  for (auto& candidate : all) {
+    if (best.size() == kPerEffect) break;
+    const bool is_new = std::ranges::none_of(best, [&](const Candidate& other) {
+      return near(problem.structure(), candidate.cause, other.cause);
+    });
+    if (is_new) best.push_back(std::move(candidate));
+  }
+  return best;
+}
+
+// The best starts of all effects; each effect keeps its best one.
+std::vector<Candidate> candidates(const ModesProblem& problem, const ModesFit& base,
+                                  const std::vector<const Effect*>& catalogue, double& effects) {
+  const Look look(problem, base);
+  std::vector<std::vector<Candidate>> best(catalogue.size());
+  parallel_tasks(catalogue.size(),
+                 [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e]); });
+  std::vector<Candidate> first, more;
+  for (auto& of_effect : best) {
+    for (std::size_t i = 0; i < of_effect.size(); ++i) {
+      (i == 0 ? first : more).push_back(std::move(of_effect[i]));
+    }
+  }
+  effects = static_cast<double>(first.size());
+  const auto keep = [](std::vector<Candidate>& all, std::size_t most) {
+    std::ranges::stable_sort(all, {}, &Candidate::objective);
+    if (all.size() > most) all.resize(most);
+  };
+  keep(first, 2 * kLookedAt / 3);
+  keep(more, kLookedAt / 3);
+  first.insert(first.end(), more.begin(), more.end());
+  return first;
+}
+
+void sort(std::vector<ModesFit>& fits) {
+  std::ranges::stable_sort(fits, std::ranges::greater{}, &ModesFit::log_evidence);
+}
+
+// All starts in two rounds, then the best of them in full.
+std::vector<ModesFit> fitted_with(const ModesProblem& problem, const ModesFit& base,
+                                  const std::vector<Candidate>& starts) {
+  std::vector<ModesFit> fits(starts.size());
+  parallel_tasks(starts.size(), [&](std::size_t i) {
+    ModesFit start = base;
+    start.causes.push_back(starts[i].cause);
+    fits[i] = problem.fitted(start, kQuickRounds);
+  });
+  sort(fits);
+  if (fits.size() > kInFull) fits.resize(kInFull);
+  parallel_tasks(fits.size(), [&](std::size_t i) { fits[i] = problem.fitted(fits[i]); });
+  std::erase_if(fits, [](const ModesFit& fit) { return !std::isfinite(fit.log_evidence); });
+  return fits;
+}
+
+// A mode or a channel that is not believed, each in turn.
+std::vector<ModesFit> disturbed_fits(const ModesProblem& problem, const ModesFit& nothing) {
+  using What = Disturbed::What;
+  std::vector<Disturbed> all;
+  const auto& measured = problem.measured();
+  const auto add = [&](What what, Index count, Index least) {
+    for (Index i = 0; count > least && i < count; ++i) all.push_back({what, i});
+  };
+  add(What::mode, measured.count(), 3);
+  add(What::sensor, measured.output_shapes.rows(), 2);
+  add(What::actuator, measured.input_shapes.rows(), 2);
+  std::vector<ModesFit> fits(all.size());
+  parallel_tasks(all.size(), [&](std::size_t i) {
+    ModesFit start = nothing;
+    start.disturbed = all[i];
+    fits[i] = problem.fitted(start, kQuickRounds);
+  });
+  sort(fits);
+  return fits;
+}
+
+}  // namespace
+
+ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*>& catalogue,
+                    int most_causes, double least_evidence, const Progress& progress) {
+  ModesFound found;
+  found.nothing = problem.nothing();
+  found.disturbed = disturbed_fits(problem, found.nothing);
+  std::vector<ModesFit> beam{found.nothing};
+  for (int level = 0; level < most_causes; ++level) {
+    tell(progress, level == 0 ? "one cause" : level == 1 ? "two causes" : "three causes");
+    std::vector<ModesFit> next;
+    for (const auto& base : beam) {
+      double effects = 0.0;
+      const auto starts = candidates(problem, base, catalogue, effects);
+      if (level == 0) found.effects = effects;
+      auto fits = fitted_with(problem, base, starts);
+      std::ranges::move(fits, std::back_inserter(next));
+    }
+    if (next.empty()) break;
+    sort(next);
+    // A further cause that brings less is not part of any explanation.
+    const double needed = level == 0 ? -HUGE_VAL : beam.front().log_evidence + least_evidence;
+    for (const auto& fit : next) {
+      if (fit.log_evidence >= needed) found.fits.push_back(fit);
+    }
+    if (next.front().log_evidence < beam.front().log_evidence + least_evidence) break;
+    next.resize(std::min(next.size(), kBeam));
+    beam = std::move(next);
+  }
+  sort(found.fits);
+  return found;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,292 @@
+#include "diagnosis/modes/modes_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "base/index.h"
+#include "diagnosis/constants.h"
+#include "diagnosis/modes/partner.h"
+#include "diagnosis/verdict/cause_of.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// Prior probabilities of the number of causes, and of a mode or channel that is not believed.
+constexpr double kNothing = 0.5, kOne = 0.3, kTwo = 0.08, kThree = 0.02, kDisturbed = 0.1;
+constexpr double kSure = 0.8;         // probability at which a cause is named
+constexpr double kFewPartners = 0.5;  // part of the measured modes that must have a partner
+constexpr double kAtTheLimit = 0.99;  // of the largest level that is believed
+
+double log_of_number(std::size_t causes, double effects) {
+  const double n = std::max(effects, 1.0);
+  switch (causes) {
+    case 0:
+      return std::log(kNothing);
+    case 1:
+      return std::log(kOne / n);
+    case 2:
+      return std::log(kTwo * 2.0 / (n * n));
+    default:
+      return std::log(kThree * 6.0 / (n * n * n));
+  }
+}
+
+bool near(const Structure& structure, const Supposed& a, const Supposed& b) {
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
+  return !here || !there ||
+         (*here - *there).norm() < 2.0 * kConstants.same_place * structure.surface.size();
+}
+
+bool alike(const Structure& structure, const Supposed& a, const Supposed& b) {
+  return a.effect == b.effect && a.option == b.option && near(structure, a, b);
+}
+
+bool contains(const Structure& structure, const ModesFit& fit, const Supposed& cause) {
+  return std::ranges::any_of(fit.causes,
+                             [&](const Supposed& other) { return alike(structure, cause, other); });
+}
+
+// True if `a` is `b`, or a special case of it, at the same place.
+bool is_simpler_or_same(const Structure& structure, const Supposed& a, const Supposed& b) {
+  if (alike(structure, a, b)) return true;
+  return near(structure, a, b) && std::ranges::any_of(b.effect->simpler, [&](const Simpler& one) {
+           return one.effect == a.effect;
+         });
+}
+
+// True if each cause of `general` has its simpler case or itself in `fit`, and one is simpler.
+bool is_simpler(const Structure& structure, const ModesFit& fit, const ModesFit& general) {
+  if (fit.causes.empty() || fit.causes.size() != general.causes.size()) return false;
+  bool differs = false;
+  for (const auto& cause : general.causes) {
+    const auto found = std::ranges::find_if(
+        fit.causes, [&](const Supposed& one) { return is_simpler_or_same(structure, one, cause); });
+    if (found == fit.causes.end()) return false;
+    differs = differs || found->effect != cause.effect;
+  }
+  return differs;
+}
+
+// All hypotheses with their posterior probabilities.
+struct Weighed {
+  std::vector<const ModesFit*> fits;  // `nothing` first
+  std::vector<double> probability;
+};
+
+// An explanation whose simpler case has nearly its evidence is left out.
+Weighed weighed(const Structure& structure, const ModesFound& found, double equal) {
+  Weighed all;
+  std::vector<double> log_weight;
+  const auto add = [&](const ModesFit& fit, double prior) {
+    all.fits.push_back(&fit);
+    log_weight.push_back(fit.log_evidence + prior);
+  };
+  add(found.nothing, log_of_number(0, found.effects));
+  for (const auto& fit : found.fits) {
+    const bool is_needless = std::ranges::any_of(found.fits, [&](const ModesFit& other) {
+      return other.log_evidence > fit.log_evidence - equal && is_simpler(structure, other, fit);
+    });
+    if (!is_needless) add(fit, log_of_number(fit.causes.size(), found.effects));
+  }
+  const auto disturbed = static_cast<double>(std::max<std::size_t>(found.disturbed.size(), 1));
+  for (const auto& fit : found.disturbed) add(fit, std::log(kDisturbed / disturbed));
+  const double most = *std::ranges::max_element(log_weight);
+  double sum = 0.0;
+  for (const double one : log_weight) {
+    all.probability.push_back(std::exp(one - most));
+    sum += all.probability.back();
+  }
+  for (auto& one : all.probability) one /= sum;
+  return all;
+}
+
+bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
+  if (a.causes.size() != b.causes.size() || a.disturbed.what != b.disturbed.what ||
+      a.disturbed.index != b.disturbed.index) {
+    return false;
+  }
+  return std::ranges::all_of(a.causes,
+                             [&](const Supposed& cause) { return contains(structure, b, cause); });
+}
+
+// Each explanation once, at its best fit, with the probability of all fits that are alike.
+Weighed merged(const Structure& structure, const Weighed& all) {
+  Weighed result;
+  std::vector<std::size_t> order(all.fits.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::size_t i) { return all.probability[i]; });
+  for (const auto i : order) {
+    const auto known = std::ranges::find_if(
+        result.fits, [&](const ModesFit* fit) { return same(structure, *fit, *all.fits[i]); });
+    if (known == result.fits.end()) {
+      result.fits.push_back(all.fits[i]);
+      result.probability.push_back(all.probability[i]);
+    }
+    // A second fit of the same explanation is the same maximum, reached from another start.
+  }
+  const double sum = std::accumulate(result.probability.begin(), result.probability.end(), 0.0);
+  for (auto& one : result.probability) one /= sum;
+  return result;
+}
+
+double probability_of(const Structure& structure, const Weighed& all, const Supposed& cause) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < all.fits.size(); ++i) {
+    if (contains(structure, *all.fits[i], cause)) sum += all.probability[i];
+  }
+  return std::min(sum, 1.0);
+}
+
+// ln evidence of the best fit without cause `which`: one with the other causes, or with none.
+double evidence_without(const Structure& structure, const ModesFound& found, const ModesFit& fit,
+                        std::size_t which) {
+  double best = found.nothing.log_evidence;
+  for (const auto& other : found.fits) {
+    if (other.causes.size() + 1 != fit.causes.size()) continue;
+    bool has_rest = true;
+    for (std::size_t c = 0; c < fit.causes.size(); ++c) {
+      has_rest = has_rest && (c == which || contains(structure, other, fit.causes[c]));
+    }
+    if (has_rest) best = std::max(best, other.log_evidence);
+  }
+  return best;
+}
+
+Explanation explanation_of(const ModesProblem& problem, const ModesFound& found, const Weighed& all,
+                           std::size_t which) {
+  const auto& fit = *all.fits[which];
+  Explanation explanation;
+  explanation.probability = all.probability[which];
+  explanation.log_evidence = fit.log_evidence - found.nothing.log_evidence;
+  explanation.fit = which;
+  Index first = 0;
+  for (std::size_t c = 0; c < fit.causes.size(); ++c) {
+    const Index count = fit.causes[c].x.size();
+    auto cause = cause_of(problem.structure(), fit.causes[c],
+                          Eigen::VectorXd(fit.covariance.diagonal().segment(first, count)));
+    first += count;
+    cause.probability = probability_of(problem.structure(), all, fit.causes[c]);
+    cause.log_evidence_gain =
+        fit.log_evidence - evidence_without(problem.structure(), found, fit, c);
+    cause.share = explanation.log_evidence > 0.0
+                      ? std::clamp(cause.log_evidence_gain / explanation.log_evidence, 0.0, 1.0)
+                      : 0.0;
+    explanation.causes.push_back(std::move(cause));
+  }
+  return explanation;
+}
+
+std::vector<ErrorLevel> levels_of(const ModesProblem& problem, const ModesFit& fit) {
+  std::vector<ErrorLevel> levels;
+  const auto& prior = problem.prior();
+  for (std::size_t c = 0; c < kErrorClasses; ++c) {
+    const auto i = static_cast<Index>(c);
+    if (fit.determined(i) <= 0.0) continue;
+    levels.push_back({std::string(name(static_cast<ErrorClass>(c))), fit.levels(i), prior.usual(i),
+                      prior.at_most(i), fit.determined(i)});
+  }
+  return levels;
+}
+
+bool at_a_limit(const ModesProblem& problem, const ModesFit& fit) {
+  return (fit.levels >= kAtTheLimit * problem.prior().at_most && fit.determined > 0.5).any() &&
+         problem.prior().width > 0.0;
+}
+
+bool has_few_partners(const ModesFit& fit) {
+  const auto paired = std::ranges::count_if(fit.matching.model, [](Index k) { return k >= 0; });
+  return static_cast<double>(paired) <
+         kFewPartners * static_cast<double>(fit.matching.model.size());
+}
+
+Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
+                   const std::vector<Explanation>& explanations, double least_evidence) {
+  const auto& best = explanations.front();
+  const auto& fit = *all.fits.front();
+  if (at_a_limit(problem, fit) || has_few_partners(fit)) return Verdict::unexplained;
+  if (fit.disturbed.what != Disturbed::What::nothing) return Verdict::unexplained;
+  if (best.causes.empty()) return Verdict::no_discrepancy;
+  const auto is_sure = [&](const Cause& cause) {
+    return cause.probability >= kSure && cause.log_evidence_gain >= least_evidence;
+  };
+  if (std::ranges::all_of(best.causes, is_sure)) return Verdict::named;
+  return std::ranges::any_of(best.causes, is_sure) ? Verdict::partial : Verdict::ambiguous;
+}
+
+std::optional<Superclass> superclass_of(const ModesProblem& problem, const ModesFound& found,
+                                        const ModesFit& fit) {
+  using What = Disturbed::What;
+  if (fit.disturbed.what == What::nothing) return std::nullopt;
+  const auto& measured = problem.measured();
+  const auto i = fit.disturbed.index;
+  Superclass result;
+  if (fit.disturbed.what == What::mode) {
+    result.name = fmt::format("the mode at {:.6g} Hz", measured.frequency_hz(i));
+  } else {
+    const bool is_sensor = fit.disturbed.what == What::sensor;
+    result.name = is_sensor ? "sensor" : "actuator";
+    result.channel = (is_sensor ? measured.outputs : measured.inputs)[at(i)];
+  }
+  const double gain = fit.log_evidence - found.nothing.log_evidence;
+  result.explained = gain > 0.0 ? 1.0 : 0.0;
+  return result;
+}
+
+// MAC of a measured mode with its partner; 1 where no shape was measured.
+double mac_of(const ModesProblem& problem, const ModesFit& fit, std::size_t i) {
+  const Index k = fit.matching.model[i];
+  return k < 0 ? std::numeric_limits<double>::quiet_NaN()
+               : partner(problem.measured(), fit.model, problem.units(), static_cast<Index>(i),
+                         fit.matching.span[i])
+                     .likeness();
+}
+
+double hz_of(const ModesFit& fit, std::size_t i) {
+  const Index k = fit.matching.model[i];
+  return k < 0 ? std::numeric_limits<double>::quiet_NaN() : fit.model.frequency_hz(k);
+}
+
+std::vector<ModeTold> modes_of(const ModesProblem& problem, const ModesFit& before,
+                               const ModesFit& after) {
+  std::vector<ModeTold> all;
+  for (std::size_t i = 0; i < before.matching.model.size(); ++i) {
+    all.push_back({problem.measured().frequency_hz(static_cast<Index>(i)), hz_of(before, i),
+                   hz_of(after, i), mac_of(problem, before, i), mac_of(problem, after, i)});
+  }
+  return all;
+}
+
+}  // namespace
+
+Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
+                 const DiagnosisOptions& options) {
+  const Weighed all =
+      merged(problem.structure(), weighed(problem.structure(), found, options.rival_within));
+  std::vector<Explanation> explanations;
+  for (std::size_t i = 0; i < all.fits.size(); ++i) {
+    explanations.push_back(explanation_of(problem, found, all, i));
+  }
+  const auto& best = *all.fits.front();
+  Diagnosis diagnosis;
+  diagnosis.verdict = verdict_of(problem, all, explanations, options.least_evidence);
+  diagnosis.best = explanations.front();
+  diagnosis.rivals.assign(explanations.begin() + 1, explanations.end());
+  diagnosis.superclass = superclass_of(problem, found, best);
+  if (problem.prior().width > 0.0) {
+    diagnosis.levels_before = levels_of(problem, found.nothing);
+    diagnosis.levels_after = levels_of(problem, best);
+  }
+  diagnosis.modes = modes_of(problem, found.nothing, best);
+  return diagnosis;
+}
+
+}  // namespace chladni::diagnosis

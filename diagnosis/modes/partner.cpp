@@ -1,0 +1,179 @@
+#include "diagnosis/modes/partner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "base/decompositions.h"
+#include "base/index.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+using Complex = std::complex<double>;
+
+constexpr double kTiny = 1e-300;
+constexpr double kShapeError = 0.05;
+constexpr double kBlindest = 10.0;  // weight at most: channels that see nothing of a mode
+
+// The channels of one side that have a value in a measured mode.
+struct Values {
+  std::vector<Index> rows;
+  VectorXcd value;  // without the phases of the paths
+  VectorXd noise;
+  MatrixXd shapes;  // of all modes of the model, times the sizes of the paths
+  VectorXd path;    // sizes of the paths
+};
+
+Values values_of(const MatrixXcd& measured, const MatrixXd& deviation, Index i,
+                 const MatrixXd& shapes, const MatrixXcd& path, Index k) {
+  Values values;
+  for (Index row = 0; row < measured.rows(); ++row) {
+    const Complex value = measured(row, i);
+    if (std::isfinite(value.real()) && std::isfinite(value.imag())) values.rows.push_back(row);
+  }
+  const auto n = static_cast<Index>(values.rows.size());
+  values.value.resize(n);
+  values.noise.resize(n);
+  values.path.resize(n);
+  values.shapes.resize(n, shapes.cols());
+  for (Index a = 0; a < n; ++a) {
+    const Index row = values.rows[at(a)];
+    const Complex way = path(row, k);
+    const double size = std::abs(way);
+    values.value(a) = measured(row, i) * std::conj(way) / std::max(size, kTiny);
+    values.noise(a) = deviation(row, i);
+    values.path(a) = size;
+    values.shapes.row(a) = size * shapes.row(row);
+  }
+  return values;
+}
+
+Values sensor_values(const MeasuredModes& measured, const RecordedModes& model, Index i, Index k) {
+  return values_of(measured.output_shapes, measured.output_std, i, model.outputs, model.output_path,
+                   k);
+}
+Values actuator_values(const MeasuredModes& measured, const RecordedModes& model, Index i,
+                       Index k) {
+  return values_of(measured.input_shapes, measured.input_std, i, model.inputs, model.input_path, k);
+}
+
+// The phase that makes a shape as real as it can be.
+Complex phase_of(const VectorXcd& shape) {
+  const Complex square = shape.cwiseProduct(shape).sum();
+  return std::polar(1.0, 0.5 * std::arg(square));
+}
+
+// Deviation of the part that a mode has in another one, `apart` in ln f: as modes of the same
+// frequency turn into each other. It falls to 0 at kNeighbours, so that no part begins at once.
+double part_deviation(double apart) {
+  return 0.1 * std::max(0.0, kNeighbours - apart) / std::max(apart, 1e-9);
+}
+
+// Parts of the modes of a span that fit the shape best, beside errors of kShapeError.
+VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
+                  const Values& values) {
+  VectorXd parts = VectorXd::Unit(model.count(), span.front());
+  if (span.size() == 1) return parts;
+  const VectorXd real = (values.value * std::conj(phase_of(values.value))).real();
+  const MatrixXd basis = values.shapes(Eigen::all, span);
+  MatrixXd normal = basis.transpose() * basis;
+  const double scale = normal(0, 0);
+  for (std::size_t l = 1; l < span.size(); ++l) {
+    const double apart =
+        std::abs(std::log(model.frequency_hz(span[l]) / model.frequency_hz(span[0])));
+    const auto i = static_cast<Index>(l);
+    normal(i, i) += scale * std::pow(kShapeError / std::max(part_deviation(apart), 1e-9), 2);
+  }
+  const VectorXd found = normal.ldlt().solve(basis.transpose() * real);
+  if (!found.allFinite() || !(found.norm() > 0.0)) return parts;
+  parts.setZero();
+  parts(span) = found.normalized();
+  return parts;
+}
+
+Index value_count(const MatrixXcd& shapes, Index i) {
+  Index count = 0;
+  for (Index row = 0; row < shapes.rows(); ++row) {
+    if (std::isfinite(std::abs(shapes(row, i)))) ++count;
+  }
+  return count;
+}
+
+double root_mean_square(const auto& vector) {
+  return vector.norm() / std::sqrt(static_cast<double>(std::max<Index>(vector.size(), 1)));
+}
+
+PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
+  PartnerSide side;
+  side.rows = values.rows;
+  const VectorXd shape = values.shapes * parts;
+  const double least = unit * root_mean_square(values.path) / kBlindest;
+  const double size = std::max({root_mean_square(shape), least, kTiny});
+  side.model = shape / size;
+  side.recorded = values.path / size;
+  side.weight = unit * side.recorded;
+  if (side.count() == 0) return side;
+  const double square = std::max(shape.squaredNorm(), kTiny);
+  side.factor = shape.cast<Complex>().dot(values.value) / square;
+  const double measured = std::max(root_mean_square(values.value), kTiny);
+  // The measured shape has its own phase, and the model its sign: the factor of a side that hardly
+  // sees the mode has no phase, and the sign of a simulated shape is arbitrary.
+  const Complex turn = std::conj(phase_of(values.value));
+  side.measured = values.value * turn / measured;
+  if ((side.factor * turn).real() < 0.0) {
+    side.model = -side.model;
+    side.recorded = -side.recorded;
+  }
+  side.noise = values.noise / measured;
+  return side;
+}
+
+double mac(const PartnerSide& side) {
+  if (!side.is_shape()) return 1.0;
+  const Complex product = side.model.cast<Complex>().dot(side.measured);
+  return std::norm(product) /
+         std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
+}
+
+}  // namespace
+
+double PartnerSide::blindness() const { return root_mean_square(weight); }
+
+double Partner::likeness() const { return mac(sensors) * mac(actuators); }
+
+std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& model, Index i,
+                           Index k) {
+  const Index channels =
+      std::max(value_count(measured.output_shapes, i), value_count(measured.input_shapes, i));
+  const auto apart = [&](Index l) {
+    return std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
+  };
+  std::vector<Index> span{k};
+  for (Index l = 0; l < model.count(); ++l) {
+    if (l != k && apart(l) < kNeighbours) span.push_back(l);
+  }
+  std::stable_sort(span.begin() + 1, span.end(),
+                   [&](Index a, Index b) { return apart(a) < apart(b); });
+  const auto most = static_cast<std::size_t>(std::max<Index>(1, channels - 2));
+  if (span.size() > most) span.resize(most);
+  return span;
+}
+
+Partner partner(const MeasuredModes& measured, const RecordedModes& model, const ShapeUnits& units,
+                Index i, const std::vector<Index>& span) {
+  const Values out = sensor_values(measured, model, i, span.front());
+  const Values in = actuator_values(measured, model, i, span.front());
+  Partner result;
+  result.parts = parts_of(model, span, out.value.size() >= in.value.size() ? out : in);
+  result.sensors = side_of(out, result.parts, units.outputs);
+  result.actuators = side_of(in, result.parts, units.inputs);
+  return result;
+}
+
+}  // namespace chladni::diagnosis
