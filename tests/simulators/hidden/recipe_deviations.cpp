@@ -29,9 +29,7 @@ class Deviations {
   double one() {
     if (options_.law == DeviationLaw::normal) return dice_.normal();
     if (options_.law == DeviationLaw::uniform) return std::sqrt(3.0) * dice_.between(-1.0, 1.0);
-    const double normal = dice_.normal();
-    const double squares = -2.0 * std::log(dice_.uniform() * dice_.uniform());  // χ² of four
-    return normal / std::sqrt(0.25 * squares);
+    return dice_.student();
   }
 
   Dice& dice_;
