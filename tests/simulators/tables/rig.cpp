@@ -171,16 +171,19 @@ Rig rig_named(const std::string& name, int degree) {
 
 std::string study_text(const Rig& rig, double edge_length) {
   const auto& body = rig.body;
+  const std::string sides =
+      fmt::format("{{ {} = {{ length = {}, width = {}, thickness = {} }} }}",
+                  rig.is_slender() ? "beam" : "plate", millimetres(body.length),
+                  millimetres(body.width), millimetres(body.thickness(0, 0)));
   const double nu = body.stiffness.q12 / body.stiffness.q11;
   const double modulus = body.stiffness.q11 * (1.0 - nu * nu);
   std::string text = fmt::format(
       "title = \"{}\"\n"
-      "geometry = {{ {} = {{ length = {}, width = {}, thickness = {} }} }}\n"
+      "geometry = {}\n"
       "material = {{ youngs_modulus = \"{:.9g} GPa\", poissons_ratio = {:.9g}, density = \"{:.9g} "
       "kg/m^3\" }}\n"
       "modes = {{ damping_ratio = {:.9g} }}\n",
-      rig.name, rig.is_slender() ? "beam" : "plate", millimetres(body.length),
-      millimetres(body.width), millimetres(body.thickness(0, 0)), 1e-9 * modulus, nu, body.density,
+      rig.name, rig.geometry.empty() ? sides : rig.geometry, 1e-9 * modulus, nu, body.density,
       rig.damping_ratio);
   if (edge_length > 0.0)
     text += fmt::format("mesh = {{ edge_length = {} }}\n", millimetres(edge_length));

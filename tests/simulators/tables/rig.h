@@ -26,6 +26,9 @@ struct Rig {
   double damping_ratio = 5e-3;            ///< of each mode
   double low_hz = 20.0, high_hz = 900.0;  ///< first and last line
   RigScale scale;
+  /// The geometry of the study as TOML, such as { disc = { ... } }; empty: the sides of `body`.
+  std::string geometry;
+  std::string surface;  ///< text of the OFF file "body.off" that `geometry` uses; empty: none
   std::vector<std::string> without;  ///< kinds that do not exist or mean something else here
 
   /// Whether the body is longer than eight times its width. Everything then lies on its middle
