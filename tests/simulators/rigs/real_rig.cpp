@@ -1,0 +1,211 @@
+#include "simulators/rigs/real_rig.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.h"
+#include "simulators/rigs/rig_recipe.h"
+
+namespace chladni::simulators {
+namespace {
+
+using Eigen::Index;
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+// FNV-1a.
+unsigned seed_of(const std::string& text, unsigned seed) {
+  std::uint32_t hash = 2166136261U ^ seed;
+  for (const char letter : text) hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
+  return hash;
+}
+
+const RealKind& kind_named(const std::string& name) {
+  const auto found = std::ranges::find(all_real_kinds(), name, &RealKind::name);
+  require(found != all_real_kinds().end(), fmt::format("no kind of hidden effect '{}'", name));
+  return *found;
+}
+
+std::vector<std::string> names_of(bool outside) {
+  std::vector<std::string> names;
+  for (const auto& kind : all_real_kinds()) {
+    if (kind.outside == outside) names.push_back(kind.name);
+  }
+  return names;
+}
+
+void hide(RigRecipe& recipe, RealRigCase& made, const std::string& kinds, unsigned seed,
+          double severity) {
+  if (kinds == "none") return;
+  RigDraw drawn{Dice(seed)};
+  std::stringstream words(kinds);
+  for (std::string name; std::getline(words, name, '+');) {
+    const auto& kind = kind_named(name);
+    const double own = drawn.dice.uniform();
+    drawn.severity = severity < 0.0 ? own : severity;
+    auto effect = kind.hide(recipe, drawn);
+    effect.kind = name;
+    made.outside = made.outside || kind.outside;
+    made.truth.push_back(std::move(effect));
+  }
+}
+
+double median_magnitude(const std::vector<Eigen::MatrixXcd>& value) {
+  std::vector<double> all;
+  for (const auto& g : value) {
+    for (const auto& entry : g.reshaped()) all.push_back(std::abs(entry));
+  }
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::ranges::nth_element(all, middle);
+  return *middle;
+}
+
+Eigen::MatrixXcd circular(Dice& dice, Index rows, Index cols) {
+  Eigen::MatrixXcd value(rows, cols);
+  value.real() = std::sqrt(0.5) * dice.normal(rows, cols);
+  value.imag() = std::sqrt(0.5) * dice.normal(rows, cols);
+  return value;
+}
+
+// Responses with noise, of which all sensors share a part.
+void measure(RealRigCase& made, const RealRigOptions& options, Dice dice) {
+  auto& measured = made.measured;
+  const auto& channels = made.body.rig.channels;
+  measured.outputs = measured_channels(channels.output_names, channels.outputs, "m");
+  measured.inputs = measured_channels(channels.input_names, channels.inputs, "N");
+  const double floor = options.floor_noise * median_magnitude(made.exact);
+  const double own = std::sqrt(1.0 - options.shared_noise);
+  const double shared = std::sqrt(options.shared_noise);
+  for (const auto& g : made.exact) {
+    const Eigen::ArrayXXd deviation =
+        (std::pow(options.relative_noise, 2) * g.cwiseAbs2().array() + floor * floor).sqrt();
+    const Eigen::MatrixXcd draws = own * circular(dice, g.rows(), g.cols()) +
+                                   shared * circular(dice, 1, g.cols()).replicate(g.rows(), 1);
+    measured.value.emplace_back((g.array() + deviation * draws.array()).matrix());
+    measured.variance.emplace_back(deviation.square().matrix());
+  }
+}
+
+// Shapes of one side with noise, times the factor of each mode.
+void add_side(const Eigen::MatrixXcd& exact, const Eigen::VectorXcd& factor, double level,
+              Dice& dice, Eigen::MatrixXcd& shapes, Eigen::MatrixXd& std) {
+  const Eigen::VectorXd rms =
+      exact.colwise().norm().transpose() / std::sqrt(static_cast<double>(exact.rows()));
+  // Where a mode is hardly seen, the noise is that of the others.
+  const double least = rms.size() == 0 ? 0.0 : 0.1 * rms.mean();
+  const Eigen::VectorXd deviation = level * (rms.array().square() + least * least).sqrt();
+  const Eigen::MatrixXcd draws = std::sqrt(2.0) * circular(dice, exact.rows(), exact.cols());
+  shapes = (exact + draws * deviation.cast<Complex>().asDiagonal()) * factor.asDiagonal();
+  std = Eigen::MatrixXd::Ones(exact.rows(), exact.cols()) *
+        (deviation.array() * factor.array().abs()).matrix().asDiagonal();
+}
+
+// What an experimental modal analysis gives.
+diagnosis::MeasuredModes analysed(const RealRigCase& made, const RigModes& modes,
+                                  const RealRigOptions& options, Dice dice) {
+  const auto& rig = made.body.rig;
+  const auto seen = seen_modes(modes, rig.low_hz, rig.high_hz);
+  const auto m = static_cast<Index>(seen.size());
+  diagnosis::MeasuredModes all;
+  all.outputs = rig.channels.output_names;
+  all.inputs = rig.channels.input_names;
+  all.scaled = options.scaled;
+  const Eigen::VectorXcd pole = modes.pole(seen);
+  const double drawn = dice.between(5e-3, 0.01);
+  const double level = options.shape_noise < 0.0 ? drawn : options.shape_noise;
+  all.frequency_hz = pole.cwiseAbs().array() / (2.0 * pi) *
+                     (options.frequency_noise * dice.normal(m, 1).array()).exp();
+  std::ranges::sort(all.frequency_hz);
+  all.frequency_std = Eigen::VectorXd::Constant(m, options.frequency_noise);
+  all.damping_ratio = -pole.real().array() / pole.cwiseAbs().array() *
+                      (options.damping_noise * dice.normal(m, 1).array()).exp();
+  all.damping_std = Eigen::VectorXd::Constant(m, options.damping_noise);
+  // Any complex factor, whose inverse the other side has where the residues are known.
+  Eigen::VectorXcd factor(m);
+  Eigen::VectorXcd inverse(m);
+  for (Index k = 0; k < m; ++k) {
+    factor(k) = std::polar(std::exp(dice.normal()), dice.between(-pi, pi));
+    inverse(k) = std::polar(std::exp(dice.normal()), dice.between(-pi, pi));
+  }
+  if (options.scaled) inverse = factor.cwiseInverse();
+  const Eigen::MatrixXcd outputs = modes.outputs(Eigen::all, seen);
+  const Eigen::MatrixXcd inputs = modes.inputs(Eigen::all, seen);
+  add_side(outputs, factor, level, dice, all.output_shapes, all.output_std);
+  add_side(inputs, inverse, level, dice, all.input_shapes, all.input_std);
+  return all;
+}
+
+Eigen::VectorXd stacked(const RigModes& modes, Index k) {
+  Eigen::VectorXd all(modes.outputs.rows() + modes.inputs.rows());
+  all << modes.outputs.col(k).real(), modes.inputs.col(k).real();
+  return all;
+}
+
+// log10 of half the sum of squares by which the effect moves the modes, over the levels.
+double clearness(const RigModes& before, const RigModes& after, const RealRigCase& made) {
+  const auto& rig = made.body.rig;
+  const double frequency = std::max(made.frequency_error, 1e-3);
+  const double shape = std::max(made.shape_error, 5e-3);
+  const auto from = seen_modes(before, rig.low_hz, rig.high_hz);
+  const auto to = seen_modes(after, 0.7 * rig.low_hz, 1.4 * rig.high_hz);
+  double sum = 0.0;
+  for (const Index k : from) {
+    const auto old = stacked(before, k);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Index l : to) {
+      const auto now = stacked(after, l);
+      const double square = std::min((now - old).squaredNorm(), (now + old).squaredNorm());
+      const double moved = std::log(std::abs(after.pole(l)) / std::abs(before.pole(k)));
+      const double count = static_cast<double>(old.size());
+      least = std::min(least, std::pow(moved / frequency, 2) +
+                                  count * square / (old.squaredNorm() * shape * shape));
+    }
+    if (std::isfinite(least)) sum += least;
+  }
+  return std::log10(std::max(0.5 * sum, 1e-3));
+}
+
+}  // namespace
+
+const std::vector<std::string>& real_kinds() {
+  static const auto names = names_of(false);
+  return names;
+}
+
+const std::vector<std::string>& real_outside_kinds() {
+  static const auto names = names_of(true);
+  return names;
+}
+
+RealRigCase real_rig_case(const std::string& body, const std::string& kind, unsigned seed,
+                          const RealRigOptions& options) {
+  RealRigCase made;
+  made.body = real_body(body);
+  made.scaled = options.scaled;
+  auto recipe = believed_recipe(made.body);
+  add_nature(recipe, seed_of(body, seed), options);
+  made.frequency_error = recipe.error.frequency;
+  made.shape_error = recipe.error.shape;
+  const auto own = recipe;
+  hide(recipe, made, kind, seed_of(body + kind, seed), options.severity);
+  const auto modes = rig_modes(recipe, bare_modes(recipe.plate, made.body.outline));
+  const auto& rig = made.body.rig;
+  made.measured.frequency_hz = Eigen::VectorXd::LinSpaced(options.lines, rig.low_hz, rig.high_hz);
+  made.exact = receptances(modes, made.measured.frequency_hz);
+  const unsigned noise = seed_of(body + kind + "noise", seed);
+  measure(made, options, Dice(noise));
+  made.modes = analysed(made, modes, options, Dice(noise + 1U));
+  if (!made.truth.empty()) {
+    const auto before = rig_modes(own, bare_modes(own.plate, made.body.outline));
+    made.clear = clearness(before, modes, made);
+  }
+  return made;
+}
+
+}  // namespace chladni::simulators
