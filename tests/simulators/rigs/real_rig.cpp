@@ -183,6 +183,20 @@ const std::vector<std::string>& real_outside_kinds() {
   return names;
 }
 
+std::string real_pair(unsigned seed) {
+  Dice dice(seed ^ 0x9e3779b9U);
+  const auto& names = real_kinds();
+  const auto drawn = [&] { return names[static_cast<std::size_t>(dice.below(std::ssize(names)))]; };
+  const auto of_channel = [](const std::string& kind) {
+    return kind.find("sensor") != std::string::npos;
+  };
+  for (;;) {
+    const auto first = drawn();
+    const auto second = drawn();
+    if (first != second && !(of_channel(first) && of_channel(second))) return first + "+" + second;
+  }
+}
+
 RealRigCase real_rig_case(const std::string& body, const std::string& kind, unsigned seed,
                           const RealRigOptions& options) {
   RealRigCase made;

@@ -54,6 +54,9 @@ struct RealRigCase {
 [[nodiscard]] const std::vector<std::string>& real_kinds();
 [[nodiscard]] const std::vector<std::string>& real_outside_kinds();
 
+/// Two of real_kinds(), joined with '+', at least one of which is not of a channel.
+[[nodiscard]] std::string real_pair(unsigned seed);
+
 /// Makes a case. The rig depends on body and seed only, the effect on the kind as well. Cost: two
 /// calls of bare_modes.
 /// @param kind  "none", a kind, or two kinds joined with '+'

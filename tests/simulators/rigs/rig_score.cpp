@@ -1,0 +1,133 @@
+#include "simulators/rigs/rig_score.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace chladni::simulators {
+namespace {
+
+using diagnosis::Cause;
+
+constexpr std::array<std::string_view, 5> kVerdicts{"nothing", "named", "ambiguous", "partial",
+                                                    "unexplained"};
+constexpr double kNear = 0.2;  // of the body's size
+
+bool both(const std::string& a, const std::string& b, std::string_view one, std::string_view two) {
+  return (a == one && b == two) || (a == two && b == one);
+}
+
+// Effects that differ so little that either name is true of both.
+bool are_kin(const std::string& a, const std::string& b, bool scaled) {
+  if (both(a, b, "point_mass", "mass_with_inertia")) return true;
+  if (both(a, b, "ground_spring", "elastic_pad")) return true;
+  constexpr std::array<std::string_view, 4> kScales{"youngs_modulus", "density", "thickness",
+                                                    "size_error"};
+  const auto is_scale = [&](const std::string& one) {
+    return std::ranges::find(kScales, one) != kScales.end();
+  };
+  return !scaled && is_scale(a) && is_scale(b);
+}
+
+bool is(const Cause& cause, const HiddenEffect& effect, const RealRigCase& rig) {
+  if (cause.effect != effect.kind) {
+    if (!are_kin(cause.effect, effect.kind, rig.scaled)) return false;
+    const bool placed = cause.place && effect.place;
+    return !placed || (*cause.place - *effect.place).norm() < kNear * rig.body.size();
+  }
+  auto told = cause.channels;
+  auto hidden = effect.channels;
+  std::ranges::sort(told);
+  std::ranges::sort(hidden);
+  return told == hidden;
+}
+
+void add_size(EffectScore& score, const Cause& cause, const std::string& size, double truth) {
+  const auto told = std::ranges::find(cause.parameters, size, &diagnosis::CauseParameter::name);
+  if (told != cause.parameters.end()) score.sizes.push_back({size, truth, told->value, told->std});
+}
+
+// The score of an effect. Of a patch and a pad the radius is hardly visible: sizes that go with it
+// are left out.
+EffectScore scored(const HiddenEffect& effect, const Cause* cause) {
+  EffectScore score;
+  score.kind = effect.kind;
+  if (cause == nullptr) return score;
+  score.named = true;
+  const bool same = cause->effect == effect.kind;
+  for (const auto& [size, truth] : effect.size) {
+    if (same && effect.kind != "local_stiffness" && size != "radius") {
+      add_size(score, *cause, size, truth);
+    }
+  }
+  if (!effect.place || !cause->place) return score;
+  score.placed = true;
+  score.place_error = (*cause->place - *effect.place).norm();
+  return score;
+}
+
+// The surest cause that is this effect; null: none above kFound.
+const Cause* found(const HiddenEffect& effect, const diagnosis::Diagnosis& told,
+                   const RealRigCase& rig) {
+  const Cause* best = nullptr;
+  for (const auto& cause : told.best.causes) {
+    if (cause.probability <= kFound || !is(cause, effect, rig)) continue;
+    if (best == nullptr || cause.probability > best->probability) best = &cause;
+  }
+  return best;
+}
+
+RigVerdict verdict_of(const RigScore& score, bool nothing_to_name) {
+  const bool false_sure = std::ranges::any_of(score.statements, [](const Statement& one) {
+    return !one.is_true && one.probability > kSure;
+  });
+  if (nothing_to_name) return false_sure ? RigVerdict::wrong_sure : RigVerdict::right;
+  const auto count = std::ranges::count_if(score.effects, &EffectScore::named);
+  const bool all = count == std::ssize(score.effects);
+  if (false_sure) return count > 0 ? RigVerdict::phantom : RigVerdict::wrong_sure;
+  if (count == 0) return RigVerdict::missed;
+  return all ? RigVerdict::right : RigVerdict::half;
+}
+
+}  // namespace
+
+std::string_view name(RigVerdict verdict) {
+  constexpr std::array<std::string_view, 5> kNames{"right", "half", "phantom", "wrong-sure",
+                                                   "missed"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+double RigScore::worst_z() const {
+  double worst = NAN;
+  for (const auto& effect : effects) {
+    for (const auto& size : effect.sizes) worst = std::fmax(worst, std::abs(size.z()));
+  }
+  return worst;
+}
+
+double RigScore::place_error() const {
+  double worst = NAN;
+  for (const auto& effect : effects) {
+    if (effect.placed) worst = std::fmax(worst, effect.place_error);
+  }
+  return worst;
+}
+
+RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told) {
+  RigScore score;
+  score.told = kVerdicts[static_cast<std::size_t>(told.verdict)];
+  for (const auto& effect : rig.truth) {
+    score.effects.push_back(scored(effect, found(effect, told, rig)));
+  }
+  for (const auto& cause : told.best.causes) {
+    Statement one{cause.effect, cause.probability, false};
+    for (const auto& channel : cause.channels) one.cause += "," + channel;
+    one.is_true = std::ranges::any_of(
+        rig.truth, [&](const HiddenEffect& effect) { return is(cause, effect, rig); });
+    score.statements.push_back(std::move(one));
+  }
+  score.verdict = verdict_of(score, rig.truth.empty() || rig.outside);
+  return score;
+}
+
+}  // namespace chladni::simulators

@@ -1,0 +1,55 @@
+// Scores a diagnosis of a real rig against what was hidden in it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "diagnosis/diagnosed.h"
+#include "simulators/hidden/hidden_score.h"
+#include "simulators/rigs/real_rig.h"
+
+namespace chladni::simulators {
+
+/// A cause is sure above this probability.
+inline constexpr double kSure = 0.9;
+/// A cause is found above this one.
+inline constexpr double kFound = 0.5;
+
+enum class RigVerdict {
+  right,       ///< every effect was found and no sure cause is false; nothing sure where nothing is
+  half,        ///< of several effects some were found, and no sure cause is false
+  phantom,     ///< an effect was found, and a false cause beside it is sure
+  wrong_sure,  ///< no effect was found, and a false cause is sure
+  missed,      ///< no effect was found, and no false cause is sure
+};
+[[nodiscard]] std::string_view name(RigVerdict verdict);
+
+/// A cause with its probability, and whether it is true.
+struct Statement {
+  std::string cause;  ///< "sensor_sign,s3"
+  double probability = 0.0;
+  bool is_true = false;
+};
+
+struct RigScore {
+  RigVerdict verdict = RigVerdict::missed;
+  std::vector<EffectScore> effects;   ///< of the truth
+  std::vector<Statement> statements;  ///< causes of the best explanation
+  std::string told;                   ///< the diagnosis's own verdict
+
+  [[nodiscard]] bool has_false_sure() const {
+    return verdict == RigVerdict::phantom || verdict == RigVerdict::wrong_sure;
+  }
+  /// The greatest error over the stated deviation of all sizes found; NaN: none. 2 or less is good.
+  [[nodiscard]] double worst_z() const;
+  /// [m], the greatest of all places found; NaN: none.
+  [[nodiscard]] double place_error() const;
+};
+
+/// A cause is true if it has the effect and the channels of one that was hidden. A point mass may
+/// be told with inertia, a spring as a small pad and the reverse, within a fifth of the body. Of
+/// modes without scale, modulus, density, thickness and size are one cause.
+[[nodiscard]] RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told);
+
+}  // namespace chladni::simulators

@@ -1,0 +1,88 @@
+#include "simulators/rigs/rig_score.h"
+
+#include <gtest/gtest.h>
+
+namespace chladni::simulators {
+namespace {
+
+diagnosis::Cause cause(const std::string& effect, double probability,
+                       std::vector<std::string> channels = {}) {
+  diagnosis::Cause one;
+  one.effect = effect;
+  one.probability = probability;
+  one.channels = std::move(channels);
+  return one;
+}
+
+diagnosis::Diagnosis telling(std::vector<diagnosis::Cause> causes) {
+  diagnosis::Diagnosis told;
+  told.best.causes = std::move(causes);
+  return told;
+}
+
+RealRigCase hiding(std::vector<HiddenEffect> truth) {
+  RealRigCase rig;
+  rig.body = real_body("table");
+  rig.truth = std::move(truth);
+  return rig;
+}
+
+const HiddenEffect kSign{"sensor_sign", {}, {}, {"s3"}};
+const HiddenEffect kMass{"point_mass", {{"mass", 0.2}}, Eigen::Vector2d(0.1, 0.1), {}};
+
+TEST(RigScore, FalseNamesCountWhereNothingIsHidden) {
+  const auto rig = hiding({});
+  EXPECT_EQ(scored(rig, telling({})).verdict, RigVerdict::right);
+  EXPECT_EQ(scored(rig, telling({cause("density", 0.8)})).verdict, RigVerdict::right);
+  EXPECT_EQ(scored(rig, telling({cause("density", 0.95)})).verdict, RigVerdict::wrong_sure);
+}
+
+TEST(RigScore, AsksForTheChannels) {
+  const auto rig = hiding({kSign});
+  EXPECT_EQ(scored(rig, telling({cause("sensor_sign", 0.99, {"s3"})})).verdict, RigVerdict::right);
+  EXPECT_EQ(scored(rig, telling({cause("sensor_sign", 0.99, {"s4"})})).verdict,
+            RigVerdict::wrong_sure);
+  EXPECT_EQ(scored(rig, telling({cause("sensor_sign", 0.3, {"s3"})})).verdict, RigVerdict::missed);
+  EXPECT_EQ(
+      scored(rig, telling({cause("sensor_sign", 0.99, {"s3"}), cause("density", 0.95)})).verdict,
+      RigVerdict::phantom);
+}
+
+TEST(RigScore, HalfOfTwoIsNotRight) {
+  const auto rig = hiding({kSign, kMass});
+  const auto sign = cause("sensor_sign", 0.99, {"s3"});
+  EXPECT_EQ(scored(rig, telling({sign})).verdict, RigVerdict::half);
+  EXPECT_EQ(scored(rig, telling({sign, cause("point_mass", 0.9)})).verdict, RigVerdict::right);
+}
+
+TEST(RigScore, MeasuresPlaceAndSizeOfKin) {
+  const auto rig = hiding({kMass});
+  auto mass = cause("point_mass", 0.99);
+  mass.place = Eigen::Vector2d(0.1, 0.13);
+  mass.parameters = {{"mass", "kg", 0.23, 0.02, diagnosis::Parameter::Role::strength}};
+  const auto score = scored(rig, telling({mass}));
+  EXPECT_NEAR(score.place_error(), 0.03, 1e-12);
+  EXPECT_NEAR(score.worst_z(), 1.5, 1e-12);
+  mass.effect = "mass_with_inertia";
+  EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::right);
+  mass.place = Eigen::Vector2d(-0.2, -0.1);
+  EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::wrong_sure);
+}
+
+TEST(RigScore, TakesScalesForOneWithoutScale) {
+  auto rig = hiding({{"density", {{"relative", 0.1}}, {}, {}}});
+  const auto told = telling({cause("youngs_modulus", 0.99)});
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::wrong_sure);
+  rig.scaled = false;
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::right);
+}
+
+TEST(RigScore, ExpectsNoNameForKindsOutside) {
+  auto rig = hiding({{"line_crack", {}, {}, {}}});
+  rig.outside = true;
+  EXPECT_EQ(scored(rig, telling({})).verdict, RigVerdict::right);
+  EXPECT_EQ(scored(rig, telling({cause("point_mass", 0.95)})).verdict, RigVerdict::wrong_sure);
+}
+
+}  // namespace
+}  // namespace chladni::simulators
