@@ -1,0 +1,101 @@
+// real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
+//   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
+//   [--shape-error X] [--severity X] [--unscaled] [--truth]
+#include <fmt/format.h>
+
+#include <chrono>
+#include <map>
+
+#include "base/error.h"
+#include "diagnosis/diagnosed.h"
+#include "hidden_effects/shipped_structure.h"
+#include "real_rigs_tables.h"
+#include "simulators/rigs/real_rig.h"
+#include "simulators/rigs/rig_score.h"
+#if __has_include("diagnosis/diagnosed_modes.h")
+#include "diagnosis/diagnosed_modes.h"
+#define CHLADNI_HAS_MODES
+#endif
+
+namespace chladni {
+namespace {
+
+constexpr const char* kHelp =
+    R"(real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
+  [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
+  [--shape-error X] [--severity X] [--unscaled] [--truth]
+
+Hides effects in measurements of real rigs, which deviate from every model by what is not announced,
+and diagnoses them from the structure that the program makes of a study (tetrahedra). Two kinds
+joined with '+' act together; "pairs" draws them.
+
+Seeds 1 to 99 are for tuning. Seeds from 1000 on are for reports: do not tune on them.
+
+One line for each case: seed, body, kind, what was scored, the cause found (or the surest one that
+is false), its probability, error of the place, error of the sizes in stated deviations, clearness
+(log10 of the ln evidence of an ideal judge), seconds. Then totals by kind, and how many statements
+of each probability are true.
+
+--truth: no diagnosis; what is hidden, and how clear it is.
+)";
+
+const hidden_effects::Shipped& structure_of(const simulators::RealBody& body, double edge) {
+  static std::map<std::string, hidden_effects::Shipped> kept;
+  const auto found = kept.find(body.rig.name);
+  if (found != kept.end()) return found->second;
+  return kept.emplace(body.rig.name, hidden_effects::shipped(body.rig, edge)).first->second;
+}
+
+diagnosis::Diagnosis told_of(const simulators::RealRigCase& rig, const RealArguments& wanted) {
+  const auto& [structure, options] = structure_of(rig.body, wanted.edge_length);
+  if (!wanted.modes) return diagnosis::diagnosed(structure, rig.measured, options);
+#ifdef CHLADNI_HAS_MODES
+  return diagnosis::diagnosed(structure, rig.modes, options);
+#else
+  throw InvalidInput("this build has no diagnosis of modes");
+#endif
+}
+
+RealDone done(const RealTrial& trial, const RealArguments& wanted) {
+  const auto rig = simulators::real_rig_case(trial.body, trial.kind, trial.seed, wanted.options);
+  RealDone one{trial, {}, rig.clear, 0.0, ""};
+  if (wanted.truth) {
+    print_truth(trial, rig);
+    return one;
+  }
+  static_cast<void>(structure_of(rig.body, wanted.edge_length));  // its time is not the diagnosis's
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    one.score = simulators::scored(rig, told_of(rig, wanted));
+  } catch (const std::exception& error) {
+    one.failure = error.what();
+  }
+  one.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  print_case(one);
+  return one;
+}
+
+int studied(int count, char** values) {
+  for (int i = 1; i < count; ++i) {
+    if (std::string_view(values[i]) != "--help") continue;
+    fmt::print("{}", kHelp);
+    return 0;
+  }
+  const auto wanted = real_arguments(count, values);
+  std::vector<RealDone> all;
+  for (const auto& trial : real_trials(wanted)) all.push_back(done(trial, wanted));
+  if (!wanted.truth) print_totals(all);
+  return 0;
+}
+
+}  // namespace
+}  // namespace chladni
+
+int main(int count, char** values) {
+  try {
+    return chladni::studied(count, values);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}
