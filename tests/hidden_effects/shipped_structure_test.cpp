@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulators/hidden/hidden_effect.h"
+#include "simulators/rigs/real_body.h"
 
 namespace chladni::hidden_effects {
 namespace {
@@ -39,6 +40,25 @@ TEST_P(ShippedStructure, HasTheModesOfTheTruth) {
 
 INSTANTIATE_TEST_SUITE_P(Rigs, ShippedStructure, testing::Values("table_few", "strip"),
                          [](const auto& info) { return info.param; });
+
+class ShippedRealBody : public testing::TestWithParam<std::string> {};
+
+// The truth is a thin plate, which is stiffer than the solid.
+TEST_P(ShippedRealBody, HasTheModesOfTheTruth) {
+  const auto body = simulators::real_body(GetParam());
+  const auto made = shipped(body.rig);
+  const auto& truth = simulators::believed_modes(body);
+  EXPECT_NEAR(made.structure.mass_kg, body.mass, 2e-3 * body.mass);
+  const auto frequencies = seen_frequencies(made.structure, body.rig);
+  EXPECT_GE(frequencies.size(), 4U);
+  for (const double hz : frequencies) {
+    const double nearest = (truth.frequency_hz.array() - hz).abs().minCoeff();
+    EXPECT_LT(nearest, 0.02 * hz) << hz;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, ShippedRealBody, testing::Values("disc", "ell"),
+                         [](const auto& body) { return body.param; });
 
 }  // namespace
 }  // namespace chladni::hidden_effects

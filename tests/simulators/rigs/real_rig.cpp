@@ -147,6 +147,31 @@ Eigen::VectorXd stacked(const RigModes& modes, Index k) {
   return all;
 }
 
+// The square of the distance of a shape from an old one, or from the span of several that are so
+// near in frequency that they turn among themselves.
+double shape_distance(const Eigen::VectorXd& now, const Eigen::MatrixXd& old) {
+  if (old.cols() == 1) {
+    return std::min((now - old.col(0)).squaredNorm(), (now + old.col(0)).squaredNorm());
+  }
+  const Eigen::VectorXd inside = old * old.colPivHouseholderQr().solve(now);
+  return (now - inside).squaredNorm();
+}
+
+// The shape of mode k and of those that errors of frequency cannot tell from it.
+Eigen::MatrixXd group_of(const RigModes& modes, Index k, const std::vector<Index>& all,
+                         double error) {
+  constexpr double kApart = 4.0;
+  Eigen::MatrixXd group(modes.outputs.rows() + modes.inputs.rows(), 0);
+  for (const Index l : all) {
+    if (std::abs(std::log(std::abs(modes.pole(l)) / std::abs(modes.pole(k)))) > kApart * error) {
+      continue;
+    }
+    group.conservativeResize(Eigen::NoChange, group.cols() + 1);
+    group.rightCols(1) = stacked(modes, l);
+  }
+  return group;
+}
+
 // log10 of half the sum of squares by which the effect moves the modes, over the levels.
 double clearness(const RigModes& before, const RigModes& after, const RealRigCase& made) {
   const auto& rig = made.body.rig;
@@ -156,15 +181,13 @@ double clearness(const RigModes& before, const RigModes& after, const RealRigCas
   const auto to = seen_modes(after, 0.7 * rig.low_hz, 1.4 * rig.high_hz);
   double sum = 0.0;
   for (const Index k : from) {
-    const auto old = stacked(before, k);
+    const auto old = group_of(before, k, from, frequency);
+    const double mean = stacked(before, k).squaredNorm() / static_cast<double>(old.rows());
     double least = std::numeric_limits<double>::infinity();
     for (const Index l : to) {
-      const auto now = stacked(after, l);
-      const double square = std::min((now - old).squaredNorm(), (now + old).squaredNorm());
       const double moved = std::log(std::abs(after.pole(l)) / std::abs(before.pole(k)));
-      const double count = static_cast<double>(old.size());
-      least = std::min(least, std::pow(moved / frequency, 2) +
-                                  count * square / (old.squaredNorm() * shape * shape));
+      const double shapes = shape_distance(stacked(after, l), old) / (mean * shape * shape);
+      least = std::min(least, std::pow(moved / frequency, 2) + shapes);
     }
     if (std::isfinite(least)) sum += least;
   }
