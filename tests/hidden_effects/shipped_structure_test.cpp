@@ -43,7 +43,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, ShippedStructure, testing::Values("table_few", "s
 
 class ShippedRealBody : public testing::TestWithParam<std::string> {};
 
-// The truth is a thin plate, which is stiffer than the solid.
+// Of a disc and an L the truth is a thin plate, up to 1.8 % from the solid; of a strip the coils
+// differ.
 TEST_P(ShippedRealBody, HasTheModesOfTheTruth) {
   const auto body = simulators::real_body(GetParam());
   const auto made = shipped(body.rig);
@@ -57,7 +58,7 @@ TEST_P(ShippedRealBody, HasTheModesOfTheTruth) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Bodies, ShippedRealBody, testing::Values("disc", "ell"),
+INSTANTIATE_TEST_SUITE_P(Bodies, ShippedRealBody, testing::Values("table", "strip", "disc", "ell"),
                          [](const auto& body) { return body.param; });
 
 }  // namespace
