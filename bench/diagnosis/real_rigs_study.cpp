@@ -12,9 +12,8 @@
 #include "real_rigs_tables.h"
 #include "simulators/rigs/real_rig.h"
 #include "simulators/rigs/rig_score.h"
-#if __has_include("diagnosis/diagnosed_modes.h")
+#ifdef CHLADNI_HAS_MODES
 #include "diagnosis/diagnosed_modes.h"
-#define CHLADNI_HAS_MODES
 #endif
 
 namespace chladni {
