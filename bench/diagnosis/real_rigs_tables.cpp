@@ -184,6 +184,10 @@ void print_truth(const RealTrial& trial, const simulators::RealRigCase& rig) {
     for (const auto& [name, value] : effect.size) fmt::print(" {}={:.4g}", name, value);
     if (effect.place) fmt::print(" at {:.3f}, {:.3f} m", effect.place->x(), effect.place->y());
   }
+  for (const auto& one : rig.present) {
+    fmt::print(" [string {:.3g} g, {:.4g} Hz]", 1e3 * one.size.at("mass"),
+               one.size.at("frequency"));
+  }
   fmt::print("\n");
 }
 

@@ -230,6 +230,10 @@ RealRigCase real_rig_case(const std::string& body, const std::string& kind, unsi
   made.frequency_error = recipe.error.frequency;
   made.shape_error = recipe.error.shape;
   const auto own = recipe;
+  for (const auto& one : own.resonators) {
+    made.present.push_back(
+        {"resonator", {{"mass", one.mass}, {"frequency", one.frequency_hz}}, one.place, {}});
+  }
   hide(recipe, made, kind, seed_of(body + kind, seed), options.severity);
   const auto modes = rig_modes(recipe, bare_modes(recipe.plate, made.body.outline));
   const auto& rig = made.body.rig;

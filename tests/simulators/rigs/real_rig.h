@@ -42,7 +42,10 @@ struct RealRigCase {
   std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: `measured` without noise
   diagnosis::MeasuredModes modes;
   std::vector<HiddenEffect> truth;  ///< sizes with the rig's own deviation of the same constant
-  bool outside = false;             ///< the truth has a kind that no catalogue has
+  /// What the rig has beside the truth and a catalogue names, too: the string's resonance. To name
+  /// it is not false, nor is it asked for.
+  std::vector<HiddenEffect> present;
+  bool outside = false;  ///< the truth has a kind that no catalogue has
   bool scaled = true;
   double frequency_error = 0.0, shape_error = 0.0;  ///< levels that were drawn
   /// log10 of the ln evidence that an ideal judge of modes has who knows the levels: half the sum

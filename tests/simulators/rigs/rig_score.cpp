@@ -42,6 +42,16 @@ bool is(const Cause& cause, const HiddenEffect& effect, const RealRigCase& rig) 
   return told == hidden;
 }
 
+// Whether the cause is a resonator that the rig has at this frequency.
+bool is_present(const Cause& cause, const HiddenEffect& effect) {
+  constexpr double kSameFrequency = 0.05;
+  if (cause.effect != effect.kind) return false;
+  const auto told =
+      std::ranges::find(cause.parameters, "frequency", &diagnosis::CauseParameter::name);
+  return told != cause.parameters.end() &&
+         std::abs(told->value / effect.size.at("frequency") - 1.0) < kSameFrequency;
+}
+
 void add_size(EffectScore& score, const Cause& cause, const std::string& size, double truth) {
   const auto told = std::ranges::find(cause.parameters, size, &diagnosis::CauseParameter::name);
   if (told != cause.parameters.end()) score.sizes.push_back({size, truth, told->value, told->std});
@@ -124,6 +134,9 @@ RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told) {
     for (const auto& channel : cause.channels) one.cause += "," + channel;
     one.is_true = std::ranges::any_of(
         rig.truth, [&](const HiddenEffect& effect) { return is(cause, effect, rig); });
+    one.is_true = one.is_true || std::ranges::any_of(rig.present, [&](const HiddenEffect& effect) {
+                    return is_present(cause, effect);
+                  });
     score.statements.push_back(std::move(one));
   }
   score.verdict = verdict_of(score, rig.truth.empty() || rig.outside);

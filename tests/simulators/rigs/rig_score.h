@@ -49,7 +49,8 @@ struct RigScore {
 
 /// A cause is true if it has the effect and the channels of one that was hidden. A point mass may
 /// be told with inertia, a spring as a small pad and the reverse, within a fifth of the body. Of
-/// modes without scale, modulus, density, thickness and size are one cause.
+/// modes without scale, modulus, density, thickness and size are one cause. A
+/// resonator within 5 % of the frequency of a string (RealRigCase::present) is true.
 [[nodiscard]] RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told);
 
 }  // namespace chladni::simulators

@@ -77,6 +77,16 @@ TEST(RigScore, TakesScalesForOneWithoutScale) {
   EXPECT_EQ(scored(rig, told).verdict, RigVerdict::right);
 }
 
+TEST(RigScore, DoesNotBlameTheStringThatIsThere) {
+  auto rig = hiding({});
+  rig.present = {{"resonator", {{"frequency", 300.0}}, {}, {}}};
+  auto string = cause("resonator", 0.99);
+  string.parameters = {{"frequency", "Hz", 305.0, 2.0, diagnosis::Parameter::Role::strength}};
+  EXPECT_EQ(scored(rig, telling({string})).verdict, RigVerdict::right);
+  string.parameters.front().value = 400.0;
+  EXPECT_EQ(scored(rig, telling({string})).verdict, RigVerdict::wrong_sure);
+}
+
 TEST(RigScore, ExpectsNoNameForKindsOutside) {
   auto rig = hiding({{"line_crack", {}, {}, {}}});
   rig.outside = true;
