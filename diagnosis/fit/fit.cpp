@@ -297,7 +297,7 @@ bool alike(const Structure& structure, const Fit& a, const Fit& b) {
 Fit with_deviations(Fit fit, std::size_t count) {
   const Index before = fit.eta.size();
   fit.eta.conservativeResize(static_cast<Index>(count));
-  fit.eta.tail(fit.eta.size() - before).setZero();
+  if (fit.eta.size() > before) fit.eta.tail(fit.eta.size() - before).setZero();
   return fit;
 }
 

@@ -66,7 +66,7 @@ struct Fit {
 /// True if both have the same causes and choices, at places that are one (Constants::same_place).
 [[nodiscard]] bool alike(const Structure& structure, const Fit& a, const Fit& b);
 
-/// The fit with `count` deviations; the added ones are 0.
+/// The fit with its first `count` deviations; added ones are 0.
 [[nodiscard]] Fit with_deviations(Fit fit, std::size_t count);
 
 struct FitLimits {

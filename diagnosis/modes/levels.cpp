@@ -17,21 +17,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::array<std::string_view, kErrorClasses> kNames{
-    "frequency", "damping", "shape", "phase", "residue", "gain", "place", "field"};
+    "frequency", "damping", "shape", "phase", "residue", "gain", "place", "field", "smooth_shape"};
 
 // Variance of the own error of number i.
 double own_variance(const ModeBlock& block, Index i, const PerClass& levels) {
   const int of = block.of[at(i)];
   return of < 0 ? 0.0 : std::pow(block.weight[at(i)] * levels(of), 2);
-}
-
-MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
-  MatrixXd own = block.noise.cwiseAbs2().asDiagonal();
-  for (Index i = 0; i < block.count(); ++i) own(i, i) += own_variance(block, i, levels);
-  own += block.free * block.free.transpose();
-  const double s = levels(static_cast<int>(ErrorClass::frequency));
-  own += s * s * block.mixed * block.mixed.transpose();
-  return own;
 }
 
 MatrixXd scaled(const MatrixXd& shared, const std::vector<int>& of, const PerClass& levels) {
@@ -40,6 +31,17 @@ MatrixXd scaled(const MatrixXd& shared, const std::vector<int>& of, const PerCla
     if (of[at(c)] >= 0) result.col(c) *= levels(of[at(c)]);
   }
   return result;
+}
+
+MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
+  MatrixXd own = block.noise.cwiseAbs2().asDiagonal();
+  for (Index i = 0; i < block.count(); ++i) own(i, i) += own_variance(block, i, levels);
+  own += block.free * block.free.transpose();
+  const double s = levels(static_cast<int>(ErrorClass::frequency));
+  own += s * s * block.mixed * block.mixed.transpose();
+  const MatrixXd smooth = scaled(block.smooth, block.smooth_of, levels);
+  own += smooth * smooth.transpose();
+  return own;
 }
 
 Index total(const ModeErrors& errors) {
@@ -139,6 +141,15 @@ LevelLikelihood::Evidence LevelLikelihood::evidence() const {
       result.size(of) += square * weighted(i) * weighted(i);
       result.determined(of) += square * (inverse.col(i).squaredNorm() - known.col(i).squaredNorm());
     }
+    for (Index c = 0; c < block.smooth.cols(); ++c) {
+      const int of = block.smooth_of[at(c)];
+      const double square = levels_(of) * levels_(of);
+      const VectorXd column = block.smooth.col(c);
+      result.size(of) += square * std::pow(column.dot(weighted), 2);
+      result.determined(of) +=
+          square * ((inverse * column).squaredNorm() -
+                    (spread.middleCols(first, n) * (inverse * column)).squaredNorm());
+    }
     first += n;
   }
   const Index k = capacitance_.rows();
@@ -182,8 +193,9 @@ LevelPrior level_prior(const Tolerances& tolerances, bool learned) {
   prior.usual << least(tolerances.frequency, 3e-3), least(tolerances.damping, 0.1),
       least(tolerances.response, 0.02), least(tolerances.response, 0.02),
       least(tolerances.response, 0.03), least(tolerances.gain, 5e-3),
-      least(tolerances.position, 5e-4), least(tolerances.thickness, 1.5e-3);
-  prior.at_most << 0.1, 1.5, 0.5, 0.5, 0.7, 0.3, 0.02, 0.05;
+      least(tolerances.position, 5e-4), least(tolerances.thickness, 1.5e-3),
+      least(tolerances.response, 0.02);
+  prior.at_most << 0.1, 1.5, 0.5, 0.5, 0.7, 0.3, 0.02, 0.05, 0.5;
   prior.at_most = prior.at_most.max(prior.usual);
   if (learned) prior.width = std::log(4.0);
   return prior;

@@ -22,8 +22,10 @@ enum class ErrorClass {
   gain,       ///< of each channel, relative
   place,      ///< [m] of each channel along each axis
   field,      ///< of the thickness in smooth waves, relative
+  /// of each mode's shape, smooth over the body: neighbouring channels share it
+  smooth_shape,
 };
-inline constexpr std::size_t kErrorClasses = 8;
+inline constexpr std::size_t kErrorClasses = 9;
 /// "frequency", "shape", ...
 [[nodiscard]] std::string_view name(ErrorClass of);
 
@@ -47,6 +49,9 @@ struct ModeBlock {
   Eigen::MatrixXd free;        ///< n×c: errors of unit deviation, such as the mode's scale
   /// n×d: share of the modes nearby in this one, for an error of frequency of 1.
   Eigen::MatrixXd mixed;
+  /// n×d: smooth errors of the shape, for a level of 1; the class of each column.
+  Eigen::MatrixXd smooth;
+  std::vector<int> smooth_of;
   Eigen::MatrixXd shared;  ///< n×k: errors of the channels and the body, for a deviation of 1
 
   [[nodiscard]] Eigen::Index count() const { return error.size(); }
@@ -60,8 +65,8 @@ struct ModeErrors {
 };
 
 /// The Gaussian likelihood of the errors at given levels.
-/// Covariance: diag(noise² + s²) + free freeᵀ + s_f² mixed mixedᵀ within a block, and shared
-/// sharedᵀ across blocks. Cost: N k² + Σ n³.
+/// Covariance: diag(noise² + s²) + free freeᵀ + s_f² mixed mixedᵀ + s² smooth smoothᵀ within a
+/// block, and shared sharedᵀ across blocks. Cost: N k² + Σ n³.
 class LevelLikelihood {
  public:
   LevelLikelihood(ModeErrors errors, const PerClass& levels);

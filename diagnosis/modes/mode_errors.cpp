@@ -1,5 +1,6 @@
 #include "diagnosis/modes/mode_errors.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -21,10 +22,14 @@ using Eigen::VectorXd;
 
 constexpr int kNone = -1;
 constexpr double kAloneFrequency = 0.3;  // deviation of ln f of a mode that the model lacks
+constexpr double kSmoothOver = 0.2;      // of the body's size: length of a smooth shape error
 constexpr double kAlone = 3.0;           // ln: a measured mode that the model lacks
-constexpr double kUnseen = 2.0;     // ln: a mode of the model within the band that was not measured
-constexpr double kNearby = 0.15;    // ln f: modes nearer than this mix
-constexpr double kLeastGap = 0.02;  // ln f: nearer modes are of one span
+constexpr double kUnseen = 2.0;  // ln: a mode of the model within the band that was not measured
+// Parts of the variance of a phase: its own and what neighbouring channels share.
+constexpr double kOwnPhase = 0.7, kSmoothPhase = 0.7;
+constexpr double kNearby = 0.15;       // ln f: modes nearer than this mix
+constexpr double kLeastGap = 0.02;     // ln f: nearer modes are of one span
+constexpr double kUnseenSize = 1.0;    // deviation of ln residue of a mode that a side does not see
 constexpr double kUnknownScale = 3.0;  // deviation of ln residue of a mode that is not believed
 
 int of(ErrorClass which) { return static_cast<int>(which); }
@@ -32,12 +37,16 @@ int of(ErrorClass which) { return static_cast<int>(which); }
 // Fills the rows of a block from its first to its last.
 class Rows {
  public:
-  Rows(Index most, Index shared, Index nearby) {
+  Rows(Index most, Index shared, Index nearby, Index smooth) {
     block_.error = VectorXd::Zero(most);
     block_.noise = VectorXd::Zero(most);
     block_.free = MatrixXd::Zero(most, 4);
     block_.mixed = MatrixXd::Zero(most, nearby);
     block_.shared = MatrixXd::Zero(most, shared);
+    block_.smooth = MatrixXd::Zero(most, 2 * smooth);
+    for (Index c = 0; c < 2 * smooth; ++c) {
+      block_.smooth_of.push_back(of(c < smooth ? ErrorClass::smooth_shape : ErrorClass::phase));
+    }
   }
   // Adds a number and returns its row.
   Index add(double error, double noise, int of, double weight = 1.0) {
@@ -50,6 +59,7 @@ class Rows {
   }
   [[nodiscard]] double& free(Index row, Index column) { return block_.free(row, column); }
   [[nodiscard]] double& mixed(Index row, Index column) { return block_.mixed(row, column); }
+  [[nodiscard]] double& smooth(Index row, Index column) { return block_.smooth(row, column); }
   [[nodiscard]] double& shared(Index row, Index column) { return block_.shared(row, column); }
   void doubt(Index row, double deviation) {
     block_.noise(row) = std::hypot(block_.noise(row), deviation);
@@ -57,7 +67,7 @@ class Rows {
   [[nodiscard]] ModeBlock taken() {
     block_.error.conservativeResize(used_);
     block_.noise.conservativeResize(used_);
-    for (auto* columns : {&block_.free, &block_.mixed, &block_.shared}) {
+    for (auto* columns : {&block_.free, &block_.mixed, &block_.smooth, &block_.shared}) {
       columns->conservativeResize(used_, Eigen::NoChange);
     }
     return std::move(block_);
@@ -132,6 +142,7 @@ struct Scene {
   const MeasuredModes& measured;
   const RecordedModes& model;
   const ShapeUnits& units;
+  const MatrixXd& smooth;
   const std::vector<BodyError>& body;
   SharedColumns columns;
   std::vector<ModeChange> changes;  // per error of the body
@@ -216,6 +227,26 @@ void put_mixed(Rows& rows, const Place& place, Index k, const std::vector<Index>
   }
 }
 
+// Smooth errors of the shape: the same field at sensors and actuators.
+void put_smooth(Rows& rows, const Place& place, const Scene& scene) {
+  const Index before = place.is_sensor ? 0 : scene.structure.outputs.count();
+  const double square = square_of(place.side);
+  const Index count = scene.smooth.cols();
+  for (Index a = 0; a < place.side.count(); ++a) {
+    const Index channel = before + place.side.rows[at(a)];
+    const double size = std::copysign(place.side.weight(a), place.side.recorded(a));
+    for (Index c = 0; c < count; ++c) {
+      const double change = size * scene.smooth(channel, c);
+      if (place.first >= 0) {
+        rows.smooth(place.first + 2 * a, c) = change;
+        rows.smooth(place.first + 2 * a + 1, count + c) = kSmoothPhase * change;
+      }
+      if (place.residue >= 0)
+        rows.smooth(place.residue, c) += place.side.model(a) * change / square;
+    }
+  }
+}
+
 // The rows of one side's shape: pairs of a real and an imaginary part. Returns the first; -1 for
 // none.
 Index put_shape(Rows& rows, const PartnerSide& side, bool is_sensor) {
@@ -224,8 +255,8 @@ Index put_shape(Rows& rows, const PartnerSide& side, bool is_sensor) {
   for (Index a = 0; a < side.count(); ++a) {
     const double real = side.measured(a).real() - side.model(a);
     const Index row = rows.add(real, side.noise(a), of(ErrorClass::shape), side.weight(a));
-    const Index imaginary =
-        rows.add(side.measured(a).imag(), side.noise(a), of(ErrorClass::phase), side.weight(a));
+    const Index imaginary = rows.add(side.measured(a).imag(), side.noise(a), of(ErrorClass::phase),
+                                     kOwnPhase * side.weight(a));
     if (a == 0) first = row;
     rows.free(row, is_sensor ? 0 : 2) = side.model(a);
     rows.free(imaginary, is_sensor ? 1 : 3) = side.model(a);
@@ -242,10 +273,12 @@ double factor_noise(const PartnerSide& side) {
 // ln of a residue over its model. A mode that the channels hardly see has a less certain one.
 Index put_residue(Rows& rows, const PartnerSide& out, const PartnerSide& in) {
   const auto ratio = std::log(out.factor * in.factor);
+  const double blindness = std::max(out.blindness(), in.blindness());
+  const double unseen = std::pow(blindness / PartnerSide::kBlindest, 2);
   const double noise = std::hypot(factor_noise(out), factor_noise(in));
-  const double weight = std::max(1.0, std::hypot(out.blindness(), in.blindness()) / std::sqrt(2.0));
-  const Index row = rows.add(ratio.real(), noise, of(ErrorClass::residue), weight);
-  rows.add(ratio.imag(), noise, of(ErrorClass::residue), weight);
+  const Index row =
+      rows.add(ratio.real(), std::hypot(noise, kUnseenSize * unseen), of(ErrorClass::residue));
+  rows.add(ratio.imag(), std::hypot(noise, kUnknownScale * unseen), of(ErrorClass::residue));
   return row;
 }
 
@@ -266,12 +299,13 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
 // The numbers of a mode that has a partner.
 ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
                  const Disturbed& disturbed) {
-  const auto& [structure, measured, model, units, body, columns, changes] = scene;
+  const auto& [structure, measured, model, units, smooth, body, columns, changes] = scene;
   const Index k = span.front();
   const Partner other = partner(measured, model, units, i, span);
   const auto near = nearby(model, k);
   const VectorXd motion = model.motion * other.parts;
-  Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()));
+  Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()),
+            scene.smooth.cols());
   const Index frequency = rows.add(std::log(measured.frequency_hz(i) / model.frequency_hz(k)),
                                    measured.frequency_std(i), of(ErrorClass::frequency));
   for (std::size_t b = 0; b < changes.size(); ++b) {
@@ -291,6 +325,7 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
     const Place place{is_sensor ? other.sensors : other.actuators, is_sensor,
                       is_sensor ? first_out : first_in, residue};
     put_mixed(rows, place, k, near, scene);
+    put_smooth(rows, place, scene);
     put_channel_errors(rows, place, motion, scene);
     put_body_errors(rows, place, other.parts, scene);
     doubt(rows, place, disturbed);
@@ -301,7 +336,7 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
 // The numbers of a mode without a partner: they are as wide as such numbers can be.
 ModeBlock alone(const Scene& scene, Index i) {
   const auto& measured = scene.measured;
-  Rows rows(most_rows(measured), scene.columns.count(), 0);
+  Rows rows(most_rows(measured), scene.columns.count(), 0, 0);
   rows.add(kAloneFrequency, kAloneFrequency, kNone);
   if (measured.damping_ratio(i) > 0.0) rows.add(1.0, 1.0, kNone);
   const auto put = [&](const Eigen::MatrixXcd& shapes) {
@@ -369,6 +404,22 @@ Matching matched(const MeasuredModes& measured, const RecordedModes& model, cons
   return result;
 }
 
+MatrixXd smooth_factor(const Structure& structure) {
+  const auto& out = structure.outputs.places;
+  const auto& in = structure.inputs.places;
+  Eigen::MatrixX2d places(out.rows() + in.rows(), 2);
+  places << out, in;
+  const double length = kSmoothOver * std::max(structure.surface.size(), 1e-9);
+  MatrixXd covariance(places.rows(), places.rows());
+  for (Index i = 0; i < places.rows(); ++i) {
+    for (Index j = 0; j < places.rows(); ++j) {
+      const double apart = std::sqrt(3.0) * (places.row(i) - places.row(j)).norm() / length;
+      covariance(i, j) = (1.0 + apart) * std::exp(-apart) + (i == j ? 1e-6 : 0.0);
+    }
+  }
+  return covariance.llt().matrixL();
+}
+
 std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances) {
   const State base = state_of(structure);
   std::vector<BodyError> all;
@@ -399,11 +450,12 @@ std::vector<BodyError> body_errors(const Structure& structure, const Tolerances&
 ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
                        const RecordedModes& model, const ShapeUnits& units,
                        const Matching& matching, const std::vector<BodyError>& body,
-                       const Disturbed& disturbed, bool with_shared) {
+                       const Eigen::MatrixXd& smooth, const Disturbed& disturbed,
+                       bool with_shared) {
   SharedColumns columns{measured.output_shapes.rows(), measured.input_shapes.rows(),
                         static_cast<Index>(body.size()), false};
   columns.gains = with_shared && columns.outputs + columns.inputs > 1;
-  Scene scene{structure, measured, model, units, body, columns, {}};
+  Scene scene{structure, measured, model, units, smooth, body, columns, {}};
   for (const auto& error : body) scene.changes.push_back(change_by(error, model));
   ModeErrors errors;
   errors.shared_of = classes_of(columns, body);

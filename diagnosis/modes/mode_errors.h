@@ -11,6 +11,10 @@
 
 namespace chladni::diagnosis {
 
+/// Factor L of the correlation LLᵀ of a smooth shape error between all channels, sensors first:
+/// Matérn's with exponent 3/2, over a fifth of the body. (p + q)².
+[[nodiscard]] Eigen::MatrixXd smooth_factor(const Structure& structure);
+
 /// What tells measured modes apart.
 enum class PairBy { shape, frequency };
 
@@ -49,6 +53,7 @@ struct Disturbed {
 [[nodiscard]] ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
                                      const RecordedModes& model, const ShapeUnits& units,
                                      const Matching& matching, const std::vector<BodyError>& body,
-                                     const Disturbed& disturbed = {}, bool with_shared = true);
+                                     const Eigen::MatrixXd& smooth, const Disturbed& disturbed = {},
+                                     bool with_shared = true);
 
 }  // namespace chladni::diagnosis

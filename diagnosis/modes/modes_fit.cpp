@@ -116,6 +116,7 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
       measured_(measured),
       prior_(level_prior(tolerances, learned)),
       units_(units_of(structure)),
+      smooth_(smooth_factor(structure)),
       body_(body_errors(structure, believable(tolerances, learned))),
       solver_(state_of(structure), structure.mode_count()),
       quick_(state_of(structure),
@@ -151,7 +152,7 @@ ModeErrors ModesProblem::errors(const ModesFit& hypothesis, const RecordedModes&
                                 const Matching& matching, bool with_shared) const {
   static const std::vector<BodyError> kNoErrors;
   return mode_errors(structure_, measured_, model, units_, matching,
-                     with_shared ? body_ : kNoErrors, hypothesis.disturbed, with_shared);
+                     with_shared ? body_ : kNoErrors, smooth_, hypothesis.disturbed, with_shared);
 }
 
 namespace {

@@ -59,6 +59,7 @@ class ModesProblem {
   const MeasuredModes& measured_;
   LevelPrior prior_;
   ShapeUnits units_;
+  Eigen::MatrixXd smooth_;
   std::vector<BodyError> body_;
   ModeSolver solver_, quick_;
   double low_hz_ = 0.0, high_hz_ = 0.0;

@@ -225,11 +225,14 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
     if (next.empty()) break;
     sort(next);
     // A further cause that brings less is not part of any explanation.
-    const double needed = level == 0 ? -HUGE_VAL : beam.front().log_evidence + least_evidence;
+    const double more =
+        level == 0 ? least_evidence : std::max(least_evidence, kConstants.sure_evidence);
+    const double needed = level == 0 ? -HUGE_VAL : beam.front().log_evidence + more;
     for (const auto& fit : next) {
       if (fit.log_evidence >= needed) found.fits.push_back(fit);
     }
-    if (next.front().log_evidence < beam.front().log_evidence + least_evidence) break;
+    const double gain = next.front().log_evidence - beam.front().log_evidence;
+    if (gain < more) break;
     next.resize(std::min(next.size(), kBeam));
     beam = std::move(next);
   }

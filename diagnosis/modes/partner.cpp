@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 
 constexpr double kTiny = 1e-300;
 constexpr double kShapeError = 0.05;
-constexpr double kBlindest = 10.0;  // weight at most: channels that see nothing of a mode
+constexpr double kBlindError = 0.3;  // error of a shape value at which it tells nothing
 
 // The channels of one side that have a value in a measured mode.
 struct Values {
@@ -113,15 +113,15 @@ PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
   PartnerSide side;
   side.rows = values.rows;
   const VectorXd shape = values.shapes * parts;
-  const double least = unit * root_mean_square(values.path) / kBlindest;
+  const double least = unit * root_mean_square(values.path) / PartnerSide::kBlindest;
   const double size = std::max({root_mean_square(shape), least, kTiny});
   side.model = shape / size;
   side.recorded = values.path / size;
   side.weight = unit * side.recorded;
   if (side.count() == 0) return side;
-  const double square = std::max(shape.squaredNorm(), kTiny);
-  side.factor = shape.cast<Complex>().dot(values.value) / square;
   const double measured = std::max(root_mean_square(values.value), kTiny);
+  const Complex product = shape.cast<Complex>().dot(values.value);
+  side.factor = std::polar(measured / size, std::arg(product));
   // The measured shape has its own phase, and the model its sign: the factor of a side that hardly
   // sees the mode has no phase, and the sign of a simulated shape is arbitrary.
   const Complex turn = std::conj(phase_of(values.value));
@@ -134,11 +134,14 @@ PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
   return side;
 }
 
+// MAC, where the channels see the mode.
 double mac(const PartnerSide& side) {
   if (!side.is_shape()) return 1.0;
   const Complex product = side.model.cast<Complex>().dot(side.measured);
-  return std::norm(product) /
-         std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
+  const double alike =
+      std::norm(product) / std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
+  // Channels that hardly see the mode tell little of its shape.
+  return 1.0 - (1.0 - alike) / (1.0 + std::pow(kBlindError * side.blindness(), 2));
 }
 
 }  // namespace

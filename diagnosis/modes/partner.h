@@ -26,7 +26,7 @@ struct PartnerSide {
   Eigen::VectorXd noise;     ///< deviations of `measured`
   Eigen::VectorXd recorded;  ///< `model` over the shape behind it [kg^1/2]
   Eigen::VectorXd weight;    ///< an error of ShapeUnits in the shape behind each value
-  /// Measured over model, least squares, without the scale of `model` and `measured`.
+  /// Measured over model: ratio of the sizes, and the phase of least squares.
   std::complex<double> factor{1.0, 0.0};
 
   [[nodiscard]] Eigen::Index count() const { return model.size(); }
@@ -34,6 +34,7 @@ struct PartnerSide {
   [[nodiscard]] bool is_shape() const { return count() > 1; }
   /// Root mean square of `weight`: large where these channels hardly see the mode.
   [[nodiscard]] double blindness() const;
+  static constexpr double kBlindest = 10.0;  ///< of channels that see nothing of a mode
 };
 
 /// Mode k of a model beside measured mode i.
@@ -43,7 +44,8 @@ struct Partner {
   Eigen::VectorXd parts;
   PartnerSide sensors, actuators;
 
-  /// MAC at the sensors times MAC at the actuators; 1 where no shape was measured.
+  /// MAC at the sensors times MAC at the actuators; nearer to 1 where a side hardly sees the mode,
+  /// 1 where no shape was measured.
   [[nodiscard]] double likeness() const;
 };
 
