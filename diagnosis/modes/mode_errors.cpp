@@ -89,8 +89,10 @@ struct SharedColumns {
   [[nodiscard]] Index place(bool sensor, Index i, Index axis) const {
     return channels() * (1 + axis) + gain(sensor, i);
   }
-  [[nodiscard]] Index of_body(Index i) const { return 3 * channels() + i; }
-  [[nodiscard]] Index count() const { return 3 * channels() + body; }
+  // What the gains of a side share.
+  [[nodiscard]] Index common_gain(bool sensor) const { return 3 * channels() + (sensor ? 0 : 1); }
+  [[nodiscard]] Index of_body(Index i) const { return 3 * channels() + (gains ? 2 : 0) + i; }
+  [[nodiscard]] Index count() const { return of_body(body); }
 };
 
 std::vector<int> classes_of(const SharedColumns& columns, const std::vector<BodyError>& body) {
@@ -99,6 +101,9 @@ std::vector<int> classes_of(const SharedColumns& columns, const std::vector<Body
     all[at(c)] = of(ErrorClass::gain);
     all[at(columns.channels() + c)] = of(ErrorClass::place);
     all[at(2 * columns.channels() + c)] = of(ErrorClass::place);
+  }
+  for (const bool sensor : {true, false}) {
+    if (columns.gains) all[at(columns.common_gain(sensor))] = of(ErrorClass::gain);
   }
   for (std::size_t i = 0; i < body.size(); ++i) {
     all[at(columns.of_body(static_cast<Index>(i)))] = body[i].of;
@@ -179,6 +184,7 @@ void put_channel_errors(Rows& rows, const Place& place, const VectorXd& motion,
   for (Index a = 0; a < place.side.count(); ++a) {
     const Index i = place.side.rows[at(a)];
     put_change(rows, place, a, place.side.model(a), scene.columns.gain(place.is_sensor, i));
+    put_change(rows, place, a, place.side.model(a), scene.columns.common_gain(place.is_sensor));
     for (const Index axis : {0, 1}) {
       put_change(rows, place, a, slope_of(channels, i, axis, motion) * place.side.recorded(a),
                  scene.columns.place(place.is_sensor, i, axis));

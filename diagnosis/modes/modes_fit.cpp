@@ -29,6 +29,8 @@ Tolerances believable(Tolerances tolerances, bool learned) {
   if (!learned) return tolerances;
   tolerances.modulus = std::max(tolerances.modulus, 0.01);
   tolerances.density = std::max(tolerances.density, 0.01);
+  tolerances.thickness = std::max(tolerances.thickness, 0.003);
+  tolerances.orthotropy = std::max(tolerances.orthotropy, 0.01);
   return tolerances;
 }
 
@@ -114,10 +116,11 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
                            const Tolerances& tolerances, bool learned)
     : structure_(structure),
       measured_(measured),
+      tolerances_(believable(tolerances, learned)),
       prior_(level_prior(tolerances, learned)),
       units_(units_of(structure)),
       smooth_(smooth_factor(structure)),
-      body_(body_errors(structure, believable(tolerances, learned))),
+      body_(body_errors(structure, tolerances_)),
       solver_(state_of(structure), structure.mode_count()),
       quick_(state_of(structure),
              coordinates_below(structure, kQuick * measured.frequency_hz.maxCoeff())),

@@ -33,6 +33,7 @@ class ModesProblem {
 
   [[nodiscard]] const Structure& structure() const { return structure_; }
   [[nodiscard]] const MeasuredModes& measured() const { return measured_; }
+  [[nodiscard]] const Tolerances& tolerances() const { return tolerances_; }
   [[nodiscard]] const LevelPrior& prior() const { return prior_; }
   [[nodiscard]] const ShapeUnits& units() const { return units_; }
   /// The ways to pair the modes: by shape, and by frequency where that is another one.
@@ -57,6 +58,7 @@ class ModesProblem {
  private:
   const Structure& structure_;
   const MeasuredModes& measured_;
+  Tolerances tolerances_;  // of the body, at least what real bodies have
   LevelPrior prior_;
   ShapeUnits units_;
   Eigen::MatrixXd smooth_;

@@ -14,12 +14,13 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
-constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
-constexpr std::size_t kInFull = 8;     // of these, fitted in full
-constexpr int kQuickRounds = 2;        // of such a first fit
-constexpr std::size_t kBeam = 2;       // fits from which a further cause is sought
-constexpr double kUnchanged = 1e-9;    // a smaller change of all numbers is none
+constexpr std::size_t kPerEffect = 3;      // starts of one effect that are fitted in full, at most
+constexpr std::size_t kLookedAt = 24;      // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;         // of these, fitted in full
+constexpr int kQuickRounds = 2;            // of such a first fit
+constexpr std::size_t kBeam = 2;           // fits from which a further cause is sought
+constexpr double kDetermined = 1.0 / 3.0;  // deviation of ln size at most: three of them to 0
+constexpr double kUnchanged = 1e-9;        // a smaller change of all numbers is none
 
 struct Candidate {
   Supposed cause;
@@ -204,6 +205,53 @@ std::vector<ModesFit> disturbed_fits(const ModesProblem& problem, const ModesFit
   return fits;
 }
 
+// The part of the covariance that belongs to cause `which`.
+Eigen::VectorXd deviations_of(const ModesFit& fit, std::size_t which) {
+  Index first = 0;
+  for (std::size_t c = 0; c < which; ++c) first += fit.causes[c].x.size();
+  return fit.covariance.diagonal().segment(first, fit.causes[which].x.size()).cwiseSqrt();
+}
+
+// The deviation that a sound structure may have of the same kind: the tolerance, or its level.
+double usual_size(const ModesProblem& problem, const ModesFit& fit, const Effect& effect) {
+  if (effect.tolerance == nullptr) return 0.0;
+  const double stated = problem.tolerances().*effect.tolerance;
+  const auto level = [&](ErrorClass of) { return fit.levels(static_cast<int>(of)); };
+  if (effect.tolerance == &Tolerances::gain) return std::max(stated, level(ErrorClass::gain));
+  if (effect.tolerance == &Tolerances::position) return std::max(stated, level(ErrorClass::place));
+  return stated;
+}
+
+// True if a size of the cause differs from that of a sound structure by more than its deviation
+// and more than such structures differ. A cause without sizes is there or not.
+bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_t which) {
+  const auto& cause = fit.causes[which];
+  const auto deviation = deviations_of(fit, which);
+  const double usual = usual_size(problem, fit, *cause.effect);
+  bool has_size = false;
+  Index i = 0;
+  for (const auto& parameter : cause.effect->parameters(problem.structure())) {
+    using Role = Parameter::Role;
+    const double std = deviation(i);
+    const double x = cause.x(i++);
+    if (parameter.role != Role::strength && parameter.role != Role::offset) continue;
+    has_size = true;
+    if (parameter.is_about_zero()) {
+      if (std::abs(x) > kConstants.significant * std::max(std, usual)) return true;
+    } else if (std < kDetermined) {
+      return true;
+    }
+  }
+  return !has_size;
+}
+
+bool are_significant(const ModesProblem& problem, const ModesFit& fit) {
+  for (std::size_t c = 0; c < fit.causes.size(); ++c) {
+    if (!is_significant(problem, fit, c)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*>& catalogue,
@@ -220,6 +268,7 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
       const auto starts = candidates(problem, base, catalogue, effects);
       if (level == 0) found.effects = effects;
       auto fits = fitted_with(problem, base, starts);
+      std::erase_if(fits, [&](const ModesFit& fit) { return !are_significant(problem, fit); });
       std::ranges::move(fits, std::back_inserter(next));
     }
     if (next.empty()) break;

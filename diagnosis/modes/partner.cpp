@@ -19,7 +19,8 @@ using Complex = std::complex<double>;
 
 constexpr double kTiny = 1e-300;
 constexpr double kShapeError = 0.05;
-constexpr double kBlindError = 0.3;  // error of a shape value at which it tells nothing
+constexpr double kUnseenLikeness = 0.8;  // of a shape that the channels do not see
+constexpr double kBlindError = 0.3;      // error of a shape value at which it tells nothing
 
 // The channels of one side that have a value in a measured mode.
 struct Values {
@@ -134,14 +135,16 @@ PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
   return side;
 }
 
-// MAC, where the channels see the mode.
+// MAC, where the channels see the mode. What they do not see is less alike than a partner and more
+// alike than a stranger.
 double mac(const PartnerSide& side) {
   if (!side.is_shape()) return 1.0;
   const Complex product = side.model.cast<Complex>().dot(side.measured);
   const double alike =
       std::norm(product) / std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
   // Channels that hardly see the mode tell little of its shape.
-  return 1.0 - (1.0 - alike) / (1.0 + std::pow(kBlindError * side.blindness(), 2));
+  const double trust = 1.0 / (1.0 + std::pow(kBlindError * side.blindness(), 2));
+  return trust * alike + (1.0 - trust) * kUnseenLikeness;
 }
 
 }  // namespace

@@ -44,8 +44,8 @@ struct Partner {
   Eigen::VectorXd parts;
   PartnerSide sensors, actuators;
 
-  /// MAC at the sensors times MAC at the actuators; nearer to 1 where a side hardly sees the mode,
-  /// 1 where no shape was measured.
+  /// MAC at the sensors times MAC at the actuators. A side that hardly sees the mode has a value
+  /// between that of a partner and that of a stranger; 1 where no shape was measured.
   [[nodiscard]] double likeness() const;
 };
 
