@@ -39,8 +39,10 @@ MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
   own += block.free * block.free.transpose();
   const double s = levels(static_cast<int>(ErrorClass::frequency));
   own += s * s * block.mixed * block.mixed.transpose();
-  const MatrixXd smooth = scaled(block.smooth, block.smooth_of, levels);
-  own += smooth * smooth.transpose();
+  if (block.smooth.cols() > 0) {
+    const MatrixXd smooth = scaled(block.smooth, block.smooth_of, levels);
+    own += smooth * smooth.transpose();
+  }
   return own;
 }
 
@@ -150,6 +152,10 @@ LevelLikelihood::Evidence LevelLikelihood::evidence() const {
           square * ((inverse * column).squaredNorm() -
                     (spread.middleCols(first, n) * (inverse * column)).squaredNorm());
     }
+    const int frequency = static_cast<int>(ErrorClass::frequency);
+    const MatrixXd mixed = levels_(frequency) * block.mixed;
+    result.size(frequency) += (mixed.transpose() * weighted).squaredNorm();
+    result.determined(frequency) += (inverse * mixed).squaredNorm() - (known * mixed).squaredNorm();
     first += n;
   }
   const Index k = capacitance_.rows();
