@@ -48,12 +48,12 @@ void add_attached(Assembled& to, const Attached& attached, Index most) {
   for (Index d = 0; d < attached.shapes.cols(); ++d) {
     const Index r = std::min(most, attached.shapes.rows());
     const VectorXd shape = attached.shapes.col(d).head(r);
-    if (attached.carried) {
-      add_carried(to, shape, attached.stiffness, attached.damping, attached.mass);
-      continue;
-    }
     const double own = attached.upper.size() > 0 ? attached.upper.col(d).squaredNorm() : 0.0;
     const double spring = attached.stiffness / (1.0 + std::max(0.0, own * attached.stiffness));
+    if (attached.carried) {
+      add_carried(to, shape, spring, attached.damping, attached.mass);
+      continue;
+    }
     to.stiffness.topLeftCorner(r, r) += spring * shape * shape.transpose();
     to.damping.topLeftCorner(r, r) += attached.damping * shape * shape.transpose();
     if (attached.mass > 0.0 && own > 0.0) {
