@@ -1,5 +1,6 @@
 #include "diagnosis/modes/recorded_modes.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <complex>
 #include <numbers>
@@ -96,9 +97,13 @@ bool ModeSolver::is_base(const State& state) const {
 
 ModeSolver::Body ModeSolver::solved(const State& state) const {
   const Assembled all = assembled(state, most_);
+  // The eigensolver does not look whether its own factor of the mass exists.
+  if (Eigen::LLT<MatrixXd>(all.mass).info() != Eigen::Success) {
+    throw NumericalFailure("a mass that is not positive");
+  }
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(all.stiffness, all.mass);
   if (modes.info() != Eigen::Success || !modes.eigenvalues().allFinite()) {
-    throw NumericalFailure("a mass that is not positive");
+    throw NumericalFailure("modes of a hypothesis: no eigenvalues");
   }
   const MatrixXd& turn = modes.eigenvectors();
   const VectorXd lambda = modes.eigenvalues().cwiseMax(0.0);
