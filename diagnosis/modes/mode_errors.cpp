@@ -1,6 +1,5 @@
 #include "diagnosis/modes/mode_errors.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,9 +7,8 @@
 #include <utility>
 
 #include "base/index.h"
-#include "diagnosis/constants.h"
+#include "diagnosis/modes/mode_rows.h"
 #include "diagnosis/modes/partner.h"
-#include "modal/pairing.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -22,7 +20,6 @@ using Eigen::VectorXd;
 
 constexpr int kNone = -1;
 constexpr double kAloneFrequency = 0.3;  // deviation of ln f of a mode that the model lacks
-constexpr double kSmoothOver = 0.2;      // of the body's size: length of a smooth shape error
 constexpr double kAlone = 3.0;           // ln: a measured mode that the model lacks
 constexpr double kUnseen = 2.0;  // ln: a mode of the model within the band that was not measured
 // Parts of the variance of a phase: its own and what neighbouring channels share.
@@ -33,50 +30,6 @@ constexpr double kUnseenSize = 1.0;    // deviation of ln residue of a mode that
 constexpr double kUnknownScale = 3.0;  // deviation of ln residue of a mode that is not believed
 
 int of(ErrorClass which) { return static_cast<int>(which); }
-
-// Fills the rows of a block from its first to its last.
-class Rows {
- public:
-  Rows(Index most, Index shared, Index nearby, Index smooth) {
-    block_.error = VectorXd::Zero(most);
-    block_.noise = VectorXd::Zero(most);
-    block_.free = MatrixXd::Zero(most, 4);
-    block_.mixed = MatrixXd::Zero(most, nearby);
-    block_.shared = MatrixXd::Zero(most, shared);
-    block_.smooth = MatrixXd::Zero(most, 2 * smooth);
-    for (Index c = 0; c < 2 * smooth; ++c) {
-      block_.smooth_of.push_back(of(c < smooth ? ErrorClass::smooth_shape : ErrorClass::phase));
-    }
-  }
-  // Adds a number and returns its row.
-  Index add(double error, double noise, int of, double weight = 1.0) {
-    const Index row = used_++;
-    block_.error(row) = error;
-    block_.noise(row) = noise;
-    block_.weight.push_back(weight);
-    block_.of.push_back(of);
-    return row;
-  }
-  [[nodiscard]] double& free(Index row, Index column) { return block_.free(row, column); }
-  [[nodiscard]] double& mixed(Index row, Index column) { return block_.mixed(row, column); }
-  [[nodiscard]] double& smooth(Index row, Index column) { return block_.smooth(row, column); }
-  [[nodiscard]] double& shared(Index row, Index column) { return block_.shared(row, column); }
-  void doubt(Index row, double deviation) {
-    block_.noise(row) = std::hypot(block_.noise(row), deviation);
-  }
-  [[nodiscard]] ModeBlock taken() {
-    block_.error.conservativeResize(used_);
-    block_.noise.conservativeResize(used_);
-    for (auto* columns : {&block_.free, &block_.mixed, &block_.smooth, &block_.shared}) {
-      columns->conservativeResize(used_, Eigen::NoChange);
-    }
-    return std::move(block_);
-  }
-
- private:
-  ModeBlock block_;
-  Index used_ = 0;
-};
 
 // Columns of the shared errors: gains of sensors and actuators, their places along u and v, then
 // the body's.
@@ -384,74 +337,6 @@ double unseen(const MeasuredModes& measured, const RecordedModes& model, const M
 }
 
 }  // namespace
-
-Matching matched(const MeasuredModes& measured, const RecordedModes& model, const ShapeUnits& units,
-                 PairBy by) {
-  Matching result{std::vector<Index>(at(measured.count()), kNone), {}};
-  result.span.resize(result.model.size());
-  if (model.count() == 0) return result;
-  MatrixXd cost(measured.count(), model.count());
-  const double most = 1.0 - kConstants.least_mac;
-  for (Index i = 0; i < measured.count(); ++i) {
-    for (Index k = 0; k < model.count(); ++k) {
-      const double apart =
-          std::log(measured.frequency_hz(i) / model.frequency_hz(k)) / kConstants.apart;
-      cost(i, k) = apart * apart;
-      if (by == PairBy::shape && cost(i, k) < most) {
-        cost(i, k) +=
-            1.0 - partner(measured, model, units, i, span_of(measured, model, i, k)).likeness();
-      }
-    }
-  }
-  for (const auto& [i, k] : modal::assigned(cost, most)) {
-    result.model[at(i)] = k;
-    result.span[at(i)] = span_of(measured, model, i, k);
-  }
-  return result;
-}
-
-MatrixXd smooth_factor(const Structure& structure) {
-  const auto& out = structure.outputs.places;
-  const auto& in = structure.inputs.places;
-  Eigen::MatrixX2d places(out.rows() + in.rows(), 2);
-  places << out, in;
-  const double length = kSmoothOver * std::max(structure.surface.size(), 1e-9);
-  MatrixXd covariance(places.rows(), places.rows());
-  for (Index i = 0; i < places.rows(); ++i) {
-    for (Index j = 0; j < places.rows(); ++j) {
-      const double apart = std::sqrt(3.0) * (places.row(i) - places.row(j)).norm() / length;
-      covariance(i, j) = (1.0 + apart) * std::exp(-apart) + (i == j ? 1e-6 : 0.0);
-    }
-  }
-  return covariance.llt().matrixL();
-}
-
-std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances) {
-  const State base = state_of(structure);
-  std::vector<BodyError> all;
-  constexpr double kStep = 1e-3;
-  const auto add = [&](const Deviation& deviation, int of, double unit) {
-    State state = base;
-    deviation.apply(state, kStep);
-    BodyError error{of, (state.stiffness - base.stiffness) / (kStep * unit),
-                    (state.mass - base.mass) / (kStep * unit)};
-    if (!error.stiffness.isZero(0.0) || !error.mass.isZero(0.0)) all.push_back(std::move(error));
-  };
-  Tolerances whole = no_tolerances();
-  whole.modulus = tolerances.modulus;
-  whole.density = tolerances.density;
-  whole.orthotropy = tolerances.orthotropy;
-  whole.mass = tolerances.mass;
-  for (const auto& deviation : deviations(structure, whole, 0.0)) add(deviation, kNone, 1.0);
-  Tolerances waves = no_tolerances();
-  waves.thickness = tolerances.thickness;
-  bool is_first = true;  // the uniform thickness comes before its waves
-  for (const auto& deviation : deviations(structure, waves, 0.0)) {
-    add(deviation, is_first ? kNone : of(ErrorClass::field), is_first ? 1.0 : waves.thickness);
-    is_first = false;
-  }
-  return all;
-}
 
 ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
                        const RecordedModes& model, const ShapeUnits& units,

@@ -1,0 +1,38 @@
+#include "diagnosis/modes/matching.h"
+
+#include <cmath>
+
+#include "base/index.h"
+#include "diagnosis/constants.h"
+#include "modal/pairing.h"
+
+namespace chladni::diagnosis {
+
+using Eigen::Index;
+
+Matching matched(const MeasuredModes& measured, const RecordedModes& model, const ShapeUnits& units,
+                 PairBy by) {
+  Matching result{std::vector<Index>(at(measured.count()), -1), {}};
+  result.span.resize(result.model.size());
+  if (model.count() == 0) return result;
+  Eigen::MatrixXd cost(measured.count(), model.count());
+  const double most = 1.0 - kConstants.least_mac;
+  for (Index i = 0; i < measured.count(); ++i) {
+    for (Index k = 0; k < model.count(); ++k) {
+      const double apart =
+          std::log(measured.frequency_hz(i) / model.frequency_hz(k)) / kConstants.apart;
+      cost(i, k) = apart * apart;
+      if (by == PairBy::shape && cost(i, k) < most) {
+        cost(i, k) +=
+            1.0 - partner(measured, model, units, i, span_of(measured, model, i, k)).likeness();
+      }
+    }
+  }
+  for (const auto& [i, k] : modal::assigned(cost, most)) {
+    result.model[at(i)] = k;
+    result.span[at(i)] = span_of(measured, model, i, k);
+  }
+  return result;
+}
+
+}  // namespace chladni::diagnosis

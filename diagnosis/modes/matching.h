@@ -1,0 +1,23 @@
+// Which measured mode belongs to which mode of a hypothesis.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/modes/partner.h"
+
+namespace chladni::diagnosis {
+
+/// What tells measured modes apart.
+enum class PairBy { shape, frequency };
+
+/// For each measured mode its mode of the hypothesis; −1: it has none.
+struct Matching {
+  std::vector<Eigen::Index> model;
+  std::vector<std::vector<Eigen::Index>> span;  ///< span_of each of these; empty: none
+};
+/// At least total cost (modal::assigned): 1 − MAC plus the square of ln(frequency ratio) over
+/// Constants::apart. Without shapes the frequency alone decides.
+[[nodiscard]] Matching matched(const MeasuredModes& measured, const RecordedModes& model,
+                               const ShapeUnits& units, PairBy by = PairBy::shape);
+
+}  // namespace chladni::diagnosis

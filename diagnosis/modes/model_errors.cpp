@@ -1,0 +1,67 @@
+#include "diagnosis/modes/model_errors.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "diagnosis/fit/deviations.h"
+#include "diagnosis/modes/levels.h"
+
+namespace chladni::diagnosis {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr int kNone = -1;
+constexpr double kSmoothOver = 0.2;  // of the body's size: length of a smooth shape error
+
+}  // namespace
+
+MatrixXd smooth_factor(const Structure& structure) {
+  const auto& out = structure.outputs.places;
+  const auto& in = structure.inputs.places;
+  Eigen::MatrixX2d places(out.rows() + in.rows(), 2);
+  places << out, in;
+  const double length = kSmoothOver * std::max(structure.surface.size(), 1e-9);
+  MatrixXd covariance(places.rows(), places.rows());
+  for (Index i = 0; i < places.rows(); ++i) {
+    for (Index j = 0; j < places.rows(); ++j) {
+      const double apart = std::sqrt(3.0) * (places.row(i) - places.row(j)).norm() / length;
+      covariance(i, j) = (1.0 + apart) * std::exp(-apart) + (i == j ? 1e-6 : 0.0);
+    }
+  }
+  return covariance.llt().matrixL();
+}
+
+std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances) {
+  const State base = state_of(structure);
+  std::vector<BodyError> all;
+  constexpr double kStep = 1e-3;
+  const auto add = [&](const Deviation& deviation, int of, double unit) {
+    State state = base;
+    deviation.apply(state, kStep);
+    BodyError error{of, (state.stiffness - base.stiffness) / (kStep * unit),
+                    (state.mass - base.mass) / (kStep * unit)};
+    if (!error.stiffness.isZero(0.0) || !error.mass.isZero(0.0)) all.push_back(std::move(error));
+  };
+  Tolerances whole = no_tolerances();
+  whole.modulus = tolerances.modulus;
+  whole.density = tolerances.density;
+  whole.orthotropy = tolerances.orthotropy;
+  whole.mass = tolerances.mass;
+  for (const auto& deviation : deviations(structure, whole, 0.0)) add(deviation, kNone, 1.0);
+  Tolerances waves = no_tolerances();
+  waves.thickness = tolerances.thickness;
+  bool is_first = true;  // the uniform thickness comes before its waves
+  for (const auto& deviation : deviations(structure, waves, 0.0)) {
+    add(deviation, is_first ? kNone : static_cast<int>(ErrorClass::field),
+        is_first ? 1.0 : waves.thickness);
+    is_first = false;
+  }
+  return all;
+}
+
+}  // namespace chladni::diagnosis
