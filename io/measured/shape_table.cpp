@@ -1,6 +1,7 @@
 #include "io/shape_table.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "base/atomic_file.h"
@@ -52,7 +53,7 @@ std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
 
 // The columns of the table.
 struct Columns {
-  std::ptrdiff_t frequency = -1, damping = -1;
+  std::ptrdiff_t frequency = -1, damping = -1, frequency_std = -1, damping_std = -1;
   std::vector<std::string> channels;
   std::vector<std::ptrdiff_t> value, deviation;  // per channel; −1: none
 };
@@ -61,6 +62,14 @@ void add_deviation(const Line& header, std::ptrdiff_t column, const std::string&
                    Columns& columns) {
   const auto& field = header.fields[static_cast<std::size_t>(column)];
   const std::string channel = field.substr(kDeviation.size());
+  if (channel == "frequency_hz") {
+    columns.frequency_std = column;
+    return;
+  }
+  if (channel == "damping_ratio" && columns.damping >= 0) {
+    columns.damping_std = column;
+    return;
+  }
   const auto found = std::find(columns.channels.begin(), columns.channels.end(), channel);
   if (found == columns.channels.end()) {
     fail(name, header.number, "the column " + shown(field) + " has no column " + shown(channel));
@@ -68,7 +77,7 @@ void add_deviation(const Line& header, std::ptrdiff_t column, const std::string&
   columns.deviation[static_cast<std::size_t>(found - columns.channels.begin())] = column;
 }
 
-Columns columns_of(const Line& header, const std::string& name) {
+Columns columns_of(const Line& header, const std::string& name, ShapesStated stated) {
   Columns columns;
   std::map<std::string, int> seen;
   for (std::size_t c = 0; c < header.fields.size(); ++c) {
@@ -91,7 +100,9 @@ Columns columns_of(const Line& header, const std::string& name) {
          "there is no column frequency_hz; expected a first line such as "
          "\"frequency_hz,s1,s2,std_s1,std_s2\"");
   }
-  if (columns.channels.empty()) fail(name, header.number, "there is no column of a channel");
+  if (columns.channels.empty() && stated == ShapesStated::all) {
+    fail(name, header.number, "there is no column of a channel");
+  }
   columns.deviation.assign(columns.channels.size(), -1);
   for (std::size_t c = 0; c < header.fields.size(); ++c) {
     if (!header.fields[c].starts_with(kDeviation)) continue;
@@ -111,53 +122,84 @@ double number_at(const Line& line, std::ptrdiff_t column, const Line& header,
   return *value;
 }
 
+// Reads the numbers of one line; an empty cell is NaN where the table may have gaps.
+class LineReader {
+ public:
+  LineReader(const Line& line, const Line& header, const std::string& name, ShapesStated stated)
+      : line_(line), header_(header), name_(name), stated_(stated) {}
+
+  [[nodiscard]] double number(std::ptrdiff_t column) const {
+    const bool may_be_empty = stated_ == ShapesStated::partly;
+    if (may_be_empty && line_.fields[static_cast<std::size_t>(column)].empty()) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    return number_at(line_, column, header_, name_);
+  }
+  // 0: the table has no such column, or an empty cell.
+  [[nodiscard]] double deviation(std::ptrdiff_t column) const {
+    if (column < 0) return 0.0;
+    const double value = number(column);
+    if (value <= 0.0) {
+      fail(name_, line_.number,
+           header_.fields[static_cast<std::size_t>(column)] + " must be more than 0");
+    }
+    return value > 0.0 ? value : 0.0;
+  }
+
+ private:
+  const Line& line_;
+  const Line& header_;
+  const std::string& name_;
+  ShapesStated stated_;
+};
+
 void read_mode(const Line& line, const Line& header, const Columns& columns, Eigen::Index mode,
-               const std::string& name, ShapeTable& table) {
+               const std::string& name, ShapesStated stated, ShapeTable& table) {
   if (line.fields.size() != header.fields.size()) {
     fail(name, line.number,
          std::to_string(line.fields.size()) + " fields; expected " +
              std::to_string(header.fields.size()) + ", as many as the first line has");
   }
+  const LineReader reader(line, header, name, stated);
   const double frequency = number_at(line, columns.frequency, header, name);
   if (frequency < 0.0) fail(name, line.number, "frequency_hz is negative");
   table.frequency_hz(mode) = frequency;
-  if (columns.damping >= 0) {
-    table.damping_ratio(mode) = number_at(line, columns.damping, header, name);
-  }
+  if (columns.damping >= 0) table.damping_ratio(mode) = reader.number(columns.damping);
+  table.frequency_std_hz(mode) = reader.deviation(columns.frequency_std);
+  table.damping_std(mode) = reader.deviation(columns.damping_std);
   for (std::size_t s = 0; s < columns.channels.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(s);
-    table.values(row, mode) = number_at(line, columns.value[s], header, name);
-    if (columns.deviation[s] < 0) continue;
-    const double deviation = number_at(line, columns.deviation[s], header, name);
-    if (deviation <= 0.0) {
-      fail(name, line.number, "std_" + columns.channels[s] + " must be more than 0");
-    }
-    table.deviation(row, mode) = deviation;
+    table.values(row, mode) = reader.number(columns.value[s]);
+    table.deviation(row, mode) = reader.deviation(columns.deviation[s]);
   }
 }
 
 }  // namespace
 
-ShapeTable parse_shapes(std::string_view bytes, const std::string& name) {
+ShapeTable parse_shapes(std::string_view bytes, const std::string& name, ShapesStated stated) {
   refuse_utf16(bytes, name);
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   const auto lines = lines_of(bytes, name);
   require(lines.size() >= 2, name + ": " + (lines.empty() ? "no lines" : "no mode") +
                                  "; expected a first line of names and one line per mode");
   const auto& header = lines.front();
-  const auto columns = columns_of(header, name);
+  const auto columns = columns_of(header, name, stated);
   const auto s = static_cast<Eigen::Index>(columns.channels.size());
   const auto m = static_cast<Eigen::Index>(lines.size()) - 1;
-  ShapeTable table{columns.channels, Eigen::VectorXd(m), Eigen::VectorXd::Zero(m),
-                   Eigen::MatrixXd(s, m), Eigen::MatrixXd::Zero(s, m)};
+  const double no_damping =
+      stated == ShapesStated::partly ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+  ShapeTable table{
+      columns.channels,      Eigen::VectorXd(m),          Eigen::VectorXd::Constant(m, no_damping),
+      Eigen::MatrixXd(s, m), Eigen::MatrixXd::Zero(s, m), Eigen::VectorXd(m),
+      Eigen::VectorXd(m)};
   for (Eigen::Index i = 0; i < m; ++i) {
-    read_mode(lines[static_cast<std::size_t>(i) + 1], header, columns, i, name, table);
+    read_mode(lines[static_cast<std::size_t>(i) + 1], header, columns, i, name, stated, table);
   }
   return table;
 }
 
-ShapeTable read_shapes(const std::filesystem::path& file) {
-  return parse_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string());
+ShapeTable read_shapes(const std::filesystem::path& file, ShapesStated stated) {
+  return parse_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string(), stated);
 }
 
 void write_shapes(const std::filesystem::path& file, const ShapeTable& table) {

@@ -1,0 +1,78 @@
+#include "io/node_shapes.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/uff/uff.h"
+#include "io/uff/uff_channels.h"
+
+namespace chladni::io {
+namespace {
+
+constexpr std::array kModal = {2, 3, 7};    // analyses: normal modes, complex eigenvalues
+constexpr std::size_t kMemoryPerByte = 16;  // for the numbers of a shape and its nodes
+constexpr std::array kAxes = {1, 2, 3, -1, -2, -3};
+
+bool is_mode(const UffShape& shape) {
+  return std::ranges::find(kModal, shape.analysis) != kModal.end() && shape.values.cols() >= 3;
+}
+
+std::string nothing_found(const Uff& uff) {
+  const bool has_2414 = std::ranges::any_of(uff.notes, [](const std::string& note) {
+    return note.find("dataset 2414") != std::string::npos;
+  });
+  if (has_2414) {
+    return "modes in dataset 2414 are not read; expected them as datasets 55 or as a CSV table "
+           "with a first line such as \"frequency_hz,s1,s2\"";
+  }
+  return "no mode shape; expected datasets 55 of normal modes or complex eigenvalues";
+}
+
+void refuse_own_systems(const Uff& uff, const UffShape& shape, const std::string& name) {
+  for (const auto node : shape.nodes) {
+    const auto found = uff.node_systems.find(node);
+    if (found == uff.node_systems.end() || found->second.displacement == 0) continue;
+    throw InvalidInput(name + ": line " + std::to_string(shape.line) +
+                       ": the displacements of node " + std::to_string(node) +
+                       " have the coordinate system " + std::to_string(found->second.displacement) +
+                       "; expected the global one");
+  }
+}
+
+NodeShape mode_of(const UffShape& shape) {
+  NodeShape mode{shape.frequency_hz, shape.damping_ratio, {}};
+  for (std::size_t n = 0; n < shape.nodes.size(); ++n) {
+    const auto row = static_cast<Eigen::Index>(n);
+    mode.motion.emplace(shape.nodes[n], shape.values.row(row).head(3).transpose());
+  }
+  return mode;
+}
+
+}  // namespace
+
+NodeShapes parse_node_shapes(std::string_view bytes, const std::string& name) {
+  const Uff uff = parse_uff(bytes, name);
+  NodeShapes result{{}, uff.notes};
+  for (const auto& shape : uff.shapes) {
+    if (!is_mode(shape)) continue;
+    refuse_own_systems(uff, shape, name);
+    result.modes.push_back(mode_of(shape));
+  }
+  require(!result.modes.empty(), name + ": " + nothing_found(uff));
+  return result;
+}
+
+NodeShapes read_node_shapes(const std::filesystem::path& file) {
+  return parse_node_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string());
+}
+
+Eigen::Vector3d direction_in(std::string_view name, long long node) {
+  for (const int axis : kAxes) {
+    if (name == name_of(UffDof{{}, node, axis})) return vector_of(axis);
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+}  // namespace chladni::io
