@@ -20,6 +20,7 @@ struct DiagnosisPlan {
   int most_causes = 3;
   double least_evidence = 8.0, rival_within = 5.0;  ///< ln Z
   int lines = 320;                                  ///< of the search, at most
+  std::string levels = "learned";                   ///< or "known": the tolerances
   /// Lines that are held out of every fit, to measure the gain there; 0 and 0: none.
   double hold_out_low_hz = 0.0, hold_out_high_hz = 0.0;
 };

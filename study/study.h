@@ -139,6 +139,7 @@ struct MeasurementPlan {
   std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
   double noise = 0.01;  ///< of a shape's value over its root mean square, if none is stated
   int modes = 0;  ///< flexible modes of `truth` that are measured; 0: those in view, at most 12
+  std::filesystem::path modes_file;   ///< measured modes, for a diagnosis; or empty
   std::vector<std::string> hold_out;  ///< names of channels that are held out of every fit
   std::string source;  ///< where to get files that do not come with the study; or empty
 };

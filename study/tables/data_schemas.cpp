@@ -111,9 +111,14 @@ const Schema<MeasurementPlan>& measurement_schema() {
                  "a study whose modes stand for measured ones, instead of shapes"),
        quantity("noise", "1", Sign::positive, &P::noise,
                 "of a shape's value over its root mean square, where none is stated"),
-       special<P>({"modes", fmt::format("1 to {}", kMostModes), "those in view, at most 12",
-                   "flexible modes of truth that are measured"},
-                  "modes", [](const P& plan) { return io::Json(plan.modes); }),
+       special<P>({"modes", fmt::format("a path, or 1 to {}", kMostModes),
+                   "of truth: those in view, at most 12",
+                   "measured modes for a diagnosis; a number: flexible modes of truth"},
+                  "modes",
+                  [](const P& plan) {
+                    return plan.modes_file.empty() ? io::Json(plan.modes)
+                                                   : io::Json(plan.modes_file.filename().string());
+                  }),
        special<P>({"hold_out", "channels of the study", "none",
                    "channels that no fit may see; what is predicted there is scored"},
                   "hold_out", [](const P& plan) { return io::Json::texts(plan.hold_out); }),
@@ -202,6 +207,8 @@ const Schema<DiagnosisPlan>& diagnosis_schema() {
        quantity("rival_within", "1", Sign::positive, &P::rival_within,
                 "rivals that are nearer in ln of the evidence make a cause ambiguous"),
        whole("lines", 20, 100000, &P::lines, "of the search, at most"),
+       choice("levels", {"learned", "known"}, &P::levels,
+              "of the errors of a sound model: inferred from measured modes, or the tolerances"),
        band("hold_out_band", &P::hold_out_low_hz, &P::hold_out_high_hz, example,
             "lines that no fit may see; the gain is measured there", "none")}};
   return schema;

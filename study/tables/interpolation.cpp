@@ -21,6 +21,49 @@ std::filesystem::path read_path(TableReader& table, const StudyFolder& folder, s
   }
 }
 
+namespace {
+
+// A number of modes of the truth, or a file of measured modes.
+void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan) {
+  const TomlNode* node = table.find("modes");
+  if (node == nullptr) return;
+  if (node->kind != TomlNode::Kind::text) {
+    plan.modes = static_cast<int>(table.integer("modes", 1, kMostModes).value_or(0));
+    return;
+  }
+  plan.modes_file = read_path(table, folder, "modes", source_text(plan));
+  for (const char* other : {"frf", "time"}) {
+    if (!table.has(other)) continue;
+    table.wrong(*node, "measurement has modes in a file and " + std::string(other) +
+                           "; expected one of them: the modes of responses are identified");
+  }
+}
+
+void list_files(TableReader& table, const MeasurementPlan& plan, Study& study) {
+  for (const auto& [key, path] :
+       {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
+        std::pair("truth", plan.truth), std::pair("modes", plan.modes_file)}) {
+    if (path.empty()) continue;
+    const TomlNode& node = *table.find(key);
+    study.files.push_back({table.name(key), path, node.line, node.column});
+  }
+}
+
+void require_data(TableReader& table) {
+  const TomlNode* modes = table.find("modes");
+  const bool has_modes = modes != nullptr && modes->kind == TomlNode::Kind::text;
+  if (has_modes || table.has("frf") || table.has("time") || table.has("shapes") ||
+      table.has("truth")) {
+    return;
+  }
+  table.missing("frf",
+                "frf = \"measured.uff\", time = \"recorded.csv\", shapes = \"shapes.csv\", modes "
+                "= \"modes.csv\" or truth = \"real.toml\" (a study whose modes stand for measured "
+                "ones)");
+}
+
+}  // namespace
+
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
   auto table = root.table("measurement");
   if (!table) return;
@@ -30,22 +73,12 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   plan.time = read_path(*table, folder, "time", source_text(plan));
   plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
   plan.truth = read_path(*table, folder, "truth");
-  for (const auto& [key, path] :
-       {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
-        std::pair("truth", plan.truth)}) {
-    if (path.empty()) continue;
-    const TomlNode& node = *table->find(key);
-    study.files.push_back({table->name(key), path, node.line, node.column});
-  }
-  if (!table->has("frf") && !table->has("time") && !table->has("shapes") && !table->has("truth")) {
-    table->missing("frf",
-                   "frf = \"measured.uff\", time = \"recorded.csv\", shapes = \"shapes.csv\" or "
-                   "truth = \"real.toml\" (a study whose modes stand for measured ones)");
-  }
+  read_modes(*table, folder, plan);
+  list_files(*table, plan, study);
+  require_data(*table);
   if (table->has("shapes") && table->has("truth")) {
     table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");
   }
-  plan.modes = static_cast<int>(table->integer("modes", 1, kMostModes).value_or(0));
   plan.hold_out = table->texts("hold_out");
   refuse_strangers(*table, "hold_out", "channel of the study", plan.hold_out, channel_names(study));
   table->refuse_unknown();
