@@ -17,7 +17,6 @@ void fits(const Eigen::MatrixXd& values, Eigen::Index rows, Eigen::Index cols,
 
 void check_side(const ChannelSide& side, Eigen::Index modes, const std::string& what) {
   const Eigen::Index n = side.count();
-  require(n > 0, "no " + what);
   require(static_cast<Eigen::Index>(side.names.size()) == n, what + ": one name each is expected");
   fits(side.shapes, n, modes, "shapes at the " + what);
   fits(side.slope_u, n, modes, "slopes along u at the " + what);

@@ -143,8 +143,6 @@ study::Study with_modes_for_diagnosis(study::Study study) {
 
 diagnosis::Structure structure_of(const study::Study& study, const Solution& solution,
                                   double high_hz) {
-  require(!study.sensors.empty() && !study.actuators.empty(),
-          study.file.string() + ": a diagnosis needs a sensor and an actuator or more");
   const Eigen::Index count = modes_in_use(solution, high_hz);
   const auto& model = solution.model;
   const modal::Modes modes = first(solution.modes, count);

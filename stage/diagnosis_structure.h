@@ -29,7 +29,8 @@ inline constexpr int kDiagnosisModes = 64;
 ///
 /// `surface.at` owns its data and may be called from several threads at once; some 20 µs.
 /// Cost: one factorisation, and per element some r² times its nodes.
-/// @throws InvalidInput  no sensor or no actuator; as fem::reduced
+/// A study without channels has a structure without channels: enough for frequencies alone.
+/// @throws InvalidInput  as fem::reduced
 [[nodiscard]] diagnosis::Structure structure_of(const study::Study& study, const Solution& solution,
                                                 double high_hz = HUGE_VAL);
 
