@@ -11,6 +11,7 @@
 #include "show/solution.h"
 #include "stage/diagnosis_structure.h"
 #include "steps/expectations.h"
+#include "steps/measured_modes.h"
 
 namespace chladni::app {
 namespace {
@@ -18,13 +19,13 @@ namespace {
 // True if there are measured data. A warning names a missing file: `simulate` must still write it,
 // or it does not come with the study.
 bool is_there(const study::MeasurementPlan& plan, show::Run& run) {
-  for (const auto& path : {plan.frf, plan.time}) {
+  for (const auto& path : {plan.frf, plan.time, plan.modes_file}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
     run.warn(path.string() + ": there is no such file; what needs it is left out" +
              study::source_text(plan));
     return false;
   }
-  return steps::has_shapes(plan);
+  return steps::has_shapes(plan) || steps::has_modes(plan);
 }
 
 // The study is solved once, also where a diagnosis needs more modes than the study asks for.
@@ -48,7 +49,8 @@ void run(const study::Study& study, show::Run& run) {
     show::leave_placement(study, solution, *placement, run, false);
   }
   std::optional<steps::Interpolated> shapes;
-  if (measured && (study.interpolation || !study.diagnosis)) {
+  const bool has_shapes = measured && steps::has_shapes(*study.measurement);
+  if (has_shapes && (study.interpolation || !study.diagnosis)) {
     shapes = steps::interpolated(study, solution, run, show::shown_and_left(study, run));
     run.show("\n" + show::interpolation_table(*shapes));
     show::leave_interpolation(study, solution, *shapes, run, false);

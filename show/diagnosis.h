@@ -23,7 +23,8 @@ namespace chladni::show {
 /// A section of the report: verdict, causes, places, gain, modes.
 [[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run& run);
 
-/// diagnosis.json, extended.toml, cause_map.vtu and .png, prediction.png
+/// diagnosis.json, extended.toml, cause_map.vtu and .png; of responses also prediction.png and
+/// mac.png
 void leave_diagnosis(const study::Study& study, const steps::Diagnosed& diagnosed, Run& run,
                      bool main_result);
 

@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/hypothesis.h"
 #include "diagnosis/observed.h"
 #include "identification/fit_data.h"
@@ -19,6 +20,8 @@
 #include "stage/channel_paths.h"
 #include "stage/diagnosis_faces.h"
 #include "stage/diagnosis_structure.h"
+#include "steps/diagnosis/by_modes.h"
+#include "steps/measured_modes.h"
 
 namespace chladni::steps {
 namespace {
@@ -152,21 +155,10 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stag
   }
 }
 
-diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::Work& work) {
-  diagnosis::DiagnosisOptions options;
-  options.tolerances = plan.tolerances;
-  options.lines = plan.lines;
-  options.most_causes = plan.most_causes;
-  options.least_evidence = plan.least_evidence;
-  options.rival_within = plan.rival_within;
-  options.only = plan.effects;
-  options.progress = work.progress();
-  return options;
-}
-
-void compare(Diagnosed& one, stage::Work& work) {
-  const auto fit = modes_of(one.seen, work);
+std::optional<identification::ModalFit> compare(Diagnosed& one, stage::Work& work) {
+  auto fit = modes_of(one.seen, work);
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
+  return fit;
 }
 
 // Records without units have an unknown scale, so they get the scale of the simulation. Returns
@@ -198,7 +190,7 @@ std::vector<std::filesystem::path> allowed_for(const study::Study& study, const 
 // Writes the extended study, and solves it in full if a cause changed it.
 void extend(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
             stage::Work& work) {
-  const auto& causes = one.result.best.causes;
+  const auto causes = causes_to_extend(one);
   const auto allowed = allowed_for(study, work);
   const auto& body = one.before.model.body;
   const bool fits =
@@ -210,6 +202,10 @@ void extend(const study::Study& study, double band_hz, const SolveStudy& solve, 
   const study::Study extended = stage::with_modes_for_diagnosis(
       study::parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
   one.after = solve(extended, work);
+  if (one.modes) {
+    retell_modes(extended, *one.after, options_of(plan_of(extended), work), one);
+    return;
+  }
   one.predictions.extended = predicted(extended, stage::structure_of(extended, *one.after, band_hz),
                                        study, one.measured.all);
 }
@@ -275,14 +271,19 @@ void comment_on(const std::string& comment, Diagnosed& one) {
   if (one.extended) one.extended->text = "# " + comment + "\n" + one.extended->text;
 }
 
+// Returns true if causes were named.
+bool extend_by_causes(const study::Study& study, double band_hz, const SolveStudy& solve,
+                      Diagnosed& one, stage::Work& work) {
+  if (causes_to_extend(one).empty()) return false;
+  const bool is_solved = attempted("the extended study cannot be solved", one, work,
+                                   [&] { extend(study, band_hz, solve, one, work); });
+  if (!is_solved) comment_on("This study could not be solved.", one);
+  return true;
+}
+
 void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
               stage::Work& work) {
-  const bool named =
-      !one.result.best.causes.empty() && one.result.verdict != diagnosis::Verdict::unexplained;
-  if (named) {
-    const bool is_solved = attempted("the extended study cannot be solved", one, work,
-                                     [&] { extend(study, band_hz, solve, one, work); });
-    if (!is_solved) comment_on("This study could not be solved.", one);
+  if (extend_by_causes(study, band_hz, solve, one, work)) {
     if (one.predictions.extended.empty() || !one.extended->unexpressed.empty()) {
       attempted("the fitted model cannot predict", one, work,
                 [&] { one.predictions.fitted = fitted_model(one); });
@@ -316,13 +317,17 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   one.structure =
       work.timed("structure", [&] { return stage::structure_of(study, solution, band_hz); });
   auto options = options_of(plan, work);
-  work.timed("comparison", [&] {
-    compare(one, work);
-    if (take_scale(one, options.tolerances, work)) compare(one, work);
-    return 0;
+  bool scaled = true;
+  const auto fit = work.timed("comparison", [&] {
+    auto found = compare(one, work);
+    scaled = !take_scale(one, options.tolerances, work);
+    return scaled ? found : compare(one, work);
   });
   one.result = work.timed("diagnosis",
                           [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
+  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
+    diagnose_modes_of_responses(one, fit ? &*fit : nullptr, scaled, options, work);
+  });
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   one.predictions.before = predicted(study, one.structure, study, one.measured.all);
@@ -330,10 +335,58 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   return one;
 }
 
+// The modes below the last one of the simulation at `highest_hz`.
+diagnosis::MeasuredModes below(const diagnosis::MeasuredModes& all, double highest_hz,
+                               const study::Study& study, stage::Work& work) {
+  const auto count = (all.frequency_hz.array() <= highest_hz).count();
+  const auto file = study.measurement->modes_file.string();
+  require(count > 0, fmt::format("{}: the lowest mode lies at {:.6g} Hz; expected one below "
+                                 "{:.6g} Hz, where the simulation's modes end",
+                                 file, all.frequency_hz(0), highest_hz));
+  if (count == all.count()) return all;
+  work.note(
+      fmt::format("{}: {} modes above {:.6g} Hz, where the simulation's modes end, are left "
+                  "out",
+                  file, all.count() - count, highest_hz));
+  return first_modes(all, count);
+}
+
+Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::MeasuredModes& modes,
+                             stage::Solution before, stage::Work& work,
+                             const SolveStudy& solve_extended) {
+  const auto plan = plan_of(study);
+  Diagnosed one;
+  one.least_evidence = plan.least_evidence;
+  one.before = std::move(before);
+  const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
+  one.modes = below(modes, highest_hz, study, work);
+  const double band_hz = one.modes->frequency_hz.tail(1)(0);
+  for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
+    work.note(note);
+  }
+  one.structure =
+      work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
+  one.result = work.timed("diagnosis", [&] {
+    return diagnosis::diagnosed(one.structure, *one.modes, options_of(plan, work));
+  });
+  drop_mac_without_shapes(one);
+  extend_by_causes(study, band_hz, solve_extended, one, work);
+  return one;
+}
+
+bool is_by_modes(const study::Study& study) {
+  return study.measurement && has_modes(*study.measurement);
+}
+
 }  // namespace
 
 Diagnosed diagnosed(const study::Study& study, stage::Work& work,
                     const SolveStudy& solve_extended) {
+  if (is_by_modes(study)) {
+    const auto modes = measured_modes(study, work);  // likewise before minutes of solving
+    auto before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+    return diagnosed_by_modes(study, modes, std::move(before), work, solve_extended);
+  }
   auto measured = measured_frfs(study, work);  // reports missing data before minutes of solving
   auto before = stage::solved(stage::with_modes_for_diagnosis(study), work);
   return diagnosed(study, std::move(measured), std::move(before), work, solve_extended);
@@ -344,6 +397,10 @@ Diagnosed diagnosed(const study::Study& study, stage::Work& work) {
 }
 
 Diagnosed diagnosed(const study::Study& study, stage::Solution before, stage::Work& work) {
+  if (is_by_modes(study)) {
+    return diagnosed_by_modes(study, measured_modes(study, work), std::move(before), work,
+                              solve_in_full);
+  }
   return diagnosed(study, measured_frfs(study, work), std::move(before), work, solve_in_full);
 }
 

@@ -9,6 +9,7 @@
 #include "diagnosis/compare.h"
 #include "diagnosis/detectable.h"
 #include "diagnosis/diagnosed.h"
+#include "diagnosis/measured_modes.h"
 #include "stage/solution.h"
 #include "steps/diagnosis/diagnosis_gain.h"
 #include "steps/extend/extended_study.h"
@@ -16,6 +17,8 @@
 
 namespace chladni::steps {
 
+/// Of measured modes alone, `measured`, `seen`, `comparison`, `detectable`, `predictions` and
+/// `gain` are empty.
 struct Diagnosed {
   MeasuredFrfs measured;   ///< receptances within the band, all channels of the study
   modal::FrfSet seen;      ///< without the held-out channels and lines
@@ -23,6 +26,10 @@ struct Diagnosed {
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
+  std::optional<diagnosis::MeasuredModes> modes;  ///< of the study's file, instead of responses
+  /// Diagnosis of the modes of the responses, if these are not explained to the noise. If it names
+  /// causes, `result` has its verdict, causes, rivals and levels.
+  std::optional<diagnosis::Diagnosis> by_modes;
   std::vector<diagnosis::Detectable> detectable;  ///< detectable effects of the same experiment
   double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence
   std::optional<ExtendedStudy> extended;          ///< if a cause was named
@@ -31,10 +38,13 @@ struct Diagnosed {
   Gain gain;
 };
 
-/// Reads the measured responses, makes the structure and the comparison, diagnoses, solves the
-/// extended study again, and computes the gain. For causes that no study can express, the gain is
-/// that of the reduced model. If the extended study does not change or cannot be solved, there is
-/// only a note.
+/// True if verdict and causes are those of modes: of a file, or of the responses.
+[[nodiscard]] inline bool is_of_modes(const Diagnosed& one) { return !one.result.modes.empty(); }
+
+/// Reads the measured responses or modes, makes the structure and the comparison, diagnoses, solves
+/// the extended study again, and computes the gain. For causes that no study can express, the gain
+/// is that of the reduced model. If the extended study does not change or cannot be solved, there
+/// is only a note.
 /// @throws as its steps, except those of the extended study
 [[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work);
 /// The same for a study that is solved, with the modes that a diagnosis needs

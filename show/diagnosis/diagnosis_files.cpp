@@ -111,6 +111,7 @@ void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
   if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
   leave_map(study, one, run);
+  if (one.modes) return;
   const auto& after =
       one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
   const auto seen = [&](Index i, Index j) {

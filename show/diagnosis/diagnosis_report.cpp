@@ -11,6 +11,7 @@
 #include "show/comparison.h"
 #include "show/diagnosis.h"
 #include "show/diagnosis/detectable_text.h"
+#include "show/diagnosis/modes_told.h"
 #include "show/solution.h"
 #include "steps/diagnosis.h"
 
@@ -92,27 +93,14 @@ void add_remarks(io::Section& section, const diagnosis::Diagnosis& result) {
   }
 }
 
-}  // namespace
+void add_levels(io::Section& section, const diagnosis::Diagnosis& result) {
+  if (auto levels = levels_sentence(result); !levels.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(levels)});
+  }
+}
 
-io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
-  io::Section section{"What the simulation gets wrong, and why", {}};
-  const auto verdict = one.result.verdict;
-  const bool settled =
-      verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
-  if (auto advice = steps::advice_against(one.gain); !advice.empty()) {
-    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
-  }
-  section.blocks.emplace_back(
-      io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
-  if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
-  if (!one.result.measure_next.empty()) {
-    section.blocks.emplace_back(
-        io::Note{io::Note::Tone::plain, "Measure next: " + one.result.measure_next + "."});
-  }
-  if (one.result.map.explained.size() > 0) {
-    add_picture(section, run, "cause_map.png",
-                "How much of the difference one thing in one place would explain.");
-  }
+// What only responses tell: the gain, their picture, their identified modes, what would be seen.
+void add_responses(io::Section& section, const steps::Diagnosed& one, const Run& run) {
   section.blocks.emplace_back(gain_table(one.gain));
   for (auto line : gain_lines(one.gain)) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
@@ -127,6 +115,36 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
   if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));
+  }
+}
+
+}  // namespace
+
+io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
+  io::Section section{"What the simulation gets wrong, and why", {}};
+  const auto verdict = one.result.verdict;
+  const bool settled =
+      verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
+  if (auto advice = steps::advice_against(one.gain); !advice.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
+  }
+  section.blocks.emplace_back(
+      io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
+  add_levels(section, one.result);
+  if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
+  if (!one.result.measure_next.empty()) {
+    section.blocks.emplace_back(
+        io::Note{io::Note::Tone::plain, "Measure next: " + one.result.measure_next + "."});
+  }
+  if (one.result.map.explained.size() > 0) {
+    add_picture(section, run, "cause_map.png",
+                "How much of the difference one thing in one place would explain.");
+  }
+  if (one.modes) {
+    section.blocks.emplace_back(
+        modes_told_table(one.result.modes, !one.result.best.causes.empty()));
+  } else {
+    add_responses(section, one, run);
   }
   add_remarks(section, one.result);
   return section;

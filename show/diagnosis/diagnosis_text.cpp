@@ -8,6 +8,7 @@
 #include "show/comparison.h"
 #include "show/diagnosis.h"
 #include "show/diagnosis/detectable_text.h"
+#include "show/diagnosis/modes_told.h"
 #include "show/readable.h"
 #include "steps/diagnosis.h"
 
@@ -76,7 +77,8 @@ io::JsonArray alternatives_json(const diagnosis::Diagnosis& result) {
   return array;
 }
 
-io::JsonObject discrepancy_json(const steps::Diagnosed& one) {
+io::Json discrepancy_json(const steps::Diagnosed& one) {
+  if (one.modes) return {};
   auto json = comparison_json(one.comparison);
   json.emplace_back("excess", one.result.excess_before);
   json.emplace_back("chi_square_per_sensor", io::Json(one.result.before.per_output));
@@ -151,12 +153,24 @@ std::string name_of(const diagnosis::Cause& cause) {
   return fmt::format("{} of {}", cause.effect, fmt::join(cause.channels, ", "));
 }
 
-std::string causes_text(const diagnosis::Diagnosis& result) {
+io::JsonObject by_modes_json(const diagnosis::Diagnosis& result) {
+  return {{"verdict", std::string(diagnosis::name(result.verdict))},
+          {"causes", json_of(result.best.causes)},
+          {"levels", levels_json(result)}};
+}
+
+// Parts of the misfit are known of responses alone.
+std::string cause_line(const diagnosis::Cause& cause, bool by_modes) {
+  const auto text = fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}", name_of(cause),
+                                cause.probability, cause.log_evidence_gain);
+  return by_modes ? text + "\n"
+                  : text + fmt::format(", {:.1f} % of the misfit\n", 100.0 * cause.share);
+}
+
+std::string causes_text(const diagnosis::Diagnosis& result, bool by_modes) {
   std::string text;
   for (const auto& cause : result.best.causes) {
-    text += fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}, {:.1f} % of the misfit\n",
-                        name_of(cause), cause.probability, cause.log_evidence_gain,
-                        100.0 * cause.share);
+    text += cause_line(cause, by_modes);
   }
   if (result.superclass) text += "  unknown, in: " + superclass_text(*result.superclass) + "\n";
   int shown = 0;
@@ -166,8 +180,10 @@ std::string causes_text(const diagnosis::Diagnosis& result) {
     text += fmt::format("  instead: {} (probability {:.2g})\n", explanation_text(rival),
                         rival.probability);
   }
-  text += fmt::format("  misfit over noise and tolerances: z = {:.1f} before, {:.1f} after\n",
-                      result.excess_before, result.best.excess);
+  if (!by_modes) {
+    text += fmt::format("  misfit over noise and tolerances: z = {:.1f} before, {:.1f} after\n",
+                        result.excess_before, result.best.excess);
+  }
   for (const auto& breach : result.breaches) text += "  beyond its tolerance: " + breach + "\n";
   return text;
 }
@@ -184,11 +200,14 @@ std::string cause_text(const diagnosis::Cause& cause) {
 }
 
 std::string verdict_text(const diagnosis::Diagnosis& result) {
+  const bool is_of_modes = !result.modes.empty();
   switch (result.verdict) {
     case diagnosis::Verdict::no_discrepancy:
+      if (is_of_modes) return "The measured modes give no reason to change the simulation.";
       return "The simulation agrees with what was measured, within noise and tolerances.";
     case diagnosis::Verdict::named:
-      return "Named, down to the noise: " + explanation_text(result.best) + ".";
+      return (is_of_modes ? "Named: " : "Named, down to the noise: ") +
+             explanation_text(result.best) + ".";
     case diagnosis::Verdict::ambiguous:
       return "Two or more explanations are equally good; the likeliest: " +
              explanation_text(result.best) + ".";
@@ -225,16 +244,24 @@ std::vector<std::string> gain_lines(const steps::Gain& gain) {
 
 std::string diagnosis_table(const steps::Diagnosed& one) {
   const auto& result = one.result;
-  std::string text = fmt::format("verdict: {}\n{}\n\n{}", diagnosis::name(result.verdict),
-                                 verdict_text(one), causes_text(result));
+  const auto levels = levels_sentence(result);
+  std::string text =
+      fmt::format("verdict: {}\n{}\n{}{}\n{}", diagnosis::name(result.verdict), verdict_text(one),
+                  levels, levels.empty() ? "" : "\n", causes_text(result, steps::is_of_modes(one)));
   if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
   for (const auto& note : result.notes) text += "note: " + note + "\n";
-  text += gain_text(one.gain);
+  if (!one.modes) text += gain_text(one.gain);
+  text += modes_told_text(result.modes, !result.best.causes.empty());
+  if (one.modes && !result.best.causes.empty()) {
+    text += one.after ? "  after: the finite elements of extended.toml\n"
+                      : "  after: the reduced model of the likeliest explanation\n";
+  }
   if (one.extended) {
     for (const auto& line : one.extended->unexpressed) {
       text += "  not in extended.toml: " + line + "\n";
     }
   }
+  if (one.modes) return text;
   text += fmt::format("\n{}", comparison_table(one.comparison));
   const auto sizes = detectable_table(one.detectable, one.least_evidence);
   return sizes.empty() ? text : fmt::format("{}\n{}", text, sizes);
@@ -251,11 +278,14 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"excess_after", result.best.excess},
                       {"gain", gain_json(one.gain)},
                       {"detectable", detectable_json(one.detectable)},
+                      {"levels", levels_json(result)},
+                      {"modes", modes_told_json(result.modes)},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};
   if (one.extended) {
     json.emplace_back("not_in_extended_study", io::Json::texts(one.extended->unexpressed));
   }
+  if (one.by_modes) json.emplace_back("by_modes", by_modes_json(*one.by_modes));
   if (result.superclass) json.emplace_back("superclass", superclass_json(*result.superclass));
   return json;
 }

@@ -1,0 +1,109 @@
+#include "show/diagnosis/modes_told.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace chladni::show {
+namespace {
+
+using diagnosis::ErrorLevel;
+using diagnosis::ModeTold;
+
+constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTold = {
+    {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
+
+std::string hertz(double hz) { return std::isfinite(hz) ? fmt::format("{:.3f}", hz) : "-"; }
+
+std::string deviation(double hz, double measured_hz) {
+  if (!std::isfinite(hz)) return "-";
+  return fmt::format("{:+.2f}", 100.0 * (hz / measured_hz - 1.0));
+}
+
+std::string mac(double value) { return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-"; }
+
+}  // namespace
+
+std::string levels_sentence(const diagnosis::Diagnosis& result) {
+  std::string text;
+  for (const auto& [name, what] : kTold) {
+    const auto level = std::ranges::find(result.levels_after, name, &ErrorLevel::of);
+    if (level == result.levels_after.end() || level->determined < kShown) continue;
+    text += text.empty() ? fmt::format("The model's {} are good to", what)
+                         : fmt::format(", its {} to", what);
+    text += fmt::format(" {:.2g} %", 100.0 * level->value);
+  }
+  if (text.empty()) return text;
+  return text + (result.best.causes.empty() ? "." : ", once this is in it.");
+}
+
+io::JsonObject levels_json(const diagnosis::Diagnosis& result) {
+  io::JsonObject json;
+  for (const auto& before : result.levels_before) {
+    const auto after = std::ranges::find(result.levels_after, before.of, &ErrorLevel::of);
+    const bool has_after = after != result.levels_after.end();
+    json.emplace_back(before.of,
+                      io::JsonObject{{"before", before.value},
+                                     {"after", has_after ? io::Json(after->value) : io::Json()},
+                                     {"usual", before.usual},
+                                     {"at_most", before.at_most}});
+  }
+  return json;
+}
+
+std::string modes_told_text(const std::vector<ModeTold>& modes, bool has_causes) {
+  if (modes.empty()) return "";
+  std::string text =
+      fmt::format("\n{:>13} {:>11} {:>7} {:>7}", "measured [Hz]", "before [Hz]", "off [%]", "MAC");
+  if (has_causes) text += fmt::format(" {:>11} {:>7} {:>7}", "after [Hz]", "off [%]", "MAC");
+  text += "\n";
+  for (const auto& one : modes) {
+    text += fmt::format("{:>13} {:>11} {:>7} {:>7}", hertz(one.measured_hz), hertz(one.before_hz),
+                        deviation(one.before_hz, one.measured_hz), mac(one.mac_before));
+    if (has_causes) {
+      text += fmt::format(" {:>11} {:>7} {:>7}", hertz(one.after_hz),
+                          deviation(one.after_hz, one.measured_hz), mac(one.mac_after));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+io::JsonArray modes_told_json(const std::vector<ModeTold>& modes) {
+  io::JsonArray array;
+  for (const auto& one : modes) {
+    array.emplace_back(io::JsonObject{{"measured_hz", one.measured_hz},
+                                      {"before_hz", one.before_hz},
+                                      {"after_hz", one.after_hz},
+                                      {"mac_before", one.mac_before},
+                                      {"mac_after", one.mac_after}});
+  }
+  return array;
+}
+
+io::Table modes_told_table(const std::vector<ModeTold>& modes, bool has_causes) {
+  io::Table table{"Measured and simulated modes",
+                  {{"measured [Hz]"}, {"before [Hz]"}, {"off [%]"}, {"MAC"}},
+                  {}};
+  if (has_causes) {
+    for (const char* head : {"after [Hz]", "off [%]", "MAC"}) table.columns.push_back({head});
+  }
+  for (const auto& one : modes) {
+    std::vector<std::string> row{hertz(one.measured_hz), hertz(one.before_hz),
+                                 deviation(one.before_hz, one.measured_hz), mac(one.mac_before)};
+    if (has_causes) {
+      row.push_back(hertz(one.after_hz));
+      row.push_back(deviation(one.after_hz, one.measured_hz));
+      row.push_back(mac(one.mac_after));
+    }
+    table.rows.push_back({std::move(row)});
+  }
+  return table;
+}
+
+}  // namespace chladni::show

@@ -1,0 +1,25 @@
+// What a diagnosis of modes tells: levels of the model's errors, and modes before and after.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnosed.h"
+#include "io/json.h"
+#include "io/report.h"
+
+namespace chladni::show {
+
+/// "The model's frequencies are good to 0.8 %, its shapes to 5 %." Empty: the levels are known.
+[[nodiscard]] std::string levels_sentence(const diagnosis::Diagnosis& result);
+/// Each class with its levels before and after, what is usual, and what is believed at most.
+[[nodiscard]] io::JsonObject levels_json(const diagnosis::Diagnosis& result);
+
+/// Measured modes beside those before and after, as text; empty: none are told.
+[[nodiscard]] std::string modes_told_text(const std::vector<diagnosis::ModeTold>& modes,
+                                          bool has_causes);
+[[nodiscard]] io::JsonArray modes_told_json(const std::vector<diagnosis::ModeTold>& modes);
+[[nodiscard]] io::Table modes_told_table(const std::vector<diagnosis::ModeTold>& modes,
+                                         bool has_causes);
+
+}  // namespace chladni::show

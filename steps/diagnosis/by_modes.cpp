@@ -1,0 +1,131 @@
+#include "steps/diagnosis/by_modes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "diagnosis/diagnosed_modes.h"
+#include "stage/diagnosis_structure.h"
+
+namespace chladni::steps {
+namespace {
+
+using diagnosis::Verdict;
+
+constexpr double kLikely = 0.5;  // probability of a cause that is put into the extended study
+constexpr double kShown = 0.5;   // errors that the data determine; a level of fewer is a guess
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
+    {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
+
+std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& channels) {
+  std::vector<std::string> names;
+  for (const auto& one : channels) names.push_back(one.name);
+  return names;
+}
+
+std::string reason_in_words(const diagnosis::Diagnosis& by_modes) {
+  const auto levels = levels_in_words(by_modes.levels_after);
+  return "the responses are not explained to the noise; with the model's errors learned from "
+         "their modes" +
+         (levels.empty() ? std::string() : ": " + levels);
+}
+
+// The causes that the modes name become the answer.
+void answer_by_modes(Diagnosed& one) {
+  const auto& by_modes = *one.by_modes;
+  auto& result = one.result;
+  result.verdict = by_modes.verdict;
+  result.best = by_modes.best;
+  result.rivals = by_modes.rivals;
+  result.superclass = by_modes.superclass;
+  result.measure_next = by_modes.measure_next;
+  result.breaches = by_modes.breaches;
+  result.modes = by_modes.modes;
+  result.notes.push_back(reason_in_words(by_modes));
+}
+
+}  // namespace
+
+std::string levels_in_words(const std::vector<diagnosis::ErrorLevel>& levels) {
+  std::string words;
+  for (const auto& [name, what] : kToldLevels) {
+    const auto level = std::ranges::find(levels, name, &diagnosis::ErrorLevel::of);
+    if (level == levels.end() || level->determined < kShown) continue;
+    words += fmt::format("{}{} {:.2g} %", words.empty() ? "" : ", ", what, 100.0 * level->value);
+  }
+  return words;
+}
+
+diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::Work& work) {
+  diagnosis::DiagnosisOptions options;
+  options.tolerances = plan.tolerances;
+  options.levels = plan.levels == "known" ? diagnosis::Levels::known : diagnosis::Levels::learned;
+  options.lines = plan.lines;
+  options.most_causes = plan.most_causes;
+  options.least_evidence = plan.least_evidence;
+  options.rival_within = plan.rival_within;
+  options.only = plan.effects;
+  options.progress = work.progress();
+  return options;
+}
+
+void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
+                                 const diagnosis::DiagnosisOptions& options, stage::Work& work) {
+  const auto verdict = one.result.verdict;
+  const bool is_settled = verdict != Verdict::unexplained && verdict != Verdict::partial;
+  if (fit == nullptr || is_settled || options.levels == diagnosis::Levels::known) return;
+  const auto& lines = one.seen.frequency_hz;
+  auto modes = diagnosis::measured_modes(*fit, names_of(one.seen.outputs),
+                                         names_of(one.seen.inputs), lines(0), lines.tail(1)(0));
+  modes.scaled = scaled;
+  if (modes.count() == 0) return;
+  one.by_modes = work.timed("diagnosis of the modes",
+                            [&] { return diagnosis::diagnosed(one.structure, modes, options); });
+  one.result.levels_before = one.by_modes->levels_before;
+  one.result.levels_after = one.by_modes->levels_after;
+  if (one.by_modes->verdict == Verdict::named) {
+    answer_by_modes(one);
+  } else if (one.by_modes->verdict == Verdict::no_discrepancy) {
+    one.result.notes.push_back(reason_in_words(*one.by_modes) + ", nothing contradicts the model");
+  }
+}
+
+std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
+  if (one.result.verdict == Verdict::unexplained) return {};
+  auto causes = one.result.best.causes;
+  if (!is_of_modes(one)) return causes;
+  std::erase_if(causes, [](const diagnosis::Cause& cause) { return cause.probability < kLikely; });
+  return causes;
+}
+
+void drop_mac_without_shapes(Diagnosed& one) {
+  if (!one.modes->outputs.empty() || !one.modes->inputs.empty()) return;
+  for (auto& mode : one.result.modes) {
+    mode.mac_before = mode.mac_after = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+void retell_modes(const study::Study& extended, const stage::Solution& after,
+                  const diagnosis::DiagnosisOptions& options, Diagnosed& one) {
+  auto alone = options;
+  alone.most_causes = 0;
+  const double high_hz = one.modes->frequency_hz.tail(1)(0);
+  const auto solved =
+      diagnosis::diagnosed(stage::structure_of(extended, after, high_hz), *one.modes, alone);
+  const bool in_channels =
+      std::ranges::any_of(one.result.best.causes,
+                          [](const diagnosis::Cause& cause) { return !cause.channels.empty(); });
+  for (std::size_t k = 0; k < one.result.modes.size(); ++k) {
+    one.result.modes[k].after_hz = solved.modes[k].before_hz;
+    if (!in_channels) one.result.modes[k].mac_after = solved.modes[k].mac_before;
+  }
+  drop_mac_without_shapes(one);
+}
+
+}  // namespace chladni::steps

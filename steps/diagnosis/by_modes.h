@@ -1,0 +1,39 @@
+// Diagnosis of measured modes, as a part of the diagnosis of a study.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/modal_fit.h"
+#include "steps/diagnosis.h"
+
+namespace chladni::steps {
+
+[[nodiscard]] diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan,
+                                                     stage::Work& work);
+
+/// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
+/// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
+/// @param fit     modes of `one.seen`; or null
+/// @param scaled  the responses have a known scale
+void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
+                                 const diagnosis::DiagnosisOptions& options, stage::Work& work);
+
+/// The causes that belong into the extended study: all of responses; of modes, those that are
+/// likelier than not. None where the verdict is `unexplained`.
+[[nodiscard]] std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one);
+
+/// Frequencies alone have no MAC.
+void drop_mac_without_shapes(Diagnosed& one);
+
+/// The frequencies and shapes of the extended study, in finite elements, in place of those of the
+/// reduced model. MACs stay those of the reduced model where a channel is a cause.
+void retell_modes(const study::Study& extended, const stage::Solution& after,
+                  const diagnosis::DiagnosisOptions& options, Diagnosed& one);
+
+/// "the model's frequencies are good to 0.8 %, its shapes to 5 %"; empty: the levels are known.
+[[nodiscard]] std::string levels_in_words(const std::vector<diagnosis::ErrorLevel>& levels);
+
+}  // namespace chladni::steps
