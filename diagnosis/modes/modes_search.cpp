@@ -228,14 +228,20 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
   const auto& cause = fit.causes[which];
   const auto deviation = deviations_of(fit, which);
   const double usual = usual_size(problem, fit, *cause.effect);
+  const auto parameters = cause.effect->parameters(problem.structure());
+  const bool has_strength = std::ranges::any_of(parameters, [](const Parameter& parameter) {
+    return parameter.role == Parameter::Role::strength || parameter.role == Parameter::Role::offset;
+  });
   bool has_size = false;
   Index i = 0;
-  for (const auto& parameter : cause.effect->parameters(problem.structure())) {
+  for (const auto& parameter : parameters) {
     using Role = Parameter::Role;
     const double std = deviation(i);
     const double x = cause.x(i++);
-    if (parameter.role != Role::strength && parameter.role != Role::offset) continue;
+    const bool is_pole = parameter.role == Role::frequency;
+    if (parameter.role != Role::strength && parameter.role != Role::offset && !is_pole) continue;
     has_size = true;
+    if (is_pole && has_strength) continue;
     if (parameter.is_about_zero()) {
       if (std::abs(x) > kConstants.significant * std::max(std, usual)) return true;
     } else if (std < kDetermined) {
