@@ -289,6 +289,19 @@ TEST(ModeSolver, SwapsRows) {
   EXPECT_EQ(after.outputs.bottomRows(2), before.outputs.bottomRows(2));
 }
 
+// The mode of a small mass on the modes above is far above all others. It hides none of them.
+TEST(ModeSolver, ChangesNextToNothingForNextToNoMass) {
+  const RecordedModes before = modes_of(state_of(small_plate()));
+  for (double part = 1e-15; part < 2e-3; part *= 10.0) {
+    const RecordedModes after =
+        modes_of(with("point_mass", 0, Eigen::Vector3d(part * small_plate().mass_kg, 0.21, 0.13)));
+    ASSERT_GE(after.count(), before.count()) << part;
+    const VectorXd change = (after.frequency_hz.head(before.count()) - before.frequency_hz)
+                                .cwiseQuotient(before.frequency_hz);
+    EXPECT_LT(change.cwiseAbs().maxCoeff(), 10.0 * part + 1e-9) << part;
+  }
+}
+
 // A negative mass is impossible where the modes have less: 1 − m φᵀφ < 0.
 TEST(ModeSolver, RefusesAMassThatIsNotPositive) {
   const auto& plate = small_plate();
