@@ -1,0 +1,450 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "base/index.h"
+#include "diagnosis/effect.h"
+#include "diagnosis/modes/mode_errors.h"
+#include "diagnosis/modes/modes_fit.h"
+#include "diagnosis/small_plate.h"
+#include "simulators/portable_random.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using simulators::Dice;
+using Complex = std::complex<double>;
+
+constexpr Index kModes = 9;
+
+// The plate with a mass and a spring: no two of its modes have one frequency.
+State loaded() {
+  State state = state_of(small_plate());
+  const auto add = [&](std::string_view name, double size, double u, double v) {
+    effect(name).apply(state, small_plate(), 0, Eigen::Vector3d(size, u, v));
+  };
+  add("point_mass", 1.5, 0.21, 0.08);
+  add("point_mass", 0.8, -0.05, -0.27);
+  return state;
+}
+
+RecordedModes modes_of(const State& state) {
+  static const ModeSolver solver(state_of(small_plate()), small_plate().mode_count());
+  return solver.modes(state, 0.0, std::numeric_limits<double>::infinity());
+}
+
+// The first modes of a model as they are recorded, each value with an error.
+MeasuredModes measured_of(const RecordedModes& model, double error, unsigned seed = 1) {
+  Dice dice(seed);
+  MeasuredModes modes;
+  modes.outputs = small_plate().outputs.names;
+  modes.inputs = small_plate().inputs.names;
+  const Index m = std::min(kModes, model.count());
+  modes.frequency_hz = model.frequency_hz.head(m);
+  modes.damping_ratio = model.damping_ratio.head(m);
+  modes.frequency_std = modes.damping_std = VectorXd::Zero(m);
+  const auto record = [&](const MatrixXd& shapes, const MatrixXcd& path) {
+    MatrixXcd all = path.leftCols(m).cwiseProduct(shapes.leftCols(m));
+    for (Index k = 0; k < m; ++k) {
+      const double size = error * all.col(k).norm() / std::sqrt(static_cast<double>(all.rows()));
+      for (Index i = 0; i < all.rows(); ++i) {
+        all(i, k) += size * Complex(dice.normal(), 0.3 * dice.normal());
+      }
+    }
+    return all;
+  };
+  modes.output_shapes = record(model.outputs, model.output_path);
+  modes.input_shapes = record(model.inputs, model.input_path);
+  modes.output_std = MatrixXd::Constant(modes.output_shapes.rows(), m, 1e-3);
+  modes.input_std = MatrixXd::Constant(modes.input_shapes.rows(), m, 1e-3);
+  return modes;
+}
+
+ShapeUnits some_units() { return {0.3, 0.35}; }
+
+const std::vector<BodyError>& body() {
+  static const auto made = body_errors(small_plate(), Tolerances{});
+  return made;
+}
+
+ModeErrors errors_of(const MeasuredModes& measured, const RecordedModes& model,
+                     const Matching& matching, bool with_shared = true) {
+  static const std::vector<BodyError> none;
+  return mode_errors(small_plate(), measured, model, some_units(), matching,
+                     with_shared ? body() : none, {}, with_shared);
+}
+Matching matched_by_shape(const MeasuredModes& measured, const RecordedModes& model) {
+  return matched(measured, model, some_units());
+}
+
+double negative_log(const ModeErrors& errors) {
+  return LevelLikelihood(errors, level_prior(Tolerances{}, true).usual).negative_log();
+}
+
+double likeness(const MeasuredModes& measured, const RecordedModes& model, Index i, Index k) {
+  return partner(measured, model, some_units(), i, span_of(measured, model, i, k)).likeness();
+}
+
+// Compares what does not depend on the sign in which a shape and its errors are written.
+void expect_same(const MeasuredModes& measured, const RecordedModes& model,
+                 const MeasuredModes& other_measured, const RecordedModes& other_model) {
+  for (Index i = 0; i < measured.count(); ++i) {
+    for (Index k = 0; k < model.count(); ++k) {
+      EXPECT_NEAR(likeness(other_measured, other_model, i, k), likeness(measured, model, i, k),
+                  1e-9)
+          << i << " " << k;
+    }
+  }
+  const auto matching = matched_by_shape(measured, model);
+  EXPECT_EQ(matched_by_shape(other_measured, other_model).model, matching.model);
+  const auto one = errors_of(measured, model, matching);
+  const auto other = errors_of(other_measured, other_model, matching);
+  const VectorXd difference = stacked(other).cwiseAbs() - stacked(one).cwiseAbs();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_NEAR(negative_log(other), negative_log(one), 1e-6);
+}
+
+TEST(Partner, HasTheLikenessOfItsMode) {
+  const RecordedModes model = modes_of(loaded());
+  const MeasuredModes exact = measured_of(model, 0.0);
+  const MeasuredModes near = measured_of(model, 0.05);
+  for (Index i = 0; i < exact.count(); ++i) {
+    EXPECT_NEAR(likeness(exact, model, i, i), 1.0, 1e-9) << i;
+    EXPECT_GT(likeness(near, model, i, i), 0.97) << i;
+    EXPECT_LT(likeness(near, model, i, i), 1.0 - 1e-5) << i;
+  }
+}
+
+TEST(Errors, AreZeroForTheModesOfTheModel) {
+  const RecordedModes model = modes_of(loaded());
+  MeasuredModes measured = measured_of(model, 0.0);
+  measured.scaled = true;
+  const auto errors = errors_of(measured, model, matched_by_shape(measured, model));
+  EXPECT_LT(stacked(errors).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(errors.penalty, 0.0);
+  EXPECT_EQ(stacked(errors).size(), kModes * (4 + 2 * (4 + 13)));
+}
+
+TEST(Errors, AreLogarithmsOfFrequencyAndDamping) {
+  const RecordedModes model = modes_of(loaded());
+  MeasuredModes measured = measured_of(model, 0.0);
+  const auto matching = matched_by_shape(measured, model);
+  measured.frequency_hz *= 1.03;
+  measured.damping_ratio *= 0.5;
+  for (const auto& block : errors_of(measured, model, matching).blocks) {
+    EXPECT_NEAR(block.error(0), std::log(1.03), 1e-12);
+    EXPECT_NEAR(block.error(1), std::log(0.5), 1e-12);
+  }
+}
+
+TEST(Errors, DoNotDependOnTheFactorOfAMode) {
+  const RecordedModes model = modes_of(loaded());
+  const MeasuredModes measured = measured_of(model, 0.05);
+  Dice dice(2);
+  for (int round = 0; round < 4; ++round) {
+    MeasuredModes other = measured;
+    for (Index i = 0; i < measured.count(); ++i) {
+      const auto put = [&](MatrixXcd& shapes, MatrixXd& deviation) {
+        const Complex factor = std::polar(std::exp(3.0 * dice.normal()), 6.3 * dice.uniform());
+        shapes.col(i) *= factor;
+        deviation.col(i) *= std::abs(factor);
+      };
+      put(other.output_shapes, other.output_std);
+      put(other.input_shapes, other.input_std);
+    }
+    expect_same(measured, model, other, model);
+  }
+}
+
+TEST(Errors, DoNotDependOnTheSignOfAnEigenvector) {
+  const RecordedModes model = modes_of(loaded());
+  for (const bool scaled : {false, true}) {
+    MeasuredModes measured = measured_of(model, 0.05);
+    measured.scaled = scaled;
+    RecordedModes other = model;
+    for (const Index k : {0, 3, 4, 8, 11}) {
+      for (auto* rows : {&other.outputs, &other.inputs, &other.motion}) rows->col(k) *= -1.0;
+    }
+    expect_same(measured, model, measured, other);
+  }
+}
+
+// Two modes of one frequency: any two of their plane are as good.
+TEST(Errors, DoNotDependOnHowRepeatedModesAreTurned) {
+  RecordedModes model = modes_of(loaded());
+  model.frequency_hz(4) = model.frequency_hz(3);
+  const MeasuredModes measured = measured_of(model, 0.05);
+  Matching matching;
+  for (Index i = 0; i < measured.count(); ++i) {
+    matching.model.push_back(i);
+    matching.span.push_back(span_of(measured, model, i, i));
+  }
+  const auto before = errors_of(measured, model, matching, false);
+  for (const double angle : {0.3, 1.1, 2.9}) {
+    RecordedModes other = model;
+    for (auto* rows : {&other.outputs, &other.inputs, &other.motion}) {
+      const VectorXd one = rows->col(3);
+      const VectorXd two = rows->col(4);
+      rows->col(3) = std::cos(angle) * one + std::sin(angle) * two;
+      rows->col(4) = std::cos(angle) * two - std::sin(angle) * one;
+    }
+    for (const Index i : {3, 4}) {
+      for (const Index k : {3, 4}) {
+        EXPECT_NEAR(likeness(measured, other, i, k), likeness(measured, model, i, k), 1e-6);
+        EXPECT_GT(likeness(measured, other, i, k), 0.97);
+      }
+    }
+    const auto after = errors_of(measured, other, matching, false);
+    for (const std::size_t i : {3, 4}) {
+      const VectorXd difference =
+          after.blocks[i].error.cwiseAbs() - before.blocks[i].error.cwiseAbs();
+      EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-6) << angle << " " << i;
+    }
+  }
+}
+
+TEST(Errors, LeaveOutWhatWasNotMeasured) {
+  const RecordedModes model = modes_of(loaded());
+  const MeasuredModes measured = measured_of(model, 0.05);
+  const auto matching = matched_by_shape(measured, model);
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  MeasuredModes less = measured;
+  less.output_shapes(1, 2) = {none, none};
+  less.input_shapes(5, 2) = {none, 0.0};
+  less.damping_ratio(2) = none;
+  const auto all = errors_of(measured, model, matching);
+  const auto some = errors_of(less, model, matching);
+  EXPECT_TRUE(stacked(some).allFinite());
+  EXPECT_EQ(stacked(some).size(), stacked(all).size() - 5);
+  for (std::size_t i = 0; i < all.blocks.size(); ++i) {
+    if (i == 2) continue;
+    EXPECT_EQ(some.blocks[i].error, all.blocks[i].error);
+  }
+  // What stands in its place is of no interest.
+  MeasuredModes other = less;
+  other.output_std(1, 2) = 7.0;
+  EXPECT_EQ(stacked(errors_of(other, model, matching)), stacked(some));
+  EXPECT_EQ(matched_by_shape(less, model).model, matching.model);
+}
+
+TEST(Errors, NeedNoShapes) {
+  const RecordedModes model = modes_of(loaded());
+  MeasuredModes measured = measured_of(model, 0.0);
+  measured.output_shapes.setConstant({std::numeric_limits<double>::quiet_NaN(), 0.0});
+  measured.input_shapes.setConstant({std::numeric_limits<double>::quiet_NaN(), 0.0});
+  const auto matching = matched_by_shape(measured, model);
+  for (std::size_t i = 0; i < matching.model.size(); ++i) {
+    EXPECT_EQ(matching.model[i], static_cast<Index>(i));
+  }
+  EXPECT_EQ(stacked(errors_of(measured, model, matching)).size(), 2 * kModes);
+}
+
+TEST(Matched, FindsAListInAnyOrder) {
+  const RecordedModes model = modes_of(loaded());
+  const MeasuredModes sorted = measured_of(model, 0.05);
+  std::vector<Index> order(at(sorted.count()));
+  std::iota(order.begin(), order.end(), Index{0});
+  Dice dice(3);
+  for (int round = 0; round < 5; ++round) {
+    for (std::size_t i = order.size(); i > 1; --i) {
+      std::swap(order[i - 1], order[at(dice.below(static_cast<Index>(i)))]);
+    }
+    MeasuredModes measured = sorted;
+    measured.frequency_hz = sorted.frequency_hz(order);
+    for (double& hz : measured.frequency_hz) hz *= std::exp(0.015 * dice.normal());
+    measured.output_shapes = sorted.output_shapes(Eigen::all, order);
+    measured.input_shapes = sorted.input_shapes(Eigen::all, order);
+    const auto matching = matched_by_shape(measured, model);
+    EXPECT_EQ(matching.model, order) << round;
+    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(matching.span[i].front(), order[i]);
+  }
+}
+
+TEST(Matched, LeavesAStrangeModeAlone) {
+  const RecordedModes model = modes_of(loaded());
+  MeasuredModes measured = measured_of(model, 0.02);
+  measured.frequency_hz(0) = 0.3 * model.frequency_hz(0);
+  const auto matching = matched_by_shape(measured, model);
+  EXPECT_EQ(matching.model[0], -1);
+  EXPECT_TRUE(matching.span[0].empty());
+  const auto errors = errors_of(measured, model, matching);
+  EXPECT_TRUE(std::isfinite(negative_log(errors)));
+  EXPECT_GT(errors.penalty, 0.0);
+  // Its numbers are as many as those of a mode with a partner.
+  EXPECT_EQ(errors.blocks[0].count(), errors.blocks[1].count());
+}
+
+// A small change of a structure changes the errors a little, also where modes of one frequency part
+// or frequencies cross.
+TEST(Errors, AreContinuousInTheSizeOfACause) {
+  const auto& plate = small_plate();
+  MeasuredModes measured = measured_of(modes_of(state_of(plate)), 0.05);
+  Dice dice(4);
+  for (double& hz : measured.frequency_hz) hz *= std::exp(0.015 * dice.normal());
+  std::sort(measured.frequency_hz.begin(), measured.frequency_hz.end());
+  const ModesProblem problem(plate, measured, Tolerances{}, true);
+  const auto at_place = [&](double size) {
+    return VectorXd(Eigen::Vector3d(size * plate.mass_kg, 0.21, 0.13));
+  };
+  struct Case {
+    std::string_view name;
+    std::function<VectorXd(double)> x;
+  };
+  const std::vector<Case> cases{
+      {"point_mass", at_place},
+      {"actuator_masses",
+       [&](double size) { return VectorXd::Constant(1, size * plate.mass_kg / 13.0); }},
+      {"orthotropy", [](double size) { return VectorXd(Eigen::Vector2d(size, 0.0)); }},
+      {"orthotropy", [](double size) { return VectorXd(Eigen::Vector2d(0.0, size)); }},
+      {"thickness", [](double size) { return VectorXd::Constant(1, size); }},
+  };
+  const auto base = problem.modes(state_of(plate), false);
+  ASSERT_TRUE(base);
+  for (const auto& [name, x] : cases) {
+    for (const auto& matching : problem.matchings(*base)) {
+      const auto errors = [&](double size) {
+        const auto model = problem.modes(problem.with({{&effect(name), 0, x(size)}}), false);
+        return stacked(problem.errors({}, *model, matching, false));
+      };
+      for (const double size : {-0.02, -1e-3, -1e-5, 0.0, 1e-7, 1e-5, 1e-4, 1e-3, 5e-3, 0.02}) {
+        const VectorXd here = errors(size);
+        for (const double step : {-1e-4, -1e-6, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3}) {
+          const VectorXd there = errors(size + step);
+          ASSERT_EQ(there.size(), here.size());
+          EXPECT_LT((there - here).cwiseAbs().maxCoeff(), 200.0 * std::abs(step) + 1e-7)
+              << name << " of " << size << " and " << step << " more";
+        }
+      }
+    }
+  }
+}
+
+// A column, and the sum of it and the change that it should foresee, both without the scale of the
+// shapes and without `more`.
+struct Beside {
+  double column, difference;
+};
+Beside beside(const ModeBlock& block, const MatrixXd& more, Index column, const VectorXd& change) {
+  MatrixXd left_out(block.count(), block.free.cols() + more.cols());
+  left_out << block.free, more;
+  const Eigen::ColPivHouseholderQR<MatrixXd> basis(left_out);
+  const auto without = [&](const VectorXd& of) {
+    return VectorXd(of - left_out * basis.solve(of));
+  };
+  const VectorXd own = block.shared.col(column);
+  return {without(own).norm(), without(own + change).norm()};
+}
+
+// Rigid-body motions of the sensors, of the actuators, and the residue: rows of a mode without a
+// damping ratio.
+MatrixXd rigid_motions() {
+  MatrixXd all = MatrixXd::Zero(1 + 2 * (4 + 13) + 2, 7);
+  const auto& plate = small_plate();
+  for (Index i = 0; i < 4 + 13; ++i) {
+    const auto place = i < 4 ? plate.outputs.places.row(i) : plate.inputs.places.row(i - 4);
+    all.row(1 + 2 * i).segment(i < 4 ? 0 : 3, 3) << 1.0, place(0), place(1);
+  }
+  all(all.rows() - 2, 6) = 1.0;
+  return all;
+}
+
+// Changes the model itself and compares with what the column says.
+class SharedColumns : public testing::Test {
+ protected:
+  SharedColumns() : model_(modes_of(loaded())), measured_(measured_of(model_, 0.0)) {
+    measured_.scaled = true;
+    // Damping ratios have errors of their own that are far larger.
+    measured_.damping_ratio.setConstant(std::numeric_limits<double>::quiet_NaN());
+    matching_ = matched_by_shape(measured_, model_);
+    errors_ = errors_of(measured_, model_, matching_);
+  }
+  static constexpr double kStep = 1e-6;
+  /// @param part  of the column that may be wrong
+  void expect(Index column, const std::function<void(State&, double step)>& change, double part,
+              const std::string& what, const MatrixXd& apart_from = MatrixXd()) {
+    State state = loaded();
+    change(state, kStep);
+    const auto other = errors_of(measured_, modes_of(state), matching_, false);
+    double most = 0.0;
+    for (std::size_t i = 0; i < errors_.blocks.size(); ++i) {
+      if (matching_.span[i].size() > 1) continue;
+      const auto& block = errors_.blocks[i];
+      const VectorXd slope = (other.blocks[i].error - block.error) / kStep;
+      const auto found = beside(
+          block, apart_from.size() > 0 ? apart_from : MatrixXd(block.count(), 0), column, slope);
+      most = std::max(most, found.column);
+      EXPECT_LT(found.difference, part * found.column + 1e-4) << what << ", mode " << i;
+    }
+    EXPECT_GT(most, 1e-3) << what << ": nothing was compared";
+  }
+  RecordedModes model_;
+  MeasuredModes measured_;
+  Matching matching_;
+  ModeErrors errors_;
+};
+
+constexpr Index kChannels = 4 + 13;
+
+TEST_F(SharedColumns, AreThoseOfGains) {
+  for (const Index i : {0, 2}) {
+    const auto change = [&](State& state, double by) { state.output_paths[at(i)].gain += by; };
+    expect(i, change, 1e-3, "sensor");
+  }
+  for (const Index j : {0, 6, 12}) {
+    const auto change = [&](State& state, double by) { state.input_paths[at(j)].gain += by; };
+    expect(4 + j, change, 1e-3, "actuator");
+  }
+}
+
+TEST_F(SharedColumns, AreThoseOfPlaces) {
+  const auto& plate = small_plate();
+  for (const Index i : {0, 3}) {
+    expect(
+        kChannels + i,
+        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_u.row(i); },
+        1e-3, "sensor along u");
+    expect(
+        2 * kChannels + i,
+        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_v.row(i); },
+        1e-3, "sensor along v");
+  }
+  for (const Index j : {5, 9}) {
+    expect(
+        2 * kChannels + 4 + j,
+        [&](State& state, double by) {
+          state.inputs.col(j) += by * plate.inputs.slope_v.row(j).transpose();
+        },
+        1e-3, "actuator along v");
+  }
+}
+
+// A change of mass also adds rigid-body motions, which no column has yet.
+TEST_F(SharedColumns, AreThoseOfTheBody) {
+  ASSERT_GE(body().size(), 8U);
+  std::size_t stiff = 0;
+  for (std::size_t b = 0; b < body().size(); ++b) {
+    const auto& [of, stiffness, mass] = body()[b];
+    const auto change = [&](State& state, double by) {
+      state.stiffness += by * stiffness;
+      state.mass += by * mass;
+    };
+    const bool has_mass = !mass.isZero(0.0);
+    stiff += has_mass ? 0 : 1;
+    expect(3 * kChannels + static_cast<Index>(b), change, 0.01, "body error " + std::to_string(b),
+           has_mass ? rigid_motions() : MatrixXd());
+  }
+  EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
