@@ -335,22 +335,6 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   return one;
 }
 
-// The modes below the last one of the simulation at `highest_hz`.
-diagnosis::MeasuredModes below(const diagnosis::MeasuredModes& all, double highest_hz,
-                               const study::Study& study, stage::Work& work) {
-  const auto count = (all.frequency_hz.array() <= highest_hz).count();
-  const auto file = study.measurement->modes_file.string();
-  require(count > 0, fmt::format("{}: the lowest mode lies at {:.6g} Hz; expected one below "
-                                 "{:.6g} Hz, where the simulation's modes end",
-                                 file, all.frequency_hz(0), highest_hz));
-  if (count == all.count()) return all;
-  work.note(
-      fmt::format("{}: {} modes above {:.6g} Hz, where the simulation's modes end, are left "
-                  "out",
-                  file, all.count() - count, highest_hz));
-  return first_modes(all, count);
-}
-
 Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::MeasuredModes& modes,
                              stage::Solution before, stage::Work& work,
                              const SolveStudy& solve_extended) {
@@ -359,7 +343,7 @@ Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::Measure
   one.least_evidence = plan.least_evidence;
   one.before = std::move(before);
   const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
-  one.modes = below(modes, highest_hz, study, work);
+  one.modes = modes_below(highest_hz, modes, study, work);
   const double band_hz = one.modes->frequency_hz.tail(1)(0);
   for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
     work.note(note);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/compare.h"
@@ -40,6 +41,10 @@ struct Diagnosed {
 
 /// True if verdict and causes are those of modes: of a file, or of the responses.
 [[nodiscard]] inline bool is_of_modes(const Diagnosed& one) { return !one.result.modes.empty(); }
+
+/// Levels that the data determine, in words: {"frequencies", "0.8 %"}, {"shapes", "5 %"}.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> told_levels(
+    const std::vector<diagnosis::ErrorLevel>& levels);
 
 /// Reads the measured responses or modes, makes the structure and the comparison, diagnoses, solves
 /// the extended study again, and computes the gain. For causes that no study can express, the gain

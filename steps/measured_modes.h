@@ -20,8 +20,10 @@ namespace chladni::steps {
 ///                       left; shapes at no channel of the study. The message names the file
 [[nodiscard]] diagnosis::MeasuredModes measured_modes(const study::Study& study, stage::Work& work);
 
-/// The first `count` modes.
-[[nodiscard]] diagnosis::MeasuredModes first_modes(const diagnosis::MeasuredModes& all,
-                                                   Eigen::Index count);
+/// The modes up to `highest_hz`, where the modes of the simulation end. A note tells of others.
+/// @throws InvalidInput  there is none
+[[nodiscard]] diagnosis::MeasuredModes modes_below(double highest_hz,
+                                                   const diagnosis::MeasuredModes& all,
+                                                   const study::Study& study, stage::Work& work);
 
 }  // namespace chladni::steps

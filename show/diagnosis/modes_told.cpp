@@ -3,20 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
+
+#include "steps/diagnosis.h"
 
 namespace chladni::show {
 namespace {
 
 using diagnosis::ErrorLevel;
 using diagnosis::ModeTold;
-
-constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
-
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTold = {
-    {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
 
 std::string hertz(double hz) { return std::isfinite(hz) ? fmt::format("{:.3f}", hz) : "-"; }
 
@@ -31,12 +27,10 @@ std::string mac(double value) { return std::isfinite(value) ? fmt::format("{:.3f
 
 std::string levels_sentence(const diagnosis::Diagnosis& result) {
   std::string text;
-  for (const auto& [name, what] : kTold) {
-    const auto level = std::ranges::find(result.levels_after, name, &ErrorLevel::of);
-    if (level == result.levels_after.end() || level->determined < kShown) continue;
+  for (const auto& [what, level] : steps::told_levels(result.levels_after)) {
     text += text.empty() ? fmt::format("The model's {} are good to", what)
                          : fmt::format(", its {} to", what);
-    text += fmt::format(" {:.2g} %", 100.0 * level->value);
+    text += " " + level;
   }
   if (text.empty()) return text;
   return text + (result.best.causes.empty() ? "." : ", once this is in it.");

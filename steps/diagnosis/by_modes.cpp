@@ -30,10 +30,13 @@ std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& cha
 }
 
 std::string reason_in_words(const diagnosis::Diagnosis& by_modes) {
-  const auto levels = levels_in_words(by_modes.levels_after);
+  std::string levels;
+  for (const auto& [what, level] : told_levels(by_modes.levels_after)) {
+    levels += (levels.empty() ? ": " : ", ") + what + " " + level;
+  }
   return "the responses are not explained to the noise; with the model's errors learned from "
          "their modes" +
-         (levels.empty() ? std::string() : ": " + levels);
+         levels;
 }
 
 // The causes that the modes name become the answer.
@@ -52,14 +55,15 @@ void answer_by_modes(Diagnosed& one) {
 
 }  // namespace
 
-std::string levels_in_words(const std::vector<diagnosis::ErrorLevel>& levels) {
-  std::string words;
+std::vector<std::pair<std::string, std::string>> told_levels(
+    const std::vector<diagnosis::ErrorLevel>& levels) {
+  std::vector<std::pair<std::string, std::string>> told;
   for (const auto& [name, what] : kToldLevels) {
     const auto level = std::ranges::find(levels, name, &diagnosis::ErrorLevel::of);
     if (level == levels.end() || level->determined < kShown) continue;
-    words += fmt::format("{}{} {:.2g} %", words.empty() ? "" : ", ", what, 100.0 * level->value);
+    told.emplace_back(what, fmt::format("{:.2g} %", 100.0 * level->value));
   }
-  return words;
+  return told;
 }
 
 diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::Work& work) {

@@ -33,7 +33,4 @@ void drop_mac_without_shapes(Diagnosed& one);
 void retell_modes(const study::Study& extended, const stage::Solution& after,
                   const diagnosis::DiagnosisOptions& options, Diagnosed& one);
 
-/// "the model's frequencies are good to 0.8 %, its shapes to 5 %"; empty: the levels are known.
-[[nodiscard]] std::string levels_in_words(const std::vector<diagnosis::ErrorLevel>& levels);
-
 }  // namespace chladni::steps

@@ -97,7 +97,17 @@ MeasuredModes read(const study::Study& study, stage::Work& work) {
 
 bool has_modes(const study::MeasurementPlan& plan) { return !plan.modes_file.empty(); }
 
-MeasuredModes first_modes(const MeasuredModes& all, Index count) {
+MeasuredModes modes_below(double highest_hz, const MeasuredModes& all, const study::Study& study,
+                          stage::Work& work) {
+  const auto count = (all.frequency_hz.array() <= highest_hz).count();
+  const auto file = study.measurement->modes_file.string();
+  require(count > 0, fmt::format("{}: the lowest mode lies at {:.6g} Hz; expected one below {:.6g} "
+                                 "Hz, where the simulation's modes end",
+                                 file, all.frequency_hz(0), highest_hz));
+  if (count == all.count()) return all;
+  work.note(
+      fmt::format("{}: {} modes above {:.6g} Hz, where the simulation's modes end, are left out",
+                  file, all.count() - count, highest_hz));
   std::vector<Index> kept(static_cast<std::size_t>(count));
   std::iota(kept.begin(), kept.end(), Index{0});
   return chosen(all, kept);

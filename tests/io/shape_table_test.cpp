@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -46,6 +47,19 @@ TEST(ShapeTable, ReadsBackWhatItWrote) {
   EXPECT_EQ(back.frequency_hz, table.frequency_hz);
   EXPECT_EQ(back.values, table.values);
   EXPECT_EQ(back.deviation, table.deviation);
+}
+
+TEST(ShapeTable, MayHaveGapsWhereTheyAreAllowed) {
+  const auto table = parse_shapes("frequency_hz,std_frequency_hz,s1,std_s1\n1,0.1,,\n2,,3,0.5\n",
+                                  "t.csv", ShapesStated::partly);
+  EXPECT_EQ(table.frequency_std_hz, Eigen::Vector2d(0.1, 0.0));
+  EXPECT_TRUE(std::isnan(table.values(0, 0)));
+  EXPECT_EQ(table.values(0, 1), 3.0);
+  EXPECT_EQ(table.deviation, Eigen::RowVector2d(0.0, 0.5));
+  EXPECT_TRUE(std::isnan(table.damping_ratio(0)));
+  EXPECT_EQ(parse_shapes("frequency_hz\n1\n", "t.csv", ShapesStated::partly).values.rows(), 0);
+  EXPECT_THROW((void)parse_shapes("frequency_hz\n\"\"\n", "t.csv", ShapesStated::partly),
+               InvalidInput);
 }
 
 struct Bad {

@@ -207,5 +207,31 @@ TEST(ChannelPaths, GoForthAndBack) {
   }
 }
 
+TEST(StudyDiagnosis, LearnsTheLevelsUnlessTheyAreKnown) {
+  EXPECT_EQ(parsed("[diagnosis]\n").diagnosis->levels, "learned");
+  EXPECT_EQ(parsed("[diagnosis]\nlevels = \"known\"\n").diagnosis->levels, "known");
+  EXPECT_NE(refusal("[diagnosis]\nlevels = \"guessed\"\n"), "");
+}
+
+TEST(StudyMeasurement, HasModesInAFileOrANumberOfThoseOfTheTruth) {
+  const auto study = parsed("[measurement]\nmodes = \"modes.csv\"\n");
+  EXPECT_EQ(study.measurement->modes_file.filename(), "modes.csv");
+  EXPECT_EQ(study.measurement->modes, 0);
+  ASSERT_EQ(study.files.size(), 1U);
+  EXPECT_EQ(study.files.front().key, "measurement.modes");
+  const auto counted = parsed("[measurement]\ntruth = \"real.toml\"\nmodes = 7\n");
+  EXPECT_EQ(counted.measurement->modes, 7);
+  EXPECT_TRUE(counted.measurement->modes_file.empty());
+}
+
+TEST(StudyMeasurement, RefusesModesOfAFileBesideResponsesAndANumberAlone) {
+  const auto both = refusal("[measurement]\nmodes = \"modes.csv\"\nfrf = \"measured.uff\"\n");
+  EXPECT_NE(both.find("modes in a file and frf"), std::string::npos) << both;
+  const auto alone = refusal("[measurement]\nmodes = 7\n");
+  EXPECT_NE(alone.find("modes = \"modes.csv\""), std::string::npos) << alone;
+  const auto outside = refusal("[measurement]\nmodes = \"../modes.csv\"\n");
+  EXPECT_NE(outside.find("measurement.modes"), std::string::npos) << outside;
+}
+
 }  // namespace
 }  // namespace chladni::study
