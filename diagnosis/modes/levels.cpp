@@ -152,10 +152,6 @@ LevelLikelihood::Evidence LevelLikelihood::evidence() const {
           square * ((inverse * column).squaredNorm() -
                     (spread.middleCols(first, n) * (inverse * column)).squaredNorm());
     }
-    const int frequency = static_cast<int>(ErrorClass::frequency);
-    const MatrixXd mixed = levels_(frequency) * block.mixed;
-    result.size(frequency) += (mixed.transpose() * weighted).squaredNorm();
-    result.determined(frequency) += (inverse * mixed).squaredNorm() - (known * mixed).squaredNorm();
     first += n;
   }
   const Index k = capacitance_.rows();
