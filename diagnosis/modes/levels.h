@@ -81,7 +81,8 @@ class LevelLikelihood {
   /// −ln of the density of other errors with the same covariance and pairing.
   [[nodiscard]] double negative_log(const Eigen::VectorXd& stacked) const;
   /// For each class Σ η² / s² of the posterior means of its errors, and γ, the number of errors
-  /// that the data determine (MacKay, Neural Computation 4, 1992).
+  /// that the data determine (MacKay, Neural Computation 4, 1992). Frequencies alone teach their
+  /// level: `mixed` follows it, and is no number of errors.
   struct Evidence {
     PerClass size, determined;
   };

@@ -50,8 +50,9 @@ ModeErrors some_errors(Dice& dice, Index mixed) {
 }
 
 // The errors of a class as columns of all numbers, times their level. One that is no class (−1)
-// has the errors of unit deviation.
-MatrixXd columns_of(const ModeErrors& errors, const PerClass& levels, int of) {
+// has the errors of unit deviation. Those of the frequencies may be with or without what modes
+// nearby add.
+MatrixXd columns_of(const ModeErrors& errors, const PerClass& levels, int of, bool mixed = true) {
   const Index n = stacked(errors).size();
   const double level = of < 0 ? 1.0 : levels(of);
   std::vector<VectorXd> all;
@@ -63,7 +64,7 @@ MatrixXd columns_of(const ModeErrors& errors, const PerClass& levels, int of) {
       }
     }
     const MatrixXd& own = of < 0 ? block.free : block.mixed;
-    for (Index c = 0; (of < 0 || of == kFrequency) && c < own.cols(); ++c) {
+    for (Index c = 0; (of < 0 || (of == kFrequency && mixed)) && c < own.cols(); ++c) {
       all.emplace_back(VectorXd::Zero(n));
       all.back().segment(first, block.count()) = level * own.col(c);
     }
@@ -158,6 +159,7 @@ TEST(LevelLikelihood, NeedsNoSharedErrors) {
 }
 
 // γ = tr(Jᵀ C⁻¹ J) and Σ η²/s² = |Jᵀ C⁻¹ e|², where J are the errors of the class times its level.
+// What modes nearby add to a shape is no error of a frequency, though it has their level.
 TEST(Evidence, IsThatOfTheDenseCovariance) {
   for (const Index mixed : {0, 3}) {
     Dice dice(5);
@@ -165,7 +167,7 @@ TEST(Evidence, IsThatOfTheDenseCovariance) {
     const MatrixXd inverse = dense_covariance(errors, some_levels()).inverse();
     const auto evidence = LevelLikelihood(errors, some_levels()).evidence();
     for (int of = 0; of < static_cast<int>(kErrorClasses); ++of) {
-      const MatrixXd own = columns_of(errors, some_levels(), of);
+      const MatrixXd own = columns_of(errors, some_levels(), of, false);
       const double determined = (own.transpose() * inverse * own).trace();
       const double size = (own.transpose() * inverse * stacked(errors)).squaredNorm();
       const auto which = name(static_cast<ErrorClass>(of));
@@ -175,6 +177,9 @@ TEST(Evidence, IsThatOfTheDenseCovariance) {
   }
 }
 
+// But for the level of the frequencies where it is also that of the mixing.
+bool is_slope(int of, Index mixed) { return of != kFrequency || mixed == 0; }
+
 TEST(Evidence, IsTheSlopeOfTheLikelihood) {
   for (const Index mixed : {0, 3}) {
     Dice dice(6);
@@ -182,6 +187,7 @@ TEST(Evidence, IsTheSlopeOfTheLikelihood) {
     const auto evidence = LevelLikelihood(errors, some_levels()).evidence();
     constexpr double kStep = 1e-5;
     for (int of = 0; of < static_cast<int>(kErrorClasses); ++of) {
+      if (!is_slope(of, mixed)) continue;
       const auto value = [&](double step) {
         PerClass levels = some_levels();
         levels(of) *= std::exp(step);
@@ -229,6 +235,7 @@ TEST(Updated, EndsAtTheMostProbableLevels) {
     const PerClass found = settled(errors, prior);
     constexpr double kStep = 1e-4;
     for (int of = 0; of < static_cast<int>(kErrorClasses); ++of) {
+      if (!is_slope(of, mixed)) continue;
       const auto value = [&](double step) {
         PerClass levels = found;
         levels(of) *= std::exp(step);
