@@ -332,6 +332,7 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   one.predictions.before = predicted(study, one.structure, study, one.measured.all);
   add_gain(study, band_hz, solve_extended, one, work);
+  believe_what_pays(one);
   return one;
 }
 

@@ -22,7 +22,7 @@ using Eigen::Index;
 constexpr double kNothing = 0.5, kOne = 0.3, kTwo = 0.08, kThree = 0.02, kDisturbed = 0.1;
 constexpr double kSure = 0.8;         // probability at which a cause is named
 constexpr double kFewPartners = 0.5;  // part of the measured modes that must have a partner
-constexpr double kAtTheLimit = 0.99;  // of the largest level that is believed
+constexpr double kAtTheLimit = 0.8;  // of the largest level that is believed
 
 double log_of_number(std::size_t causes, double effects) {
   const double n = std::max(effects, 1.0);

@@ -100,6 +100,17 @@ void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit*
   }
 }
 
+void believe_what_pays(Diagnosed& one) {
+  const bool is_answer = one.by_modes && one.by_modes->verdict == Verdict::named;
+  if (!is_answer || one.gain.pays.value_or(true)) return;
+  auto& result = one.result;
+  result.verdict = Verdict::unexplained;
+  result.best.probability = std::min(result.best.probability, kLikely);
+  for (auto& cause : result.best.causes) cause.probability = std::min(cause.probability, kLikely);
+  result.notes.emplace_back(
+      "the causes that the modes name predict the responses no better: they are not believed");
+}
+
 std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
   if (one.result.verdict == Verdict::unexplained) return {};
   auto causes = one.result.best.causes;

@@ -21,6 +21,10 @@ namespace chladni::steps {
 void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
                                  const diagnosis::DiagnosisOptions& options, stage::Work& work);
 
+/// Causes named by the modes of the responses are not believed if the study with them predicts the
+/// responses no better: the verdict is then `unexplained`, and no probability is above a half.
+void believe_what_pays(Diagnosed& one);
+
 /// The causes that belong into the extended study: all of responses; of modes, those that are
 /// likelier than not. None where the verdict is `unexplained`.
 [[nodiscard]] std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one);
