@@ -33,7 +33,8 @@ std::string levels_sentence(const diagnosis::Diagnosis& result) {
     text += " " + level;
   }
   if (text.empty()) return text;
-  return text + (result.best.causes.empty() ? "." : ", once this is in it.");
+  const bool beside_causes = !result.modes.empty() && !result.best.causes.empty();
+  return text + (beside_causes ? ", once this is in it." : ".");
 }
 
 io::JsonObject levels_json(const diagnosis::Diagnosis& result) {

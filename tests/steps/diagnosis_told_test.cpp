@@ -244,6 +244,21 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   EXPECT_LT(one.gain.held_out_after, 0.3 * one.gain.held_out_before);
 }
 
+TEST_F(Told, WhatResponsesDoNotExplainIsAskedOfTheirModes) {
+  auto study =
+      study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})}, "\"delay\"");
+  const auto one = diagnosed_of(study);
+  ASSERT_EQ(one.result.verdict, Verdict::unexplained) << show::diagnosis_table(one);
+  ASSERT_TRUE(one.by_modes) << show::diagnosis_table(one);
+  EXPECT_FALSE(one.by_modes->modes.empty());
+  const auto json = io::parse_json(left("diagnosis.json"));
+  EXPECT_GT(json.at("by_modes").at("levels").at("frequency").at("before").number(), 0.0);
+  EXPECT_GT(json.at("levels").at("frequency").at("after").number(), 0.0);
+  EXPECT_NE(show::diagnosis_table(one).find("learned from their modes"), std::string::npos);
+  study.diagnosis->levels = "known";
+  EXPECT_FALSE(diagnosed_of(study).by_modes);
+}
+
 TEST_F(Told, CtrlCIsNoNote) {
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
