@@ -247,7 +247,7 @@ double mac_of(const ModesProblem& problem, const ModesFit& fit, std::size_t i) {
   return k < 0 ? std::numeric_limits<double>::quiet_NaN()
                : partner(problem.measured(), fit.model, problem.units(), static_cast<Index>(i),
                          fit.matching.span[i])
-                     .likeness();
+                     .mac();
 }
 
 double hz_of(const ModesFit& fit, std::size_t i) {

@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 constexpr double kTiny = 1e-300;
 constexpr double kShapeError = 0.05;
 constexpr double kUnseenLikeness = 0.8;  // of a shape that the channels do not see
-constexpr double kBlindError = 0.3;      // error of a shape value at which it tells nothing
+constexpr double kBlindError = 0.2;      // error of a shape value at which it tells nothing
 
 // The channels of one side that have a value in a measured mode.
 struct Values {
@@ -135,23 +135,27 @@ PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
   return side;
 }
 
-// MAC, where the channels see the mode. What they do not see is less alike than a partner and more
-// alike than a stranger.
-double mac(const PartnerSide& side) {
+double mac_of(const PartnerSide& side) {
   if (!side.is_shape()) return 1.0;
   const Complex product = side.model.cast<Complex>().dot(side.measured);
-  const double alike =
-      std::norm(product) / std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
-  // Channels that hardly see the mode tell little of its shape.
-  const double trust = 1.0 / (1.0 + std::pow(kBlindError * side.blindness(), 2));
-  return trust * alike + (1.0 - trust) * kUnseenLikeness;
+  return std::norm(product) /
+         std::max(side.model.squaredNorm() * side.measured.squaredNorm(), kTiny);
+}
+
+// What the channels do not see is less alike than a partner and more alike than a stranger.
+double likeness_of(const PartnerSide& side) {
+  if (!side.is_shape()) return 1.0;
+  const double trust = 1.0 / (1.0 + std::pow(kBlindError * side.blindness(), 4));
+  return trust * mac_of(side) + (1.0 - trust) * kUnseenLikeness;
 }
 
 }  // namespace
 
 double PartnerSide::blindness() const { return root_mean_square(weight); }
 
-double Partner::likeness() const { return mac(sensors) * mac(actuators); }
+double Partner::mac() const { return mac_of(sensors) * mac_of(actuators); }
+
+double Partner::likeness() const { return likeness_of(sensors) * likeness_of(actuators); }
 
 std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& model, Index i,
                            Index k) {

@@ -44,8 +44,10 @@ struct Partner {
   Eigen::VectorXd parts;
   PartnerSide sensors, actuators;
 
-  /// MAC at the sensors times MAC at the actuators. A side that hardly sees the mode has a value
-  /// between that of a partner and that of a stranger; 1 where no shape was measured.
+  /// MAC at the sensors times MAC at the actuators; 1 where no shape was measured.
+  [[nodiscard]] double mac() const;
+  /// The same for pairing: a side that hardly sees the mode has a value between that of a partner
+  /// and that of a stranger.
   [[nodiscard]] double likeness() const;
 };
 

@@ -80,8 +80,9 @@ const std::vector<BodyError>& body() {
 ModeErrors errors_of(const MeasuredModes& measured, const RecordedModes& model,
                      const Matching& matching, bool with_shared = true) {
   static const std::vector<BodyError> none;
+  static const Eigen::MatrixXd smooth = smooth_factor(small_plate());
   return mode_errors(small_plate(), measured, model, some_units(), matching,
-                     with_shared ? body() : none, {}, with_shared);
+                     with_shared ? body() : none, smooth, {}, with_shared);
 }
 Matching matched_by_shape(const MeasuredModes& measured, const RecordedModes& model) {
   return matched(measured, model, some_units());
