@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -355,43 +354,8 @@ TEST_F(DiagnosedModes, LeaveOutAnUnknownChannelWithANote) {
   EXPECT_EQ(found.modes.size(), 8U);
 }
 
-class BadModes : public testing::Test {
- protected:
-  static void expect_refused(const std::function<void(MeasuredModes&)>& spoil,
-                             const std::string& word) {
-    auto measured = measured_with({}, 1, 4);
-    spoil(measured);
-    try {
-      (void)diagnosed(study(), measured, options());
-      ADD_FAILURE() << "taken: " << word;
-    } catch (const InvalidInput& refused) {
-      EXPECT_NE(std::string(refused.what()).find(word), std::string::npos) << refused.what();
-    }
-  }
-};
-
-TEST_F(BadModes, AreRefused) {
-  expect_refused([](auto& modes) { modes = MeasuredModes{}; }, "there is none");
-  expect_refused([](auto& modes) { std::swap(modes.frequency_hz(1), modes.frequency_hz(2)); },
-                 "ascending");
-  expect_refused([](auto& modes) { modes.frequency_hz(0) = 0.0; }, "above 0");
-  expect_refused([](auto& modes) { modes.frequency_hz(3) = kNone; }, "mode 4");
-  expect_refused([](auto& modes) { modes.frequency_std(1) = -0.1; }, "-0.1");
-  expect_refused([](auto& modes) { modes.frequency_std(1) = kNone; }, "nan");
-  expect_refused([](auto& modes) { modes.damping_ratio.conservativeResize(3); }, "number");
-  expect_refused([](auto& modes) { modes.output_shapes.conservativeResize(12, 4); }, "12x4");
-  expect_refused([](auto& modes) { modes.output_std.conservativeResize(13, 3); }, "13x3");
-  expect_refused([](auto& modes) { modes.output_std(2, 1) = -1.0; }, "-1");
-  expect_refused([](auto& modes) { modes.input_std.resize(1, 4); }, "1x4");
-  expect_refused(
-      [](auto& modes) {
-        for (auto& name : modes.outputs) name += "x";
-      },
-      "in common");
-}
-
 // Damping ratios and deviations of what was not measured are of no interest.
-TEST_F(BadModes, MayLackNumbers) {
+TEST_F(DiagnosedModes, MayLackNumbers) {
   auto measured = measured_with({}, 1, 6);
   measured.damping_ratio.setConstant(kNone);
   measured.damping_std.setConstant(kNone);

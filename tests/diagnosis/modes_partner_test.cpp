@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,11 +8,8 @@
 #include <numeric>
 
 #include "base/index.h"
-#include "diagnosis/effect.h"
-#include "diagnosis/modes/mode_errors.h"
+#include "diagnosis/loaded_plate.h"
 #include "diagnosis/modes/modes_fit.h"
-#include "diagnosis/small_plate.h"
-#include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -25,75 +21,12 @@ using Eigen::VectorXd;
 using simulators::Dice;
 using Complex = std::complex<double>;
 
-constexpr Index kModes = 9;
-
-// The plate with a mass and a spring: no two of its modes have one frequency.
-State loaded() {
-  State state = state_of(small_plate());
-  const auto add = [&](std::string_view name, double size, double u, double v) {
-    effect(name).apply(state, small_plate(), 0, Eigen::Vector3d(size, u, v));
-  };
-  add("point_mass", 1.5, 0.21, 0.08);
-  add("point_mass", 0.8, -0.05, -0.27);
-  return state;
-}
-
-RecordedModes modes_of(const State& state) {
-  static const ModeSolver solver(state_of(small_plate()), small_plate().mode_count());
-  return solver.modes(state, 0.0, std::numeric_limits<double>::infinity());
-}
-
-// The first modes of a model as they are recorded, each value with an error.
-MeasuredModes measured_of(const RecordedModes& model, double error, unsigned seed = 1) {
-  Dice dice(seed);
-  MeasuredModes modes;
-  modes.outputs = small_plate().outputs.names;
-  modes.inputs = small_plate().inputs.names;
-  const Index m = std::min(kModes, model.count());
-  modes.frequency_hz = model.frequency_hz.head(m);
-  modes.damping_ratio = model.damping_ratio.head(m);
-  modes.frequency_std = modes.damping_std = VectorXd::Zero(m);
-  const auto record = [&](const MatrixXd& shapes, const MatrixXcd& path) {
-    MatrixXcd all = path.leftCols(m).cwiseProduct(shapes.leftCols(m));
-    for (Index k = 0; k < m; ++k) {
-      const double size = error * all.col(k).norm() / std::sqrt(static_cast<double>(all.rows()));
-      for (Index i = 0; i < all.rows(); ++i) {
-        all(i, k) += size * Complex(dice.normal(), 0.3 * dice.normal());
-      }
-    }
-    return all;
-  };
-  modes.output_shapes = record(model.outputs, model.output_path);
-  modes.input_shapes = record(model.inputs, model.input_path);
-  modes.output_std = MatrixXd::Constant(modes.output_shapes.rows(), m, 1e-3);
-  modes.input_std = MatrixXd::Constant(modes.input_shapes.rows(), m, 1e-3);
-  return modes;
-}
-
-ShapeUnits some_units() { return {0.3, 0.35}; }
-
-const std::vector<BodyError>& body() {
-  static const auto made = body_errors(small_plate(), Tolerances{});
-  return made;
-}
-
-ModeErrors errors_of(const MeasuredModes& measured, const RecordedModes& model,
-                     const Matching& matching, bool with_shared = true) {
-  static const std::vector<BodyError> none;
-  static const Eigen::MatrixXd smooth = smooth_factor(small_plate());
-  return mode_errors(small_plate(), measured, model, some_units(), matching,
-                     with_shared ? body() : none, smooth, {}, with_shared);
-}
-Matching matched_by_shape(const MeasuredModes& measured, const RecordedModes& model) {
-  return matched(measured, model, some_units());
-}
-
 double negative_log(const ModeErrors& errors) {
   return LevelLikelihood(errors, level_prior(Tolerances{}, true).usual).negative_log();
 }
 
 double likeness(const MeasuredModes& measured, const RecordedModes& model, Index i, Index k) {
-  return partner(measured, model, some_units(), i, span_of(measured, model, i, k)).likeness();
+  return partner(measured, model, some_units(), i, span_of(measured, model, i, k)).mac();
 }
 
 // Compares what does not depend on the sign in which a shape and its errors are written.
@@ -328,123 +261,6 @@ TEST(Errors, AreContinuousInTheSizeOfACause) {
       }
     }
   }
-}
-
-// A column, and the sum of it and the change that it should foresee, both without the scale of the
-// shapes and without `more`.
-struct Beside {
-  double column, difference;
-};
-Beside beside(const ModeBlock& block, const MatrixXd& more, Index column, const VectorXd& change) {
-  MatrixXd left_out(block.count(), block.free.cols() + more.cols());
-  left_out << block.free, more;
-  const Eigen::ColPivHouseholderQR<MatrixXd> basis(left_out);
-  const auto without = [&](const VectorXd& of) {
-    return VectorXd(of - left_out * basis.solve(of));
-  };
-  const VectorXd own = block.shared.col(column);
-  return {without(own).norm(), without(own + change).norm()};
-}
-
-// Rigid-body motions of the sensors, of the actuators, and the residue: rows of a mode without a
-// damping ratio.
-MatrixXd rigid_motions() {
-  MatrixXd all = MatrixXd::Zero(1 + 2 * (4 + 13) + 2, 7);
-  const auto& plate = small_plate();
-  for (Index i = 0; i < 4 + 13; ++i) {
-    const auto place = i < 4 ? plate.outputs.places.row(i) : plate.inputs.places.row(i - 4);
-    all.row(1 + 2 * i).segment(i < 4 ? 0 : 3, 3) << 1.0, place(0), place(1);
-  }
-  all(all.rows() - 2, 6) = 1.0;
-  return all;
-}
-
-// Changes the model itself and compares with what the column says.
-class SharedColumns : public testing::Test {
- protected:
-  SharedColumns() : model_(modes_of(loaded())), measured_(measured_of(model_, 0.0)) {
-    measured_.scaled = true;
-    // Damping ratios have errors of their own that are far larger.
-    measured_.damping_ratio.setConstant(std::numeric_limits<double>::quiet_NaN());
-    matching_ = matched_by_shape(measured_, model_);
-    errors_ = errors_of(measured_, model_, matching_);
-  }
-  static constexpr double kStep = 1e-6;
-  /// @param part  of the column that may be wrong
-  void expect(Index column, const std::function<void(State&, double step)>& change, double part,
-              const std::string& what, const MatrixXd& apart_from = MatrixXd()) {
-    State state = loaded();
-    change(state, kStep);
-    const auto other = errors_of(measured_, modes_of(state), matching_, false);
-    double most = 0.0;
-    for (std::size_t i = 0; i < errors_.blocks.size(); ++i) {
-      if (matching_.span[i].size() > 1) continue;
-      const auto& block = errors_.blocks[i];
-      const VectorXd slope = (other.blocks[i].error - block.error) / kStep;
-      const auto found = beside(
-          block, apart_from.size() > 0 ? apart_from : MatrixXd(block.count(), 0), column, slope);
-      most = std::max(most, found.column);
-      EXPECT_LT(found.difference, part * found.column + 1e-4) << what << ", mode " << i;
-    }
-    EXPECT_GT(most, 1e-3) << what << ": nothing was compared";
-  }
-  RecordedModes model_;
-  MeasuredModes measured_;
-  Matching matching_;
-  ModeErrors errors_;
-};
-
-constexpr Index kChannels = 4 + 13;
-
-TEST_F(SharedColumns, AreThoseOfGains) {
-  for (const Index i : {0, 2}) {
-    const auto change = [&](State& state, double by) { state.output_paths[at(i)].gain += by; };
-    expect(i, change, 1e-3, "sensor");
-  }
-  for (const Index j : {0, 6, 12}) {
-    const auto change = [&](State& state, double by) { state.input_paths[at(j)].gain += by; };
-    expect(4 + j, change, 1e-3, "actuator");
-  }
-}
-
-TEST_F(SharedColumns, AreThoseOfPlaces) {
-  const auto& plate = small_plate();
-  for (const Index i : {0, 3}) {
-    expect(
-        kChannels + i,
-        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_u.row(i); },
-        1e-3, "sensor along u");
-    expect(
-        2 * kChannels + i,
-        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_v.row(i); },
-        1e-3, "sensor along v");
-  }
-  for (const Index j : {5, 9}) {
-    expect(
-        2 * kChannels + 4 + j,
-        [&](State& state, double by) {
-          state.inputs.col(j) += by * plate.inputs.slope_v.row(j).transpose();
-        },
-        1e-3, "actuator along v");
-  }
-}
-
-// A change of mass also adds rigid-body motions, which no column has yet.
-TEST_F(SharedColumns, AreThoseOfTheBody) {
-  ASSERT_GE(body().size(), 8U);
-  std::size_t stiff = 0;
-  for (std::size_t b = 0; b < body().size(); ++b) {
-    const auto& [of, stiffness, mass] = body()[b];
-    const auto change = [&](State& state, double by) {
-      state.stiffness += by * stiffness;
-      state.mass += by * mass;
-    };
-    const bool has_mass = !mass.isZero(0.0);
-    stiff += has_mass ? 0 : 1;
-    expect(3 * kChannels + static_cast<Index>(b), change, 0.01, "body error " + std::to_string(b),
-           has_mass ? rigid_motions() : MatrixXd());
-  }
-  EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
 }
 
 }  // namespace

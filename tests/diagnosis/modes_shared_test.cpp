@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "base/index.h"
+#include "diagnosis/loaded_plate.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A column, and the sum of it and the change that it should foresee, both without the scale of the
+// shapes and without `more`.
+struct Beside {
+  double column, difference;
+};
+Beside beside(const ModeBlock& block, const MatrixXd& more, Index column, const VectorXd& change) {
+  MatrixXd left_out(block.count(), block.free.cols() + more.cols());
+  left_out << block.free, more;
+  const Eigen::ColPivHouseholderQR<MatrixXd> basis(left_out);
+  const auto without = [&](const VectorXd& of) {
+    return VectorXd(of - left_out * basis.solve(of));
+  };
+  const VectorXd own = block.shared.col(column);
+  return {without(own).norm(), without(own + change).norm()};
+}
+
+// Rigid-body motions of the sensors, of the actuators, and the residue: rows of a mode without a
+// damping ratio.
+MatrixXd rigid_motions() {
+  MatrixXd all = MatrixXd::Zero(1 + 2 * (4 + 13) + 2, 7);
+  const auto& plate = small_plate();
+  for (Index i = 0; i < 4 + 13; ++i) {
+    const auto place = i < 4 ? plate.outputs.places.row(i) : plate.inputs.places.row(i - 4);
+    all.row(1 + 2 * i).segment(i < 4 ? 0 : 3, 3) << 1.0, place(0), place(1);
+  }
+  all(all.rows() - 2, 6) = 1.0;
+  return all;
+}
+
+// Changes the model itself and compares with what the column says.
+class SharedColumns : public testing::Test {
+ protected:
+  SharedColumns() : model_(modes_of(loaded())), measured_(measured_of(model_, 0.0)) {
+    measured_.scaled = true;
+    // Damping ratios have errors of their own that are far larger.
+    measured_.damping_ratio.setConstant(std::numeric_limits<double>::quiet_NaN());
+    matching_ = matched_by_shape(measured_, model_);
+    errors_ = errors_of(measured_, model_, matching_);
+  }
+  static constexpr double kStep = 1e-6;
+  /// @param part  of the column that may be wrong
+  void expect(Index column, const std::function<void(State&, double step)>& change, double part,
+              const std::string& what, const MatrixXd& apart_from = MatrixXd()) {
+    State state = loaded();
+    change(state, kStep);
+    const auto other = errors_of(measured_, modes_of(state), matching_, false);
+    double most = 0.0;
+    for (std::size_t i = 0; i < errors_.blocks.size(); ++i) {
+      if (matching_.span[i].size() > 1) continue;
+      const auto& block = errors_.blocks[i];
+      const VectorXd slope = (other.blocks[i].error - block.error) / kStep;
+      const auto found = beside(
+          block, apart_from.size() > 0 ? apart_from : MatrixXd(block.count(), 0), column, slope);
+      most = std::max(most, found.column);
+      EXPECT_LT(found.difference, part * found.column + 1e-4) << what << ", mode " << i;
+    }
+    EXPECT_GT(most, 1e-3) << what << ": nothing was compared";
+  }
+  RecordedModes model_;
+  MeasuredModes measured_;
+  Matching matching_;
+  ModeErrors errors_;
+};
+
+constexpr Index kChannels = 4 + 13;
+
+TEST_F(SharedColumns, AreThoseOfGains) {
+  for (const Index i : {0, 2}) {
+    const auto change = [&](State& state, double by) { state.output_paths[at(i)].gain += by; };
+    expect(i, change, 1e-3, "sensor");
+  }
+  for (const Index j : {0, 6, 12}) {
+    const auto change = [&](State& state, double by) { state.input_paths[at(j)].gain += by; };
+    expect(4 + j, change, 1e-3, "actuator");
+  }
+}
+
+TEST_F(SharedColumns, AreThoseOfPlaces) {
+  const auto& plate = small_plate();
+  for (const Index i : {0, 3}) {
+    expect(
+        kChannels + i,
+        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_u.row(i); },
+        1e-3, "sensor along u");
+    expect(
+        2 * kChannels + i,
+        [&](State& state, double by) { state.outputs.row(i) += by * plate.outputs.slope_v.row(i); },
+        1e-3, "sensor along v");
+  }
+  for (const Index j : {5, 9}) {
+    expect(
+        2 * kChannels + 4 + j,
+        [&](State& state, double by) {
+          state.inputs.col(j) += by * plate.inputs.slope_v.row(j).transpose();
+        },
+        1e-3, "actuator along v");
+  }
+}
+
+// A change of mass also adds rigid-body motions, which no column has yet.
+TEST_F(SharedColumns, AreThoseOfTheBody) {
+  ASSERT_GE(body().size(), 8U);
+  std::size_t stiff = 0;
+  for (std::size_t b = 0; b < body().size(); ++b) {
+    const auto& [of, stiffness, mass] = body()[b];
+    const auto change = [&](State& state, double by) {
+      state.stiffness += by * stiffness;
+      state.mass += by * mass;
+    };
+    const bool has_mass = !mass.isZero(0.0);
+    stiff += has_mass ? 0 : 1;
+    expect(3 * kChannels + static_cast<Index>(b), change, 0.01, "body error " + std::to_string(b),
+           has_mass ? rigid_motions() : MatrixXd());
+  }
+  EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
