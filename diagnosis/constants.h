@@ -257,6 +257,70 @@ struct Constants {
   double same_channel = 0.5;
   /// [1] Largest relative difference of the shapes of a collocated pair. Chosen.
   double one_place = 1e-3;
+
+  // Measured modes.
+  /// [ln] Deviation of the frequency of a measured mode that the model lacks. Chosen.
+  double alone_frequency = 0.3;
+  /// [ln] Penalty of a measured mode that the model lacks. Chosen.
+  double alone = 3.0;
+  /// [ln] Penalty of a mode of the model within the band that was not measured. Chosen.
+  double unmeasured = 2.0;
+  /// [1] Part of the level of phases that each channel has by itself. Chosen.
+  double own_phase = 0.7;
+  /// [1] Part of the level of phases that neighbouring channels share. Chosen.
+  double smooth_phase = 0.7;
+  /// [ln] Modes nearer than this mix by errors of the model. Chosen.
+  double nearby = 0.15;
+  /// [ln] Modes nearer than this mix as if they were so far apart. Chosen.
+  double least_gap = 0.02;
+  /// [ln] Deviation of the size of a residue that a side of channels does not see. Chosen.
+  double unseen_size = 1.0;
+  /// [ln] Deviation of a residue that is not believed. Chosen.
+  double unknown_scale = 3.0;
+  /// [size] Length of smooth errors of a shape. Chosen.
+  double smooth_over = 0.2;
+  /// [band] Modes from this part of the lowest measured frequency are compared. Chosen.
+  double modes_below = 0.4;
+  /// [band] Modes up to this multiple of the highest measured frequency are compared. Chosen.
+  double modes_above_band = 2.0;
+  /// [band] Modes up to this multiple are coordinates of a first look. Chosen.
+  double quick_modes = 1.6;
+  /// [ln] A fit of modes ends when a round gains less. Chosen.
+  double enough_fall = 0.01;
+  /// [ln] Largest deviation of a size that the data show. Chosen.
+  double determined = 0.333;
+  /// [1] A smaller change of all numbers is none. Chosen.
+  double unchanged = 1e-9;
+  /// [1] Prior probability that modes have no cause. Chosen.
+  double nothing_prior = 0.5;
+  /// [1] Prior probability that modes have one cause. Chosen.
+  double one_prior = 0.3;
+  /// [1] Prior probability that modes have two causes. Chosen.
+  double two_prior = 0.08;
+  /// [1] Prior probability that modes have three causes. Chosen.
+  double three_prior = 0.02;
+  /// [1] Prior probability that a mode or a channel is not to be believed. Chosen.
+  double disturbed_prior = 0.1;
+  /// [1] Probability at which a cause of modes is named. Chosen.
+  double sure = 0.8;
+  /// [1] Part of the measured modes that must have a partner. Chosen.
+  double few_partners = 0.5;
+  /// [1] Part of the largest believed level at which nothing is believed. Chosen.
+  double at_the_limit = 0.8;
+  /// [1] Error of shapes beside which neighbouring modes turn into each other. Chosen.
+  double shape_error = 0.05;
+  /// [1] Likeness of a shape that the channels do not see. Chosen.
+  double unseen_likeness = 0.8;
+  /// [1] Error of a shape value at which it tells little. Chosen.
+  double blind_error = 0.2;
+  /// [ln] Modes nearer than this turn into each other. Chosen.
+  double neighbours = 0.05;
+  /// [1] Error of a shape value over that of the body, at most. Chosen.
+  double blindest = 10.0;
+  /// [1] Part of the largest eigenvalue below which a motion has no stiffness. Chosen.
+  double no_stiffness = 1e-9;
+  /// [1] Multiple of the largest eigenvalue at which a mass moves as the modes do. Chosen.
+  double far_above = 1e6;
 };
 
 inline constexpr Constants kConstants{};

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 void check_side(const Eigen::MatrixXcd& shapes, const Eigen::MatrixXd& deviation,
                 std::size_t channels, Index modes, const char* side) {
@@ -85,7 +85,7 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   const auto drop = [](Eigen::MatrixXcd& shapes, Eigen::MatrixXd& deviation) {
     for (Index i = 0; i < shapes.size(); ++i) {
       if (std::isfinite(deviation.data()[i])) continue;
-      shapes.data()[i] = {kNone, kNone};
+      shapes.data()[i] = {kNotMeasured, kNotMeasured};
       deviation.data()[i] = 0.0;
     }
   };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/index.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/modes/mode_rows.h"
 #include "diagnosis/modes/partner.h"
 
@@ -19,15 +20,6 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kNone = -1;
-constexpr double kAloneFrequency = 0.3;  // deviation of ln f of a mode that the model lacks
-constexpr double kAlone = 3.0;           // ln: a measured mode that the model lacks
-constexpr double kUnseen = 2.0;  // ln: a mode of the model within the band that was not measured
-// Parts of the variance of a phase: its own and what neighbouring channels share.
-constexpr double kOwnPhase = 0.7, kSmoothPhase = 0.7;
-constexpr double kNearby = 0.15;       // ln f: modes nearer than this mix
-constexpr double kLeastGap = 0.02;     // ln f: nearer modes are of one span
-constexpr double kUnseenSize = 1.0;    // deviation of ln residue of a mode that a side does not see
-constexpr double kUnknownScale = 3.0;  // deviation of ln residue of a mode that is not believed
 
 int of(ErrorClass which) { return static_cast<int>(which); }
 
@@ -83,7 +75,7 @@ ModeChange change_by(const BodyError& error, const RecordedModes& model) {
     for (Index l = 0; l < n; ++l) {
       const double part = stiffness(l, k) - lambda(k) * mass(l, k);
       const double gap = lambda(k) - lambda(l);
-      const double least = 2.0 * kLeastGap * lambda(k);
+      const double least = 2.0 * kConstants.least_gap * lambda(k);
       turn(l, k) =
           l == k ? -0.5 * mass(k, k) : part / std::copysign(std::max(std::abs(gap), least), gap);
       if (l == k) change.frequency(k) = 0.5 * part / lambda(k);
@@ -161,7 +153,7 @@ std::vector<Index> nearby(const RecordedModes& model, Index k) {
   std::vector<Index> all;
   for (Index l = 0; l < model.count(); ++l) {
     const double apart = std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
-    if (l != k && apart < kNearby) all.push_back(l);
+    if (l != k && apart < kConstants.nearby) all.push_back(l);
   }
   return all;
 }
@@ -175,7 +167,7 @@ void put_mixed(Rows& rows, const Place& place, Index k, const std::vector<Index>
     const auto column = static_cast<Index>(l);
     const double apart =
         std::abs(std::log(scene.model.frequency_hz(near[l]) / scene.model.frequency_hz(k)));
-    const double part = 1.0 / std::max(apart, kLeastGap) - 1.0 / kNearby;
+    const double part = 1.0 / std::max(apart, kConstants.least_gap) - 1.0 / kConstants.nearby;
     for (Index a = 0; a < place.side.count(); ++a) {
       const double change = part * shapes(place.side.rows[at(a)], near[l]) * place.side.recorded(a);
       if (place.first >= 0) rows.mixed(place.first + 2 * a, column) += change;
@@ -198,7 +190,7 @@ void put_smooth(Rows& rows, const Place& place, const Scene& scene) {
       const double change = size * scene.smooth(channel, c);
       if (place.first >= 0) {
         rows.smooth(place.first + 2 * a, c) = change;
-        rows.smooth(place.first + 2 * a + 1, count + c) = kSmoothPhase * change;
+        rows.smooth(place.first + 2 * a + 1, count + c) = kConstants.smooth_phase * change;
       }
       if (place.residue >= 0)
         rows.smooth(place.residue, c) += place.side.model(a) * change / square;
@@ -215,7 +207,7 @@ Index put_shape(Rows& rows, const PartnerSide& side, bool is_sensor) {
     const double real = side.measured(a).real() - side.model(a);
     const Index row = rows.add(real, side.noise(a), of(ErrorClass::shape), side.weight(a));
     const Index imaginary = rows.add(side.measured(a).imag(), side.noise(a), of(ErrorClass::phase),
-                                     kOwnPhase * side.weight(a));
+                                     kConstants.own_phase * side.weight(a));
     if (a == 0) first = row;
     rows.free(row, is_sensor ? 0 : 2) = side.model(a);
     rows.free(imaginary, is_sensor ? 1 : 3) = side.model(a);
@@ -233,11 +225,12 @@ double factor_noise(const PartnerSide& side) {
 Index put_residue(Rows& rows, const PartnerSide& out, const PartnerSide& in) {
   const auto ratio = std::log(out.factor * in.factor);
   const double blindness = std::max(out.blindness(), in.blindness());
-  const double unseen = std::pow(blindness / PartnerSide::kBlindest, 2);
+  const double unseen = std::pow(blindness / kConstants.blindest, 2);
   const double noise = std::hypot(factor_noise(out), factor_noise(in));
-  const Index row =
-      rows.add(ratio.real(), std::hypot(noise, kUnseenSize * unseen), of(ErrorClass::residue));
-  rows.add(ratio.imag(), std::hypot(noise, kUnknownScale * unseen), of(ErrorClass::residue));
+  const Index row = rows.add(ratio.real(), std::hypot(noise, kConstants.unseen_size * unseen),
+                             of(ErrorClass::residue));
+  rows.add(ratio.imag(), std::hypot(noise, kConstants.unknown_scale * unseen),
+           of(ErrorClass::residue));
   return row;
 }
 
@@ -296,7 +289,7 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
 ModeBlock alone(const Scene& scene, Index i) {
   const auto& measured = scene.measured;
   Rows rows(most_rows(measured), scene.columns.count(), 0, 0);
-  rows.add(kAloneFrequency, kAloneFrequency, kNone);
+  rows.add(kConstants.alone_frequency, kConstants.alone_frequency, kNone);
   if (measured.damping_ratio(i) > 0.0) rows.add(1.0, 1.0, kNone);
   const auto put = [&](const Eigen::MatrixXcd& shapes) {
     std::vector<Index> values;
@@ -318,8 +311,8 @@ ModeBlock alone(const Scene& scene, Index i) {
   const bool out = put(measured.output_shapes) > 0;
   const bool in = put(measured.input_shapes) > 0;
   if (measured.scaled && out && in) {
-    rows.add(kUnknownScale, kUnknownScale, kNone);
-    rows.add(kUnknownScale, kUnknownScale, kNone);
+    rows.add(kConstants.unknown_scale, kConstants.unknown_scale, kNone);
+    rows.add(kConstants.unknown_scale, kConstants.unknown_scale, kNone);
   }
   return rows.taken();
 }
@@ -353,11 +346,11 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
   for (Index i = 0; i < measured.count(); ++i) {
     const Index k = matching.model[at(i)];
     const bool doubted = disturbed.what == Disturbed::What::mode && disturbed.index == i;
-    if (k < 0 && !doubted) errors.penalty += kAlone;
+    if (k < 0 && !doubted) errors.penalty += kConstants.alone;
     errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
                                              : paired(scene, i, matching.span[at(i)], disturbed));
   }
-  errors.penalty += kUnseen * unseen(measured, model, matching);
+  errors.penalty += kConstants.unmeasured * unseen(measured, model, matching);
   return errors;
 }
 

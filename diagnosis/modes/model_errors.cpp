@@ -1,4 +1,5 @@
 #include "diagnosis/modes/model_errors.h"
+#include "diagnosis/constants.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -16,7 +17,6 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr int kNone = -1;
-constexpr double kSmoothOver = 0.2;  // of the body's size: length of a smooth shape error
 
 }  // namespace
 
@@ -25,7 +25,7 @@ MatrixXd smooth_factor(const Structure& structure) {
   const auto& in = structure.inputs.places;
   Eigen::MatrixX2d places(out.rows() + in.rows(), 2);
   places << out, in;
-  const double length = kSmoothOver * std::max(structure.surface.size(), 1e-9);
+  const double length = kConstants.smooth_over * std::max(structure.surface.size(), 1e-9);
   MatrixXd covariance(places.rows(), places.rows());
   for (Index i = 0; i < places.rows(); ++i) {
     for (Index j = 0; j < places.rows(); ++j) {

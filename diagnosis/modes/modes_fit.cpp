@@ -10,6 +10,7 @@
 #include "base/decompositions.h"
 #include "base/error.h"
 #include "base/index.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -19,10 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kBelow = 0.4, kAbove = 2.0;  // of the measured band: modes that matter
-constexpr double kQuick = 1.6;                // of the band: modes of a quick search
-constexpr int kLevelRounds = 4;               // of levels alone, at the end
-constexpr double kSmallFall = 0.01;           // of the objective: the fit has converged
+constexpr int kLevelRounds = 4;  // of levels alone, at the end
 
 // What models of real structures are off by, where a study states less.
 Tolerances believable(Tolerances tolerances, bool learned) {
@@ -122,10 +120,11 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
       smooth_(smooth_factor(structure)),
       body_(body_errors(structure, tolerances_)),
       solver_(state_of(structure), structure.mode_count()),
-      quick_(state_of(structure),
-             coordinates_below(structure, kQuick * measured.frequency_hz.maxCoeff())),
-      low_hz_(kBelow * measured.frequency_hz.minCoeff()),
-      high_hz_(kAbove * measured.frequency_hz.maxCoeff()) {}
+      quick_(
+          state_of(structure),
+          coordinates_below(structure, kConstants.quick_modes * measured.frequency_hz.maxCoeff())),
+      low_hz_(kConstants.modes_below * measured.frequency_hz.minCoeff()),
+      high_hz_(kConstants.modes_above_band * measured.frequency_hz.maxCoeff()) {}
 
 State ModesProblem::with(const std::vector<Supposed>& causes) const {
   State state = state_of(structure_);
@@ -366,7 +365,7 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
   for (int round = 0; round < rounds; ++round) {
     descent.round();
     descent.pair_again();
-    if (round > 1 && before - descent.value() < kSmallFall) break;
+    if (round > 1 && before - descent.value() < kConstants.enough_fall) break;
     before = descent.value();
   }
   for (int round = 0; round < std::min(rounds, kLevelRounds); ++round) descent.learn();

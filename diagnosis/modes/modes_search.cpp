@@ -14,13 +14,11 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kPerEffect = 3;      // starts of one effect that are fitted in full, at most
-constexpr std::size_t kLookedAt = 24;      // starts that are fitted in two rounds, per level
-constexpr std::size_t kInFull = 8;         // of these, fitted in full
-constexpr int kQuickRounds = 2;            // of such a first fit
-constexpr std::size_t kBeam = 2;           // fits from which a further cause is sought
-constexpr double kDetermined = 1.0 / 3.0;  // deviation of ln size at most: three of them to 0
-constexpr double kUnchanged = 1e-9;        // a smaller change of all numbers is none
+constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
+constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;     // of these, fitted in full
+constexpr int kQuickRounds = 2;        // of such a first fit
+constexpr std::size_t kBeam = 2;       // fits from which a further cause is sought
 
 struct Candidate {
   Supposed cause;
@@ -74,7 +72,7 @@ class Look {
       const Eigen::VectorXd there = shifted(model, matching);
       if (there.size() == here_.size()) {
         const Eigen::VectorXd change = there - here_;
-        if (change.cwiseAbs().maxCoeff() < kUnchanged) return HUGE_VAL;
+        if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return HUGE_VAL;
         return likelihood_.negative_log(stacked(errors_) + change);
       }
     }
@@ -244,7 +242,7 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
     if (is_pole && has_strength) continue;
     if (parameter.is_about_zero()) {
       if (std::abs(x) > kConstants.significant * std::max(std, usual)) return true;
-    } else if (std < kDetermined) {
+    } else if (std < kConstants.determined) {
       return true;
     }
   }

@@ -19,22 +19,18 @@ namespace {
 using Eigen::Index;
 
 // Prior probabilities of the number of causes, and of a mode or channel that is not believed.
-constexpr double kNothing = 0.5, kOne = 0.3, kTwo = 0.08, kThree = 0.02, kDisturbed = 0.1;
-constexpr double kSure = 0.8;         // probability at which a cause is named
-constexpr double kFewPartners = 0.5;  // part of the measured modes that must have a partner
-constexpr double kAtTheLimit = 0.8;  // of the largest level that is believed
 
 double log_of_number(std::size_t causes, double effects) {
   const double n = std::max(effects, 1.0);
   switch (causes) {
     case 0:
-      return std::log(kNothing);
+      return std::log(kConstants.nothing_prior);
     case 1:
-      return std::log(kOne / n);
+      return std::log(kConstants.one_prior / n);
     case 2:
-      return std::log(kTwo * 2.0 / (n * n));
+      return std::log(kConstants.two_prior * 2.0 / (n * n));
     default:
-      return std::log(kThree * 6.0 / (n * n * n));
+      return std::log(kConstants.three_prior * 6.0 / (n * n * n));
   }
 }
 
@@ -97,7 +93,8 @@ Weighed weighed(const Structure& structure, const ModesFound& found, double equa
     if (!is_needless) add(fit, log_of_number(fit.causes.size(), found.effects));
   }
   const auto disturbed = static_cast<double>(std::max<std::size_t>(found.disturbed.size(), 1));
-  for (const auto& fit : found.disturbed) add(fit, std::log(kDisturbed / disturbed));
+  for (const auto& fit : found.disturbed)
+    add(fit, std::log(kConstants.disturbed_prior / disturbed));
   const double most = *std::ranges::max_element(log_weight);
   double sum = 0.0;
   for (const double one : log_weight) {
@@ -198,14 +195,15 @@ std::vector<ErrorLevel> levels_of(const ModesProblem& problem, const ModesFit& f
 }
 
 bool at_a_limit(const ModesProblem& problem, const ModesFit& fit) {
-  return (fit.levels >= kAtTheLimit * problem.prior().at_most && fit.determined > 0.5).any() &&
+  return (fit.levels >= kConstants.at_the_limit * problem.prior().at_most && fit.determined > 0.5)
+             .any() &&
          problem.prior().width > 0.0;
 }
 
 bool has_few_partners(const ModesFit& fit) {
   const auto paired = std::ranges::count_if(fit.matching.model, [](Index k) { return k >= 0; });
   return static_cast<double>(paired) <
-         kFewPartners * static_cast<double>(fit.matching.model.size());
+         kConstants.few_partners * static_cast<double>(fit.matching.model.size());
 }
 
 Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
@@ -216,7 +214,7 @@ Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
   if (fit.disturbed.what != Disturbed::What::nothing) return Verdict::unexplained;
   if (best.causes.empty()) return Verdict::no_discrepancy;
   const auto is_sure = [&](const Cause& cause) {
-    return cause.probability >= kSure && cause.log_evidence_gain >= least_evidence;
+    return cause.probability >= kConstants.sure && cause.log_evidence_gain >= least_evidence;
   };
   if (std::ranges::all_of(best.causes, is_sure)) return Verdict::named;
   return std::ranges::any_of(best.causes, is_sure) ? Verdict::partial : Verdict::ambiguous;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "base/decompositions.h"
 #include "base/index.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -17,10 +19,7 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
-constexpr double kTiny = 1e-300;
-constexpr double kShapeError = 0.05;
-constexpr double kUnseenLikeness = 0.8;  // of a shape that the channels do not see
-constexpr double kBlindError = 0.2;      // error of a shape value at which it tells nothing
+constexpr auto kTiny = std::numeric_limits<double>::min();
 
 // The channels of one side that have a value in a measured mode.
 struct Values {
@@ -71,12 +70,13 @@ Complex phase_of(const VectorXcd& shape) {
 }
 
 // Deviation of the part that a mode has in another one, `apart` in ln f: as modes of the same
-// frequency turn into each other. It falls to 0 at kNeighbours, so that no part begins at once.
+// frequency turn into each other. It falls to 0 at kConstants.neighbours, so that no part begins at
+// once.
 double part_deviation(double apart) {
-  return 0.1 * std::max(0.0, kNeighbours - apart) / std::max(apart, 1e-9);
+  return 0.1 * std::max(0.0, kConstants.neighbours - apart) / std::max(apart, 1e-9);
 }
 
-// Parts of the modes of a span that fit the shape best, beside errors of kShapeError.
+// Parts of the modes of a span that fit the shape best, beside errors of kConstants.shape_error.
 VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
                   const Values& values) {
   VectorXd parts = VectorXd::Unit(model.count(), span.front());
@@ -89,7 +89,8 @@ VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
     const double apart =
         std::abs(std::log(model.frequency_hz(span[l]) / model.frequency_hz(span[0])));
     const auto i = static_cast<Index>(l);
-    normal(i, i) += scale * std::pow(kShapeError / std::max(part_deviation(apart), 1e-9), 2);
+    normal(i, i) +=
+        scale * std::pow(kConstants.shape_error / std::max(part_deviation(apart), 1e-9), 2);
   }
   const VectorXd found = normal.ldlt().solve(basis.transpose() * real);
   if (!found.allFinite() || !(found.norm() > 0.0)) return parts;
@@ -114,7 +115,7 @@ PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
   PartnerSide side;
   side.rows = values.rows;
   const VectorXd shape = values.shapes * parts;
-  const double least = unit * root_mean_square(values.path) / PartnerSide::kBlindest;
+  const double least = unit * root_mean_square(values.path) / kConstants.blindest;
   const double size = std::max({root_mean_square(shape), least, kTiny});
   side.model = shape / size;
   side.recorded = values.path / size;
@@ -145,8 +146,8 @@ double mac_of(const PartnerSide& side) {
 // What the channels do not see is less alike than a partner and more alike than a stranger.
 double likeness_of(const PartnerSide& side) {
   if (!side.is_shape()) return 1.0;
-  const double trust = 1.0 / (1.0 + std::pow(kBlindError * side.blindness(), 4));
-  return trust * mac_of(side) + (1.0 - trust) * kUnseenLikeness;
+  const double trust = 1.0 / (1.0 + std::pow(kConstants.blind_error * side.blindness(), 4));
+  return trust * mac_of(side) + (1.0 - trust) * kConstants.unseen_likeness;
 }
 
 }  // namespace
@@ -166,7 +167,7 @@ std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& m
   };
   std::vector<Index> span{k};
   for (Index l = 0; l < model.count(); ++l) {
-    if (l != k && apart(l) < kNeighbours) span.push_back(l);
+    if (l != k && apart(l) < kConstants.neighbours) span.push_back(l);
   }
   std::stable_sort(span.begin() + 1, span.end(),
                    [&](Index a, Index b) { return apart(a) < apart(b); });

@@ -8,9 +8,6 @@
 
 namespace chladni::diagnosis {
 
-/// Modes nearer than this [ln f] turn into each other by small errors of the body.
-inline constexpr double kNeighbours = 0.05;
-
 /// Root mean square of the structure's own flexible modes over all channels of a side [kg^-1/2].
 struct ShapeUnits {
   double outputs = 1.0, inputs = 1.0;
@@ -34,7 +31,6 @@ struct PartnerSide {
   [[nodiscard]] bool is_shape() const { return count() > 1; }
   /// Root mean square of `weight`: large where these channels hardly see the mode.
   [[nodiscard]] double blindness() const;
-  static constexpr double kBlindest = 10.0;  ///< of channels that see nothing of a mode
 };
 
 /// Mode k of a model beside measured mode i.

@@ -10,6 +10,7 @@
 #include "base/decompositions.h"
 #include "base/error.h"
 #include "base/index.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fit/responses.h"
 
 namespace chladni::diagnosis {
@@ -18,9 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kRigid = 1e-9;    // of the base's largest eigenvalue: less is no stiffness
-constexpr double kFarAbove = 1e6;  // of the largest eigenvalue: a mass moves as the modes do
 
 // K, M and C of the first `most` coordinates, and one more coordinate for each carried mass.
 struct Assembled {
@@ -58,7 +56,8 @@ void add_attached(Assembled& to, const Attached& attached, Index most) {
     }
     to.stiffness.topLeftCorner(r, r) += spring * shape * shape.transpose();
     to.damping.topLeftCorner(r, r) += attached.damping * shape * shape.transpose();
-    if (own * attached.mass * to.stiffness.diagonal().head(r).maxCoeff() > 1.0 / kFarAbove) {
+    if (own * attached.mass * to.stiffness.diagonal().head(r).maxCoeff() >
+        1.0 / kConstants.far_above) {
       add_carried(to, shape, 1.0 / own, 0.0, attached.mass);
     } else {
       to.mass.topLeftCorner(r, r) += attached.mass * shape * shape.transpose();
@@ -123,7 +122,8 @@ RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_h
   std::vector<Index> columns;
   for (Index k = 0; k < omega.size(); ++k) {
     const double hz = omega(k) / (2.0 * std::numbers::pi);
-    const bool is_flexible = body.lambda(k) > kRigid * base_body_.lambda.maxCoeff();
+    const bool is_flexible =
+        body.lambda(k) > kConstants.no_stiffness * base_body_.lambda.maxCoeff();
     if (is_flexible && hz >= low_hz && hz <= high_hz) columns.push_back(k);
   }
   RecordedModes result;
