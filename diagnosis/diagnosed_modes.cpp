@@ -37,23 +37,6 @@ Shared shared(const std::vector<std::string>& measured, const std::vector<std::s
   return rows;
 }
 
-ChannelSide part(const ChannelSide& side, const std::vector<Index>& rows) {
-  ChannelSide result;
-  for (const Index i : rows) result.names.push_back(side.names[static_cast<std::size_t>(i)]);
-  const auto take = [&](const Eigen::MatrixXd& from) {
-    return from.rows() == 0 ? Eigen::MatrixXd(static_cast<Index>(rows.size()), from.cols())
-                            : Eigen::MatrixXd(from(rows, Eigen::all));
-  };
-  result.shapes = take(side.shapes);
-  result.slope_u = take(side.slope_u);
-  result.slope_v = take(side.slope_v);
-  result.aside_u = take(side.aside_u);
-  result.aside_v = take(side.aside_v);
-  result.places = side.places(rows, Eigen::all);
-  result.upper = take(side.upper);
-  return result;
-}
-
 // Structure and measurement with the channels that both have.
 struct Given {
   Structure structure;
@@ -70,8 +53,8 @@ Given given(const Structure& structure, const MeasuredModes& measured) {
   require(measured.outputs.empty() || !out.measured.empty(),
           "no sensor in common: the measured modes and the study name other sensors");
   auto& own = result.structure;
-  own.outputs = part(structure.outputs, out.structure);
-  own.inputs = part(structure.inputs, in.structure);
+  own.outputs = part_of(structure.outputs, out.structure);
+  own.inputs = part_of(structure.inputs, in.structure);
   own.residual = structure.residual(out.structure, in.structure);
   auto& modes = result.measured;
   modes.outputs = own.outputs.names;

@@ -46,16 +46,7 @@ ChannelSide measured_part(const ChannelSide& side, std::vector<Index>& places,
     found.push_back(places[i]);
   }
   places = found;
-  ChannelSide part;
-  for (const auto i : kept) part.names.push_back(side.names[at(i)]);
-  part.shapes = side.shapes(kept, Eigen::all);
-  part.slope_u = side.slope_u(kept, Eigen::all);
-  part.slope_v = side.slope_v(kept, Eigen::all);
-  part.aside_u = side.aside_u(kept, Eigen::all);
-  part.aside_v = side.aside_v(kept, Eigen::all);
-  part.places = side.places(kept, Eigen::all);
-  if (side.upper.size() > 0) part.upper = side.upper(kept, Eigen::all);
-  return part;
+  return part_of(side, kept);
 }
 
 std::vector<Index> lines_of(const modal::FrfSet& set, double high_hz) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/index.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -61,6 +62,25 @@ void check_fine(const FineCells& fine, const ChannelSide& outputs, Eigen::Index 
 }
 
 }  // namespace
+
+ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& rows) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  // What a side does not state has no rows.
+  const auto take = [&](const Eigen::MatrixXd& from) {
+    return from.rows() == 0 ? Eigen::MatrixXd(count, from.cols())
+                            : Eigen::MatrixXd(from(rows, Eigen::all));
+  };
+  ChannelSide part;
+  for (const Eigen::Index i : rows) part.names.push_back(side.names[at(i)]);
+  part.shapes = take(side.shapes);
+  part.slope_u = take(side.slope_u);
+  part.slope_v = take(side.slope_v);
+  part.aside_u = take(side.aside_u);
+  part.aside_v = take(side.aside_v);
+  part.places = side.places(rows, Eigen::all);
+  if (side.upper.size() > 0) part.upper = side.upper(rows, Eigen::all);
+  return part;
+}
 
 void check(const Structure& structure) {
   const Eigen::Index r = structure.mode_count();

@@ -32,6 +32,9 @@ struct ChannelSide {
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };
 
+/// The side with these of its channels, in this order.
+[[nodiscard]] ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& rows);
+
 /// A part of the surface with two coordinates (for a plate: its top, x and y).
 struct Surface {
   Eigen::MatrixX2d places;  ///< n×2 [m]: places of the scan, evenly spread
