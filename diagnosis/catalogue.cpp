@@ -123,6 +123,16 @@ std::optional<Eigen::Vector2d> place_of(const Supposed& supposed, const Structur
   return Eigen::Vector2d(supposed.x(*at));
 }
 
+bool near(const Structure& structure, const Supposed& a, const Supposed& b, double part) {
+  const auto here = place_of(a, structure);
+  const auto there = place_of(b, structure);
+  return !here || !there || (*here - *there).norm() < part * structure.surface.size();
+}
+
+bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b, double part) {
+  return a.effect == b.effect && a.option == b.option && near(structure, a, b, part);
+}
+
 double reach_of(const Supposed& supposed, const Structure& structure) {
   const auto is_extent = [](const Parameter& one) { return one.role == Parameter::Role::extent; };
   return value_of(supposed, structure, is_extent).value_or(0.0);

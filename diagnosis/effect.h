@@ -112,6 +112,12 @@ struct Supposed {
 /// The place on the surface; none for effects without a place.
 [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Supposed& supposed,
                                                       const Structure& structure);
+/// True if both have no place, or places within this part of the surface's size.
+[[nodiscard]] bool near(const Structure& structure, const Supposed& a, const Supposed& b,
+                        double part);
+/// True for the same effect and choice, near each other.
+[[nodiscard]] bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b,
+                               double part);
 /// Radius [m] around its place in which it acts: its extent, or 0.
 [[nodiscard]] double reach_of(const Supposed& supposed, const Structure& structure);
 

@@ -255,14 +255,6 @@ class About {
   mutable LoadedDamping loaded_;  // for the causes, made on first use
 };
 
-bool same_choice(const Structure& structure, const Supposed& a, const Supposed& b) {
-  if (a.effect != b.effect || a.option != b.option) return false;
-  const auto place_a = place_of(a, structure);
-  const auto place_b = place_of(b, structure);
-  if (!place_a || !place_b) return true;
-  return (*place_a - *place_b).norm() < kConstants.same_place * structure.surface.size();
-}
-
 }  // namespace
 
 double error_of(const Problem& problem, const Supposed& cause) {
@@ -289,8 +281,9 @@ double Fit::excess(double numbers) const {
 bool alike(const Structure& structure, const Fit& a, const Fit& b) {
   if (a.causes.size() != b.causes.size()) return false;
   return std::ranges::all_of(a.causes, [&](const Supposed& cause) {
-    return std::ranges::any_of(
-        b.causes, [&](const Supposed& other) { return same_choice(structure, cause, other); });
+    return std::ranges::any_of(b.causes, [&](const Supposed& other) {
+      return same_choice(structure, cause, other, kConstants.same_place);
+    });
   });
 }
 

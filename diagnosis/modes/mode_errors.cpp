@@ -114,8 +114,7 @@ struct Place {
 
 double square_of(const PartnerSide& side) { return std::max(side.model.squaredNorm(), 0.1); }
 
-// A change of the model's record at one channel: in the shape and in the
-// residue.
+// A change of the model's record at one channel: in the shape and in the residue.
 void put_change(Rows& rows, const Place& place, Index a, double change, Index column) {
   if (place.first >= 0) rows.shared(place.first + 2 * a, column) += change;
   if (place.residue < 0) return;
@@ -292,16 +291,11 @@ ModeBlock alone(const Scene& scene, Index i) {
   rows.add(kConstants.alone_frequency, kConstants.alone_frequency, kNone);
   if (measured.damping_ratio(i) > 0.0) rows.add(1.0, 1.0, kNone);
   const auto put = [&](const Eigen::MatrixXcd& shapes) {
-    std::vector<Index> values;
-    for (Index a = 0; a < shapes.rows(); ++a) {
-      if (std::isfinite(std::abs(shapes(a, i)))) values.push_back(a);
-    }
+    const auto values = rows_with_values(shapes, i);
     if (values.size() < 2) return values.size();
     const VectorXcd shape = shapes(values, i);
     const double size = shape.norm() / std::sqrt(static_cast<double>(shape.size()));
-    const std::complex<double> square = shape.cwiseProduct(shape).sum();
-    const VectorXcd turned =
-        shape * std::polar(1.0 / std::max(size, 1e-300), -0.5 * std::arg(square));
+    const VectorXcd turned = shape * std::conj(phase_of(shape)) / std::max(size, 1e-300);
     for (Index a = 0; a < turned.size(); ++a) {
       rows.add(turned(a).real(), 1.0, kNone);
       rows.add(turned(a).imag(), 1.0, kNone);

@@ -184,7 +184,7 @@ class Descent {
 
   void learn() {
     fit_.levels = updated(fit_.levels, problem_.prior(), likelihood_->evidence());
-    take(likelihood_->errors());
+    take({likelihood_->errors(), fit_.levels});
   }
 
   // Pairs the modes in the most probable way.
@@ -192,10 +192,10 @@ class Descent {
     const double prior = log_prior_of(problem_.structure(), fit_.causes);
     for (const auto& matching : problem_.matchings(fit_.model)) {
       if (likelihood_ && matching.model == fit_.matching.model) continue;
-      const LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
+      LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
       if (!(other.negative_log() - prior < fit_.objective)) continue;
       fit_.matching = matching;
-      take(other.errors());
+      take(std::move(other));
     }
   }
 
@@ -221,24 +221,20 @@ class Descent {
   [[nodiscard]] double value() const { return fit_.objective; }
 
  private:
-  // The likelihood of errors with the present causes and levels.
-  void take(ModeErrors errors) {
-    likelihood_.emplace(ModeErrors(std::move(errors)), fit_.levels);
+  // The likelihood at the present causes and levels.
+  void take(LevelLikelihood likelihood) {
+    likelihood_ = std::move(likelihood);
     own_ = stacked(likelihood_->errors());
     fit_.objective = likelihood_->negative_log() - log_prior_of(problem_.structure(), fit_.causes);
   }
 
-  // The change that each cause makes, kept for the next call with the same numbers.
+  // The change that each cause makes to a state.
   using Changes = std::vector<std::function<void(State&)>>;
 
   [[nodiscard]] std::optional<RecordedModes> after(const Changes& changes) const {
-    try {
-      State state = state_of(problem_.structure());
-      for (const auto& change : changes) change(state);
-      return problem_.modes(state, false);
-    } catch (const NumericalFailure&) {
-      return std::nullopt;
-    }
+    State state = state_of(problem_.structure());
+    for (const auto& change : changes) change(state);
+    return problem_.modes(state, false);
   }
   [[nodiscard]] std::optional<RecordedModes> modes(const std::vector<Supposed>& causes) const {
     try {
@@ -341,7 +337,7 @@ class Descent {
     }
     fit_.causes = std::move(causes);
     fit_.model = std::move(*model);
-    take(problem_.errors(fit_, fit_.model, fit_.matching));
+    take({problem_.errors(fit_, fit_.model, fit_.matching), fit_.levels});
     return true;
   }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/mode_errors.h"
 
@@ -23,6 +24,11 @@ struct ModesFit {
   double log_evidence = -std::numeric_limits<double>::infinity();
   Eigen::MatrixXd covariance;  ///< of all x, cause by cause
 };
+
+/// True for the same effect and choice, at places that modes hardly tell apart.
+[[nodiscard]] inline bool alike(const Structure& structure, const Supposed& a, const Supposed& b) {
+  return same_choice(structure, a, b, 2.0 * kConstants.same_place);
+}
 
 /// What all hypotheses about one set of measured modes share.
 class ModesProblem {

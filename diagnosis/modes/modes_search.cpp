@@ -32,8 +32,8 @@ class Look {
   Look(const ModesProblem& problem, const ModesFit& base)
       : problem_(problem),
         base_(base),
-        errors_(problem.errors(base, base.model, base.matching)),
-        likelihood_(errors_, base.levels),
+        likelihood_(problem.errors(base, base.model, base.matching), base.levels),
+        own_(stacked(likelihood_.errors())),
         state_(problem.with(base.causes)) {
     const auto model = problem.modes(state_, true);
     if (!model) return;
@@ -73,7 +73,7 @@ class Look {
       if (there.size() == here_.size()) {
         const Eigen::VectorXd change = there - here_;
         if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return HUGE_VAL;
-        return likelihood_.negative_log(stacked(errors_) + change);
+        return likelihood_.negative_log(own_ + change);
       }
     }
     return LevelLikelihood(problem_.errors(base_, model, matching), base_.levels).negative_log();
@@ -101,21 +101,13 @@ class Look {
 
   const ModesProblem& problem_;
   const ModesFit& base_;
-  ModeErrors errors_;
   LevelLikelihood likelihood_;
+  Eigen::VectorXd own_;  // errors of the base
   State state_;
   Eigen::VectorXd here_, quick_hz_;
   Matching quick_matching_;
   bool pairs_may_be_wrong_ = false;
 };
-
-bool near(const Structure& structure, const Supposed& a, const Supposed& b) {
-  if (a.effect != b.effect || a.option != b.option) return false;
-  const auto here = place_of(a, structure);
-  const auto there = place_of(b, structure);
-  if (!here || !there) return true;
-  return (*here - *there).norm() < 2.0 * kConstants.same_place * structure.surface.size();
-}
 
 // The best starts of one effect, at places and choices of their own.
 std::vector<Candidate> best_of(const Look& look, const ModesProblem& problem,
@@ -131,7 +123,7 @@ std::vector<Candidate> best_of(const Look& look, const ModesProblem& problem,
   for (auto& candidate : all) {
     if (best.size() == kPerEffect) break;
     const bool is_new = std::ranges::none_of(best, [&](const Candidate& other) {
-      return near(problem.structure(), candidate.cause, other.cause);
+      return alike(problem.structure(), candidate.cause, other.cause);
     });
     if (is_new) best.push_back(std::move(candidate));
   }
@@ -221,32 +213,32 @@ double usual_size(const ModesProblem& problem, const ModesFit& fit, const Effect
 }
 
 // True if a size of the cause differs from that of a sound structure by more than its deviation
-// and more than such structures differ. A cause without sizes is there or not.
+// and more than such structures differ. The size of a cause without a strength is its frequency; a
+// cause without both is there or not.
 bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_t which) {
+  using Role = Parameter::Role;
   const auto& cause = fit.causes[which];
+  const auto parameters = cause.effect->parameters(problem.structure());
+  const auto is_strength = [](const Parameter& parameter) {
+    return parameter.role == Role::strength || parameter.role == Role::offset;
+  };
+  const bool has_strength = std::ranges::any_of(parameters, is_strength);
+  const auto is_size = [&](const Parameter& parameter) {
+    return has_strength ? is_strength(parameter) : parameter.role == Role::frequency;
+  };
+  if (std::ranges::none_of(parameters, is_size)) return true;
   const auto deviation = deviations_of(fit, which);
   const double usual = usual_size(problem, fit, *cause.effect);
-  const auto parameters = cause.effect->parameters(problem.structure());
-  const bool has_strength = std::ranges::any_of(parameters, [](const Parameter& parameter) {
-    return parameter.role == Parameter::Role::strength || parameter.role == Parameter::Role::offset;
-  });
-  bool has_size = false;
-  Index i = 0;
-  for (const auto& parameter : parameters) {
-    using Role = Parameter::Role;
-    const double std = deviation(i);
-    const double x = cause.x(i++);
-    const bool is_pole = parameter.role == Role::frequency;
-    if (parameter.role != Role::strength && parameter.role != Role::offset && !is_pole) continue;
-    has_size = true;
-    if (is_pole && has_strength) continue;
-    if (parameter.is_about_zero()) {
-      if (std::abs(x) > kConstants.significant * std::max(std, usual)) return true;
-    } else if (std < kConstants.determined) {
-      return true;
-    }
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (!is_size(parameters[i])) continue;
+    const double std = deviation(static_cast<Index>(i));
+    const double size = std::abs(cause.x(static_cast<Index>(i)));
+    const bool is_clear = parameters[i].is_about_zero()
+                              ? size > kConstants.significant * std::max(std, usual)
+                              : std < kConstants.determined;
+    if (is_clear) return true;
   }
-  return !has_size;
+  return false;
 }
 
 bool are_significant(const ModesProblem& problem, const ModesFit& fit) {

@@ -18,8 +18,7 @@ namespace {
 
 using Eigen::Index;
 
-// Prior probabilities of the number of causes, and of a mode or channel that is not believed.
-
+// ln of the prior probability of this number of causes, of so many effects.
 double log_of_number(std::size_t causes, double effects) {
   const double n = std::max(effects, 1.0);
   switch (causes) {
@@ -34,17 +33,6 @@ double log_of_number(std::size_t causes, double effects) {
   }
 }
 
-bool near(const Structure& structure, const Supposed& a, const Supposed& b) {
-  const auto here = place_of(a, structure);
-  const auto there = place_of(b, structure);
-  return !here || !there ||
-         (*here - *there).norm() < 2.0 * kConstants.same_place * structure.surface.size();
-}
-
-bool alike(const Structure& structure, const Supposed& a, const Supposed& b) {
-  return a.effect == b.effect && a.option == b.option && near(structure, a, b);
-}
-
 bool contains(const Structure& structure, const ModesFit& fit, const Supposed& cause) {
   return std::ranges::any_of(fit.causes,
                              [&](const Supposed& other) { return alike(structure, cause, other); });
@@ -53,9 +41,9 @@ bool contains(const Structure& structure, const ModesFit& fit, const Supposed& c
 // True if `a` is `b`, or a special case of it, at the same place.
 bool is_simpler_or_same(const Structure& structure, const Supposed& a, const Supposed& b) {
   if (alike(structure, a, b)) return true;
-  return near(structure, a, b) && std::ranges::any_of(b.effect->simpler, [&](const Simpler& one) {
-           return one.effect == a.effect;
-         });
+  return near(structure, a, b, 2.0 * kConstants.same_place) &&
+         std::ranges::any_of(b.effect->simpler,
+                             [&](const Simpler& one) { return one.effect == a.effect; });
 }
 
 // True if each cause of `general` has its simpler case or itself in `fit`, and one is simpler.
@@ -114,7 +102,8 @@ bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
                              [&](const Supposed& cause) { return contains(structure, b, cause); });
 }
 
-// Each explanation once, at its best fit, with the probability of all fits that are alike.
+// Each explanation once, at its best fit, descending. Other fits of it are the same maximum,
+// reached from other starts: their probabilities do not count.
 Weighed merged(const Structure& structure, const Weighed& all) {
   Weighed result;
   std::vector<std::size_t> order(all.fits.size());
@@ -128,7 +117,6 @@ Weighed merged(const Structure& structure, const Weighed& all) {
       result.fits.push_back(all.fits[i]);
       result.probability.push_back(all.probability[i]);
     }
-    // A second fit of the same explanation is the same maximum, reached from another start.
   }
   const double sum = std::accumulate(result.probability.begin(), result.probability.end(), 0.0);
   for (auto& one : result.probability) one /= sum;

@@ -33,10 +33,7 @@ struct Values {
 Values values_of(const MatrixXcd& measured, const MatrixXd& deviation, Index i,
                  const MatrixXd& shapes, const MatrixXcd& path, Index k) {
   Values values;
-  for (Index row = 0; row < measured.rows(); ++row) {
-    const Complex value = measured(row, i);
-    if (std::isfinite(value.real()) && std::isfinite(value.imag())) values.rows.push_back(row);
-  }
+  values.rows = rows_with_values(measured, i);
   const auto n = static_cast<Index>(values.rows.size());
   values.value.resize(n);
   values.noise.resize(n);
@@ -61,12 +58,6 @@ Values sensor_values(const MeasuredModes& measured, const RecordedModes& model, 
 Values actuator_values(const MeasuredModes& measured, const RecordedModes& model, Index i,
                        Index k) {
   return values_of(measured.input_shapes, measured.input_std, i, model.inputs, model.input_path, k);
-}
-
-// The phase that makes a shape as real as it can be.
-Complex phase_of(const VectorXcd& shape) {
-  const Complex square = shape.cwiseProduct(shape).sum();
-  return std::polar(1.0, 0.5 * std::arg(square));
 }
 
 // Deviation of the part that a mode has in another one, `apart` in ln f: as modes of the same
@@ -97,14 +88,6 @@ VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
   parts.setZero();
   parts(span) = found.normalized();
   return parts;
-}
-
-Index value_count(const MatrixXcd& shapes, Index i) {
-  Index count = 0;
-  for (Index row = 0; row < shapes.rows(); ++row) {
-    if (std::isfinite(std::abs(shapes(row, i)))) ++count;
-  }
-  return count;
 }
 
 double root_mean_square(const auto& vector) {
@@ -152,6 +135,19 @@ double likeness_of(const PartnerSide& side) {
 
 }  // namespace
 
+std::vector<Index> rows_with_values(const MatrixXcd& shapes, Index i) {
+  std::vector<Index> rows;
+  for (Index row = 0; row < shapes.rows(); ++row) {
+    if (std::isfinite(std::abs(shapes(row, i)))) rows.push_back(row);
+  }
+  return rows;
+}
+
+Complex phase_of(const VectorXcd& shape) {
+  const Complex square = shape.cwiseProduct(shape).sum();
+  return std::polar(1.0, 0.5 * std::arg(square));
+}
+
 double PartnerSide::blindness() const { return root_mean_square(weight); }
 
 double Partner::mac() const { return mac_of(sensors) * mac_of(actuators); }
@@ -160,8 +156,8 @@ double Partner::likeness() const { return likeness_of(sensors) * likeness_of(act
 
 std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& model, Index i,
                            Index k) {
-  const Index channels =
-      std::max(value_count(measured.output_shapes, i), value_count(measured.input_shapes, i));
+  const Index outputs = std::ssize(rows_with_values(measured.output_shapes, i));
+  const Index inputs = std::ssize(rows_with_values(measured.input_shapes, i));
   const auto apart = [&](Index l) {
     return std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
   };
@@ -171,7 +167,7 @@ std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& m
   }
   std::stable_sort(span.begin() + 1, span.end(),
                    [&](Index a, Index b) { return apart(a) < apart(b); });
-  const auto most = static_cast<std::size_t>(std::max<Index>(1, channels - 2));
+  const auto most = static_cast<std::size_t>(std::max<Index>(1, std::max(outputs, inputs) - 2));
   if (span.size() > most) span.resize(most);
   return span;
 }

@@ -47,6 +47,12 @@ struct Partner {
   [[nodiscard]] double likeness() const;
 };
 
+/// Channels that have a value in measured mode i.
+[[nodiscard]] std::vector<Eigen::Index> rows_with_values(const Eigen::MatrixXcd& shapes,
+                                                         Eigen::Index i);
+/// The phase without which a shape is as real as it can be, up to its sign.
+[[nodiscard]] std::complex<double> phase_of(const Eigen::VectorXcd& shape);
+
 /// Mode k, then its neighbours, as far as the channels can tell them apart.
 [[nodiscard]] std::vector<Eigen::Index> span_of(const MeasuredModes& measured,
                                                 const RecordedModes& model, Eigen::Index i,

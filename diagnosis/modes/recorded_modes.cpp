@@ -117,7 +117,8 @@ ModeSolver::Body ModeSolver::solved(const State& state) const {
 }
 
 RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_hz) const {
-  const Body body = is_base(state) ? base_body_ : solved(state);
+  const Body other = is_base(state) ? Body{} : solved(state);
+  const Body& body = is_base(state) ? base_body_ : other;
   const VectorXd omega = body.lambda.cwiseSqrt();
   std::vector<Index> columns;
   for (Index k = 0; k < omega.size(); ++k) {
