@@ -85,6 +85,24 @@ struct Constants {
   Eigen::Index next_lines = 60;
   /// [1] Relative noise of that sensor if no response states one. Chosen.
   double next_noise = 0.01;
+  /// [ln] A measurement that brings more is worth no more. Chosen: as sure_evidence.
+  double next_enough = 12.0;
+  /// [1] Explanations that it is to tell apart, at most. Chosen.
+  std::size_t next_rivals = 6;
+  /// [1] Part of the body's mass of a known mass that is proposed. Chosen.
+  double next_mass = 0.01;
+  /// [1] Frequencies with and without it are repeatable to this. Chosen.
+  double next_repeat = 3e-4;
+  /// [1] Error of scales. Chosen.
+  double next_scales = 1e-3;
+  /// [1] Error of callipers on a dimension. Chosen.
+  double next_callipers = 1e-3;
+  /// [1] A mode that the sensors see less, of their usual shape, gives no number. Chosen.
+  double next_seen = 0.1;
+  /// [σ] Step along each axis of the covariance of an explanation. Chosen.
+  double next_step = 0.1;
+  /// [1] Rigid-body modes that are no translation to this have no mass to weigh. Chosen.
+  double next_flat = 0.05;
 
   // The data.
   /// [1] Lines of the search, at most. Chosen.

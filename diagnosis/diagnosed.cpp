@@ -75,7 +75,7 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   const auto& best = found.fits[explained.front().fit];
   diagnosis.after = residue(problem, best);
   diagnosis.map = map_of(problem, best);
-  if (diagnosis.verdict == Verdict::ambiguous) {
+  if (diagnosis.verdict != Verdict::no_discrepancy && explained.size() > 1) {
     diagnosis.measure_next = measure_next(problem, best, found.fits[explained[1].fit]);
   }
   diagnosis.breaches = breaches_of(problem, best);

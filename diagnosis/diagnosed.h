@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/parameter.h"
+#include "diagnosis/proposal.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/tolerances.h"
 #include "modal/frf_set.h"
@@ -74,11 +75,11 @@ struct Residue {
 
 /// Standard deviation of one class of the model's errors, inferred from the data.
 struct ErrorLevel {
-  std::string of;          ///< "frequency", "shape", ...
-  double value = 0.0;      ///< relative; of "place" [m]
-  double usual = 0.0;      ///< before the data are seen
-  double at_most = 0.0;    ///< a larger one is not believed of a model of this structure
-  double determined = 0.0; ///< number of errors of this class that the data show
+  std::string of;           ///< "frequency", "shape", ...
+  double value = 0.0;       ///< relative; of "place" [m]
+  double usual = 0.0;       ///< before the data are seen
+  double at_most = 0.0;     ///< a larger one is not believed of a model of this structure
+  double determined = 0.0;  ///< number of errors of this class that the data show
 };
 
 /// A measured mode beside the modes before and after the causes. NaN: none.
@@ -101,6 +102,7 @@ struct DiagnosisOptions {
   /// ln Z: the verdict is ambiguous if a rival is nearer than this.
   double rival_within = kConstants.rival_within;
   std::vector<std::string> only;  ///< names of effects; empty: all
+  MeasurementCosts costs;         ///< of further measurements
   Progress progress = {};
 };
 
@@ -110,8 +112,9 @@ struct Diagnosis {
   std::vector<Explanation> rivals;  ///< descending, without the best
   std::optional<Superclass> superclass;
   CauseMap map;
-  std::string measure_next;    ///< what would decide between the best and its rivals; or empty
-  double excess_before = 0.0;  ///< z of the simulation within its tolerances
+  std::string measure_next;         ///< what would decide between the best and its rivals; or empty
+  std::vector<Proposal> proposals;  ///< of modes: measurements that would, best first
+  double excess_before = 0.0;       ///< z of the simulation within its tolerances
   Residue before, after;
   std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
   /// Levels of the model's errors without a cause and beside the best causes; empty: known.

@@ -94,4 +94,8 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   return modes;
 }
 
+std::string mode_name(const MeasuredModes& modes, Eigen::Index i) {
+  return fmt::format("the mode at {:.6g} Hz", modes.frequency_hz(i));
+}
+
 }  // namespace chladni::diagnosis

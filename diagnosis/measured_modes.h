@@ -32,6 +32,9 @@ struct MeasuredModes {
 ///                       that do not ascend; a deviation that is negative
 void check(const MeasuredModes& modes);
 
+/// "the mode at 120.3 Hz".
+[[nodiscard]] std::string mode_name(const MeasuredModes& modes, Eigen::Index i);
+
 /// The modes of a fit that lie within the band and that the data support (compare.h). The channels
 /// are those of the fit, in its order.
 [[nodiscard]] MeasuredModes measured_modes(const identification::ModalFit& fit,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/index.h"
 
@@ -113,6 +115,13 @@ void check(const Structure& structure) {
   fits(structure.directional.along_v, r, r, "stiffness along v");
   fits(structure.directional.across, r, r, "stiffness across");
   fits(structure.directional.shear, r, r, "stiffness in shear");
+}
+
+std::vector<Eigen::Index> spread_places(const Surface& surface, Eigen::Index about) {
+  const Eigen::Index step = std::max<Eigen::Index>(1, surface.count() / about);
+  std::vector<Eigen::Index> places;
+  for (Eigen::Index n = step / 2; n < surface.count(); n += step) places.push_back(n);
+  return places;
 }
 
 }  // namespace chladni::diagnosis

@@ -59,6 +59,9 @@ struct Surface {
   }
 };
 
+/// About so many places of the scan, evenly spread.
+[[nodiscard]] std::vector<Eigen::Index> spread_places(const Surface& surface, Eigen::Index about);
+
 /// The body in parts, seen along the normal of the chart. If nothing is attached, the sums over all
 /// cells are diag(ω²) for stiffness and 1 for mass.
 struct BodyCells {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/proposal.h"
 #include "diagnosis/tolerances.h"
 #include "study/place.h"
 
@@ -21,6 +22,7 @@ struct DiagnosisPlan {
   double least_evidence = 8.0, rival_within = 5.0;  ///< ln Z
   int lines = 320;                                  ///< of the search, at most
   std::string levels = "learned";                   ///< or "known": the tolerances
+  diagnosis::MeasurementCosts costs;                ///< of further measurements, in ln evidence
   /// Lines that are held out of every fit, to measure the gain there; 0 and 0: none.
   double hold_out_low_hz = 0.0, hold_out_high_hz = 0.0;
 };

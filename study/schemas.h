@@ -50,6 +50,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<PriorsPlan>& priors_schema();
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
+[[nodiscard]] const Schema<diagnosis::MeasurementCosts>& costs_schema();
 
 /// A place in study.json: two or three coordinates.
 [[nodiscard]] io::Json place_json(const Place& place);

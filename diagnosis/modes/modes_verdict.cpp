@@ -10,6 +10,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/next_measurement.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/verdict/cause_of.h"
 
@@ -216,7 +217,7 @@ std::optional<Superclass> superclass_of(const ModesProblem& problem, const Modes
   const auto i = fit.disturbed.index;
   Superclass result;
   if (fit.disturbed.what == What::mode) {
-    result.name = fmt::format("the mode at {:.6g} Hz", measured.frequency_hz(i));
+    result.name = mode_name(measured, i);
   } else {
     const bool is_sensor = fit.disturbed.what == What::sensor;
     result.name = is_sensor ? "sensor" : "actuator";
@@ -251,6 +252,26 @@ std::vector<ModeTold> modes_of(const ModesProblem& problem, const ModesFit& befo
   return all;
 }
 
+// What to measure next, best first.
+std::vector<Proposal> proposals_of(const ModesProblem& problem, const Weighed& all,
+                                   const MeasurementCosts& costs) {
+  std::vector<WeighedFit> first;
+  for (std::size_t i = 0; i < std::min(all.fits.size(), kConstants.next_rivals); ++i) {
+    first.push_back({all.fits[i], all.probability[i]});
+  }
+  return next_measurements(problem, first, costs);
+}
+
+std::string next_in_words(const ModesFit& best, const std::vector<Proposal>& proposals) {
+  if (has_few_partners(best)) {
+    return "make sure that the study and the modes are of one structure: most measured modes have "
+           "no partner";
+  }
+  if (!proposals.empty()) return in_words(proposals.front());
+  return "nothing here tells the explanations apart: no sensor, no known mass, no weighing, no "
+         "dimension";
+}
+
 }  // namespace
 
 Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
@@ -272,6 +293,10 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
     diagnosis.levels_after = levels_of(problem, best);
   }
   diagnosis.modes = modes_of(problem, found.nothing, best);
+  if (diagnosis.verdict != Verdict::no_discrepancy) {
+    diagnosis.proposals = proposals_of(problem, all, options.costs);
+    diagnosis.measure_next = next_in_words(best, diagnosis.proposals);
+  }
   return diagnosis;
 }
 

@@ -19,14 +19,6 @@ bool only_scales(const Fit& fit) {
   });
 }
 
-// Some places of the scan, evenly spread.
-std::vector<Index> some_places(const Surface& surface) {
-  const Index step = std::max<Index>(1, surface.count() / kConstants.next_places);
-  std::vector<Index> places;
-  for (Index n = step / 2; n < surface.count(); n += step) places.push_back(n);
-  return places;
-}
-
 // Responses at some places of the surface to every actuator.
 Eigen::MatrixXcd responses_at(const Problem& problem, const Fit& fit,
                               const std::vector<Index>& places, const Eigen::VectorXd& omega) {
@@ -65,7 +57,7 @@ std::string measure_next(const Problem& problem, const Fit& a, const Fit& b) {
   }
   const auto& surface = problem.structure.surface;
   if (surface.count() == 0) return "";
-  const auto places = some_places(surface);
+  const auto places = spread_places(surface, kConstants.next_places);
   const Observed few = thinned(problem.observed, kConstants.next_lines);
   const auto here = responses_at(problem, a, places, few.omega);
   const auto other = responses_at(problem, b, places, few.omega);

@@ -275,6 +275,7 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"causes", json_of(result.best.causes)},
                       {"alternatives", alternatives_json(result)},
                       {"measure_next", result.measure_next},
+                      {"proposals", proposals_json(result.proposals)},
                       {"excess_after", result.best.excess},
                       {"gain", gain_json(one.gain)},
                       {"detectable", detectable_json(one.detectable)},

@@ -51,6 +51,21 @@ io::JsonObject levels_json(const diagnosis::Diagnosis& result) {
   return json;
 }
 
+io::JsonArray proposals_json(const std::vector<diagnosis::Proposal>& proposals) {
+  io::JsonArray array;
+  for (const auto& one : proposals) {
+    io::JsonObject json{{"what", std::string(diagnosis::name(one.what))},
+                        {"in_words", diagnosis::in_words(one)},
+                        {"log_evidence", one.evidence},
+                        {"cost", one.cost}};
+    if (!one.of.empty()) json.emplace_back("of", one.of);
+    if (one.place) json.emplace_back("place_m", io::Json(Eigen::VectorXd(*one.place)));
+    if (one.mass > 0.0) json.emplace_back("mass_kg", one.mass);
+    array.emplace_back(std::move(json));
+  }
+  return array;
+}
+
 std::string modes_told_text(const std::vector<ModeTold>& modes, bool has_causes) {
   if (modes.empty()) return "";
   std::string text =

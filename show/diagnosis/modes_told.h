@@ -14,6 +14,8 @@ namespace chladni::show {
 [[nodiscard]] std::string levels_sentence(const diagnosis::Diagnosis& result);
 /// Each class with its levels before and after, what is usual, and what is believed at most.
 [[nodiscard]] io::JsonObject levels_json(const diagnosis::Diagnosis& result);
+/// Proposals of further measurements, best first: what, of, place_m, mass_kg, log_evidence, cost.
+[[nodiscard]] io::JsonArray proposals_json(const std::vector<diagnosis::Proposal>& proposals);
 
 /// Measured modes beside those before and after, as text; empty: none are told.
 [[nodiscard]] std::string modes_told_text(const std::vector<diagnosis::ModeTold>& modes,

@@ -48,6 +48,7 @@ void answer_by_modes(Diagnosed& one) {
   result.rivals = by_modes.rivals;
   result.superclass = by_modes.superclass;
   result.measure_next = by_modes.measure_next;
+  result.proposals = by_modes.proposals;
   result.breaches = by_modes.breaches;
   result.modes = by_modes.modes;
   result.notes.push_back(reason_in_words(by_modes));
@@ -75,6 +76,7 @@ diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::
   options.least_evidence = plan.least_evidence;
   options.rival_within = plan.rival_within;
   options.only = plan.effects;
+  options.costs = plan.costs;
   options.progress = work.progress();
   return options;
 }
@@ -93,6 +95,10 @@ void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit*
                             [&] { return diagnosis::diagnosed(one.structure, modes, options); });
   one.result.levels_before = one.by_modes->levels_before;
   one.result.levels_after = one.by_modes->levels_after;
+  if (one.result.measure_next.empty()) {
+    one.result.measure_next = one.by_modes->measure_next;
+    one.result.proposals = one.by_modes->proposals;
+  }
   if (one.by_modes->verdict == Verdict::named) {
     answer_by_modes(one);
   } else if (one.by_modes->verdict == Verdict::no_discrepancy) {

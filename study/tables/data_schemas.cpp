@@ -186,6 +186,20 @@ const Schema<PriorsPlan>& priors_schema() {
   return schema;
 }
 
+const Schema<diagnosis::MeasurementCosts>& costs_schema() {
+  using P = diagnosis::MeasurementCosts;
+  static const Schema<P> schema = {
+      "diagnosis.costs",
+      {quantity("repetition", "1", Sign::not_negative, &P::repetition, "a mode measured again"),
+       quantity("exchange", "1", Sign::not_negative, &P::exchange,
+                "another sensor or actuator in the place of one"),
+       quantity("mass", "1", Sign::not_negative, &P::mass, "a known mass on the body"),
+       quantity("dimension", "1", Sign::not_negative, &P::dimension, "callipers"),
+       quantity("sensor", "1", Sign::not_negative, &P::sensor, "one more sensor"),
+       quantity("weighing", "1", Sign::not_negative, &P::weighing, "the body alone on scales")}};
+  return schema;
+}
+
 const Schema<DiagnosisPlan>& diagnosis_schema() {
   using P = DiagnosisPlan;
   const std::string example = R"(["20 Hz", "900 Hz"])";
@@ -209,6 +223,9 @@ const Schema<DiagnosisPlan>& diagnosis_schema() {
        whole("lines", 20, 100000, &P::lines, "of the search, at most"),
        choice("levels", {"learned", "known"}, &P::levels,
               "of the errors of a sound model: inferred from measured modes, or the tolerances"),
+       special<P>({"costs", "a table", "the usual ones",
+                   "what further measurements cost, as ln of the Bayes factor that pays for them"},
+                  "costs", [](const P& plan) { return costs_schema().json(plan.costs); }),
        band("hold_out_band", &P::hold_out_low_hz, &P::hold_out_high_hz, example,
             "lines that no fit may see; the gain is measured there", "none")}};
   return schema;

@@ -42,6 +42,10 @@ void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study) 
   auto& plan = study.diagnosis.emplace();
   diagnosis_schema().read(*table, plan);
   read_tolerances_part(*table, folder, plan);
+  if (auto costs = table->table("costs")) {
+    costs_schema().read(*costs, plan.costs);
+    costs->refuse_unknown();
+  }
   table->refuse_unknown();
 }
 

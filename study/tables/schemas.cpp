@@ -232,6 +232,7 @@ std::vector<TableText> tables_with_schemas() {
   add(priors_schema());
   add(diagnosis_schema());
   add(tolerances_schema());
+  add(costs_schema());
   return tables;
 }
 

@@ -55,7 +55,7 @@ TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   const auto study = with(
       "[identification]\n[mesh]\n[modes]\n[placement]\nchoose = "
       "{}\n[interpolation]\n[priors]\n[diagnosis]\n"
-      "tolerances = {}\n");
+      "tolerances = {}\ncosts = {}\n");
   expect_default(identification_schema(), *study.identification);
   expect_default(mesh_schema(), study.mesh);
   expect_default(modes_schema(), study.modes);
@@ -64,6 +64,7 @@ TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   expect_default(priors_schema(), *study.priors);
   expect_default(diagnosis_schema(), *study.diagnosis);
   expect_default(tolerances_schema(), study.diagnosis->tolerances);
+  expect_default(costs_schema(), study.diagnosis->costs);
 }
 
 TEST(Schema, LeavesTheOtherKeysOfAMeasurementByDefault) {
