@@ -29,6 +29,12 @@ std::vector<EffectStart> steps(const Scene& /*scene*/) {
   return starts;
 }
 
+// A slender body along u has the modulus along u alone.
+std::optional<double> implied(std::string_view name, const VectorXd& x) {
+  if (name == "relative") return x(0);
+  return std::nullopt;
+}
+
 }  // namespace
 
 constinit const Effect orthotropy{
@@ -41,6 +47,8 @@ constinit const Effect orthotropy{
     .channels = no_channels,
     .apply = stretch,
     .starts = steps,
+    .implied = implied,
+    .simpler = {{&youngs_modulus}},
     .tolerance = &Tolerances::orthotropy,
     .in_study = {.table = InStudy::Table::materials,
                  .keys = {{.key = "symmetry", .how = StudyKey::How::computed},
