@@ -291,6 +291,9 @@ struct Constants {
   double nearby = 0.15;
   /// [ln] Modes nearer than this mix as if they were so far apart. Chosen.
   double least_gap = 0.02;
+  /// [1] Gains or places that scatter more than usual may scatter so many times less without one
+  /// bad channel. Chosen.
+  double scattered = 4.0;
   /// [ln] Deviation of the size of a residue that a side of channels does not see. Chosen.
   double unseen_size = 1.0;
   /// [ln] Deviation of a residue that is not believed. Chosen.

@@ -22,17 +22,19 @@ constexpr std::size_t kBeam = 2;       // fits from which a further cause is sou
 
 struct Candidate {
   Supposed cause;
+  PerClass levels = PerClass::Zero();
   double objective = 0.0;
 };
 
-// A quick look at hypotheses beside one fit: its levels, its covariance where the same modes have
-// partners.
+// A quick look at hypotheses beside one fit at given levels: its covariance where the same modes
+// have partners.
 class Look {
  public:
-  Look(const ModesProblem& problem, const ModesFit& base)
+  Look(const ModesProblem& problem, const ModesFit& base, const PerClass& levels)
       : problem_(problem),
         base_(base),
-        likelihood_(problem.errors(base, base.model, base.matching), base.levels),
+        levels_(levels),
+        likelihood_(problem.errors(base, base.model, base.matching), levels),
         own_(stacked(likelihood_.errors())),
         state_(problem.with(base.causes)) {
     const auto model = problem.modes(state_, true);
@@ -65,6 +67,8 @@ class Look {
     return least - prior;
   }
 
+  [[nodiscard]] const PerClass& levels() const { return levels_; }
+
  private:
   // −ln likelihood; infinite where no number changes.
   [[nodiscard]] double objective(const RecordedModes& model, const Matching& matching) const {
@@ -76,7 +80,7 @@ class Look {
         return likelihood_.negative_log(own_ + change);
       }
     }
-    return LevelLikelihood(problem_.errors(base_, model, matching), base_.levels).negative_log();
+    return LevelLikelihood(problem_.errors(base_, model, matching), levels_).negative_log();
   }
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model,
                                         const Matching& matching) const {
@@ -101,6 +105,7 @@ class Look {
 
   const ModesProblem& problem_;
   const ModesFit& base_;
+  PerClass levels_;
   LevelLikelihood likelihood_;
   Eigen::VectorXd own_;  // errors of the base
   State state_;
@@ -109,14 +114,31 @@ class Look {
   bool pairs_may_be_wrong_ = false;
 };
 
+// The levels at which candidates are looked at: those of the fit, and where the gains or places of
+// its channels scatter more than usual, those with less scatter. One bad channel is a scatter of
+// all to a fit that does not know it, and nothing is left for it to explain.
+std::vector<PerClass> levels_to_look_at(const ModesProblem& problem, const ModesFit& base) {
+  std::vector<PerClass> all{base.levels};
+  PerClass other = base.levels;
+  for (const auto of : {ErrorClass::gain, ErrorClass::place}) {
+    const auto i = static_cast<Index>(of);
+    other(i) = std::max(other(i) / kConstants.scattered, problem.prior().usual(i));
+  }
+  other = other.min(base.levels);
+  if ((other < base.levels).any()) all.push_back(other);
+  return all;
+}
+
 // The best starts of one effect, at places and choices of their own.
-std::vector<Candidate> best_of(const Look& look, const ModesProblem& problem,
+std::vector<Candidate> best_of(const std::vector<Look>& looks, const ModesProblem& problem,
                                const Effect& effect) {
   const auto& hz = problem.measured().frequency_hz;
   std::vector<Candidate> all;
-  for (auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
-    const double objective = look(start);
-    if (std::isfinite(objective)) all.push_back({std::move(start), objective});
+  for (const auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
+    for (const auto& look : looks) {
+      const double objective = look(start);
+      if (std::isfinite(objective)) all.push_back({start, look.levels(), objective});
+    }
   }
   std::ranges::stable_sort(all, {}, &Candidate::objective);
   std::vector<Candidate> best;
@@ -133,10 +155,13 @@ std::vector<Candidate> best_of(const Look& look, const ModesProblem& problem,
 // The best starts of all effects; each effect keeps its best one.
 std::vector<Candidate> candidates(const ModesProblem& problem, const ModesFit& base,
                                   const std::vector<const Effect*>& catalogue, double& effects) {
-  const Look look(problem, base);
+  std::vector<Look> looks;
+  for (const auto& levels : levels_to_look_at(problem, base)) {
+    looks.emplace_back(problem, base, levels);
+  }
   std::vector<std::vector<Candidate>> best(catalogue.size());
   parallel_tasks(catalogue.size(),
-                 [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e]); });
+                 [&](std::size_t e) { best[e] = best_of(looks, problem, *catalogue[e]); });
   std::vector<Candidate> first, more;
   for (auto& of_effect : best) {
     for (std::size_t i = 0; i < of_effect.size(); ++i) {
@@ -165,6 +190,7 @@ std::vector<ModesFit> fitted_with(const ModesProblem& problem, const ModesFit& b
   parallel_tasks(starts.size(), [&](std::size_t i) {
     ModesFit start = base;
     start.causes.push_back(starts[i].cause);
+    start.levels = starts[i].levels;
     fits[i] = problem.fitted(start, kQuickRounds);
   });
   sort(fits);

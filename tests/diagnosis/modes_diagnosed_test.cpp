@@ -368,5 +368,17 @@ TEST_F(DiagnosedModes, MayLackNumbers) {
   EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << told(found);
 }
 
+// Of few channels a bad one could be the scatter of all, which a fit without it takes it for.
+TEST_F(DiagnosedModes, NameTheBadOneOfFewChannels) {
+  auto measured = scaled(measured_with({{"sensor_gain", 2, VectorXd::Constant(1, -0.65)}}, 9), {});
+  measured.outputs.resize(4);
+  measured.output_shapes.conservativeResize(4, Eigen::NoChange);
+  measured.output_std.conservativeResize(4, Eigen::NoChange);
+  const auto found = diagnosed(study(), measured);
+  ASSERT_EQ(found.verdict, Verdict::named) << told(found);
+  EXPECT_EQ(found.best.causes.front().effect, "sensor_gain") << told(found);
+  EXPECT_EQ(found.best.causes.front().channels, std::vector<std::string>{"s3"});
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis
