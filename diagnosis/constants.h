@@ -342,6 +342,18 @@ struct Constants {
   double no_stiffness = 1e-9;
   /// [1] Multiple of the largest eigenvalue at which a mass moves as the modes do. Chosen.
   double far_above = 1e6;
+  /// [ln] Deviation of a constant that is not known: a factor of two. Chosen.
+  double unknown_constant = 0.693;
+  /// [1] Part of its prior variance that a constant keeps where the data say nothing. Chosen.
+  double not_determined = 0.8;
+  /// [1] Correlation of two constants that is told. Chosen.
+  double strong_correlation = 0.9;
+  /// [1] Frequencies off by this part are far off, where a scale of all is sought. Chosen.
+  double far_off = 0.02;
+  /// [1] Step of that scale. Chosen.
+  double scale_step = 0.01;
+  /// [1] Share of a constant in a direction that the data do not determine. Chosen.
+  double share_told = 0.3;
 };
 
 inline constexpr Constants kConstants{};

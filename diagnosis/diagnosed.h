@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "diagnosis/calibrated.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/parameter.h"
 #include "diagnosis/proposal.h"
@@ -103,6 +104,8 @@ struct DiagnosisOptions {
   double rival_within = kConstants.rival_within;
   std::vector<std::string> only;  ///< names of effects; empty: all
   MeasurementCosts costs;         ///< of further measurements
+  /// Calibrated in every hypothesis about measured modes.
+  std::vector<CalibratedConstant> constants;
   Progress progress = {};
 };
 
@@ -119,7 +122,9 @@ struct Diagnosis {
   std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
   /// Levels of the model's errors without a cause and beside the best causes; empty: known.
   std::vector<ErrorLevel> levels_before, levels_after;
-  std::vector<ModeTold> modes;  ///< of a diagnosis of measured modes
+  std::vector<ModeTold> modes;                     ///< of a diagnosis of measured modes
+  std::vector<CalibratedNumber> constants;         ///< under the best explanation
+  std::vector<CalibratedPair> constants_in_pairs;  ///< strongly correlated ones
   std::vector<std::string> notes;
 };
 

@@ -71,14 +71,17 @@ Given given(const Structure& structure, const MeasuredModes& measured) {
 Diagnosis diagnosed(const Structure& structure, const MeasuredModes& measured,
                     const DiagnosisOptions& options) {
   const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
-  const auto own = given(structure, measured);
-  const ModesProblem problem(own.structure, own.measured, options.tolerances,
-                             options.levels == Levels::learned);
-  const auto found = searched(problem, catalogue_of(options), options.most_causes,
+  auto own = given(structure, measured);
+  const bool learned = options.levels == Levels::learned;
+  const auto constants = held_constants(own.structure, options.constants,
+                                        believable(options.tolerances, learned), own.notes);
+  const ModesProblem problem(own.structure, own.measured, options.tolerances, learned, constants);
+  const auto sought = sought_beside(constants, catalogue_of(options), own.structure);
+  const auto found = searched(problem, sought, options.most_causes,
                               options.least_evidence, options.progress);
   tell(options.progress, "the last word");
   Diagnosis diagnosis = answer(problem, found, options);
-  diagnosis.notes = own.notes;
+  diagnosis.notes.insert(diagnosis.notes.begin(), own.notes.begin(), own.notes.end());
   return diagnosis;
 }
 

@@ -36,7 +36,8 @@ MatrixXd smooth_factor(const Structure& structure) {
   return covariance.llt().matrixL();
 }
 
-std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances) {
+std::vector<BodyError> body_errors(const Structure& structure, const Tolerances& tolerances,
+                                   bool uniform_thickness) {
   const State base = state_of(structure);
   std::vector<BodyError> all;
   constexpr double kStep = 1e-3;
@@ -57,8 +58,10 @@ std::vector<BodyError> body_errors(const Structure& structure, const Tolerances&
   waves.thickness = tolerances.thickness;
   bool is_first = true;  // the uniform thickness comes before its waves
   for (const auto& deviation : deviations(structure, waves, 0.0)) {
-    add(deviation, is_first ? kNone : static_cast<int>(ErrorClass::field),
-        is_first ? 1.0 : waves.thickness);
+    if (!is_first || uniform_thickness) {
+      add(deviation, is_first ? kNone : static_cast<int>(ErrorClass::field),
+          is_first ? 1.0 : waves.thickness);
+    }
     is_first = false;
   }
   return all;

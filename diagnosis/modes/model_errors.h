@@ -20,7 +20,9 @@ struct BodyError {
   Eigen::MatrixXd stiffness, mass;
 };
 /// The tolerances of the body in that form.
+/// @param uniform_thickness  false: the tolerance of the thickness is that of its waves alone
 [[nodiscard]] std::vector<BodyError> body_errors(const Structure& structure,
-                                                 const Tolerances& tolerances);
+                                                 const Tolerances& tolerances,
+                                                 bool uniform_thickness = true);
 
 }  // namespace chladni::diagnosis

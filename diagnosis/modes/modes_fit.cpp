@@ -11,6 +11,8 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/calibration.h"
+#include "diagnosis/modes/coordinates.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -22,7 +24,8 @@ using Eigen::VectorXd;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
 
-// What models of real structures are off by, where a study states less.
+}  // namespace
+
 Tolerances believable(Tolerances tolerances, bool learned) {
   if (!learned) return tolerances;
   tolerances.modulus = std::max(tolerances.modulus, 0.01);
@@ -31,6 +34,8 @@ Tolerances believable(Tolerances tolerances, bool learned) {
   tolerances.orthotropy = std::max(tolerances.orthotropy, 0.01);
   return tolerances;
 }
+
+namespace {
 
 double root_mean_square(const MatrixXd& matrix) {
   return matrix.size() == 0 ? 1.0 : matrix.norm() / std::sqrt(static_cast<double>(matrix.size()));
@@ -42,83 +47,33 @@ ShapeUnits units_of(const Structure& structure) {
           root_mean_square(structure.inputs.shapes.rightCols(flexible))};
 }
 
+// A constant that is calibrated is no error of the body.
+std::vector<BodyError> body_errors_beside(const Structure& structure,
+                                          const std::vector<HeldConstant>& constants,
+                                          const Tolerances& tolerances) {
+  const auto left = tolerances_left(constants, tolerances);
+  return body_errors(structure, left.tolerances, left.uniform_thickness);
+}
+
 Index coordinates_below(const Structure& structure, double hz) {
   Index count = 0;
   while (count < structure.mode_count() && structure.frequency_hz(count) <= hz) ++count;
   return std::max<Index>(count, std::min<Index>(structure.mode_count(), 12));
 }
 
-// The coordinates of all causes in one vector.
-VectorXd coordinates(const std::vector<Supposed>& causes) {
-  Index n = 0;
-  for (const auto& cause : causes) n += cause.x.size();
-  VectorXd all(n);
-  n = 0;
-  for (const auto& cause : causes) {
-    all.segment(n, cause.x.size()) = cause.x;
-    n += cause.x.size();
-  }
-  return all;
-}
-
-std::vector<Supposed> moved(std::vector<Supposed> causes, const VectorXd& step) {
-  Index first = 0;
-  for (auto& cause : causes) {
-    cause.x += step.segment(first, cause.x.size());
-    first += cause.x.size();
-  }
-  return causes;
-}
-
-// The priors of the coordinates: centres and inverse variances.
-struct CoordinatePrior {
-  VectorXd centre, precision, step;
-  std::vector<bool> is_place;
-
-  // Slope of −ln prior; a place has none.
-  [[nodiscard]] VectorXd slope(const VectorXd& x) const {
-    VectorXd result = precision.cwiseProduct(x - centre);
-    for (std::size_t i = 0; i < is_place.size(); ++i) {
-      if (is_place[i]) result(static_cast<Index>(i)) = 0.0;
-    }
-    return result;
-  }
-};
-CoordinatePrior prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
-  const Index n = coordinates(causes).size();
-  CoordinatePrior prior{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n), {}};
-  Index i = 0;
-  for (const auto& cause : causes) {
-    for (const auto& parameter : cause.effect->parameters(structure)) {
-      prior.centre(i) = parameter.centre;
-      // The variance of a place that is uniform over the surface.
-      const double width =
-          parameter.is_place() ? structure.surface.size() / std::sqrt(24.0) : parameter.width;
-      prior.precision(i) = std::pow(width, -2);
-      prior.is_place.push_back(parameter.is_place());
-      prior.step(i++) = parameter.step;
-    }
-  }
-  return prior;
-}
-
-double log_prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
-  double sum = 0.0;
-  for (const auto& cause : causes) sum += log_prior(cause, structure);
-  return sum;
-}
-
 }  // namespace
 
 ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
-                           const Tolerances& tolerances, bool learned)
+                           const Tolerances& tolerances, bool learned,
+                           std::vector<HeldConstant> constants)
     : structure_(structure),
       measured_(measured),
+      constants_(std::move(constants)),
       tolerances_(believable(tolerances, learned)),
       prior_(level_prior(tolerances, learned)),
       units_(units_of(structure)),
       smooth_(smooth_factor(structure)),
-      body_(body_errors(structure, tolerances_)),
+      body_(body_errors_beside(structure, constants_, tolerances_)),
       solver_(state_of(structure), structure.mode_count()),
       quick_(
           state_of(structure),
@@ -126,9 +81,9 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
       low_hz_(kConstants.modes_below * measured.frequency_hz.minCoeff()),
       high_hz_(kConstants.modes_above_band * measured.frequency_hz.maxCoeff()) {}
 
-State ModesProblem::with(const std::vector<Supposed>& causes) const {
+State ModesProblem::with(const ModesFit& fit) const {
   State state = state_of(structure_);
-  for (const auto& cause : causes) cause.effect->apply(state, structure_, cause.option, cause.x);
+  for (const auto& cause : supposed(constants_, fit.constants, fit.causes)) cause.effect->apply(state, structure_, cause.option, cause.x);
   return state;
 }
 
@@ -165,12 +120,13 @@ class Descent {
   Descent(const ModesProblem& problem, ModesFit start)
       : problem_(problem),
         fit_(std::move(start)),
-        prior_(prior_of(problem.structure(), fit_.causes)) {}
+        all_(supposed(problem.constants(), fit_.constants, fit_.causes)),
+        prior_(prior_of(problem.structure(), problem.constants(), all_)) {}
 
   // False: the start is impossible.
   bool begin() {
-    auto model = modes(fit_.causes);
-    if (!model || !std::isfinite(log_prior_of(problem_.structure(), fit_.causes))) return false;
+    auto model = modes(all_);
+    if (!model || !std::isfinite(log_prior_of(all_))) return false;
     fit_.model = std::move(*model);
     fit_.objective = kInfinite;
     pair_again();
@@ -189,7 +145,7 @@ class Descent {
 
   // Pairs the modes in the most probable way.
   void pair_again() {
-    const double prior = log_prior_of(problem_.structure(), fit_.causes);
+    const double prior = log_prior_of(all_);
     for (const auto& matching : problem_.matchings(fit_.model)) {
       if (likelihood_ && matching.model == fit_.matching.model) continue;
       LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
@@ -211,8 +167,8 @@ class Descent {
       const VectorXd precision = parts.eigenvalues().cwiseMax(1e-300);
       volume = 0.5 * (static_cast<double>(n) * std::log(2.0 * std::numbers::pi) -
                       precision.array().log().sum());
-      fit_.covariance = parts.eigenvectors() * precision.cwiseInverse().asDiagonal() *
-                        parts.eigenvectors().transpose();
+      fit_.covariance = causes_first(parts.eigenvectors() * precision.cwiseInverse().asDiagonal() *
+                                     parts.eigenvectors().transpose());
     }
     fit_.log_evidence = volume - levels - fit_.objective;
     return std::move(fit_);
@@ -221,11 +177,26 @@ class Descent {
   [[nodiscard]] double value() const { return fit_.objective; }
 
  private:
+  [[nodiscard]] Index held() const { return static_cast<Index>(problem_.constants().size()); }
+  [[nodiscard]] double log_prior_of(const std::vector<Supposed>& all) const {
+    return log_prior(problem_.structure(), problem_.constants(), all);
+  }
+  void put_back() {
+    fit_.constants = coordinates(all_).head(held());
+    fit_.causes.assign(all_.begin() + held(), all_.end());
+  }
+  // A covariance in the order that a ModesFit has.
+  [[nodiscard]] MatrixXd causes_first(const MatrixXd& covariance) const {
+    std::vector<Index> order;
+    for (Index i = 0; i < covariance.rows(); ++i) order.push_back((i + held()) % covariance.rows());
+    return covariance(order, order);
+  }
+
   // The likelihood at the present causes and levels.
   void take(LevelLikelihood likelihood) {
     likelihood_ = std::move(likelihood);
     own_ = stacked(likelihood_->errors());
-    fit_.objective = likelihood_->negative_log() - log_prior_of(problem_.structure(), fit_.causes);
+    fit_.objective = likelihood_->negative_log() - log_prior_of(all_);
   }
 
   // The change that each cause makes to a state.
@@ -271,7 +242,7 @@ class Descent {
   // d(measured less model)/dx with the present pairs.
   [[nodiscard]] MatrixXd slopes() {
     changes_.clear();
-    for (const auto& cause : fit_.causes) {
+    for (const auto& cause : all_) {
       changes_.push_back(change_of(cause, problem_.structure()));
     }
     MatrixXd result = MatrixXd::Zero(own_.size(), prior_.centre.size());
@@ -279,7 +250,7 @@ class Descent {
       VectorXd step = VectorXd::Zero(result.cols());
       for (const double sign : {1.0, -1.0}) {
         step(c) = sign * prior_.step(c);
-        const auto causes = moved(fit_.causes, step);
+        const auto causes = moved(all_, step);
         const auto model = modes_with(causes, c);
         if (!model) continue;
         const VectorXd there = errors_at(*model);
@@ -303,7 +274,7 @@ class Descent {
     const MatrixXd slope = slopes();
     const MatrixXd hessian = curvature(slope);
     const VectorXd gradient =
-        likelihood_->product(slope, own_) + prior_.slope(coordinates(fit_.causes));
+        likelihood_->product(slope, own_) + prior_.slope(coordinates(all_));
     for (int attempt = 0; attempt < 5; ++attempt) {
       MatrixXd damped = hessian;
       damped.diagonal() *= 1.0 + damping_;
@@ -318,11 +289,11 @@ class Descent {
 
   // Takes the step if it lowers the objective at the present covariance.
   bool accept(const VectorXd& by) {
-    auto causes = moved(fit_.causes, by);
+    auto causes = moved(all_, by);
     for (std::size_t c = 0; c < causes.size(); ++c) {
-      keep_on_surface(problem_.structure(), fit_.causes[c], causes[c]);
+      keep_on_surface(problem_.structure(), all_[c], causes[c]);
     }
-    const double prior = log_prior_of(problem_.structure(), causes);
+    const double prior = log_prior_of(causes);
     if (!std::isfinite(prior)) return false;
     auto model = modes(causes);
     if (!model) return false;
@@ -335,7 +306,8 @@ class Descent {
       if (!(other.negative_log() - prior < fit_.objective)) return false;
       fit_.matching = matching;
     }
-    fit_.causes = std::move(causes);
+    all_ = std::move(causes);
+    put_back();
     fit_.model = std::move(*model);
     take({problem_.errors(fit_, fit_.model, fit_.matching), fit_.levels});
     return true;
@@ -343,6 +315,7 @@ class Descent {
 
   const ModesProblem& problem_;
   ModesFit fit_;
+  std::vector<Supposed> all_;  // constants and causes
   CoordinatePrior prior_;
   std::optional<LevelLikelihood> likelihood_;
   Changes changes_;  // of the present causes
@@ -355,6 +328,9 @@ class Descent {
 ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
   ModesFit first = start;
   if (!(first.levels > 0.0).any()) first.levels = prior_.usual;
+  if (first.constants.size() == 0) {
+    first.constants = VectorXd::Zero(static_cast<Index>(constants_.size()));
+  }
   Descent descent(*this, first);
   if (!descent.begin()) return first;
   double before = kInfinite;
@@ -371,7 +347,7 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
 ModesFit ModesProblem::nothing(const Disturbed& disturbed) const {
   ModesFit start;
   start.disturbed = disturbed;
-  return fitted(start);
+  return constants_.empty() ? fitted(start) : calibrated(*this, start);
 }
 
 }  // namespace chladni::diagnosis

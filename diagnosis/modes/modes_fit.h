@@ -8,6 +8,7 @@
 
 #include "diagnosis/constants.h"
 #include "diagnosis/effect.h"
+#include "diagnosis/modes/constants_held.h"
 #include "diagnosis/modes/mode_errors.h"
 
 namespace chladni::diagnosis {
@@ -22,7 +23,10 @@ struct ModesFit {
   RecordedModes model;
   double objective = std::numeric_limits<double>::infinity();  ///< −ln of likelihood and priors
   double log_evidence = -std::numeric_limits<double>::infinity();
-  Eigen::MatrixXd covariance;  ///< of all x, cause by cause
+  Eigen::VectorXd constants;  ///< coordinates of the study's constants (HeldConstant)
+  /// Other maxima of the constants with nearly the same evidence, of the fit without a cause.
+  std::vector<Eigen::VectorXd> other_constants;
+  Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of the constants
 };
 
 /// True for the same effect and choice, at places that modes hardly tell apart.
@@ -30,15 +34,22 @@ struct ModesFit {
   return same_choice(structure, a, b, 2.0 * kConstants.same_place);
 }
 
+/// What models of real structures are off by, where a study states less.
+/// @param learned  false: what the study states
+[[nodiscard]] Tolerances believable(Tolerances tolerances, bool learned);
+
 /// What all hypotheses about one set of measured modes share.
 class ModesProblem {
  public:
-  /// All must outlive it. @param learned  false: the levels are the tolerances
+  /// Structure and modes must outlive it. @param learned  false: the levels are the tolerances
+  /// @param constants  of the study, which every hypothesis may change
   ModesProblem(const Structure& structure, const MeasuredModes& measured,
-               const Tolerances& tolerances, bool learned);
+               const Tolerances& tolerances, bool learned,
+               std::vector<HeldConstant> constants = {});
 
   [[nodiscard]] const Structure& structure() const { return structure_; }
   [[nodiscard]] const MeasuredModes& measured() const { return measured_; }
+  [[nodiscard]] const std::vector<HeldConstant>& constants() const { return constants_; }
   [[nodiscard]] const Tolerances& tolerances() const { return tolerances_; }
   [[nodiscard]] const LevelPrior& prior() const { return prior_; }
   [[nodiscard]] const ShapeUnits& units() const { return units_; }
@@ -48,8 +59,9 @@ class ModesProblem {
   /// Modes of a state of the structure; none if it is impossible.
   /// @param quick  with fewer coordinates, for a search
   [[nodiscard]] std::optional<RecordedModes> modes(const State& state, bool quick) const;
-  /// The structure with these causes. @throws NumericalFailure  it is impossible
-  [[nodiscard]] State with(const std::vector<Supposed>& causes) const;
+  /// The structure with constants and causes of a hypothesis.
+  /// @throws NumericalFailure  it is impossible
+  [[nodiscard]] State with(const ModesFit& fit) const;
   /// @param with_shared  as for mode_errors
   [[nodiscard]] ModeErrors errors(const ModesFit& hypothesis, const RecordedModes& model,
                                   const Matching& matching, bool with_shared = true) const;
@@ -58,12 +70,13 @@ class ModesProblem {
   /// levels of `start`. Cost: some 20 eigenproblems per coordinate.
   [[nodiscard]] ModesFit fitted(const ModesFit& start, int rounds = kRounds) const;
   static constexpr int kRounds = 8;
-  /// The structure as it is, with levels learned.
+  /// The structure as it is, with its constants calibrated and levels learned.
   [[nodiscard]] ModesFit nothing(const Disturbed& disturbed = {}) const;
 
  private:
   const Structure& structure_;
   const MeasuredModes& measured_;
+  std::vector<HeldConstant> constants_;
   Tolerances tolerances_;  // of the body, at least what real bodies have
   LevelPrior prior_;
   ShapeUnits units_;

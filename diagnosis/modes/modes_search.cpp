@@ -8,6 +8,7 @@
 #include "base/index.h"
 #include "base/parallel.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/calibration.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -34,9 +35,10 @@ class Look {
       : problem_(problem),
         base_(base),
         levels_(levels),
-        likelihood_(problem.errors(base, base.model, base.matching), levels),
+        columns_(problem, base),
+        likelihood_(columns_.added(problem.errors(base, base.model, base.matching)), levels),
         own_(stacked(likelihood_.errors())),
-        state_(problem.with(base.causes)) {
+        state_(problem.with(base)) {
     const auto model = problem.modes(state_, true);
     if (!model) return;
     quick_hz_ = model->frequency_hz;
@@ -80,7 +82,8 @@ class Look {
         return likelihood_.negative_log(own_ + change);
       }
     }
-    return LevelLikelihood(problem_.errors(base_, model, matching), levels_).negative_log();
+    return LevelLikelihood(columns_.added(problem_.errors(base_, model, matching)), levels_)
+        .negative_log();
   }
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model,
                                         const Matching& matching) const {
@@ -106,6 +109,7 @@ class Look {
   const ModesProblem& problem_;
   const ModesFit& base_;
   PerClass levels_;
+  ConstantColumns columns_;
   LevelLikelihood likelihood_;
   Eigen::VectorXd own_;  // errors of the base
   State state_;

@@ -10,6 +10,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/calibration.h"
 #include "diagnosis/modes/next_measurement.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/verdict/cause_of.h"
@@ -297,6 +298,7 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
     diagnosis.proposals = proposals_of(problem, all, options.costs);
     diagnosis.measure_next = next_in_words(best, diagnosis.proposals);
   }
+  tell_constants(problem, best, diagnosis);
   return diagnosis;
 }
 

@@ -247,7 +247,9 @@ TEST(Errors, AreContinuousInTheSizeOfACause) {
   for (const auto& [name, x] : cases) {
     for (const auto& matching : problem.matchings(*base)) {
       const auto errors = [&](double size) {
-        const auto model = problem.modes(problem.with({{&effect(name), 0, x(size)}}), false);
+        ModesFit fit;
+        fit.causes.push_back({&effect(name), 0, x(size)});
+        const auto model = problem.modes(problem.with(fit), false);
         return stacked(problem.errors({}, *model, matching, false));
       };
       for (const double size : {-0.02, -1e-3, -1e-5, 0.0, 1e-7, 1e-5, 1e-4, 1e-3, 5e-3, 0.02}) {
