@@ -317,6 +317,7 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   one.structure =
       work.timed("structure", [&] { return stage::structure_of(study, solution, band_hz); });
   auto options = options_of(plan, work);
+  options.constants = constants_of(study, one.structure.surface);
   bool scaled = true;
   const auto fit = work.timed("comparison", [&] {
     auto found = compare(one, work);
@@ -352,7 +353,9 @@ Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::Measure
   one.structure =
       work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
   one.result = work.timed("diagnosis", [&] {
-    return diagnosis::diagnosed(one.structure, *one.modes, options_of(plan, work));
+    auto options = options_of(plan, work);
+    options.constants = constants_of(study, one.structure.surface);
+    return diagnosis::diagnosed(one.structure, *one.modes, options);
   });
   drop_mac_without_shapes(one);
   extend_by_causes(study, band_hz, solve_extended, one, work);

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "study/extends.h"
 #include "study/sha256.h"
+#include "study/tables/known.h"
 #include "study/tables/tables.h"
 #include "study/toml/toml_text.h"
 
@@ -71,8 +72,9 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   auto document = whole_document(bytes, file, folder);
   study.bases = std::move(document.bases);
   study.text = study.bases.empty() ? std::string(bytes) : toml_text(document.tree);
-  const TomlNode& tree = document.tree;
+  TomlNode& tree = document.tree;
   Problems problems(file.string());
+  const auto known = without_statements(tree, problems);
   TableReader root(tree, "", problems);
   study.title = root.text("title").value_or(study.name);
   if (const auto seed = root.integer("seed", 0, 4294967295))
@@ -95,6 +97,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_diagnosis(root, folder, study);
   read_expectations(root, study);
   root.refuse_unknown();
+  read_known(known, study, problems);
   problems.throw_if_any();
   return study;
 }

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "diagnosis/calibrated.h"
 #include "fem/attachment.h"
 #include "fem/material.h"
 #include "mesh/bodies.h"
@@ -36,6 +37,7 @@ struct StudyMaterial {
   std::string symmetry;  ///< "isotropic", "cubic" or "orthotropic"
   std::vector<std::pair<std::string, double>> constants;  ///< as given, in SI, for study.json
   fem::Material material;
+  bool is_turned = false;  ///< it has an angle or axes of its own
 };
 
 struct MeshPlan {
@@ -253,6 +255,8 @@ struct Study {
   std::optional<unsigned> seed;
   Geometry geometry;
   std::vector<StudyMaterial> materials;
+  /// Constants that state how well they are known. A diagnosis of modes calibrates them.
+  std::vector<diagnosis::CalibratedConstant> constants;
   MeshPlan mesh;
   ModesPlan modes;
   std::vector<fem::Support> supports;

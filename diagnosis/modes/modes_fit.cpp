@@ -83,7 +83,8 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
 
 State ModesProblem::with(const ModesFit& fit) const {
   State state = state_of(structure_);
-  for (const auto& cause : supposed(constants_, fit.constants, fit.causes)) cause.effect->apply(state, structure_, cause.option, cause.x);
+  for (const auto& cause : supposed(constants_, fit.constants, fit.causes))
+    cause.effect->apply(state, structure_, cause.option, cause.x);
   return state;
 }
 
@@ -273,8 +274,7 @@ class Descent {
   void step() {
     const MatrixXd slope = slopes();
     const MatrixXd hessian = curvature(slope);
-    const VectorXd gradient =
-        likelihood_->product(slope, own_) + prior_.slope(coordinates(all_));
+    const VectorXd gradient = likelihood_->product(slope, own_) + prior_.slope(coordinates(all_));
     for (int attempt = 0; attempt < 5; ++attempt) {
       MatrixXd damped = hessian;
       damped.diagonal() *= 1.0 + damping_;

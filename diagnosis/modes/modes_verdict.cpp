@@ -243,6 +243,18 @@ double hz_of(const ModesFit& fit, std::size_t i) {
   return k < 0 ? std::numeric_limits<double>::quiet_NaN() : fit.model.frequency_hz(k);
 }
 
+// The study with its own constants, beside the structure that was calibrated.
+ModesFit as_stated(const ModesProblem& problem, const ModesFit& calibrated) {
+  if (problem.constants().empty()) return calibrated;
+  ModesFit stated;
+  if (auto model = problem.modes(problem.with(stated), false)) {
+    stated.model = std::move(*model);
+    stated.matching = problem.matchings(stated.model).front();
+    return stated;
+  }
+  return calibrated;
+}
+
 std::vector<ModeTold> modes_of(const ModesProblem& problem, const ModesFit& before,
                                const ModesFit& after) {
   std::vector<ModeTold> all;
@@ -293,7 +305,7 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
     diagnosis.levels_before = levels_of(problem, found.nothing);
     diagnosis.levels_after = levels_of(problem, best);
   }
-  diagnosis.modes = modes_of(problem, found.nothing, best);
+  diagnosis.modes = modes_of(problem, as_stated(problem, found.nothing), best);
   if (diagnosis.verdict != Verdict::no_discrepancy) {
     diagnosis.proposals = proposals_of(problem, all, options.costs);
     diagnosis.measure_next = next_in_words(best, diagnosis.proposals);

@@ -10,6 +10,7 @@
 #include "io/report_sections.h"
 #include "show/comparison.h"
 #include "show/diagnosis.h"
+#include "show/diagnosis/constants_told.h"
 #include "show/diagnosis/detectable_text.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/solution.h"
@@ -132,6 +133,9 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
       io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
   add_levels(section, one.result);
   if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
+  if (!one.result.constants.empty()) {
+    section.blocks.emplace_back(constants_table(one.result));
+  }
   if (!one.result.measure_next.empty()) {
     section.blocks.emplace_back(
         io::Note{io::Note::Tone::plain, "Measure next: " + one.result.measure_next + "."});
@@ -141,8 +145,7 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
                 "How much of the difference one thing in one place would explain.");
   }
   if (one.modes) {
-    section.blocks.emplace_back(
-        modes_told_table(one.result.modes, !one.result.best.causes.empty()));
+    section.blocks.emplace_back(modes_told_table(one.result.modes, changes_modes(one.result)));
   } else {
     add_responses(section, one, run);
   }

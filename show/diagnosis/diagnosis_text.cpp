@@ -7,6 +7,7 @@
 #include "base/percent.h"
 #include "show/comparison.h"
 #include "show/diagnosis.h"
+#include "show/diagnosis/constants_told.h"
 #include "show/diagnosis/detectable_text.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/readable.h"
@@ -154,9 +155,11 @@ std::string name_of(const diagnosis::Cause& cause) {
 }
 
 io::JsonObject by_modes_json(const diagnosis::Diagnosis& result) {
-  return {{"verdict", std::string(diagnosis::name(result.verdict))},
-          {"causes", json_of(result.best.causes)},
-          {"levels", levels_json(result)}};
+  io::JsonObject json{{"verdict", std::string(diagnosis::name(result.verdict))},
+                      {"causes", json_of(result.best.causes)},
+                      {"levels", levels_json(result)}};
+  if (!result.constants.empty()) json.emplace_back("constants", constants_json(result));
+  return json;
 }
 
 // Parts of the misfit are known of responses alone.
@@ -248,11 +251,12 @@ std::string diagnosis_table(const steps::Diagnosed& one) {
   std::string text =
       fmt::format("verdict: {}\n{}\n{}{}\n{}", diagnosis::name(result.verdict), verdict_text(one),
                   levels, levels.empty() ? "" : "\n", causes_text(result, steps::is_of_modes(one)));
+  text += constants_text(result);
   if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
   for (const auto& note : result.notes) text += "note: " + note + "\n";
   if (!one.modes) text += gain_text(one.gain);
-  text += modes_told_text(result.modes, !result.best.causes.empty());
-  if (one.modes && !result.best.causes.empty()) {
+  text += modes_told_text(result.modes, changes_modes(result));
+  if (one.modes && changes_modes(result)) {
     text += one.after ? "  after: the finite elements of extended.toml\n"
                       : "  after: the reduced model of the likeliest explanation\n";
   }
@@ -283,6 +287,7 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"modes", modes_told_json(result.modes)},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};
+  if (!result.constants.empty()) json.emplace_back("constants", constants_json(result));
   if (one.extended) {
     json.emplace_back("not_in_extended_study", io::Json::texts(one.extended->unexpressed));
   }

@@ -17,6 +17,11 @@ namespace chladni::show {
 /// Proposals of further measurements, best first: what, of, place_m, mass_kg, log_evidence, cost.
 [[nodiscard]] io::JsonArray proposals_json(const std::vector<diagnosis::Proposal>& proposals);
 
+/// True if the best explanation changes the simulation: by causes, or by calibrated constants.
+[[nodiscard]] inline bool changes_modes(const diagnosis::Diagnosis& result) {
+  return !result.best.causes.empty() || !result.constants.empty();
+}
+
 /// Measured modes beside those before and after, as text; empty: none are told.
 [[nodiscard]] std::string modes_told_text(const std::vector<diagnosis::ModeTold>& modes,
                                           bool has_causes);

@@ -104,6 +104,19 @@ io::Json expectations_json(const std::vector<study::Expectation>& expectations) 
   return object;
 }
 
+io::Json constants_json(const std::vector<diagnosis::CalibratedConstant>& constants) {
+  using Kind = diagnosis::CalibratedConstant::Kind;
+  io::JsonArray array;
+  for (const auto& one : constants) {
+    io::JsonObject object{{"key", one.name}, {"value", one.value}, {"unit", one.unit}};
+    if (one.kind == Kind::unknown) object.emplace_back("unknown", true);
+    if (one.kind == Kind::known) object.emplace_back("within", one.deviation);
+    if (one.kind == Kind::measured) object.emplace_back("measured", one.deviation);
+    array.emplace_back(object);
+  }
+  return array;
+}
+
 io::Json estimate_json(const stage::Understood& body, const stage::Cost& cost) {
   return io::JsonObject{{"extent_m", io::Json(body.extent_m)},
                         {"volume_m3", body.volume_m3},
@@ -143,6 +156,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("interpolation", study::interpolation_schema(), study.interpolation);
   add("priors", study::priors_schema(), study.priors);
   add("diagnosis", study::diagnosis_schema(), study.diagnosis);
+  if (!study.constants.empty()) object.emplace_back("constants", constants_json(study.constants));
   object.emplace_back("expect", expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));

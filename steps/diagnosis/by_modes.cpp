@@ -17,8 +17,9 @@ namespace {
 
 using diagnosis::Verdict;
 
-constexpr double kLikely = 0.5;  // probability of a cause that is put into the extended study
-constexpr double kShown = 0.5;   // errors that the data determine; a level of fewer is a guess
+constexpr double kLikely = 0.5;        // probability of a cause that is put into the extended study
+constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
+constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
     {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
@@ -27,6 +28,20 @@ std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& cha
   std::vector<std::string> names;
   for (const auto& one : channels) names.push_back(one.name);
   return names;
+}
+
+// A calibrated constant in the form that an extension of a study takes.
+diagnosis::Cause as_cause(const diagnosis::CalibratedNumber& constant) {
+  diagnosis::Cause cause;
+  cause.effect = constant.effect;
+  const double std = constant.std / constant.of_study;
+  if (constant.effect == "modal_damping") {
+    cause.parameters = {{"factor", "1", constant.value / constant.of_study, std}};
+  } else {
+    cause.parameters = {{"relative", "1", constant.change(), std}};
+  }
+  cause.probability = 1.0;
+  return cause;
 }
 
 std::string reason_in_words(const diagnosis::Diagnosis& by_modes) {
@@ -51,6 +66,8 @@ void answer_by_modes(Diagnosed& one) {
   result.proposals = by_modes.proposals;
   result.breaches = by_modes.breaches;
   result.modes = by_modes.modes;
+  result.constants = by_modes.constants;
+  result.constants_in_pairs = by_modes.constants_in_pairs;
   result.notes.push_back(reason_in_words(by_modes));
 }
 
@@ -79,6 +96,25 @@ diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::
   options.costs = plan.costs;
   options.progress = work.progress();
   return options;
+}
+
+std::vector<diagnosis::CalibratedConstant> constants_of(const study::Study& study,
+                                                        const diagnosis::Surface& chart) {
+  const bool along = chart.axis_u.cwiseAbs().x() > kAlong && chart.axis_v.cwiseAbs().y() > kAlong;
+  const bool crossed = chart.axis_u.cwiseAbs().y() > kAlong && chart.axis_v.cwiseAbs().x() > kAlong;
+  auto constants = study.constants;
+  std::erase_if(constants, [&](const diagnosis::CalibratedConstant& one) {
+    return one.effect.find("stiffness") != std::string::npos && !along && !crossed;
+  });
+  for (auto& one : constants) {
+    if (!crossed) break;
+    if (one.effect == "stiffness_along_u") {
+      one.effect = "stiffness_along_v";
+    } else if (one.effect == "stiffness_along_v") {
+      one.effect = "stiffness_along_u";
+    }
+  }
+  return constants;
 }
 
 void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
@@ -122,7 +158,12 @@ std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
   auto causes = one.result.best.causes;
   if (!is_of_modes(one)) return causes;
   std::erase_if(causes, [](const diagnosis::Cause& cause) { return cause.probability < kLikely; });
-  return causes;
+  std::vector<diagnosis::Cause> all;
+  for (const auto& constant : one.result.constants) {
+    if (constant.determined) all.push_back(as_cause(constant));
+  }
+  all.insert(all.end(), causes.begin(), causes.end());
+  return all;
 }
 
 void drop_mac_without_shapes(Diagnosed& one) {

@@ -14,6 +14,11 @@ namespace chladni::steps {
 [[nodiscard]] diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan,
                                                      stage::Work& work);
 
+/// The constants of the study, with the directions of the chart that its material's axes have. The
+/// material's axes are those of the body.
+[[nodiscard]] std::vector<diagnosis::CalibratedConstant> constants_of(
+    const study::Study& study, const diagnosis::Surface& chart);
+
 /// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
 /// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
 /// @param fit     modes of `one.seen`; or null
@@ -26,7 +31,8 @@ void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit*
 void believe_what_pays(Diagnosed& one);
 
 /// The causes that belong into the extended study: all of responses; of modes, those that are
-/// likelier than not. None where the verdict is `unexplained`.
+/// likelier than not, and before them the constants that were calibrated. None where the verdict is
+/// `unexplained`.
 [[nodiscard]] std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one);
 
 /// Frequencies alone have no MAC.

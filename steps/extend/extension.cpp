@@ -75,6 +75,10 @@ void scale(const Extension& by, const study::TomlNode& value, double factor) {
     for (const auto& one : value.elements) scale(by, one, factor);
     return;
   }
+  if (const auto* stated = study::member(value, "value")) {  // beside how well it is known
+    scale(by, *stated, factor);
+    return;
+  }
   auto scaled = parts(value);
   scaled.number *= factor;
   by.edit.replace(value, with_unit(value, scaled), by.comment(by.edit.written(value)));
@@ -107,7 +111,7 @@ std::string place(const study::Place& at) {
 }
 
 Extend extend(std::string_view effect) {
-  for (const auto part : {extend_body, extend_channels, extend_attachments}) {
+  for (const auto part : {extend_body, extend_channels, extend_attachments, extend_constants}) {
     if (const auto found = part(effect)) return found;
   }
   return extend_by_record;

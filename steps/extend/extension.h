@@ -41,9 +41,11 @@ using Extend = std::string (*)(const Extension& by);
 [[nodiscard]] Extend extend_body(std::string_view effect);
 [[nodiscard]] Extend extend_channels(std::string_view effect);
 [[nodiscard]] Extend extend_attachments(std::string_view effect);
+[[nodiscard]] Extend extend_constants(std::string_view effect);
 
 /// Multiplies a quantity in the text by a factor: "70 GPa" by 1.02 is "71.4 GPa". For an array,
-/// each of its values. @throws InvalidInput  it does not begin with a number
+/// each of its values; of a number that states how well it is known, its value. @throws
+/// InvalidInput  it does not begin with a number
 void scale(const Extension& by, const study::TomlNode& value, double factor);
 /// Adds `metres` to a quantity in the text.
 void lengthen(const Extension& by, const study::TomlNode& value, double metres);

@@ -72,6 +72,7 @@ void read_constants(TableReader& table, StudyMaterial& out) {
   constants_schema(out.symmetry).read(table, out);
   if (all_known(out)) out.material = material_from(out);
   const auto axes = axes_of(table);
+  out.is_turned = axes.has_value();
   if (axes && all_known(out)) out.material = fem::turned(out.material, *axes);
 }
 

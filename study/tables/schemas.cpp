@@ -1,6 +1,9 @@
 // Every key of these tables stands here once.
 #include "study/schemas.h"
 
+#include <fmt/ranges.h>
+
+#include "study/tables/known.h"
 #include "study/tables/rows.h"
 
 namespace chladni::study {
@@ -242,7 +245,10 @@ std::string page_of_keys() {
       "`chladni list keys` prints this page, and a test compares them. Text, units, defaults and "
       "bounds are\nthose that the reader uses. [study.md](study.md) explains the tables, also "
       "those "
-      "that are not here.\n";
+      "that are not here.\n"
+      "A number may also say how well it is known, `{ value = \"70 GPa\", within = \"15 %\" }` "
+      "(study.md#constants-that-are-not-known):\n";
+  page += fmt::format("{}.\n", fmt::join(keys_with_deviations(), ", "));
   for (const auto& table : tables_with_schemas()) {
     page += fmt::format("\n## {}\n\n| key | what | may be | default |\n|---|---|---|---|\n",
                         table.heading);

@@ -257,6 +257,30 @@ TEST_F(MeasuredModes, NameAMassThatTheStudyLacks) {
   EXPECT_TRUE(json.at("gain").at("pays").value().index() == 0);
 }
 
+// A study that extends another says that it is not sure of the modulus.
+TEST_F(MeasuredModes, CalibrateAConstantThatIsNotKnown) {
+  write_modes(study_of("modes.csv", "", "235"), 8, true);
+  static_cast<void>(study_of("modes.csv"));
+  write("unsure.toml",
+        "extends = \"study.toml\"\n"
+        "material.youngs_modulus = { value = \"210 GPa\", within = \"15 %\" }\n");
+  const auto one = diagnosed_of(study::read_study(folder_.path() / "unsure.toml"));
+  EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << shown_;
+  ASSERT_EQ(one.result.constants.size(), 1U) << shown_;
+  const auto& modulus = one.result.constants.front();
+  EXPECT_NEAR(modulus.value, 235e9, 2.0 * modulus.std) << shown_;
+  EXPECT_LT(modulus.std, 3e9) << shown_;
+  EXPECT_TRUE(says(shown_, "material.youngs_modulus: 23")) << shown_;
+  EXPECT_TRUE(says(shown_, "study: 210 GPa")) << shown_;
+  EXPECT_EQ(left().at("constants").array().size(), 1U);
+  ASSERT_TRUE(one.extended && one.after) << shown_;
+  EXPECT_TRUE(says(one.extended->text, "within = \"15 %\"")) << one.extended->text;
+  for (const auto& mode : one.result.modes) {
+    EXPECT_NEAR(mode.after_hz, mode.measured_hz, 0.01 * mode.measured_hz) << shown_;
+    EXPECT_LT(mode.before_hz, 0.97 * mode.measured_hz) << shown_;
+  }
+}
+
 TEST_F(MeasuredModes, OfTheStudyItselfAskForNothing) {
   write_modes(study_of("modes.csv"), 6, false);
   const auto one = diagnosed_of(study_of("modes.csv"));

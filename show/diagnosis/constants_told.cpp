@@ -1,0 +1,90 @@
+#include "show/diagnosis/constants_told.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace chladni::show {
+namespace {
+
+using diagnosis::CalibratedNumber;
+
+struct Unit {
+  double factor = 1.0;
+  std::string name;
+};
+Unit readable(const CalibratedNumber& one) {
+  if (one.unit == "Pa") return {1e-9, " GPa"};
+  if (one.unit == "m") return {1e3, " mm"};
+  return {1.0, one.unit == "1" ? "" : " " + one.unit};
+}
+
+std::string value(const CalibratedNumber& one, double number) {
+  const auto unit = readable(one);
+  return fmt::format("{:.4g}{}", unit.factor * number, unit.name);
+}
+
+std::string value_and_std(const CalibratedNumber& one) {
+  const auto unit = readable(one);
+  return fmt::format("{:.4g} \u00b1 {:.2g}{}", unit.factor * one.value, unit.factor * one.std,
+                     unit.name);
+}
+
+// "+12.1 %", or that the data do not say.
+std::string change(const CalibratedNumber& one) {
+  return one.determined ? fmt::format("{:+.1f} %", 100.0 * one.change()) : "not determined";
+}
+
+// How far from the study, in what was stated of it.
+double in_deviations(const CalibratedNumber& one) {
+  return std::log(one.value / one.of_study) / one.prior;
+}
+
+}  // namespace
+
+std::string constants_text(const diagnosis::Diagnosis& result) {
+  std::string text;
+  for (const auto& one : result.constants) {
+    text += fmt::format("  {}: {} (study: {}, {})\n", one.name, value_and_std(one),
+                        value(one, one.of_study), change(one));
+  }
+  for (const auto& pair : result.constants_in_pairs) {
+    text +=
+        fmt::format("  correlation of {} and {}: {:.2f}\n", pair.one, pair.other, pair.correlation);
+  }
+  return text.empty() ? text : "calibrated:\n" + text;
+}
+
+io::JsonArray constants_json(const diagnosis::Diagnosis& result) {
+  io::JsonArray array;
+  for (const auto& one : result.constants) {
+    io::JsonObject together;
+    for (const auto& pair : result.constants_in_pairs) {
+      if (pair.one == one.name) together.emplace_back(pair.other, pair.correlation);
+      if (pair.other == one.name) together.emplace_back(pair.one, pair.correlation);
+    }
+    array.emplace_back(io::JsonObject{{"key", one.name},
+                                      {"unit", one.unit},
+                                      {"of_study", one.of_study},
+                                      {"value", one.value},
+                                      {"std", one.std},
+                                      {"prior", one.prior},
+                                      {"determined", one.determined},
+                                      {"correlations", together}});
+  }
+  return array;
+}
+
+io::Table constants_table(const diagnosis::Diagnosis& result) {
+  io::Table table{"Calibrated constants",
+                  {{"constant"}, {"study"}, {"calibrated"}, {"change"}, {"in stated deviations"}},
+                  {}};
+  for (const auto& one : result.constants) {
+    table.rows.push_back({{one.name, value(one, one.of_study), value_and_std(one), change(one),
+                           fmt::format("{:+.1f}", in_deviations(one))}});
+  }
+  return table;
+}
+
+}  // namespace chladni::show
