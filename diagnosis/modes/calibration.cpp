@@ -148,6 +148,24 @@ std::vector<ModesFit> fitted_from(const ModesProblem& problem, std::vector<Modes
   return fits;
 }
 
+// The largest distance of two fits' constants, in the deviations of the first one.
+double apart(const ModesFit& a, const ModesFit& b) {
+  if (a.covariance.rows() != a.constants.size()) return HUGE_VAL;
+  const VectorXd deviation = a.covariance.diagonal().cwiseSqrt();
+  return (a.constants - b.constants).cwiseQuotient(deviation).cwiseAbs().maxCoeff();
+}
+
+// The best of fits that went to the same maximum.
+std::vector<ModesFit> distinct(const std::vector<ModesFit>& fits) {
+  std::vector<ModesFit> best;
+  for (const auto& fit : fits) {
+    const bool is_new = std::ranges::none_of(
+        best, [&](const ModesFit& other) { return apart(other, fit) < kConstants.significant; });
+    if (is_new && best.size() < kInFull) best.push_back(fit);
+  }
+  return best;
+}
+
 }  // namespace
 
 ModesFit calibrated(const ModesProblem& problem, const ModesFit& start) {
@@ -156,17 +174,13 @@ ModesFit calibrated(const ModesProblem& problem, const ModesFit& start) {
     fits.push_back(start);
     fits.back().constants = std::move(x);
   }
-  fits = fitted_from(problem, std::move(fits), kQuickRounds);
-  fits.resize(std::min(fits.size(), kInFull));
+  fits = distinct(fitted_from(problem, std::move(fits), kQuickRounds));
   fits = fitted_from(problem, std::move(fits), ModesProblem::kRounds);
   ModesFit best = fits.front();
-  if (best.covariance.rows() == 0) return best;
-  const VectorXd deviation = best.covariance.diagonal().cwiseSqrt();
-  for (std::size_t i = 1; i < fits.size(); ++i) {
-    const VectorXd apart = (fits[i].constants - best.constants).cwiseQuotient(deviation);
-    const bool is_near = best.log_evidence - fits[i].log_evidence < kConstants.rival_within;
-    if (is_near && apart.cwiseAbs().maxCoeff() > 3.0) {
-      best.other_constants.push_back(fits[i].constants);
+  for (const auto& other : fits) {
+    const bool is_near = best.log_evidence - other.log_evidence < kConstants.rival_within;
+    if (is_near && apart(best, other) > kConstants.significant) {
+      best.other_constants.push_back(other.constants);
       break;
     }
   }

@@ -44,7 +44,7 @@ void note_open(const std::vector<HeldConstant>& constants, const MatrixXd& open,
   }
   if (!alone.empty()) {
     diagnosis.notes.push_back(
-        fmt::format("these data do not determine {}: held at the study's value and deviation",
+        fmt::format("these data do not determine {}: held at the study's value, with its deviation",
                     fmt::join(alone, ", ")));
   }
   if (together.size() > 1) {

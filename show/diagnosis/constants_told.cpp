@@ -46,8 +46,8 @@ double in_deviations(const CalibratedNumber& one) {
 std::string constants_text(const diagnosis::Diagnosis& result) {
   std::string text;
   for (const auto& one : result.constants) {
-    text += fmt::format("  {}: {} (study: {}, {})\n", one.name, value_and_std(one),
-                        value(one, one.of_study), change(one));
+    text += fmt::format("  {}: {} (study: {} within {:.2g} %, {})\n", one.name, value_and_std(one),
+                        value(one, one.of_study), 100.0 * one.prior, change(one));
   }
   for (const auto& pair : result.constants_in_pairs) {
     text +=

@@ -206,6 +206,11 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
   const bool is_of_modes = !result.modes.empty();
   switch (result.verdict) {
     case diagnosis::Verdict::no_discrepancy:
+      if (is_of_modes && !result.constants.empty()) {
+        return "Beyond constants that were not known, which are calibrated, the measured modes "
+               "give "
+               "no reason to change the simulation.";
+      }
       if (is_of_modes) return "The measured modes give no reason to change the simulation.";
       return "The simulation agrees with what was measured, within noise and tolerances.";
     case diagnosis::Verdict::named:

@@ -289,6 +289,24 @@ TEST_F(CalibratedConstants, DirectionsOfTheStiffnessAreFound) {
   EXPECT_FALSE(number(found, "density").determined) << told(found);
 }
 
+// Frequencies of a square do not say along which side it is stiffer.
+TEST_F(CalibratedConstants, OtherConstantsThatFitAsWellAreTold) {
+  auto square = plate();
+  square.width = square.length;
+  auto stiffer_along_u = square;
+  auto& q = stiffer_along_u.stiffness;
+  q.q11 *= 1.35;
+  const auto found =
+      diagnosed(structure_of(square, 24), measured_on({.body = stiffer_along_u}, 1, false, false),
+                with({constant("stiffness_along_u", 0.25), constant("stiffness_along_v", 0.25),
+                      constant("shear_stiffness", 0.05)},
+                     0));
+  EXPECT_TRUE(notes_say(found, "other constants fit nearly as well")) << told(found);
+  const double high =
+      std::max(number(found, "stiffness_along_u").value, number(found, "stiffness_along_v").value);
+  EXPECT_NEAR(high, 1.35, 0.1) << told(found);
+}
+
 TEST_F(CalibratedConstants, ADampingRatioIsFound) {
   const auto found = diagnosed(study(), measured_on({.damping = 2.2}, 1),
                                with({constant("modal_damping", 0.0, Kind::unknown)}));
