@@ -39,7 +39,7 @@ MatrixXd frequency_slopes(const ModesProblem& problem, const ModesFit& start,
                           const RecordedModes& model) {
   const auto c = static_cast<Index>(problem.constants().size());
   MatrixXd slopes = MatrixXd::Zero(model.count(), c);
-  constexpr auto kStep = 1e-4;
+  constexpr double kStep = 1e-4;
   for (Index i = 0; i < c; ++i) {
     const auto there = modes_at(problem, start, kStep * VectorXd::Unit(c, i));
     if (!there || there->count() != model.count()) continue;
@@ -197,7 +197,7 @@ ConstantColumns::ConstantColumns(const ModesProblem& problem, const ModesFit& ba
   };
   const auto here = errors(base.model);
   for (const auto& block : here) slope_.emplace_back(MatrixXd::Zero(block.count(), c));
-  constexpr auto kStep = 1e-5;
+  constexpr double kStep = 1e-5;
   for (Index i = 0; i < c; ++i) {
     const auto model = modes_at(problem, base, at_ + kStep * VectorXd::Unit(c, i));
     if (!model || model->count() != base.model.count()) continue;
