@@ -10,6 +10,7 @@
 #include "base/decompositions.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/coordinates.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -46,11 +47,10 @@ double log_mass_of(const Question& question, const State& state) {
   return std::log(std::max(ratio, 1e-3));
 }
 
-// The outlook of these causes with the partners of a fit. Each shape has the sign of `like`, if
-// there is one.
+// The outlook of an explanation. Each shape has the sign of `like`, if there is one.
 std::optional<Outlook> outlook_of(const Question& question, const ModesFit& fit,
-                                  const std::vector<Supposed>& causes, const MatrixXd& like) {
-  const State state = question.problem.with(causes);
+                                  const MatrixXd& like) {
+  const State state = question.problem.with(fit);
   const auto model = question.problem.modes(state, false);
   if (!model || model->count() != fit.model.count()) return std::nullopt;
   const auto& motion = model->motion;
@@ -76,14 +76,13 @@ std::optional<Outlook> outlook_of(const Question& question, const ModesFit& fit,
   return outlook;
 }
 
-// The causes with a step of all coordinates.
-std::vector<Supposed> stepped(std::vector<Supposed> causes, const VectorXd& step) {
-  Index first = 0;
-  for (auto& cause : causes) {
-    cause.x += step.segment(first, cause.x.size());
-    first += cause.x.size();
-  }
-  return causes;
+// The explanation with a step of all coordinates: of its causes, then of the constants.
+ModesFit stepped(const ModesFit& fit, const VectorXd& step) {
+  ModesFit other = fit;
+  const Index causes = step.size() - fit.constants.size();
+  other.causes = moved(fit.causes, step.head(causes));
+  other.constants += step.tail(fit.constants.size());
+  return other;
 }
 
 std::vector<Outlook> changes_of(const Question& question, const ModesFit& fit, const Outlook& own) {
@@ -95,11 +94,11 @@ std::vector<Outlook> changes_of(const Question& question, const ModesFit& fit, c
     const VectorXd step =
         part * std::sqrt(std::max(axes.eigenvalues()(c), 0.0)) * axes.eigenvectors().col(c);
     for (const double sign : {1.0, -1.0}) {
-      const auto causes = stepped(fit.causes, sign * step);
-      const bool is_possible = std::ranges::all_of(causes, [&](const Supposed& cause) {
+      const auto other = stepped(fit, sign * step);
+      const bool is_possible = std::ranges::all_of(other.causes, [&](const Supposed& cause) {
         return std::isfinite(log_prior(cause, question.problem.structure()));
       });
-      const auto there = is_possible ? outlook_of(question, fit, causes, own.shapes) : std::nullopt;
+      const auto there = is_possible ? outlook_of(question, other, own.shapes) : std::nullopt;
       if (!there) continue;
       changes.push_back({(there->shapes - own.shapes) / part,
                          (there->mobility - own.mobility) / part,
@@ -121,7 +120,7 @@ std::vector<Explained> explained(const Question& question, const std::vector<Wei
   std::vector<Explained> result;
   for (const auto& one : all) {
     const MatrixXd like = result.empty() ? MatrixXd() : result.front().outlook.shapes;
-    auto own = outlook_of(question, *one.fit, one.fit->causes, like);
+    auto own = outlook_of(question, *one.fit, like);
     if (!own) {
       if (result.empty()) break;
       continue;
