@@ -30,7 +30,9 @@ struct CauseParameter {
 struct Cause {
   std::string effect;                 ///< as effects() names it
   std::vector<std::string> channels;  ///< where it acts; empty for the body
-  std::string option;                 ///< Choice::text: "g taken for m/s^2"; or empty
+  /// Of permuted channels, one for each of `channels`: the channel that its record is; or empty.
+  std::vector<std::string> truly;
+  std::string option;  ///< Choice::text: "g taken for m/s^2"; or empty
   std::vector<CauseParameter> parameters;
   std::vector<CauseParameter> fixed;     ///< fixed by the option, std 0: "factor", "derivative"
   std::optional<Eigen::Vector2d> place;  ///< on the chart [m]: parameters "u" and "v"

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "diagnosis/fit/responses.h"
 
 namespace chladni::diagnosis {
@@ -38,9 +39,32 @@ Index option_of(const Cause& cause, const Effect& effect, const Structure& struc
   return -1;
 }
 
+// A permutation as exchanges of two labels, one after the other.
+std::vector<Supposed> exchanges_of(const Cause& cause, const Structure& structure) {
+  const bool sensors = cause.effect == "permuted_sensors";
+  const auto& names = (sensors ? structure.outputs : structure.inputs).names;
+  const auto& exchange = effect(sensors ? "swapped_sensors" : "swapped_actuators");
+  std::vector<std::string> shown = names;  // the channel of each record, so far
+  std::vector<Supposed> all;
+  for (std::size_t i = 0; i < cause.channels.size(); ++i) {
+    const auto record = std::ranges::find(names, cause.channels[i]) - names.begin();
+    const auto other = std::ranges::find(shown, cause.truly[i]) - shown.begin();
+    require(record < std::ssize(names) && other < std::ssize(names),
+            fmt::format("the cause {} is of a channel that this structure does not have",
+                        cause.effect));
+    if (record == other) continue;
+    const auto [a, b] = std::minmax(record, other);
+    const Index option = option_of({}, exchange, structure, {names[at(a)], names[at(b)]});
+    all.push_back({&exchange, option, Eigen::VectorXd()});
+    std::swap(shown[at(a)], shown[at(b)]);
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Supposed> supposed_of(const Cause& cause, const Structure& structure) {
+  if (!cause.truly.empty()) return exchanges_of(cause, structure);
   const auto& effect = diagnosis::effect(cause.effect);
   const auto x = coordinates(cause, effect, structure);
   if (const Index option = option_of(cause, effect, structure, cause.channels); option >= 0) {

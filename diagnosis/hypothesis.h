@@ -10,7 +10,8 @@
 namespace chladni::diagnosis {
 
 /// The effect, choice and numbers of a cause. If no single choice acts on all its channels (they
-/// were "all of them", but this structure has more), there is one entry for each channel.
+/// were "all of them", but this structure has more), there is one entry for each channel. A
+/// permutation of labels is a number of exchanges of two labels, one after the other.
 /// @throws InvalidInput  no effect of that name; none of its choices acts on these channels; a
 ///                       number is missing
 [[nodiscard]] std::vector<Supposed> supposed_of(const Cause& cause, const Structure& structure);

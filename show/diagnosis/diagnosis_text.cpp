@@ -52,6 +52,7 @@ io::JsonObject json_of(const diagnosis::Cause& cause) {
   add(cause.parameters);
   add(cause.fixed);
   io::JsonObject json{{"effect", cause.effect}, {"channels", io::Json::texts(cause.channels)}};
+  if (!cause.truly.empty()) json.emplace_back("truly", io::Json::texts(cause.truly));
   if (!cause.option.empty()) json.emplace_back("option", cause.option);
   json.emplace_back("parameters", parameters);
   json.emplace_back("log_evidence_gain", cause.log_evidence_gain);

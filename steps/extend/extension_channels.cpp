@@ -82,6 +82,25 @@ std::string swap(const Extension& by) {
   return {};
 }
 
+// A record keeps its label, so the channel that it is gets the record's name, and its node.
+template <Side side>
+std::string permute(const Extension& by) {
+  const auto& cause = by.cause;
+  require(cause.truly.size() == cause.channels.size(),
+          fmt::format("the cause {} names {} records, but {} channels", cause.effect,
+                      cause.channels.size(), cause.truly.size()));
+  for (std::size_t i = 0; i < cause.channels.size(); ++i) {
+    const auto record = channel_table(by, side, cause.channels[i]);
+    const auto channel = channel_table(by, side, cause.truly[i]);
+    if (record.channel.node.has_value() != channel.channel.node.has_value()) {
+      return "one of the channels has a node number and another has none";
+    }
+    set_key(by, channel, "name", study::toml_text(record.channel.name));
+    if (record.channel.node) set_key(by, channel, "node", std::to_string(*record.channel.node));
+  }
+  return {};
+}
+
 bool names(const diagnosis::Cause& cause, const std::string& channel) {
   return std::ranges::find(cause.channels, channel) != cause.channels.end();
 }
@@ -160,11 +179,13 @@ std::string unit(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 10> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 12> kTable{
     {{"sensor_sign", sign<Side::sensors>},
      {"actuator_sign", sign<Side::actuators>},
      {"swapped_sensors", swap<Side::sensors>},
      {"swapped_actuators", swap<Side::actuators>},
+     {"permuted_sensors", permute<Side::sensors>},
+     {"permuted_actuators", permute<Side::actuators>},
      {"sensor_quantity", quantity},
      {"sensor_unit", unit},
      {"sensor_position", position<Side::sensors>},

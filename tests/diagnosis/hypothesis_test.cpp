@@ -66,6 +66,28 @@ TEST(Hypothesis, OfWhatWasToldIsWhatWasSupposed) {
   }
 }
 
+// Record i shows the sensor that the cause says, whatever the cycles.
+TEST(Hypothesis, PermutesLabelsByExchanges) {
+  const auto& names = small_plate().outputs.names;
+  const std::vector<std::vector<Index>> orders{{1, 2, 0}, {2, 0, 1}, {1, 0, 2}};
+  for (const auto& order : orders) {
+    Cause mixed;
+    mixed.effect = "permuted_sensors";
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      mixed.channels.push_back(names.at(i));
+      mixed.truly.push_back(names.at(static_cast<std::size_t>(order[i])));
+    }
+    auto state = state_of(small_plate());
+    const auto before = state.output_of;
+    for (const auto& one : supposed_of(mixed, small_plate())) {
+      change_of(one, small_plate())(state);
+    }
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      EXPECT_EQ(state.output_of[i], i < order.size() ? order[i] : before[i]) << i;
+    }
+  }
+}
+
 TEST(Hypothesis, WithoutCausesIsTheSimulation) {
   const auto simulated = modal::frf(reduced_model(small_plate()), lines_hz()).value;
   EXPECT_LT(apart(predicted(small_plate(), {}, lines_hz()), simulated), 1e-10);

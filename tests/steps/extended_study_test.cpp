@@ -116,6 +116,18 @@ TEST(ExtendedStudy, MovesTiltsAndRenamesChannels) {
             1e-9);
 }
 
+// Record s1 is the sensor of s3, which gets the name s1, and so on.
+TEST(ExtendedStudy, GivesEachRecordTheSensorThatItIs) {
+  auto mixed = cause("permuted_sensors", {}, {"s1", "s2", "s3"});
+  mixed.truly = {"s3", "s1", "s2"};
+  const std::string third =
+      "\n[[sensor]]\nname = \"s3\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n";
+  const auto study = read(extended({mixed}, kStudy + third));
+  EXPECT_EQ(study.sensors[0].name, "s2");
+  EXPECT_EQ(study.sensors[1].name, "s3");
+  EXPECT_EQ(study.sensors[2].name, "s1");
+}
+
 // The unit that the study states is of all sensors: it goes with a quantity of all of them.
 TEST(ExtendedStudy, DifferentiatesTheUnitWithTheQuantity) {
   const auto with = [&](const std::string& unit, double times, std::vector<std::string> channels) {
