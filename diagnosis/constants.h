@@ -354,6 +354,14 @@ struct Constants {
   double scale_step = 0.01;
   /// [1] Share of a constant in a direction that the data do not determine. Chosen.
   double share_told = 0.3;
+  /// [1] Error of a shape value beside which labels are put right, in units of its rms. Chosen.
+  double label_error = 0.1;
+  /// [1] Labels as they are explain the shapes if the usual error is below this. Chosen.
+  double explained_by_labels = 0.25;
+  /// [ln] Penalty of a record that is turned as well. Chosen.
+  double turned_record = 4.0;
+  /// [1] Prior probability that three or more labels of a side are mixed. Chosen.
+  double mixed_prior = 0.01;
 };
 
 inline constexpr Constants kConstants{};

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "dense/blas.h"
+#include "diagnosis/modes/labels.h"
 #include "diagnosis/modes/modes_search.h"
 #include "diagnosis/modes/modes_verdict.h"
 
@@ -72,16 +73,19 @@ Diagnosis diagnosed(const Structure& structure, const MeasuredModes& measured,
                     const DiagnosisOptions& options) {
   const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
   auto own = given(structure, measured);
+  const auto labels = labels_of(own.structure, own.measured, options);
   const bool learned = options.levels == Levels::learned;
   const auto constants = held_constants(own.structure, options.constants,
                                         believable(options.tolerances, learned), own.notes);
-  const ModesProblem problem(own.structure, own.measured, options.tolerances, learned, constants);
+  const ModesProblem problem(own.structure, labels.measured, options.tolerances, learned,
+                             constants);
   const auto sought = sought_beside(constants, catalogue_of(options), own.structure);
-  const auto found = searched(problem, sought, options.most_causes,
-                              options.least_evidence, options.progress);
+  const auto found = searched(problem, sought, options.most_causes, options.least_evidence,
+                              options.progress);
   tell(options.progress, "the last word");
   Diagnosis diagnosis = answer(problem, found, options);
   diagnosis.notes.insert(diagnosis.notes.begin(), own.notes.begin(), own.notes.end());
+  add(labels, diagnosis);
   return diagnosis;
 }
 

@@ -60,13 +60,6 @@ Values actuator_values(const MeasuredModes& measured, const RecordedModes& model
   return values_of(measured.input_shapes, measured.input_std, i, model.inputs, model.input_path, k);
 }
 
-// Deviation of the part that a mode has in another one, `apart` in ln f: as modes of the same
-// frequency turn into each other. It falls to 0 at kConstants.neighbours, so that no part begins at
-// once.
-double part_deviation(double apart) {
-  return 0.1 * std::max(0.0, kConstants.neighbours - apart) / std::max(apart, 1e-9);
-}
-
 // Parts of the modes of a span that fit the shape best, beside errors of kConstants.shape_error.
 VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
                   const Values& values) {
@@ -134,6 +127,10 @@ double likeness_of(const PartnerSide& side) {
 }
 
 }  // namespace
+
+double part_deviation(double apart) {
+  return 0.1 * std::max(0.0, kConstants.neighbours - apart) / std::max(apart, 1e-9);
+}
 
 std::vector<Index> rows_with_values(const MatrixXcd& shapes, Index i) {
   std::vector<Index> rows;

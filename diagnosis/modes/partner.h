@@ -53,6 +53,11 @@ struct Partner {
 /// The phase without which a shape is as real as it can be, up to its sign.
 [[nodiscard]] std::complex<double> phase_of(const Eigen::VectorXcd& shape);
 
+/// Deviation of the part that a mode has in another one, `apart` in ln f: as modes of the same
+/// frequency turn into each other. It falls to 0 at Constants::neighbours, so that no part begins
+/// at once.
+[[nodiscard]] double part_deviation(double apart);
+
 /// Mode k, then its neighbours, as far as the channels can tell them apart.
 [[nodiscard]] std::vector<Eigen::Index> span_of(const MeasuredModes& measured,
                                                 const RecordedModes& model, Eigen::Index i,
