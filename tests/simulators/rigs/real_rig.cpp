@@ -41,14 +41,15 @@ std::vector<std::string> names_of(bool outside) {
 }
 
 void hide(RigRecipe& recipe, RealRigCase& made, const std::string& kinds, unsigned seed,
-          double severity) {
+          const RealRigOptions& options) {
   if (kinds == "none") return;
   RigDraw drawn{Dice(seed)};
   std::stringstream words(kinds);
   for (std::string name; std::getline(words, name, '+');) {
     const auto& kind = kind_named(name);
     const double own = drawn.dice.uniform();
-    drawn.severity = severity < 0.0 ? own : severity;
+    drawn.severity = options.severity < 0.0 ? own : options.severity;
+    drawn.mass = options.mass;
     auto effect = kind.hide(recipe, drawn);
     effect.kind = name;
     made.outside = made.outside || kind.outside;
@@ -234,12 +235,13 @@ RealRigCase real_rig_case(const std::string& body, const std::string& kind, unsi
     made.present.push_back(
         {"resonator", {{"mass", one.mass}, {"frequency", one.frequency_hz}}, one.place, {}});
   }
-  hide(recipe, made, kind, seed_of(body + kind, seed), options.severity);
+  hide(recipe, made, kind, seed_of(body + kind, seed), options);
   const auto modes = rig_modes(recipe, bare_modes(recipe.plate, made.body.outline));
   const auto& rig = made.body.rig;
   made.measured.frequency_hz = Eigen::VectorXd::LinSpaced(options.lines, rig.low_hz, rig.high_hz);
   made.exact = receptances(modes, made.measured.frequency_hz);
-  const unsigned noise = seed_of(body + kind + "noise", seed);
+  const std::string anew = options.repetition == 0 ? "" : std::to_string(options.repetition);
+  const unsigned noise = seed_of(body + kind + "noise" + anew, seed);
   measure(made, options, Dice(noise));
   made.modes = analysed(made, modes, options, Dice(noise + 1U));
   if (!made.truth.empty()) {

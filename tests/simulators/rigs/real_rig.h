@@ -22,7 +22,13 @@ struct RealRigOptions {
   /// channel in units of its rms there, correlated between neighbouring channels. Below 0: drawn, 1
   /// to 3 % and 5 to 10 %.
   double frequency_error = -1.0, shape_error = -1.0;
+  /// Whose modes have these errors. False: those of the rig with all that is on it. True: those of
+  /// its bare body, so that an effect acts on them as on the modes of any structure. Before and
+  /// after an effect only these are the same errors, where modes turn into each other.
+  bool errors_of_body = false;
   double severity = -1.0;  ///< 0 to 1: between the ends of each kind's range; below 0: drawn
+  int repetition = 0;      ///< another one is measured anew: other noise, other complex factors
+  double mass = 0.0;       ///< of a point mass, over that of the body; 0: by `severity`
 
   int lines = 400;
   double relative_noise = 0.01;  ///< of the responses, of |G| of the same line

@@ -54,7 +54,8 @@ HiddenEffect patch(RigRecipe& recipe, RigDraw& drawn) {
 
 HiddenEffect point_mass(RigRecipe& recipe, RigDraw& drawn) {
   RitzPoint point;
-  point.mass = recipe.body.mass * drawn.size(3e-3, 0.03);
+  const double part = drawn.size(3e-3, 0.03);
+  point.mass = recipe.body.mass * (drawn.mass > 0.0 ? drawn.mass : part);
   point.place = drawn.place(recipe.body, 0.02 * recipe.body.size());
   recipe.points.push_back(point);
   return {"", {{"mass", point.mass}}, point.place, {}};

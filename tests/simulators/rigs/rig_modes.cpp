@@ -85,10 +85,29 @@ void attach(System& system, const RigRecipe& recipe, const BareModes& bare) {
   }
 }
 
+// Adds the errors to modes `first` and above: their frequencies, and their shapes in the columns.
+void add_errors(const ModelFormError& error, Index first, Eigen::VectorXd& omega,
+                Eigen::MatrixXd& channels) {
+  const Index drawn = std::min(error.frequency_draw.size(), omega.size() - first);
+  for (Index k = 0; k < drawn; ++k) {
+    omega(first + k) *= std::exp(error.frequency * error.frequency_draw(k));
+    auto shape = channels.col(first + k);
+    const double rms = std::sqrt(shape.squaredNorm() / static_cast<double>(shape.size()));
+    // The sign of an eigenvector is free; uneven weights decide.
+    const auto n = static_cast<double>(shape.size());
+    const Eigen::ArrayXd weight = (2.3 * Eigen::ArrayXd::LinSpaced(shape.size(), 1.0, n)).cos();
+    const double sign = (weight * shape.array()).sum() < 0.0 ? -1.0 : 1.0;
+    shape += sign * error.shape * rms * error.shape_draw.col(k);
+  }
+}
+
 System assembled(const RigRecipe& recipe, const BareModes& bare) {
   const Index n = bare.frequency_hz.size();
   const Index size = n + static_cast<Index>(recipe.resonators.size());
-  const Eigen::VectorXd omega = 2.0 * pi * bare.frequency_hz;
+  Eigen::VectorXd omega = 2.0 * pi * bare.frequency_hz;
+  Eigen::MatrixXd channels(recipe.channels.outputs.rows() + recipe.channels.inputs.rows(), n);
+  channels << bare.shapes_at(recipe.channels.outputs), bare.shapes_at(recipe.channels.inputs);
+  if (recipe.error.of_body) add_errors(recipe.error, bare.rigid_count, omega, channels);
   Eigen::VectorXd damping = 2.0 * recipe.body.rig.damping_ratio * omega;
   const Index spread = std::min(n, recipe.damping_factor.size());
   damping.head(spread).array() *= recipe.damping_factor.head(spread).array();
@@ -98,11 +117,8 @@ System assembled(const RigRecipe& recipe, const BareModes& bare) {
   system.mass.diagonal().head(n).setOnes();
   system.stiffness.diagonal().head(n) = omega.cwiseAbs2();
   system.damping.diagonal().head(n) = damping;
-  const Index p = recipe.channels.outputs.rows();
-  const Index q = recipe.channels.inputs.rows();
-  system.channels = Eigen::MatrixXd::Zero(p + q, size);
-  system.channels.topLeftCorner(p, n) = bare.shapes_at(recipe.channels.outputs);
-  system.channels.bottomLeftCorner(q, n) = bare.shapes_at(recipe.channels.inputs);
+  system.channels = Eigen::MatrixXd::Zero(channels.rows(), size);
+  system.channels.leftCols(n) = channels;
   attach(system, recipe, bare);
   return system;
 }
@@ -124,17 +140,7 @@ Undamped undamped(const System& system, const ModelFormError& error, Index untou
   all.damping = v.transpose() * system.damping * v;
   all.channels = system.channels * v;
   all.rigid = (all.omega.array() < 2.0 * pi * kRigidHz).count();
-  const Index drawn = std::min(error.frequency_draw.size(), all.omega.size() - untouched);
-  for (Index k = 0; k < drawn; ++k) {
-    all.omega(untouched + k) *= std::exp(error.frequency * error.frequency_draw(k));
-    auto shape = all.channels.col(untouched + k);
-    const double rms = std::sqrt(shape.squaredNorm() / static_cast<double>(shape.size()));
-    // The sign of an eigenvector is free; uneven weights decide.
-    const auto n = static_cast<double>(shape.size());
-    const Eigen::ArrayXd weight = (2.3 * Eigen::ArrayXd::LinSpaced(shape.size(), 1.0, n)).cos();
-    const double sign = (weight * shape.array()).sum() < 0.0 ? -1.0 : 1.0;
-    shape += sign * error.shape * rms * error.shape_draw.col(k);
-  }
+  if (!error.of_body) add_errors(error, untouched, all.omega, all.channels);
   return all;
 }
 

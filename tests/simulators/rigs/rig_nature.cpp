@@ -120,6 +120,7 @@ void add_model_form_error(RigRecipe& recipe, Dice& dice, const RealRigOptions& o
   error.frequency = chosen(options.frequency_error, frequency);
   error.shape = chosen(options.shape_error, shape);
   error.phase = options.nature * std::tan(dice.between(1.0, 4.0) * pi / 180.0);
+  error.of_body = options.errors_of_body;
   const Index n = believed_modes(recipe.body).frequency_hz.size();
   const Index p = recipe.body.rig.channels.outputs.rows();
   Eigen::MatrixX2d places(p + recipe.body.rig.channels.inputs.rows(), 2);

@@ -20,6 +20,7 @@ struct FrameMode {
 /// Draws of the model-form error: one column for each mode.
 struct ModelFormError {
   double frequency = 0.0, shape = 0.0, phase = 0.0;  ///< levels
+  bool of_body = false;                              ///< RealRigOptions::errors_of_body
   Eigen::VectorXd frequency_draw;                    ///< n
   Eigen::MatrixXd shape_draw, phase_draw;            ///< (p+q)×n
 };
@@ -53,6 +54,7 @@ void add_nature(RigRecipe& recipe, unsigned seed, const RealRigOptions& options)
 struct RigDraw {
   Dice dice;
   double severity = 0.0;
+  double mass = 0.0;  ///< RealRigOptions::mass
   std::vector<Eigen::Vector2d> taken_places = {};
   std::vector<Eigen::Index> taken_sensors = {};
 
