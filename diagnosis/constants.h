@@ -338,6 +338,30 @@ struct Constants {
   double neighbours = 0.05;
   /// [1] Error of a shape value over that of the body, at most. Chosen.
   double blindest = 10.0;
+  /// [1] Error of a predicted change of a mode, over that change. A shape that is 5 % off changes
+  /// the frequency by a mass 10 % off. Chosen.
+  double change_error = 0.1;
+  /// [ln] Usual difference of a frequency in two measurements of an unchanged structure. Chosen: a
+  /// body on soft supports, within a day.
+  double repeated_frequency = 2e-4;
+  /// [ln] The same of a damping ratio. Chosen.
+  double repeated_damping = 0.05;
+  /// [1] The same of a shape, and of a residue. Chosen.
+  double repeated_shape = 3e-3;
+  /// [1] The same of a shape's phases, which follow cables and joints. Chosen.
+  double repeated_phase = 1e-2;
+  /// [1] The same of a channel's gain. Chosen: drift of amplifiers and sensors.
+  double repeated_gain = 2e-3;
+  /// [m] The same of a channel's place. Chosen: nothing is mounted anew.
+  double repeated_place = 1e-4;
+  /// [1] The same of the modulus. Chosen: aluminium and steel by half a kelvin.
+  double repeated_modulus = 2e-4;
+  /// [1] A larger multiple of these differences is a change of the structure. Chosen.
+  double repeated_at_most = 16.0;
+  /// [ln] Width of the levels of these differences. Chosen: narrower than a model's levels.
+  double repeated_width = 1.0;
+  /// [1] Modes that turn into each other keep this part of their independence. Chosen.
+  double least_turned = 0.3;
   /// [1] Part of the largest eigenvalue below which a motion has no stiffness. Chosen.
   double no_stiffness = 1e-9;
   /// [1] Multiple of the largest eigenvalue at which a mass moves as the modes do. Chosen.

@@ -89,6 +89,8 @@ struct ErrorLevel {
 struct ModeTold {
   double measured_hz = 0.0, before_hz = 0.0, after_hz = 0.0;
   double mac_before = 0.0, mac_after = 0.0;  ///< at sensors times at actuators
+  /// In the reference; NaN: it has no such mode, or there is no reference.
+  double reference_hz = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Whether the levels of the model's errors are inferred, or are the tolerances.

@@ -21,4 +21,19 @@ namespace chladni::diagnosis {
 [[nodiscard]] Diagnosis diagnosed(const Structure& structure, const MeasuredModes& measured,
                                   const DiagnosisOptions& options = {});
 
+/// @throws InvalidInput  as check(MeasuredModes); both have sensors, and none in common; no mode in
+///                       common, by frequency and shape
+void check_reference(const MeasuredModes& measured, const MeasuredModes& reference);
+
+/// Why measured modes differ from those of a reference, measured before something changed: a cause
+/// is what only the later ones need. The structure is corrected to the reference
+/// (modes/reference.h), so that the errors which its model has in both cancel. The levels are those
+/// of two measurements of an unchanged structure, and the tolerances of the body are one
+/// temperature. ModeTold::before_hz is a mode of the corrected structure.
+/// Cost: as above.
+/// @throws InvalidInput  as above and as check_reference; no mode of the structure is
+///                       among those of the reference
+[[nodiscard]] Diagnosis diagnosed(const Structure& structure, const MeasuredModes& measured,
+                                  const MeasuredModes& reference, const DiagnosisOptions& options);
+
 }  // namespace chladni::diagnosis

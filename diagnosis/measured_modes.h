@@ -1,4 +1,5 @@
-// Measured modes in the form that a diagnosis uses: frequencies, damping and shapes, without responses.
+// Measured modes in the form that a diagnosis uses: frequencies, damping and shapes, without
+// responses.
 #pragma once
 
 #include <Eigen/Core>

@@ -101,6 +101,7 @@ void check(const Structure& structure) {
   for (const auto* attached : {&structure.dashpots, &structure.springs, &structure.masses}) {
     if (attached->size() > 0) fits(*attached, r, r, "what is attached to the body");
   }
+  if (structure.correction.size() > 0) fits(structure.correction, r, r, "corrected stiffness");
   check_side(structure.outputs, r, "sensors");
   check_side(structure.inputs, r, "actuators");
   fits(structure.residual, structure.output_count(), structure.input_count(), "residual");

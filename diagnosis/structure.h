@@ -113,6 +113,8 @@ struct Structure {
   /// Parts that the study attaches to the body, contained in diag(ω²) [s^-2] and 1: r×r, or 0×0 for
   /// none. An effect that scales the body does not change them.
   Eigen::MatrixXd springs, masses;
+  /// r×r, or 0×0 for none [s^-2]: added to diag(ω²), so that the modes are those of a reference.
+  Eigen::MatrixXd correction;
   Eigen::Index rigid_count = 0;
   ChannelSide outputs, inputs;  ///< p displacements, q forces
   Eigen::MatrixXd residual;     ///< p×q [m/N]: residual flexibility of the modes above

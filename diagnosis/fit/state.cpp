@@ -34,6 +34,7 @@ State state_of(const Structure& structure) {
   const Eigen::VectorXd omega = 2.0 * std::numbers::pi * structure.frequency_hz;
   State state;
   state.stiffness = omega.cwiseAbs2().asDiagonal();
+  if (structure.correction.size() > 0) state.stiffness += structure.correction;
   state.loss = Eigen::MatrixXd::Zero(r, r);
   state.damping = (2.0 * structure.damping_ratio.cwiseProduct(omega)).asDiagonal();
   if (structure.dashpots.size() > 0) attach_damping(state, structure.dashpots);

@@ -66,11 +66,17 @@ Index coordinates_below(const Structure& structure, double hz) {
 ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
                            const Tolerances& tolerances, bool learned,
                            std::vector<HeldConstant> constants)
+    : ModesProblem(structure, measured, believable(tolerances, learned),
+                   level_prior(tolerances, learned), std::move(constants)) {}
+
+ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
+                           const Tolerances& tolerances, const LevelPrior& prior,
+                           std::vector<HeldConstant> constants)
     : structure_(structure),
       measured_(measured),
       constants_(std::move(constants)),
-      tolerances_(believable(tolerances, learned)),
-      prior_(level_prior(tolerances, learned)),
+      tolerances_(tolerances),
+      prior_(prior),
       units_(units_of(structure)),
       smooth_(smooth_factor(structure)),
       body_(body_errors_beside(structure, constants_, tolerances_)),

@@ -46,6 +46,10 @@ class ModesProblem {
   ModesProblem(const Structure& structure, const MeasuredModes& measured,
                const Tolerances& tolerances, bool learned,
                std::vector<HeldConstant> constants = {});
+  /// The same with errors of the body and a prior of the levels as they are given.
+  ModesProblem(const Structure& structure, const MeasuredModes& measured,
+               const Tolerances& tolerances, const LevelPrior& prior,
+               std::vector<HeldConstant> constants = {});
 
   [[nodiscard]] const Structure& structure() const { return structure_; }
   [[nodiscard]] const MeasuredModes& measured() const { return measured_; }
