@@ -198,6 +198,7 @@ void extend(const study::Study& study, double band_hz, const SolveStudy& solve, 
   one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
                                 work.choices().folder, allowed, fits);
   if (one.extended->unexpressed.size() == causes.size()) return;
+  if (one.reference) return;  // solved again, it would be off by what the study is off by
   const auto part = work.part("extended: ");
   const study::Study extended = stage::with_modes_for_diagnosis(
       study::parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
@@ -337,7 +338,7 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   return one;
 }
 
-Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::MeasuredModes& modes,
+Diagnosed diagnosed_by_modes(const study::Study& study, const ModesOfFiles& files,
                              stage::Solution before, stage::Work& work,
                              const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
@@ -345,16 +346,23 @@ Diagnosed diagnosed_by_modes(const study::Study& study, const diagnosis::Measure
   one.least_evidence = plan.least_evidence;
   one.before = std::move(before);
   const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
-  one.modes = modes_below(highest_hz, modes, study, work);
+  one.modes = modes_below(highest_hz, files.modes, study, work);
+  if (files.reference) {
+    one.reference = files.reference;
+    one.reference_file = study.measurement->reference.filename().string();
+  }
   const double band_hz = one.modes->frequency_hz.tail(1)(0);
   for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
     work.note(note);
   }
   one.structure =
       work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
+  auto options = options_of(plan, work);
+  options.constants = constants_of(study, one.structure.surface);
   one.result = work.timed("diagnosis", [&] {
-    auto options = options_of(plan, work);
-    options.constants = constants_of(study, one.structure.surface);
+    if (one.reference) {
+      return diagnosis::diagnosed(one.structure, *one.modes, *one.reference, options);
+    }
     return diagnosis::diagnosed(one.structure, *one.modes, options);
   });
   drop_mac_without_shapes(one);
@@ -371,7 +379,7 @@ bool is_by_modes(const study::Study& study) {
 Diagnosed diagnosed(const study::Study& study, stage::Work& work,
                     const SolveStudy& solve_extended) {
   if (is_by_modes(study)) {
-    const auto modes = measured_modes(study, work);  // likewise before minutes of solving
+    const auto modes = modes_of_files(study, work);  // likewise before minutes of solving
     auto before = stage::solved(stage::with_modes_for_diagnosis(study), work);
     return diagnosed_by_modes(study, modes, std::move(before), work, solve_extended);
   }
@@ -386,7 +394,7 @@ Diagnosed diagnosed(const study::Study& study, stage::Work& work) {
 
 Diagnosed diagnosed(const study::Study& study, stage::Solution before, stage::Work& work) {
   if (is_by_modes(study)) {
-    return diagnosed_by_modes(study, measured_modes(study, work), std::move(before), work,
+    return diagnosed_by_modes(study, modes_of_files(study, work), std::move(before), work,
                               solve_in_full);
   }
   return diagnosed(study, measured_frfs(study, work), std::move(before), work, solve_in_full);

@@ -27,7 +27,9 @@ struct Diagnosed {
   diagnosis::Structure structure;
   diagnosis::Comparison comparison;
   diagnosis::Diagnosis result;
-  std::optional<diagnosis::MeasuredModes> modes;  ///< of the study's file, instead of responses
+  std::optional<diagnosis::MeasuredModes> modes;      ///< of the study's file, instead of responses
+  std::optional<diagnosis::MeasuredModes> reference;  ///< modes before, if the study names a file
+  std::string reference_file;                         ///< its name, without the folder
   /// Diagnosis of the modes of the responses, if these are not explained to the noise. If it names
   /// causes, `result` has its verdict, causes, rivals and levels.
   std::optional<diagnosis::Diagnosis> by_modes;

@@ -1,6 +1,8 @@
 // Measured modes of a study's file, on its channels.
 #pragma once
 
+#include <optional>
+
 #include "diagnosis/measured_modes.h"
 #include "stage/work.h"
 #include "study/study.h"
@@ -19,6 +21,11 @@ namespace chladni::steps {
 /// @throws InvalidInput  no file is named; there is no such file; its kind is not known; no mode is
 ///                       left; shapes at no channel of the study. The message names the file
 [[nodiscard]] diagnosis::MeasuredModes measured_modes(const study::Study& study, stage::Work& work);
+
+/// The modes in `[measurement] reference`, read likewise; none if it names no file.
+/// @throws InvalidInput  as measured_modes; no channel or no mode in common with `later`
+[[nodiscard]] std::optional<diagnosis::MeasuredModes> reference_modes(
+    const study::Study& study, const diagnosis::MeasuredModes& later, stage::Work& work);
 
 /// The modes up to `highest_hz`, where the modes of the simulation end. A note tells of others.
 /// @throws InvalidInput  there is none

@@ -75,7 +75,7 @@ std::vector<NamedFile> named_files(const Study& study, bool measured) {
   if (!measured) return files;
   if (study.measurement) {
     const auto& plan = *study.measurement;
-    for (const auto& file : {plan.frf, plan.time, plan.shapes, plan.modes_file})
+    for (const auto& file : {plan.frf, plan.time, plan.shapes, plan.modes_file, plan.reference})
       add(files, study, file);
     add_truth(files, study, plan.truth);
   }

@@ -142,6 +142,7 @@ struct MeasurementPlan {
   double noise = 0.01;  ///< of a shape's value over its root mean square, if none is stated
   int modes = 0;  ///< flexible modes of `truth` that are measured; 0: those in view, at most 12
   std::filesystem::path modes_file;   ///< measured modes, for a diagnosis; or empty
+  std::filesystem::path reference;    ///< modes measured before something changed; or empty
   std::vector<std::string> hold_out;  ///< names of channels that are held out of every fit
   std::string source;  ///< where to get files that do not come with the study; or empty
 };

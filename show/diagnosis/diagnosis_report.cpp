@@ -131,6 +131,9 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
   }
   section.blocks.emplace_back(
       io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
+  if (auto line = reference_line(one.result, one.reference_file); !line.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(std::move(line))});
+  }
   add_levels(section, one.result);
   if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
   if (!one.result.constants.empty()) {

@@ -209,8 +209,10 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
     case diagnosis::Verdict::no_discrepancy:
       if (is_of_modes && !result.constants.empty()) {
         return "Beyond constants that were not known, which are calibrated, the measured modes "
-               "give "
-               "no reason to change the simulation.";
+               "give no reason to change the simulation.";
+      }
+      if (has_reference(result)) {
+        return "Nothing changed since the reference, beyond what two measurements differ by.";
       }
       if (is_of_modes) return "The measured modes give no reason to change the simulation.";
       return "The simulation agrees with what was measured, within noise and tolerances.";
@@ -258,6 +260,9 @@ std::string diagnosis_table(const steps::Diagnosed& one) {
       fmt::format("verdict: {}\n{}\n{}{}\n{}", diagnosis::name(result.verdict), verdict_text(one),
                   levels, levels.empty() ? "" : "\n", causes_text(result, steps::is_of_modes(one)));
   text += constants_text(result);
+  if (const auto line = reference_line(result, one.reference_file); !line.empty()) {
+    text += line + "\n";
+  }
   if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
   for (const auto& note : result.notes) text += "note: " + note + "\n";
   if (!one.modes) text += gain_text(one.gain);
@@ -291,6 +296,7 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"detectable", detectable_json(one.detectable)},
                       {"levels", levels_json(result)},
                       {"modes", modes_told_json(result.modes)},
+                      {"reference", one.reference_file},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};
   if (!result.constants.empty()) json.emplace_back("constants", constants_json(result));

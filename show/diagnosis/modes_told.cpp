@@ -21,15 +21,29 @@ std::string deviation(double hz, double measured_hz) {
   return fmt::format("{:+.2f}", 100.0 * (hz / measured_hz - 1.0));
 }
 
+bool in_both(const ModeTold& mode) { return std::isfinite(mode.reference_hz); }
+
 std::string mac(double value) { return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-"; }
 
 }  // namespace
 
+bool has_reference(const diagnosis::Diagnosis& result) {
+  return std::ranges::any_of(result.modes, in_both);
+}
+
+std::string reference_line(const diagnosis::Diagnosis& result, const std::string& file) {
+  if (!has_reference(result)) return "";
+  return fmt::format("compared with {}: {} of {} modes are in both", file,
+                     std::ranges::count_if(result.modes, in_both), result.modes.size());
+}
+
 std::string levels_sentence(const diagnosis::Diagnosis& result) {
   std::string text;
+  const std::string first =
+      has_reference(result) ? "Before and after, {} agree to" : "The model's {} are good to";
+  const std::string next = has_reference(result) ? ", {} to" : ", its {} to";
   for (const auto& [what, level] : steps::told_levels(result.levels_after)) {
-    text += text.empty() ? fmt::format("The model's {} are good to", what)
-                         : fmt::format(", its {} to", what);
+    text += fmt::format(fmt::runtime(text.empty() ? first : next), what);
     text += " " + level;
   }
   if (text.empty()) return text;
@@ -90,6 +104,7 @@ io::JsonArray modes_told_json(const std::vector<ModeTold>& modes) {
     array.emplace_back(io::JsonObject{{"measured_hz", one.measured_hz},
                                       {"before_hz", one.before_hz},
                                       {"after_hz", one.after_hz},
+                                      {"reference_hz", one.reference_hz},
                                       {"mac_before", one.mac_before},
                                       {"mac_after", one.mac_after}});
   }

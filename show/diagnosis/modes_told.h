@@ -22,6 +22,12 @@ namespace chladni::show {
   return !result.best.causes.empty() || !result.constants.empty();
 }
 
+/// True if measured modes were compared with those of a reference.
+[[nodiscard]] bool has_reference(const diagnosis::Diagnosis& result);
+/// "compared with before.csv: 12 of 13 modes are in both". Empty: there is no reference.
+[[nodiscard]] std::string reference_line(const diagnosis::Diagnosis& result,
+                                         const std::string& file);
+
 /// Measured modes beside those before and after, as text; empty: none are told.
 [[nodiscard]] std::string modes_told_text(const std::vector<diagnosis::ModeTold>& modes,
                                           bool has_causes);

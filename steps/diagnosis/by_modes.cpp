@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "stage/diagnosis_structure.h"
+#include "steps/measured_modes.h"
 
 namespace chladni::steps {
 namespace {
@@ -164,6 +165,12 @@ std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
   }
   all.insert(all.end(), causes.begin(), causes.end());
   return all;
+}
+
+ModesOfFiles modes_of_files(const study::Study& study, stage::Work& work) {
+  ModesOfFiles files{measured_modes(study, work), {}};
+  files.reference = reference_modes(study, files.modes, work);
+  return files;
 }
 
 void drop_mac_without_shapes(Diagnosed& one) {

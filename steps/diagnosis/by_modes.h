@@ -35,6 +35,14 @@ void believe_what_pays(Diagnosed& one);
 /// `unexplained`.
 [[nodiscard]] std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one);
 
+/// Measured modes of a study's file, and those of its reference.
+struct ModesOfFiles {
+  diagnosis::MeasuredModes modes;
+  std::optional<diagnosis::MeasuredModes> reference;
+};
+/// @throws InvalidInput  as measured_modes and reference_modes
+[[nodiscard]] ModesOfFiles modes_of_files(const study::Study& study, stage::Work& work);
+
 /// Frequencies alone have no MAC.
 void drop_mac_without_shapes(Diagnosed& one);
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "diagnosis/diagnosed_modes.h"
 #include "io/scan.h"
 #include "steps/measured/modes_of_files.h"
 
@@ -129,6 +130,22 @@ MeasuredModes measured_modes(const study::Study& study, stage::Work& work) {
   state_noise(modes.output_shapes, plan.noise, modes.output_std);
   state_noise(modes.input_shapes, plan.noise, modes.input_std);
   diagnosis::check(modes);
+  return modes;
+}
+
+std::optional<MeasuredModes> reference_modes(const study::Study& study, const MeasuredModes& later,
+                                             stage::Work& work) {
+  const auto& file = study.measurement->reference;
+  if (file.empty()) return std::nullopt;
+  auto earlier = study;
+  earlier.measurement->modes_file = file;
+  auto modes = measured_modes(earlier, work);
+  try {
+    diagnosis::check_reference(later, modes);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(fmt::format("{} and {}: {}", file.string(),
+                                   study.measurement->modes_file.string(), e.what()));
+  }
   return modes;
 }
 

@@ -119,6 +119,8 @@ const Schema<MeasurementPlan>& measurement_schema() {
                     return plan.modes_file.empty() ? io::Json(plan.modes)
                                                    : io::Json(plan.modes_file.filename().string());
                   }),
+       data_file("reference", &P::reference,
+                 "modes measured before something changed; a cause is what only `modes` need"),
        special<P>({"hold_out", "channels of the study", "none",
                    "channels that no fit may see; what is predicted there is scored"},
                   "hold_out", [](const P& plan) { return io::Json::texts(plan.hold_out); }),

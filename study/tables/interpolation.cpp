@@ -39,10 +39,23 @@ void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& 
   }
 }
 
+// Modes measured before those of `modes`.
+void read_reference(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan) {
+  const TomlNode* node = table.find("reference");
+  if (node == nullptr) return;
+  plan.reference = read_path(table, folder, "reference", source_text(plan));
+  if (plan.modes_file.empty()) {
+    table.wrong(*node,
+                "measurement has a reference without modes; expected the modes measured later, "
+                "modes = \"after.csv\"");
+  }
+}
+
 void list_files(TableReader& table, const MeasurementPlan& plan, Study& study) {
   for (const auto& [key, path] :
        {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
-        std::pair("truth", plan.truth), std::pair("modes", plan.modes_file)}) {
+        std::pair("truth", plan.truth), std::pair("modes", plan.modes_file),
+        std::pair("reference", plan.reference)}) {
     if (path.empty()) continue;
     const TomlNode& node = *table.find(key);
     study.files.push_back({table.name(key), path, node.line, node.column});
@@ -74,6 +87,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
   plan.truth = read_path(*table, folder, "truth");
   read_modes(*table, folder, plan);
+  read_reference(*table, folder, plan);
   list_files(*table, plan, study);
   require_data(*table);
   if (table->has("shapes") && table->has("truth")) {

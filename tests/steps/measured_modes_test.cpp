@@ -98,12 +98,13 @@ class MeasuredModes : public testing::Test {
   }
 
   // A table of the first modes of another plate at the channels, with errors as a test has them.
-  void write_modes(const study::Study& real, int count, bool with_shapes) const {
+  void write_modes(const study::Study& real, int count, bool with_shapes,
+                   const std::string& name = "modes.csv", unsigned seed = 3) const {
     stage::Work work;
     const auto solution = stage::solved(real, work);
     const auto rigid = solution.modes.rigid_count;
     io::ShapeTable table;
-    std::mt19937 dice(3);
+    std::mt19937 dice(seed);
     std::normal_distribution<double> normal;
     table.frequency_hz = solution.modes.frequency_hz.segment(rigid, count);
     for (double& hz : table.frequency_hz) hz *= 1.0 + 1e-3 * normal(dice);
@@ -120,7 +121,7 @@ class MeasuredModes : public testing::Test {
       table.values.resize(0, count);
     }
     table.deviation.setZero(table.values.rows(), count);
-    io::write_shapes(folder_.path() / "modes.csv", table);
+    io::write_shapes(folder_.path() / name, table);
   }
 
   steps::Diagnosed diagnosed_of(const study::Study& study) {
@@ -280,6 +281,42 @@ TEST_F(MeasuredModes, CalibrateAConstantThatIsNotKnown) {
     EXPECT_NEAR(mode.after_hz, mode.measured_hz, 0.01 * mode.measured_hz) << shown_;
     EXPECT_LT(mode.before_hz, 0.97 * mode.measured_hz) << shown_;
   }
+}
+
+// The study is 10 % too stiff, before and after.
+TEST_F(MeasuredModes, NameWhatChangedSinceTheReference) {
+  const std::string both = "after.csv\", reference = \"before.csv";
+  write_modes(study_of("after.csv", kMass, "189"), 8, true, "after.csv", 4);
+  write_modes(study_of("before.csv", "", "189"), 8, true, "before.csv", 5);
+  const auto one = diagnosed_of(study_of(both));
+  EXPECT_EQ(one.result.verdict, Verdict::named) << shown_;
+  ASSERT_EQ(one.result.best.causes.size(), 1U) << shown_;
+  EXPECT_EQ(one.result.best.causes.front().effect, "point_mass") << shown_;
+  EXPECT_TRUE(one.extended && !one.after) << shown_;
+  EXPECT_TRUE(says(shown_, "compared with before.csv: 8 of 8 modes are in both")) << shown_;
+  EXPECT_TRUE(says(shown_, "Before and after, frequencies agree to")) << shown_;
+  const auto json = left();
+  EXPECT_EQ(json.at("reference").string(), "before.csv");
+  EXPECT_GT(json.at("modes").array().front().at("reference_hz").number(), 0.0);
+}
+
+TEST_F(MeasuredModes, AreRefusedBesideAnotherReference) {
+  write("after.csv", "frequency_hz,s1,s2\n100,1,2\n");
+  write("others.csv", "frequency_hz,s3,s4\n100,1,2\n");
+  write("far.csv", "frequency_hz,s1,s2\n900,1,2\n");
+  const auto refused = [&](const std::string& file) -> std::string {
+    stage::Work work;
+    const auto study = study_of("after.csv\", reference = \"" + file);
+    try {
+      static_cast<void>(reference_modes(study, measured_modes(study, work), work));
+    } catch (const InvalidInput& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_PRED2(says, refused("others.csv"), "no sensor in common");
+  EXPECT_PRED2(says, refused("far.csv"), "no mode in common");
+  EXPECT_PRED2(says, refused("none.csv"), "none.csv: there is no such file");
 }
 
 TEST_F(MeasuredModes, OfTheStudyItselfAskForNothing) {

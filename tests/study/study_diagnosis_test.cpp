@@ -224,6 +224,15 @@ TEST(StudyMeasurement, HasModesInAFileOrANumberOfThoseOfTheTruth) {
   EXPECT_TRUE(counted.measurement->modes_file.empty());
 }
 
+TEST(StudyMeasurement, HasAReferenceBesideModesOnly) {
+  const auto study = parsed("[measurement]\nmodes = \"after.csv\"\nreference = \"before.csv\"\n");
+  EXPECT_EQ(study.measurement->reference.filename(), "before.csv");
+  ASSERT_EQ(study.files.size(), 2U);
+  EXPECT_EQ(study.files.back().key, "measurement.reference");
+  const auto alone = refusal("[measurement]\nreference = \"before.csv\"\n");
+  EXPECT_NE(alone.find("a reference without modes"), std::string::npos) << alone;
+}
+
 TEST(StudyMeasurement, RefusesModesOfAFileBesideResponsesAndANumberAlone) {
   const auto both = refusal("[measurement]\nmodes = \"modes.csv\"\nfrf = \"measured.uff\"\n");
   EXPECT_NE(both.find("modes in a file and frf"), std::string::npos) << both;
