@@ -1,6 +1,7 @@
 // real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
 //   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
-//   [--shape-error X] [--severity X] [--unscaled] [--truth]
+//   [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X]
+//   [--unscaled] [--reference] [--truth]
 #include <fmt/format.h>
 
 #include <chrono>
@@ -22,7 +23,8 @@ namespace {
 constexpr const char* kHelp =
     R"(real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
-  [--shape-error X] [--severity X] [--unscaled] [--truth]
+  [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X] [--unscaled]
+  [--reference] [--truth]
 
 Hides effects in measurements of real rigs, which deviate from every model by what is not announced,
 and diagnoses them from the structure that the program makes of a study (tetrahedra). Two kinds
@@ -35,6 +37,8 @@ is false), its probability, error of the place, error of the sizes in stated dev
 (log10 of the ln evidence of an ideal judge), seconds. Then totals by kind, and how many statements
 of each probability are true.
 
+--mass: of a point mass, over that of the body.
+--reference: the modes are compared with those of the same rig, measured before anything was hidden.
 --truth: no diagnosis; what is hidden, and how clear it is.
 )";
 
@@ -45,11 +49,18 @@ const hidden_effects::Shipped& structure_of(const simulators::RealBody& body, do
   return kept.emplace(body.rig.name, hidden_effects::shipped(body.rig, edge)).first->second;
 }
 
-diagnosis::Diagnosis told_of(const simulators::RealRigCase& rig, const RealArguments& wanted) {
-  const auto& [structure, options] = structure_of(rig.body, wanted.edge_length);
-  if (!wanted.modes) return diagnosis::diagnosed(structure, rig.measured, options);
+diagnosis::Diagnosis told_of(const RealTrial& trial, const simulators::RealRigCase& rig,
+                             const RealArguments& wanted) {
+  const auto& [structure, diagnosis_options] = structure_of(rig.body, wanted.edge_length);
+  if (!wanted.modes) return diagnosis::diagnosed(structure, rig.measured, diagnosis_options);
 #ifdef CHLADNI_HAS_MODES
-  return diagnosis::diagnosed(structure, rig.modes, options);
+  if (wanted.reference) {
+    auto options = wanted.options;
+    options.repetition = 1;
+    const auto before = simulators::real_rig_case(trial.body, "none", trial.seed, options);
+    return diagnosis::diagnosed(structure, rig.modes, before.modes, diagnosis_options);
+  }
+  return diagnosis::diagnosed(structure, rig.modes, diagnosis_options);
 #else
   throw InvalidInput("this build has no diagnosis of modes");
 #endif
@@ -65,7 +76,7 @@ RealDone done(const RealTrial& trial, const RealArguments& wanted) {
   static_cast<void>(structure_of(rig.body, wanted.edge_length));  // its time is not the diagnosis's
   const auto start = std::chrono::steady_clock::now();
   try {
-    one.score = simulators::scored(rig, told_of(rig, wanted));
+    one.score = simulators::scored(rig, told_of(trial, rig, wanted));
   } catch (const std::exception& error) {
     one.failure = error.what();
   }

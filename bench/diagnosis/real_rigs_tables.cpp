@@ -50,7 +50,10 @@ std::map<std::string, std::function<void(const std::string&)>> words(RealArgumen
           {"--nature", number(all.options.nature)},
           {"--frequency-error", number(all.options.frequency_error)},
           {"--shape-error", number(all.options.shape_error)},
-          {"--severity", number(all.options.severity)}};
+          {"--severity", number(all.options.severity)},
+          {"--frequency-noise", number(all.options.frequency_noise)},
+          {"--shape-noise", number(all.options.shape_noise)},
+          {"--mass", number(all.options.mass)}};
 }
 
 // The kinds of a word; for "pairs" another for each seed.
@@ -148,6 +151,10 @@ RealArguments real_arguments(int count, char** values) {
     const std::string word = values[i];
     if (word == "--truth") {
       all.truth = true;
+      continue;
+    }
+    if (word == "--reference") {
+      all.reference = all.options.errors_of_body = true;
       continue;
     }
     if (word == "--unscaled") {

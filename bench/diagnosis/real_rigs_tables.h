@@ -14,6 +14,7 @@ struct RealArguments {
   unsigned first = 1, last = 2;  ///< seeds
   bool modes = true;             ///< else responses
   bool truth = false;            ///< without a diagnosis
+  bool reference = false;        ///< beside the modes of the rig with nothing hidden
   double edge_length = 0.0;      ///< of the mesh [m]; 0: left to the program
   simulators::RealRigOptions options;
 };
