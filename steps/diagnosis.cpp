@@ -301,24 +301,30 @@ stage::Solution solve_in_full(const study::Study& extended, stage::Work& work) {
   return stage::solved(extended, work);
 }
 
+// Makes the structure, notes the faces on which causes are sought, and returns the options.
+diagnosis::DiagnosisOptions prepare(const study::Study& study, double band_hz, Diagnosed& one,
+                                    stage::Work& work) {
+  for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
+    work.note(note);
+  }
+  one.structure =
+      work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
+  auto options = options_of(plan_of(study), work);
+  one.least_evidence = options.least_evidence;
+  options.constants = constants_of(study, one.structure.surface);
+  return options;
+}
+
 Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Solution before,
                     stage::Work& work, const SolveStudy& solve_extended) {
   const auto plan = plan_of(study);
   Diagnosed one;
-  one.least_evidence = plan.least_evidence;
   one.before = std::move(before);
-  const stage::Solution& solution = one.before;
-  const double highest_hz = 0.9 * solution.modes.frequency_hz.tail(1)(0);
+  const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
   one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
   one.seen = seen_of(one.measured, plan);
   const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
-  for (const auto& note : stage::diagnosed_faces(study, solution.model.body).notes) {
-    work.note(note);
-  }
-  one.structure =
-      work.timed("structure", [&] { return stage::structure_of(study, solution, band_hz); });
-  auto options = options_of(plan, work);
-  options.constants = constants_of(study, one.structure.surface);
+  auto options = prepare(study, band_hz, one, work);
   bool scaled = true;
   const auto fit = work.timed("comparison", [&] {
     auto found = compare(one, work);
@@ -341,24 +347,15 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
 Diagnosed diagnosed_by_modes(const study::Study& study, const ModesOfFiles& files,
                              stage::Solution before, stage::Work& work,
                              const SolveStudy& solve_extended) {
-  const auto plan = plan_of(study);
   Diagnosed one;
-  one.least_evidence = plan.least_evidence;
   one.before = std::move(before);
-  const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
-  one.modes = modes_below(highest_hz, files.modes, study, work);
+  one.modes = modes_below(0.9 * one.before.modes.frequency_hz.tail(1)(0), files.modes, study, work);
   if (files.reference) {
     one.reference = files.reference;
     one.reference_file = study.measurement->reference.filename().string();
   }
   const double band_hz = one.modes->frequency_hz.tail(1)(0);
-  for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
-    work.note(note);
-  }
-  one.structure =
-      work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
-  auto options = options_of(plan, work);
-  options.constants = constants_of(study, one.structure.surface);
+  const auto options = prepare(study, band_hz, one, work);
   one.result = work.timed("diagnosis", [&] {
     if (one.reference) {
       return diagnosis::diagnosed(one.structure, *one.modes, *one.reference, options);
