@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 #include "dense/blas.h"
-#include "diagnosis/modes/labels.h"
+#include "diagnosis/modes/labels/labels.h"
 #include "diagnosis/modes/modes_search.h"
 #include "diagnosis/modes/modes_verdict.h"
-#include "diagnosis/modes/reference.h"
+#include "diagnosis/modes/reference/reference.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/calibration.h"
-#include "diagnosis/modes/coordinates.h"
+#include "diagnosis/modes/calibration/calibration.h"
+#include "diagnosis/modes/calibration/coordinates.h"
 
 namespace chladni::diagnosis {
 namespace {

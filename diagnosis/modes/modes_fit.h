@@ -8,8 +8,8 @@
 
 #include "diagnosis/constants.h"
 #include "diagnosis/effect.h"
-#include "diagnosis/modes/constants_held.h"
-#include "diagnosis/modes/mode_errors.h"
+#include "diagnosis/modes/calibration/constants_held.h"
+#include "diagnosis/modes/errors/mode_errors.h"
 
 namespace chladni::diagnosis {
 

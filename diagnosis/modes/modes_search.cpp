@@ -8,7 +8,7 @@
 #include "base/index.h"
 #include "base/parallel.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/calibration.h"
+#include "diagnosis/modes/calibration/calibration.h"
 
 namespace chladni::diagnosis {
 namespace {

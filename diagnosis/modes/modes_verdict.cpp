@@ -10,9 +10,9 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/calibration.h"
-#include "diagnosis/modes/next_measurement.h"
+#include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/partner.h"
+#include "diagnosis/modes/proposals/next_measurement.h"
 #include "diagnosis/verdict/cause_of.h"
 
 namespace chladni::diagnosis {

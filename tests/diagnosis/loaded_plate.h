@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "diagnosis/effect.h"
-#include "diagnosis/modes/mode_errors.h"
+#include "diagnosis/modes/errors/mode_errors.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/portable_random.h"
 

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/labels.h"
+#include "diagnosis/modes/labels/labels.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/labelled_rig.h"
-#include "diagnosis/modes/label_orders.h"
+#include "diagnosis/modes/labels/label_orders.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/index.h"
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {

@@ -9,7 +9,7 @@
 
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
-#include "diagnosis/modes/next_measurement.h"
+#include "diagnosis/modes/proposals/next_measurement.h"
 #include "simulators/portable_random.h"
 #include "small_plate.h"
 

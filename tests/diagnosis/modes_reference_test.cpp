@@ -1,5 +1,5 @@
 // Measured modes against a reference: what the model errs by in both is no cause.
-#include "diagnosis/modes/reference.h"
+#include "diagnosis/modes/reference/reference.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "diagnosis/modes/constants_held.h"
+#include "diagnosis/modes/calibration/constants_held.h"
 
 namespace chladni::diagnosis {
 

@@ -9,7 +9,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/calibration.h"
+#include "diagnosis/modes/calibration/calibration.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/partner.h"
-#include "diagnosis/modes/reference.h"
+#include "diagnosis/modes/reference/reference.h"
 #include "modal/pairing.h"
 
 namespace chladni::diagnosis {

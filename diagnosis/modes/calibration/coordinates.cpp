@@ -1,4 +1,4 @@
-#include "diagnosis/modes/coordinates.h"
+#include "diagnosis/modes/calibration/coordinates.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/model_errors.h"
+#include "diagnosis/modes/errors/model_errors.h"
 #include "diagnosis/constants.h"
 
 #include <Eigen/Cholesky>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "diagnosis/fit/deviations.h"
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
 
 namespace chladni::diagnosis {
 

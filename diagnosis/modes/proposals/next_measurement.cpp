@@ -1,4 +1,4 @@
-#include "diagnosis/modes/next_measurement.h"
+#include "diagnosis/modes/proposals/next_measurement.h"
 
 #include <algorithm>
 #include <array>

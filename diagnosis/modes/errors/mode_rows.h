@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
 
 namespace chladni::diagnosis {
 

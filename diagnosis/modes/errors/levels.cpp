@@ -1,4 +1,4 @@
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diagnosis/measured_modes.h"
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/tolerances.h"
 

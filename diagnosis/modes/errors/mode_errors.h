@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "diagnosis/measured_modes.h"
-#include "diagnosis/modes/levels.h"
+#include "diagnosis/modes/errors/levels.h"
+#include "diagnosis/modes/errors/model_errors.h"
 #include "diagnosis/modes/matching.h"
-#include "diagnosis/modes/model_errors.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/modes/recorded_modes.h"
 

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/reference.h"
+#include "diagnosis/modes/reference/reference.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/constants_held.h"
+#include "diagnosis/modes/calibration/constants_held.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "diagnosis/modes/outlook.h"
+#include "diagnosis/modes/proposals/outlook.h"
 #include "diagnosis/proposal.h"
 
 namespace chladni::diagnosis {

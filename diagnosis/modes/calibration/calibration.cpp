@@ -1,4 +1,4 @@
-#include "diagnosis/modes/calibration.h"
+#include "diagnosis/modes/calibration/calibration.h"
 
 #include <algorithm>
 #include <cmath>

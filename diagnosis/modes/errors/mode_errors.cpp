@@ -1,4 +1,4 @@
-#include "diagnosis/modes/mode_errors.h"
+#include "diagnosis/modes/errors/mode_errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/mode_rows.h"
+#include "diagnosis/modes/errors/mode_rows.h"
 #include "diagnosis/modes/partner.h"
 
 namespace chladni::diagnosis {

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/outlook.h"
+#include "diagnosis/modes/proposals/outlook.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "base/decompositions.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/coordinates.h"
+#include "diagnosis/modes/calibration/coordinates.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/labels.h"
+#include "diagnosis/modes/labels/labels.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/index.h"
-#include "diagnosis/modes/label_orders.h"
+#include "diagnosis/modes/labels/label_orders.h"
 #include "diagnosis/modes/modes_fit.h"
 #include "diagnosis/modes/modes_search.h"
 #include "diagnosis/modes/modes_verdict.h"

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/label_orders.h"
+#include "diagnosis/modes/labels/label_orders.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
