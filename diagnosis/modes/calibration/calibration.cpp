@@ -1,5 +1,6 @@
 #include "diagnosis/modes/calibration/calibration.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
