@@ -14,6 +14,7 @@
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/deviations.h"
+#include "diagnosis/readings/readings.h"
 #include "diagnosis/search/elsewhere.h"
 #include "diagnosis/search/hints.h"
 #include "diagnosis/search/overlap.h"
@@ -280,8 +281,9 @@ void put_settled_first(const Level& level, Found& found) {
   found.fits.insert(found.fits.begin(), std::move(best));
 }
 
-// Adds one cause after the other to the beam, until one more brings too little.
-void grow(Level level, std::vector<Fit> beam, Found& found) {
+// Adds one cause after the other to the beam, until one more brings too little. A fit of one cause
+// that `also` is given competes with those found with the first.
+void grow(Level level, std::vector<Fit> beam, Found& found, std::optional<Fit> also = {}) {
   const auto& limits = level.limits;
   for (; level.number <= limits.most_causes; ++level.number) {
     const double best_before = found.fits.front().log_evidence;
@@ -289,6 +291,7 @@ void grow(Level level, std::vector<Fit> beam, Found& found) {
     level.down_to_noise = level.number > 1 && left < kConstants.noise_excess;
     if (level.down_to_noise) beam.resize(1);
     auto grown = level_up(level, beam);
+    if (also) keep_if_new(level.problem.structure, grown, *std::exchange(also, std::nullopt));
     for (const auto& fit : grown) keep(found.fits, fit);
     if (grown.empty() || grown.front().log_evidence < best_before + limits.least_evidence) break;
     const bool sure = is_sure(level.problem, limits, found.nothing, beam.front(), grown.front());
@@ -335,6 +338,28 @@ std::vector<Fit> with_free_gains(const Level& level) {
   return best;
 }
 
+// Grows explanations from the channels as they seem to be read (readings.h). Where that is one
+// cause at most, or leaves much, also from nothing.
+void grow_from_readings(const Level& level, Found& found) {
+  const Fit nothing = found.nothing;
+  auto read =
+      fitted_with_readings(level.problem, level.catalogue, nothing, level.limits.least_evidence);
+  if (!read || read->causes.size() < 2) {
+    grow(level, {nothing}, found, std::move(read));
+    return;
+  }
+  keep(found.fits, *read);
+  grow(level, {*std::move(read)}, found);
+  const double left = found.fits.front().excess(numbers(level.problem));
+  const double before = nothing.excess(numbers(level.problem));
+  if (left < kConstants.large_excess || left < kConstants.left_at_most * before) return;
+  Found otherwise{nothing, {nothing}};
+  grow(level, {nothing}, otherwise);
+  for (auto& fit : otherwise.fits) {
+    keep_if_new(level.problem.structure, found.fits, std::move(fit));
+  }
+}
+
 // Fits the tolerances alone also from the tolerances of the best fit, as its rivals were.
 void fit_nothing_again(const Problem& problem, Found& found) {
   const Fit again = nothing_beside(problem, found.nothing, found.fits.front());
@@ -354,7 +379,7 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   tell(progress, "the simulation within its tolerances");
   found.nothing = fitted(problem, found.nothing, {.iterations = kConstants.nothing_iterations});
   found.fits = {found.nothing};
-  grow({problem, catalogue, limits, progress, 1}, {found.nothing}, found);
+  grow_from_readings({problem, catalogue, limits, progress, 1}, found);
   fit_nothing_again(problem, found);
   if (is_lost(problem, found.fits.front())) {
     const auto count = found.fits.front().causes.size();

@@ -59,6 +59,14 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed) {
   fits.insert(place, std::move(fit));
 }
 
+void keep_if_new(const Structure& structure, std::vector<Fit>& fits, Fit fit) {
+  const double enough = fit.log_evidence - kConstants.exchange_gain;
+  const bool there = std::ranges::any_of(fits, [&](const Fit& other) {
+    return alike(structure, other, fit) && other.log_evidence > enough;
+  });
+  if (!there) keep(fits, std::move(fit));
+}
+
 Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit) {
   if (fit.causes.empty()) return nothing;
   Fit start = nothing;

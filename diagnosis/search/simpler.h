@@ -11,6 +11,9 @@ namespace chladni::diagnosis {
 /// Inserts a fit into fits of descending evidence, after the first `fixed` ones.
 void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 
+/// Keeps a fit, unless one of the same causes is about as good (Constants::exchange_gain).
+void keep_if_new(const Structure& structure, std::vector<Fit>& fits, Fit fit);
+
 /// The better of two fits of the tolerances alone: `nothing`, and one that starts from the
 /// tolerances of a fit with causes.
 [[nodiscard]] Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit);
@@ -35,8 +38,8 @@ void keep(std::vector<Fit>& fits, Fit fit, std::ptrdiff_t fixed = 0);
 [[nodiscard]] Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
                          const SearchLimits& limits);
 
-/// Replaces each cause of the best fit by its simpler effects (Effect::simpler), if these push on the
-/// body about as the cause does. If both explain the data equally well, the simpler one is
+/// Replaces each cause of the best fit by its simpler effects (Effect::simpler), if these push on
+/// the body about as the cause does. If both explain the data equally well, the simpler one is
 /// preferred, but the search need not have tried it. The new fits enter after the best. A
 /// replacement stays if it costs less than `equal` of evidence or than its share (Simpler). Returns
 /// the best fit with all replacements.
