@@ -64,7 +64,7 @@ double BandPair::distance(double factor) const {
 
 double misfit_of(double distance, Index bands, const BandNumbers& numbers) {
   const double least = numbers.least_error * numbers.least_error;
-  return 0.5 * static_cast<double>(bands) * std::log(distance + least);
+  return static_cast<double>(bands) * std::log(distance + least);
 }
 
 }  // namespace chladni::diagnosis

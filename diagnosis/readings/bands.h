@@ -43,7 +43,7 @@ class BandPair {
   Eigen::ArrayXd measured_level_, model_level_;
 };
 
-/// ½ B ln(distance + least_error²): −ln of a density whose width is learned.
+/// B ln(distance + least_error²): −ln of the density of B complex errors whose size is learned.
 [[nodiscard]] double misfit_of(double distance, Eigen::Index bands,
                                const BandNumbers& numbers = {});
 

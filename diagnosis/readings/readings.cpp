@@ -192,6 +192,14 @@ Shifted found_at(double shift, const Problem& problem, const Bands& bands,
   return found;
 }
 
+std::optional<Fit> fitted_if_possible(const Problem& problem, const Fit& start) {
+  try {
+    return fitted(problem, start);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::vector<Supposed> readings(const Problem& problem,
@@ -202,7 +210,7 @@ std::vector<Supposed> readings(const Problem& problem,
   if (sets.empty()) return {};
   const Bands bands = bands_of(observed.omega, kBands);
   Shifted best = found_at(0.0, problem, bands, sets);
-  const double right = kBands.least_error;
+  const double right = kBands.least_error;  // mean square: four times as far as the usual error
   for (double shift = kChosen.shift_step; shift < kChosen.most_shift + 1e-9;
        shift += kChosen.shift_step) {
     for (const double sign : {1.0, -1.0}) {
@@ -222,13 +230,31 @@ std::optional<Fit> fitted_with_readings(const Problem& problem,
   start.causes = readings(problem, catalogue);
   if (start.causes.empty()) return std::nullopt;
   start.eta = VectorXd::Zero(nothing.eta.size());
-  try {
-    Fit fit = fitted(problem, start, {.iterations = kConstants.nothing_iterations});
-    if (fit.log_evidence < nothing.log_evidence + least_evidence) return std::nullopt;
-    return fit;
-  } catch (const NumericalFailure&) {
-    return std::nullopt;
+  auto fit = fitted_if_possible(problem, start);
+  if (fit && fit->log_evidence < nothing.log_evidence + least_evidence) return std::nullopt;
+  return fit;
+}
+
+std::optional<Fit> fitted_with_lost(const Problem& problem, const std::vector<Supposed>& read,
+                                    const Fit& best, double least_evidence) {
+  Fit start = best;
+  start.less.clear();
+  for (const auto& cause : read) {
+    const bool there = std::ranges::any_of(best.causes, [&](const Supposed& other) {
+      return other.effect == cause.effect && other.option == cause.option;
+    });
+    if (!there) start.causes.push_back(cause);
   }
+  if (start.causes.size() == best.causes.size()) return std::nullopt;
+  const double enough = best.evidence_at_best() + least_evidence;
+  std::optional<Fit> found;
+  for (const double part : {1.0, 0.0}) {  // tolerances of `best`, or at rest
+    start.eta = part * best.eta;
+    auto fit = fitted_if_possible(problem, start);
+    const bool better = fit && fit->log_evidence >= (found ? found->log_evidence : enough);
+    if (better) found = std::move(fit);
+  }
+  return found;
 }
 
 }  // namespace chladni::diagnosis

@@ -43,4 +43,11 @@ struct ReadingNumbers {
                                                       const std::vector<const Effect*>& catalogue,
                                                       const Fit& nothing, double least_evidence);
 
+/// The fit of `best` with those of the readings that it lacks, from its tolerances: a reading may
+/// have been lost because the fit with it had stopped in another minimum. None if that brings less
+/// than `least_evidence`.
+[[nodiscard]] std::optional<Fit> fitted_with_lost(const Problem& problem,
+                                                  const std::vector<Supposed>& read,
+                                                  const Fit& best, double least_evidence);
+
 }  // namespace chladni::diagnosis

@@ -304,12 +304,6 @@ void grow(Level level, std::vector<Fit> beam, Found& found, std::optional<Fit> a
   }
 }
 
-// True if the resonances are so wrong that a zero response would be almost as good. Then a cause
-// that makes the responses smaller seems to explain the data, and the real cause does not.
-bool is_lost(const Problem& problem, const Fit& fit) {
-  return fit.chi_square > kConstants.lost_power * problem.observed.power();
-}
-
 // Searches with any gain allowed in each channel, then fits without these gains. Returns the best
 // fit for each number of causes.
 std::vector<Fit> with_free_gains(const Level& level) {
@@ -339,25 +333,27 @@ std::vector<Fit> with_free_gains(const Level& level) {
 }
 
 // Grows explanations from the channels as they seem to be read (readings.h). Where that is one
-// cause at most, or leaves much, also from nothing.
-void grow_from_readings(const Level& level, Found& found) {
+// cause at most, or leaves much, also from nothing. Returns the readings.
+std::vector<Supposed> grow_from_readings(const Level& level, Found& found) {
   const Fit nothing = found.nothing;
   auto read =
       fitted_with_readings(level.problem, level.catalogue, nothing, level.limits.least_evidence);
-  if (!read || read->causes.size() < 2) {
+  const auto causes = read ? read->causes : std::vector<Supposed>{};
+  if (causes.size() < 2) {
     grow(level, {nothing}, found, std::move(read));
-    return;
+    return causes;
   }
   keep(found.fits, *read);
   grow(level, {*std::move(read)}, found);
   const double left = found.fits.front().excess(numbers(level.problem));
   const double before = nothing.excess(numbers(level.problem));
-  if (left < kConstants.large_excess || left < kConstants.left_at_most * before) return;
+  if (left < kConstants.large_excess || left < kConstants.left_at_most * before) return causes;
   Found otherwise{nothing, {nothing}};
   grow(level, {nothing}, otherwise);
   for (auto& fit : otherwise.fits) {
     keep_if_new(level.problem.structure, found.fits, std::move(fit));
   }
+  return causes;
 }
 
 // Fits the tolerances alone also from the tolerances of the best fit, as its rivals were.
@@ -379,9 +375,11 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   tell(progress, "the simulation within its tolerances");
   found.nothing = fitted(problem, found.nothing, {.iterations = kConstants.nothing_iterations});
   found.fits = {found.nothing};
-  grow_from_readings({problem, catalogue, limits, progress, 1}, found);
+  const auto read = grow_from_readings({problem, catalogue, limits, progress, 1}, found);
   fit_nothing_again(problem, found);
-  if (is_lost(problem, found.fits.front())) {
+  // Resonances may be so wrong that a zero response would be almost as good. Then a cause that
+  // makes the responses smaller seems to explain the data, and the real cause does not.
+  if (found.fits.front().chi_square > kConstants.lost_power * problem.observed.power()) {
     const auto count = found.fits.front().causes.size();
     for (auto& fit : with_free_gains({problem, catalogue, limits, progress, 1})) {
       keep(found.fits, std::move(fit));
@@ -394,6 +392,8 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   if (found.fits.front().causes.size() > 1) {
     put_settled_first({problem, catalogue, limits, progress, 1}, found);
   }
+  auto lost = fitted_with_lost(problem, read, found.fits.front(), limits.least_evidence);
+  if (lost) keep(found.fits, *std::move(lost));
   return found;
 }
 

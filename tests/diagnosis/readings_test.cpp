@@ -51,22 +51,26 @@ void spoil(modal::FrfSet& set, const Wrong& wrong, Index sensor, Index actuator 
   }
 }
 
+// The first channels only.
+modal::FrfSet part_of(modal::FrfSet set, Index outputs, Index inputs) {
+  set.outputs.resize(static_cast<std::size_t>(outputs));
+  set.inputs.resize(static_cast<std::size_t>(inputs));
+  for (auto& value : set.value) value = value.topLeftCorner(outputs, inputs).eval();
+  for (auto& variance : set.variance) variance = variance.topLeftCorner(outputs, inputs).eval();
+  return set;
+}
+
+// Four sensors, three actuators.
 modal::FrfSet measured(const std::vector<std::string>& kinds = {}, unsigned seed = 3) {
   simulators::HiddenOptions options;
   options.lines = 200;
   options.degree = 8;
   options.severity = 0.7;
   options.high_hz = 700.0;
-  return simulators::hidden_case(kinds, seed, options).measured;
+  return part_of(simulators::hidden_case(kinds, seed, options).measured, 4, 3);
 }
 
-modal::FrfSet one_response(modal::FrfSet set) {
-  set.outputs.resize(1);
-  set.inputs.resize(1);
-  for (auto& value : set.value) value = value.topLeftCorner(1, 1).eval();
-  for (auto& variance : set.variance) variance = variance.topLeftCorner(1, 1).eval();
-  return set;
-}
+modal::FrfSet one_response(const modal::FrfSet& set) { return part_of(set, 1, 1); }
 
 // A model that is off: 2 % in the frequency of each mode, 5 % in each shape.
 Structure off(unsigned seed) {
