@@ -48,7 +48,7 @@ void look_for_files(const study::Study& study, show::Run& run) {
   problems.throw_if_any();
 }
 
-void run(const study::Study& study, show::Run& run) {
+void run_check(const study::Study& study, show::Run& run) {
   auto introduction = stage::introduced(study, run);
   const auto& shell = introduction.outline.shell;
   const auto places = stage::places_of(study, shell);
@@ -72,7 +72,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command check_command{
     .name = "check",
     .summary = "the study resolved in SI, and an estimate of size, memory and time",
-    .run = run,
+    .run = run_check,
 };
 
 }  // namespace chladni::app

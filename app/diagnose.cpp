@@ -6,7 +6,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_diagnose(const study::Study& study, show::Run& run) {
   const steps::Diagnosed result = steps::diagnosed(study, run);
   run.show(show::diagnosis_table(result));
   show::leave_diagnosis(study, result, run, true);
@@ -17,7 +17,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command diagnose_command{
     .name = "diagnose",
     .summary = "what the simulation gets wrong, its cause, the extended study, the gain",
-    .run = run,
+    .run = run_diagnose,
 };
 
 }  // namespace chladni::app

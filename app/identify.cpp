@@ -6,7 +6,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_identify(const study::Study& study, show::Run& run) {
   const steps::IdentifiedModel model = steps::identified(study, nullptr, run);
   run.show(show::identification_table(model));
   show::leave_identification(study, model, run, true);
@@ -18,7 +18,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command identify_command{
     .name = "identify",
     .summary = "a modal model with uncertainties from measured responses",
-    .run = run,
+    .run = run_identify,
 };
 
 }  // namespace chladni::app

@@ -18,7 +18,7 @@ void require_there(const study::MeasurementPlan& plan) {
   }
 }
 
-void run(const study::Study& study, show::Run& run) {
+void run_interpolate(const study::Study& study, show::Run& run) {
   require(study.measurement && steps::has_shapes(*study.measurement),  // before minutes of solving
           study.file.string() +
               ": nothing is measured; expected [measurement] with frf, time, shapes "
@@ -37,7 +37,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command interpolate_command{
     .name = "interpolate",
     .summary = "mode shapes at any point with their uncertainty, from a few measured ones",
-    .run = run,
+    .run = run_interpolate,
 };
 
 }  // namespace chladni::app

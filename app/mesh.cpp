@@ -6,7 +6,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_mesh(const study::Study& study, show::Run& run) {
   const stage::Outline outline = stage::introduced(study, run).outline;
   const auto body =
       run.timed("mesh", [&] { return stage::body_of(study, outline, run.progress()); });
@@ -20,7 +20,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command mesh_command{
     .name = "mesh",
     .summary = "surface checks and repair, tetrahedra and their quality",
-    .run = run,
+    .run = run_mesh,
 };
 
 }  // namespace chladni::app

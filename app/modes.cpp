@@ -5,7 +5,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_modes(const study::Study& study, show::Run& run) {
   const stage::Solution solution = stage::solved(study, run);
   run.show(show::modes_table(solution));
   show::leave_modes(study, solution, run);
@@ -16,7 +16,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command modes_command{
     .name = "modes",
     .summary = "natural frequencies and mode shapes of the body",
-    .run = run,
+    .run = run_modes,
 };
 
 }  // namespace chladni::app

@@ -6,7 +6,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_place(const study::Study& study, show::Run& run) {
   const stage::Solution solution = stage::solved(study, run);
   const steps::Placed result = steps::placed(study, solution, run);
   run.show(show::placement_table(solution, result));
@@ -18,7 +18,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command place_command{
     .name = "place",
     .summary = "where the collocated pair belongs; layouts scored and chosen",
-    .run = run,
+    .run = run_place,
 };
 
 }  // namespace chladni::app

@@ -6,7 +6,7 @@
 namespace chladni::app {
 namespace {
 
-void run(const study::Study& study, show::Run& run) {
+void run_priors(const study::Study& study, show::Run& run) {
   const stage::Solution solution = stage::solved(study, run);
   const steps::LearnedPriors result = steps::learned_priors(study, solution, run);
   for (const auto& note : result.notes) run.note(note);
@@ -19,7 +19,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command priors_command{
     .name = "priors",
     .summary = "what the simulated modes teach of length scales, amplitudes and noise",
-    .run = run,
+    .run = run_priors,
 };
 
 }  // namespace chladni::app

@@ -103,7 +103,7 @@ std::string told(const study::Study& study, const steps::Bench& bench,
   return text + "left in " + file.string() + "\n";
 }
 
-void run(const study::Study& study, show::Run& run) {
+void run_simulate(const study::Study& study, show::Run& run) {
   const auto file = target_of(study, run);
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
@@ -126,7 +126,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command simulate_command{
     .name = "simulate",
     .summary = "a virtual experiment: responses as a laboratory would measure them",
-    .run = run,
+    .run = run_simulate,
 };
 
 }  // namespace chladni::app

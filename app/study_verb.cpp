@@ -34,7 +34,7 @@ stage::TwoSolutions solved(const study::Study& study, bool diagnosed, stage::Wor
   return {.own = stage::solved(study, work), .with_more = {}};
 }
 
-void run(const study::Study& study, show::Run& run) {
+void run_study(const study::Study& study, show::Run& run) {
   const bool measured = study.measurement && is_there(*study.measurement, run);
   auto [solution, with_more] = solved(study, measured && study.diagnosis, run);
   run.show(show::modes_table(solution));
@@ -74,7 +74,7 @@ void run(const study::Study& study, show::Run& run) {
 constinit const Command study_command{
     .name = "study",
     .summary = "every step for which the study has the data, then the report",
-    .run = run,
+    .run = run_study,
 };
 
 }  // namespace chladni::app

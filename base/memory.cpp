@@ -17,7 +17,7 @@ namespace {
 constexpr auto kUnknown = kUnlimited;
 
 // The number in a file that holds one; `kUnknown` for "max" or no file.
-std::size_t number_in(const char* file) {
+std::size_t pages_in(const char* file) {
   std::ifstream in(file);
   std::size_t value = kUnknown;
   return in >> value ? value : kUnknown;
@@ -37,7 +37,7 @@ std::size_t kernel_available() {
 std::size_t left_in_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnknown;
-  const auto pages = number_in("/proc/self/statm");
+  const auto pages = pages_in("/proc/self/statm");
   if (pages == kUnknown) return kUnknown;
   const std::size_t used = pages * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
   return limit.rlim_cur > used ? limit.rlim_cur - used : 0;

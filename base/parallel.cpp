@@ -22,7 +22,7 @@
 namespace chladni {
 namespace {
 
-int number_in(const std::string& file) {
+int topology_number(const std::string& file) {
   std::ifstream in(file);
   int number = -1;
   in >> number;
@@ -46,8 +46,8 @@ int physical_cores() {
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     if (!CPU_ISSET(cpu, &allowed)) continue;
     const std::string folder = "/sys/devices/system/cpu/cpu" + fmt::to_string(cpu) + "/topology/";
-    const int core = number_in(folder + "core_id");
-    cores.emplace(number_in(folder + "physical_package_id"), core < 0 ? -1 - cpu : core);
+    const int core = topology_number(folder + "core_id");
+    cores.emplace(topology_number(folder + "physical_package_id"), core < 0 ? -1 - cpu : core);
   }
   return std::max(1, static_cast<int>(cores.size()));
 }

@@ -6,14 +6,14 @@
 namespace chladni::dense {
 namespace {
 
-int narrow(Eigen::Index n) { return static_cast<int>(n); }
+int fortran_size(Eigen::Index n) { return static_cast<int>(n); }
 
 void triangular_solve(const char* transposed, const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
   if (b.size() == 0) return;
   const FlushToZero flush;
   constexpr double kOne = 1.0;
-  const int m = narrow(b.rows());
-  const int n = narrow(b.cols());
+  const int m = fortran_size(b.rows());
+  const int n = fortran_size(b.cols());
   dtrsm_("L", "L", transposed, "N", &m, &n, &kOne, factor.data(), &m, b.data(), &m);
 }
 
@@ -21,7 +21,7 @@ void triangular_solve(const char* transposed, const Eigen::MatrixXd& factor, Eig
 
 bool cholesky(Eigen::MatrixXd& a) {
   const FlushToZero flush;
-  const int n = narrow(a.rows());
+  const int n = fortran_size(a.rows());
   int info = 0;
   if (n > 0) dpotrf_("L", &n, a.data(), &n, &info);
   return info == 0;
@@ -35,7 +35,7 @@ void solve_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b) {
 
 void invert(Eigen::MatrixXd& factor) {
   const FlushToZero flush;
-  const int n = narrow(factor.rows());
+  const int n = fortran_size(factor.rows());
   int info = 0;
   if (n > 0) dpotri_("L", &n, factor.data(), &n, &info);
 }
@@ -44,8 +44,8 @@ void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c) {
   if (a.size() == 0) return;
   const FlushToZero flush;
   constexpr double kOne = 1.0;
-  const int n = narrow(a.rows());
-  const int k = narrow(a.cols());
+  const int n = fortran_size(a.rows());
+  const int k = fortran_size(a.cols());
   dsyrk_("L", "N", &n, &k, &s, a.data(), &n, &kOne, c.data(), &n);
 }
 
@@ -53,9 +53,9 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c) {
   if (a.size() == 0) return;
   const FlushToZero flush;
   constexpr double kOne = 1.0;
-  const int n = narrow(a.cols());
-  const int k = narrow(a.rows());
-  const int stride = narrow(a.outerStride());
+  const int n = fortran_size(a.cols());
+  const int k = fortran_size(a.rows());
+  const int stride = fortran_size(a.outerStride());
   dsyrk_("L", "T", &n, &k, &kOne, a.data(), &stride, &kOne, c.data(), &n);
 }
 
@@ -63,9 +63,9 @@ void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, E
   if (a.size() == 0 || b.size() == 0) return;
   const FlushToZero flush;
   constexpr double kOne = 1.0;
-  const int m = narrow(a.rows());
-  const int n = narrow(b.cols());
-  const int k = narrow(a.cols());
+  const int m = fortran_size(a.rows());
+  const int n = fortran_size(b.cols());
+  const int k = fortran_size(a.cols());
   dgemm_("N", "N", &m, &n, &k, &s, a.data(), &m, b.data(), &k, &kOne, c.data(), &m);
 }
 

@@ -14,26 +14,26 @@ constexpr double kMinusOne = -1.0;
 constexpr long kPanel = 64;         // columns eliminated before the rest is updated
 constexpr long kColumnBlock = 192;  // columns per block in the update of a lower triangle
 
-int narrow(long n) { return static_cast<int>(n); }
+int fortran_int(long n) { return static_cast<int>(n); }
 
 void trsm(const char* side, const char* transposed, const char* diagonal, Block l, Block b) {
   if (b.rows == 0 || b.columns == 0) return;
-  const int m = narrow(b.rows);
-  const int n = narrow(b.columns);
-  const int lda = narrow(l.stride);
-  const int ldb = narrow(b.stride);
+  const int m = fortran_int(b.rows);
+  const int n = fortran_int(b.columns);
+  const int lda = fortran_int(l.stride);
+  const int ldb = fortran_int(b.stride);
   dtrsm_(side, "L", transposed, diagonal, &m, &n, &kOne, l.data, &lda, b.data, &ldb);
 }
 
 void gemm(const char* ta, const char* tb, long inner, Block a, Block b, Block c,
           const double& alpha = kMinusOne, const double& beta = kOne) {
   if (c.rows == 0 || c.columns == 0 || inner == 0) return;
-  const int m = narrow(c.rows);
-  const int n = narrow(c.columns);
-  const int k = narrow(inner);
-  const int lda = narrow(a.stride);
-  const int ldb = narrow(b.stride);
-  const int ldc = narrow(c.stride);
+  const int m = fortran_int(c.rows);
+  const int n = fortran_int(c.columns);
+  const int k = fortran_int(inner);
+  const int lda = fortran_int(a.stride);
+  const int ldb = fortran_int(b.stride);
+  const int ldc = fortran_int(c.stride);
   dgemm_(ta, tb, &m, &n, &k, &alpha, a.data, &lda, b.data, &ldb, &beta, c.data, &ldc);
 }
 
@@ -59,8 +59,8 @@ bool ldlt_unblocked(Block a, double* largest) {
 }  // namespace
 
 bool cholesky(Block a) {
-  const int n = narrow(a.columns);
-  const int lda = narrow(a.stride);
+  const int n = fortran_int(a.columns);
+  const int lda = fortran_int(a.stride);
   int info = 0;
   if (n > 0) dpotrf_("L", &n, a.data, &lda, &info);
   return info == 0;

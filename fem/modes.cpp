@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/turn.h"
 #include "fem/eigen/canonical.h"
 #include "fem/eigen/certificate.h"
 #include "fem/eigen/lanczos.h"
@@ -23,7 +23,6 @@
 namespace chladni::fem {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // A residual above this value leads to a step of iterative refinement. The cause is rounding in a
 // slender body.
 constexpr double kWorthPolishing = 1e-9;

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "identification/delay_scan.h"
 
 namespace chladni::identification {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& places) {
   const auto m = fit.model.mode_count();

@@ -95,7 +95,7 @@ std::vector<int> small_triangles(const TetMesh& mesh, const std::vector<std::str
   return triangles;
 }
 
-std::string place(const Eigen::RowVector3d& at) {
+std::string place_text(const Eigen::RowVector3d& at) {
   return "(" + fmt::to_string(at(0)) + ", " + fmt::to_string(at(1)) + ", " + fmt::to_string(at(2)) +
          ") m";
 }
@@ -148,7 +148,7 @@ Laplacian surface_laplacian(const TetMesh& mesh, const std::vector<std::string>&
     const Eigen::RowVector3d first = edges.row(0);
     const double twice = first.cross(Eigen::RowVector3d(edges.row(1))).norm();
     require(twice > 1e-14 * edges.squaredNorm(),
-            "surface: the face at " + place(corners.row(0)) + " has no area");
+            "surface: the face at " + place_text(corners.row(0)) + " has no area");
     assembly.add(&triangles[t], edges / twice, 0.5 * twice);
   }
   auto operators = assembly.finished();
@@ -175,7 +175,7 @@ Laplacian body_laplacian(const TetMesh& mesh) {
     for (Eigen::Index a = 0; a < 4; ++a) basis.row(a) << 1.0, mesh.points.row(cell[a]);
     const double volume = basis.determinant() / 6.0;
     require(volume > 0.0,
-            "body: the tetrahedron at " + place(mesh.points.row(cell[0])) + " has no volume");
+            "body: the tetrahedron at " + place_text(mesh.points.row(cell[0])) + " has no volume");
     const Eigen::Matrix4d inverse = basis.inverse();
     assembly.add(cell, inverse.bottomRows<3>().transpose(), volume);
   }

@@ -17,7 +17,7 @@ extern const LayoutCriterion observed_points, observability, controllability, re
 
 namespace {
 
-constinit const LayoutCriterion* const kCriteria[] = {
+constinit const LayoutCriterion* const kLayoutCriteria[] = {
     &observed_points,
     &observability,
     &controllability,
@@ -48,7 +48,7 @@ std::vector<Eigen::Index> lone_actuators(const LayoutView& view) {
 
 }  // namespace
 
-std::span<const LayoutCriterion* const> layout_criteria() { return kCriteria; }
+std::span<const LayoutCriterion* const> layout_criteria() { return kLayoutCriteria; }
 
 Eigen::MatrixXd observed(const LayoutView& view) {
   const auto lone = lone_actuators(view);

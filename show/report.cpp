@@ -46,7 +46,7 @@ io::Table best_table(const stage::Solution& solution, const steps::Placed& place
   return table;
 }
 
-io::Table layouts_table(const steps::Placed& placement) {
+io::Table report_layouts(const steps::Placed& placement) {
   io::Table table{"Layouts", {{"criterion", false}, {"better", false}}, {}};
   for (const auto& layout : placement.layouts) table.columns.push_back({layout.name});
   const auto criteria = placement::layout_criteria();
@@ -73,7 +73,7 @@ io::Section placement_section(const stage::Solution& solution, const steps::Plac
     section.blocks = picture.blocks;
   }
   section.blocks.emplace_back(best_table(solution, placement));
-  if (!placement.layouts.empty()) section.blocks.emplace_back(layouts_table(placement));
+  if (!placement.layouts.empty()) section.blocks.emplace_back(report_layouts(placement));
   if (run.has_painted("layouts.png")) {
     const auto picture = io::picture_section(
         "", run / "layouts.png", "Where shapes interpolated from each layout will be wrong.");

@@ -14,7 +14,7 @@ namespace chladni::stage {
 namespace {
 
 constexpr double kMostOfIt = 1.0 / 3.0;  // of the silhouette: a ball's cap is a quarter of it
-constexpr double kThin = 0.5;            // ratio of two sides
+constexpr double kThinBody = 0.5;        // ratio of two sides
 
 bool has_patch(const mesh::TetMesh& body, const std::string& name) {
   const auto& names = body.patch_names;
@@ -54,7 +54,7 @@ void note_thin(const mesh::TetMesh& body, const std::string& key, Faces& faces) 
   const auto box = mesh::bounding_box(body.points);
   const Eigen::RowVector3d size = box.row(1) - box.row(0);
   Eigen::Index thin = 0;
-  if (size.minCoeff(&thin) > kThin * size(2) || thin == 2) return;
+  if (size.minCoeff(&thin) > kThinBody * size(2) || thin == 2) return;
   const char axis = "xyz"[thin];
   faces.notes.push_back(fmt::format(
       "{}: the body is thinnest along {}, and what looks along z is taken; if its large "

@@ -21,7 +21,7 @@ void delay_one(State& state, const Structure& /*structure*/, Index option, const
 }
 
 // Up to ±1 period at the top of the band, in steps of a tenth; finer steps for small delays.
-std::vector<EffectStart> scan(const Scene& scene, Index options) {
+std::vector<EffectStart> delay_scan(const Scene& scene, Index options) {
   std::vector<EffectStart> starts;
   for (Index option = 0; option < options; ++option) {
     for (int n = -10; n <= 10; ++n) {
@@ -35,21 +35,21 @@ std::vector<EffectStart> scan(const Scene& scene, Index options) {
   }
   return starts;
 }
-std::vector<EffectStart> one_delay(const Scene& scene) { return scan(scene, 1); }
+std::vector<EffectStart> one_delay(const Scene& scene) { return delay_scan(scene, 1); }
 template <Side side>
 std::vector<EffectStart> each_delay(const Scene& scene) {
-  return scan(scene, each_channel<side>(scene.structure()));
+  return delay_scan(scene, each_channel<side>(scene.structure()));
 }
 
-constexpr StudyKey kKey{"delay", "delay", "s", StudyKey::How::plus};
-constexpr std::string_view kSource = "e^{-s tau} on the responses";
+constexpr StudyKey kDelayKey{"delay", "delay", "s", StudyKey::How::plus};
+constexpr std::string_view kDelaySource = "e^{-s tau} on the responses";
 
 }  // namespace
 
 constinit const Effect delay{
     .name = "delay",
     .summary = "all responses are late",
-    .source = kSource,
+    .source = kDelaySource,
     .confusable = "low-pass (magnitude falls toward the top of the band)",
     .parameters = delays,
     .options = one_option,
@@ -57,31 +57,31 @@ constinit const Effect delay{
     .apply = delay_all,
     .starts = one_delay,
     .tolerance = &Tolerances::delay,
-    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kDelayKey}},
 };
 constinit const Effect sensor_delay{
     .name = "sensor_delay",
     .summary = "a sensor is later than the others",
-    .source = kSource,
+    .source = kDelaySource,
     .confusable = "its low-pass",
     .parameters = delays,
     .options = each_channel<Side::sensors>,
     .channels = the_channel<Side::sensors>,
     .apply = delay_one<Side::sensors>,
     .starts = each_delay<Side::sensors>,
-    .in_study = {.table = InStudy::Table::sensors, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::sensors, .keys = {kDelayKey}},
 };
 constinit const Effect actuator_delay{
     .name = "actuator_delay",
     .summary = "an actuator is later than the others",
-    .source = kSource,
+    .source = kDelaySource,
     .confusable = "its low-pass",
     .parameters = delays,
     .options = each_channel<Side::actuators>,
     .channels = the_channel<Side::actuators>,
     .apply = delay_one<Side::actuators>,
     .starts = each_delay<Side::actuators>,
-    .in_study = {.table = InStudy::Table::actuators, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::actuators, .keys = {kDelayKey}},
 };
 
 }  // namespace chladni::diagnosis

@@ -44,15 +44,15 @@ std::vector<EffectStart> overall_starts(const Scene& scene) {
   return {{0, Eigen::VectorXd::Constant(1, std::log1p(gain.step))}};
 }
 
-constexpr StudyKey kKey{"gain", "relative", "", StudyKey::How::times_one_plus};
-constexpr std::string_view kSource = "a real factor on a row or column of the responses";
+constexpr StudyKey kGainKey{"gain", "relative", "", StudyKey::How::times_one_plus};
+constexpr std::string_view kGainSource = "a real factor on a row or column of the responses";
 
 }  // namespace
 
 constinit const Effect sensor_gain{
     .name = "sensor_gain",
     .summary = "a sensor reads too much or too little",
-    .source = kSource,
+    .source = kGainSource,
     .confusable = "its place or direction (changes over frequency), density",
     .parameters = gain_parameters,
     .options = each_channel<Side::sensors>,
@@ -62,12 +62,12 @@ constinit const Effect sensor_gain{
     .simpler = {{&sensor_sign}},
     .tolerance = &Tolerances::gain,
     .is_gain = true,
-    .in_study = {.table = InStudy::Table::sensors, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::sensors, .keys = {kGainKey}},
 };
 constinit const Effect actuator_gain{
     .name = "actuator_gain",
     .summary = "an actuator gives more or less force than it says",
-    .source = kSource,
+    .source = kGainSource,
     .confusable = "its place or direction (changes over frequency)",
     .parameters = gain_parameters,
     .options = each_channel<Side::actuators>,
@@ -77,12 +77,12 @@ constinit const Effect actuator_gain{
     .simpler = {{&actuator_sign}},
     .tolerance = &Tolerances::gain,
     .is_gain = true,
-    .in_study = {.table = InStudy::Table::actuators, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::actuators, .keys = {kGainKey}},
 };
 constinit const Effect overall_gain{
     .name = "overall_gain",
     .summary = "all responses share a wrong scale",
-    .source = kSource,
+    .source = kGainSource,
     .confusable = "density and modulus together: weigh the body",
     .parameters = gain_parameters,
     .options = one_option,
@@ -92,7 +92,7 @@ constinit const Effect overall_gain{
     .tolerance = &Tolerances::scale,
     .is_gain = true,
     .is_scale = true,
-    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kKey}},
+    .in_study = {.table = InStudy::Table::all_sensors, .keys = {kGainKey}},
 };
 
 }  // namespace chladni::diagnosis

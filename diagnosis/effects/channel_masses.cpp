@@ -46,7 +46,7 @@ std::function<void(State&)> carrying(const Structure& structure, Index /*option*
 
 // In total from a hundred-thousandth of the body to all of it, and the same negative.
 template <Side side>
-std::vector<EffectStart> weights(const Scene& scene) {
+std::vector<EffectStart> channel_weights(const Scene& scene) {
   const auto& structure = scene.structure();
   const auto count = static_cast<double>(channels_of<side>(structure).count());
   std::vector<EffectStart> starts;
@@ -58,20 +58,20 @@ std::vector<EffectStart> weights(const Scene& scene) {
   return starts;
 }
 
-constexpr std::string_view kSource = "s^2 m at the place of each, Woodbury";
+constexpr std::string_view kMassesSource = "s^2 m at the place of each, Woodbury";
 
 }  // namespace
 
 constinit const Effect sensor_masses{
     .name = "sensor_masses",
     .summary = "every sensor weighs something that the model lacks: accelerometers",
-    .source = kSource,
+    .source = kMassesSource,
     .confusable = "density, masses of the actuators where they are collocated",
     .parameters = of_each<Side::sensors>,
     .options = are_on_the_surface<Side::sensors>,
     .channels = no_channels,
     .apply = at_once<carrying<Side::sensors>>,
-    .starts = weights<Side::sensors>,
+    .starts = channel_weights<Side::sensors>,
     .change = carrying<Side::sensors>,
     .error = kHungError,
     .tolerance = &Tolerances::mass,
@@ -83,13 +83,13 @@ constinit const Effect sensor_masses{
 constinit const Effect actuator_masses{
     .name = "actuator_masses",
     .summary = "every actuator carries a mass that the model lacks: coils, magnets",
-    .source = kSource,
+    .source = kMassesSource,
     .confusable = "density, masses of the sensors where they are collocated",
     .parameters = of_each<Side::actuators>,
     .options = are_on_the_surface<Side::actuators>,
     .channels = no_channels,
     .apply = at_once<carrying<Side::actuators>>,
-    .starts = weights<Side::actuators>,
+    .starts = channel_weights<Side::actuators>,
     .change = carrying<Side::actuators>,
     .error = kHungError,
     .tolerance = &Tolerances::mass,

@@ -4,7 +4,7 @@
 namespace chladni::diagnosis {
 namespace {
 
-std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
+std::vector<Parameter> no_sizes_of_sign(const Structure& /*structure*/) { return {}; }
 
 // One option per channel. A single response has one option only, for its sensor, because the sign
 // of the actuator has the same effect.
@@ -41,7 +41,7 @@ constinit const Effect sensor_sign{
     .summary = "a sensor is wired or mounted the wrong way round",
     .source = "a row of the responses turned",
     .confusable = "a gain of -200 %: the same",
-    .parameters = none,
+    .parameters = no_sizes_of_sign,
     .options = turnable<Side::sensors>,
     .channels = the_channel<Side::sensors>,
     .apply = turn<Side::sensors>,
@@ -53,7 +53,7 @@ constinit const Effect actuator_sign{
     .summary = "an actuator pushes the other way",
     .source = "a column of the responses turned",
     .confusable = "a gain of -200 %: the same",
-    .parameters = none,
+    .parameters = no_sizes_of_sign,
     .options = turnable<Side::actuators>,
     .channels = the_channel<Side::actuators>,
     .apply = turn<Side::actuators>,

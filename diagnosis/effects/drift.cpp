@@ -21,7 +21,7 @@ void warm(State& state, const Structure& structure, Index /*option*/, const Vect
   state.stiffening += by;
 }
 
-std::vector<EffectStart> steps(const Scene& scene) {
+std::vector<EffectStart> drift_steps(const Scene& scene) {
   std::vector<EffectStart> starts;
   for (double by = 2e-5; by < 6.0 * scene.frequency_step(); by *= 3.0) {
     starts.push_back({0, VectorXd::Constant(1, by)});
@@ -41,7 +41,7 @@ constinit const Effect drift{
     .options = several,
     .channels = no_channels,
     .apply = warm,
-    .starts = steps,
+    .starts = drift_steps,
     .in_study = {.refusal = "it is the experiment's: measure in a shorter time or at one "
                             "temperature, or diagnose the first columns alone"},
 };

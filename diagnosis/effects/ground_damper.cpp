@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-double typical(const Structure& structure) {
+double typical_damping(const Structure& structure) {
   return 0.01 * structure.mass_kg * first_omega(structure);
 }
 
@@ -17,7 +17,7 @@ std::vector<Parameter> damping_and_place(const Structure& structure) {
            .unit = "N s/m",
            .scale = Parameter::Scale::logarithmic,
            .is_size = true,
-           .centre = std::log(typical(structure)),
+           .centre = std::log(typical_damping(structure)),
            .width = 2.5,
            .step = 1e-4},
           place_u(structure),
@@ -33,7 +33,7 @@ void drag(State& state, const Structure& structure, Eigen::Index /*option*/, con
 std::vector<EffectStart> dashpots(const Scene& scene) {
   std::vector<VectorXd> sizes;
   for (double times = 1e-4; times < 300.0; times *= 2.0) {
-    sizes.push_back(VectorXd::Constant(1, std::log(times * typical(scene.structure()))));
+    sizes.push_back(VectorXd::Constant(1, std::log(times * typical_damping(scene.structure()))));
   }
   return at_peaks(scene, sizes);
 }

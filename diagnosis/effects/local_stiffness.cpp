@@ -42,7 +42,7 @@ std::vector<Parameter> patch(const Structure& structure) {
            .step = 1e-4}};
 }
 
-Index has_cells(const Structure& structure) {
+Index has_patch_cells(const Structure& structure) {
   return structure.fine.count() > 8 && structure.cells.count() > 0 ? 1 : 0;
 }
 
@@ -118,7 +118,7 @@ constinit const Effect local_stiffness{
     .source = "K plus a factor of the stiffness within a patch",
     .confusable = "a mass of the opposite sign; factor and radius only as a product",
     .parameters = patch,
-    .options = has_cells,
+    .options = has_patch_cells,
     .channels = no_channels,
     .apply = at_once<softening>,
     .starts = centres,

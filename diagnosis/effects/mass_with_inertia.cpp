@@ -28,7 +28,8 @@ std::vector<Parameter> mass_radius_place(const Structure& structure) {
           place_v(structure)};
 }
 
-void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+void hang_inertia(State& state, const Structure& structure, Eigen::Index /*option*/,
+                  const VectorXd& x) {
   const auto motion = structure.surface.at({x(2), x(3)});
   const Eigen::Index r = structure.mode_count();
   Attached mass = attached_to(structure, motion);
@@ -45,7 +46,7 @@ void hang(State& state, const Structure& structure, Eigen::Index /*option*/, con
   state.attached.push_back(std::move(inertia));
 }
 
-std::vector<EffectStart> weights(const Scene& scene) {
+std::vector<EffectStart> inertia_weights(const Scene& scene) {
   const double scale = body_scale(scene.structure());
   std::vector<VectorXd> sizes;
   for (double part = 1e-4; part < 0.3; part *= 2.2) {
@@ -72,8 +73,8 @@ constinit const Effect mass_with_inertia{
     .parameters = mass_radius_place,
     .options = has_surface,
     .channels = no_channels,
-    .apply = hang,
-    .starts = weights,
+    .apply = hang_inertia,
+    .starts = inertia_weights,
     .error = kHungError,
     .simpler = {{&point_mass, kTurnsOtherwise}},
     .in_study = {.table = InStudy::Table::attachment,

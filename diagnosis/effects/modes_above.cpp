@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::vector<Parameter> relative(const Structure& /*structure*/) {
+std::vector<Parameter> relative_flexibility(const Structure& /*structure*/) {
   return {{.name = "relative",
            .unit = "1",
            .scale = Parameter::Scale::relative,
@@ -38,7 +38,7 @@ constinit const Effect modes_above{
     .summary = "the modes above the band yield more or less than they should",
     .source = "their static flexibility (1 + r)",
     .confusable = "a modulus: that moves the modes within the band too",
-    .parameters = relative,
+    .parameters = relative_flexibility,
     .options = is_known,
     .channels = no_channels,
     .apply = yield,

@@ -19,7 +19,7 @@ void stretch(State& state, const Structure& structure, Eigen::Index /*option*/, 
   state.stiffness += x(0) * structure.directional.along_u + x(1) * structure.directional.shear;
 }
 
-std::vector<EffectStart> steps(const Scene& /*scene*/) {
+std::vector<EffectStart> orthotropy_steps(const Scene& /*scene*/) {
   std::vector<EffectStart> starts{{0, VectorXd::Zero(2)}};
   for (Eigen::Index i = 0; i < 2; ++i) {
     for (const double by : {-0.3, -0.15, -0.08, -0.04, -0.02, 0.02, 0.04, 0.08, 0.15, 0.3}) {
@@ -46,7 +46,7 @@ constinit const Effect orthotropy{
     .options = known,
     .channels = no_channels,
     .apply = stretch,
-    .starts = steps,
+    .starts = orthotropy_steps,
     .implied = implied,
     .simpler = {{&youngs_modulus}},
     .tolerance = &Tolerances::orthotropy,

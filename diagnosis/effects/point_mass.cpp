@@ -18,14 +18,15 @@ std::vector<Parameter> mass_and_place(const Structure& structure) {
           place_v(structure)};
 }
 
-void hang(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
+void hang_mass(State& state, const Structure& structure, Eigen::Index /*option*/,
+               const VectorXd& x) {
   Attached one = attached_at(structure, x(1), x(2));
   one.mass = x(0);
   state.attached.push_back(std::move(one));
 }
 
 // From a hundred-thousandth to a third of the body, and the same negative.
-std::vector<EffectStart> weights(const Scene& scene) {
+std::vector<EffectStart> mass_weights(const Scene& scene) {
   std::vector<VectorXd> sizes;
   for (double part = 1e-5; part < 0.3; part *= 1.6) {
     sizes.push_back(VectorXd::Constant(1, part * scene.structure().mass_kg));
@@ -44,8 +45,8 @@ constinit const Effect point_mass{
     .parameters = mass_and_place,
     .options = has_surface,
     .channels = no_channels,
-    .apply = hang,
-    .starts = weights,
+    .apply = hang_mass,
+    .starts = mass_weights,
     .error = kHungError,
     .in_study = {.table = InStudy::Table::attachment,
                  .kind = "mass",

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Index;
 
-std::vector<Parameter> none(const Structure& /*structure*/) { return {}; }
+std::vector<Parameter> no_sizes_of_quantity(const Structure& /*structure*/) { return {}; }
 
 // A wrong reading of a sensor's record, and its effect: a power of s, or a factor.
 struct Mistaken {
@@ -116,7 +116,7 @@ constinit const Effect sensor_quantity{
     .summary = "velocity or acceleration called displacement, or the reverse",
     .source = "a row times a power of s",
     .confusable = "unit, low-pass",
-    .parameters = none,
+    .parameters = no_sizes_of_quantity,
     .options = choices<kPowers.size()>,
     .channels = whose<kPowers.size()>,
     .apply = differentiate,
@@ -130,7 +130,7 @@ constinit const Effect sensor_unit{
     .summary = "a unit taken for another: g for m/s^2, mm for m, inch for mm",
     .source = "a row times one of the factors between units",
     .confusable = "gain",
-    .parameters = none,
+    .parameters = no_sizes_of_quantity,
     .options = choices<kFactors.size()>,
     .channels = whose<kFactors.size()>,
     .apply = rescale,

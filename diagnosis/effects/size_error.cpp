@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-std::vector<Parameter> relative(const Structure& /*structure*/) {
+std::vector<Parameter> relative_size(const Structure& /*structure*/) {
   return {{.name = "relative",
            .unit = "1",
            .scale = Parameter::Scale::relative,
@@ -22,7 +22,7 @@ std::vector<Parameter> relative(const Structure& /*structure*/) {
            .step = 1e-5}};
 }
 
-Index bends(const Structure& structure) {
+Index size_bends(const Structure& structure) {
   return structure.bending_power > 0.0 && structure.cells.count() > 0 ? 1 : 0;
 }
 
@@ -70,7 +70,7 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
 }
 
 // Frequencies go as λ^-2.
-std::vector<EffectStart> steps(const Scene& scene) {
+std::vector<EffectStart> size_steps(const Scene& scene) {
   std::vector<EffectStart> starts{{0, VectorXd::Zero(1)}};
   for (double by = 0.5 * scene.frequency_step(); by < 0.15; by *= 1.4) {
     starts.push_back({0, VectorXd::Constant(1, by)});
@@ -86,11 +86,11 @@ constinit const Effect size_error{
     .summary = "the body is longer and wider than its drawing, or smaller",
     .source = "K as 1/l^2 but for shear, M as l^2; channels stay where they are",
     .confusable = "modulus and density together: measure it",
-    .parameters = relative,
-    .options = bends,
+    .parameters = relative_size,
+    .options = size_bends,
     .channels = no_channels,
     .apply = at_once<stretching>,
-    .starts = steps,
+    .starts = size_steps,
     .change = stretching,
     .error = 0.005,
     .in_study = {.table = InStudy::Table::geometry,

@@ -28,9 +28,9 @@ std::vector<Parameter> coefficients(const Structure& structure) {
   return all;
 }
 
-Index has_cells(const Structure& structure) { return structure.cells.count() > 2 ? 1 : 0; }
-Index bends(const Structure& structure) {
-  return structure.bending_power > 0.0 ? has_cells(structure) : 0;
+Index has_field_cells(const Structure& structure) { return structure.cells.count() > 2 ? 1 : 0; }
+Index field_bends(const Structure& structure) {
+  return structure.bending_power > 0.0 ? has_field_cells(structure) : 0;
 }
 
 std::function<void(State&)> stiffening(const Structure& structure, Index /*option*/,
@@ -70,7 +70,7 @@ constinit const Effect modulus_field{
     .source = "sum of x_f K_f, Legendre polynomials over the body",
     .confusable = "thickness that varies (changes the mass too), orthotropy",
     .parameters = coefficients,
-    .options = has_cells,
+    .options = has_field_cells,
     .channels = no_channels,
     .apply = at_once<stiffening>,
     .starts = flat,
@@ -85,7 +85,7 @@ constinit const Effect thickness_field{
     .source = "K_c (1 + t)^3 but for shear, M_c (1 + t), Legendre polynomials",
     .confusable = "a modulus that varies (leaves the mass)",
     .parameters = coefficients,
-    .options = bends,
+    .options = field_bends,
     .channels = no_channels,
     .apply = at_once<thickening>,
     .starts = flat,

@@ -31,7 +31,7 @@ std::vector<Parameter> frequency_and_damping(const Structure& structure) {
 
 Index is_free(const Structure& structure) { return structure.rigid_count > 0 ? 1 : 0; }
 
-void hold(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
+void hold_whole(State& state, const Structure& structure, Index /*option*/, const VectorXd& x) {
   const double omega = 2.0 * std::numbers::pi * std::exp(x(0));
   VectorXd rigid = VectorXd::Zero(structure.mode_count());
   rigid.head(structure.rigid_count).setOnes();
@@ -65,7 +65,7 @@ constinit const Effect suspension{
     .parameters = frequency_and_damping,
     .options = is_free,
     .channels = no_channels,
-    .apply = hold,
+    .apply = hold_whole,
     .starts = holds,
     .error = kUneven,
     .in_study = {.refusal =

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::vector<Parameter> relative(const Structure& /*structure*/) {
+std::vector<Parameter> relative_scale(const Structure& /*structure*/) {
   return {{.name = "relative",
            .unit = "1",
            .scale = Parameter::Scale::relative,
@@ -44,7 +44,7 @@ std::function<void(State&)> thickening(const Structure& structure, Eigen::Index 
 
 // Frequencies change by `power` x. The steps follow the width of the resonances, up to ±30 % in
 // frequency. For matrices that are not diagonal the steps double, because each one is expensive.
-std::vector<EffectStart> steps(const Scene& scene, double power) {
+std::vector<EffectStart> scale_steps(const Scene& scene, double power) {
   const auto& state = scene.state();
   const bool cheap = state.stiffness.isDiagonal(0.0) && state.mass.isDiagonal(0.0) &&
                      state.springs.size() == 0 && state.masses.size() == 0;
@@ -59,10 +59,12 @@ std::vector<EffectStart> steps(const Scene& scene, double power) {
   }
   return starts;
 }
-std::vector<EffectStart> by_half(const Scene& scene) { return steps(scene, 0.5); }
-std::vector<EffectStart> by_one(const Scene& scene) { return steps(scene, 1.0); }
+std::vector<EffectStart> by_half(const Scene& scene) { return scale_steps(scene, 0.5); }
+std::vector<EffectStart> by_one(const Scene& scene) { return scale_steps(scene, 1.0); }
 
-Eigen::Index bends(const Structure& structure) { return structure.bending_power > 0.0 ? 1 : 0; }
+Eigen::Index body_bends(const Structure& structure) {
+  return structure.bending_power > 0.0 ? 1 : 0;
+}
 
 constexpr InStudy scaled(InStudy::Table table, std::initializer_list<std::string_view> keys) {
   InStudy entry{.table = table};
@@ -79,7 +81,7 @@ constinit const Effect youngs_modulus{
     .summary = "the whole body is stiffer or softer",
     .source = "K (1 + e)",
     .confusable = "density with an overall gain; thickness: weigh the body",
-    .parameters = relative,
+    .parameters = relative_scale,
     .options = one_option,
     .channels = no_channels,
     .apply = stiffen,
@@ -94,7 +96,7 @@ constinit const Effect density{
     .summary = "the whole body is heavier or lighter",
     .source = "M (1 + r)",
     .confusable = "modulus with an overall gain: weigh the body",
-    .parameters = relative,
+    .parameters = relative_scale,
     .options = one_option,
     .channels = no_channels,
     .apply = weigh,
@@ -108,8 +110,8 @@ constinit const Effect thickness{
     .summary = "the whole body is thicker or thinner",
     .source = "K (1 + t)^3 but for shear, M (1 + t) of a body that bends",
     .confusable = "modulus and density together: measure it",
-    .parameters = relative,
-    .options = bends,
+    .parameters = relative_scale,
+    .options = body_bends,
     .channels = no_channels,
     .apply = at_once<thickening>,
     .starts = by_one,

@@ -22,7 +22,7 @@ using Complex = std::complex<double>;
 constexpr auto kTiny = std::numeric_limits<double>::min();
 
 // The channels of one side that have a value in a measured mode.
-struct Values {
+struct PartnerValues {
   std::vector<Index> rows;
   VectorXcd value;  // without the phases of the paths
   VectorXd noise;
@@ -30,9 +30,9 @@ struct Values {
   VectorXd path;    // sizes of the paths
 };
 
-Values values_of(const MatrixXcd& measured, const MatrixXd& deviation, Index i,
-                 const MatrixXd& shapes, const MatrixXcd& path, Index k) {
-  Values values;
+PartnerValues partner_values(const MatrixXcd& measured, const MatrixXd& deviation, Index i,
+                             const MatrixXd& shapes, const MatrixXcd& path, Index k) {
+  PartnerValues values;
   values.rows = rows_with_values(measured, i);
   const auto n = static_cast<Index>(values.rows.size());
   values.value.resize(n);
@@ -51,18 +51,20 @@ Values values_of(const MatrixXcd& measured, const MatrixXd& deviation, Index i,
   return values;
 }
 
-Values sensor_values(const MeasuredModes& measured, const RecordedModes& model, Index i, Index k) {
-  return values_of(measured.output_shapes, measured.output_std, i, model.outputs, model.output_path,
-                   k);
+PartnerValues sensor_values(const MeasuredModes& measured, const RecordedModes& model, Index i,
+                            Index k) {
+  return partner_values(measured.output_shapes, measured.output_std, i, model.outputs,
+                        model.output_path, k);
 }
-Values actuator_values(const MeasuredModes& measured, const RecordedModes& model, Index i,
-                       Index k) {
-  return values_of(measured.input_shapes, measured.input_std, i, model.inputs, model.input_path, k);
+PartnerValues actuator_values(const MeasuredModes& measured, const RecordedModes& model, Index i,
+                              Index k) {
+  return partner_values(measured.input_shapes, measured.input_std, i, model.inputs,
+                        model.input_path, k);
 }
 
 // Parts of the modes of a span that fit the shape best, beside errors of kConstants.shape_error.
 VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
-                  const Values& values) {
+                  const PartnerValues& values) {
   VectorXd parts = VectorXd::Unit(model.count(), span.front());
   if (span.size() == 1) return parts;
   const VectorXd real = (values.value * std::conj(phase_of(values.value))).real();
@@ -87,7 +89,7 @@ double root_mean_square(const auto& vector) {
   return vector.norm() / std::sqrt(static_cast<double>(std::max<Index>(vector.size(), 1)));
 }
 
-PartnerSide side_of(const Values& values, const VectorXd& parts, double unit) {
+PartnerSide side_of(const PartnerValues& values, const VectorXd& parts, double unit) {
   PartnerSide side;
   side.rows = values.rows;
   const VectorXd shape = values.shapes * parts;
@@ -171,8 +173,8 @@ std::vector<Index> span_of(const MeasuredModes& measured, const RecordedModes& m
 
 Partner partner(const MeasuredModes& measured, const RecordedModes& model, const ShapeUnits& units,
                 Index i, const std::vector<Index>& span) {
-  const Values out = sensor_values(measured, model, i, span.front());
-  const Values in = actuator_values(measured, model, i, span.front());
+  const PartnerValues out = sensor_values(measured, model, i, span.front());
+  const PartnerValues in = actuator_values(measured, model, i, span.front());
   Partner result;
   result.parts = parts_of(model, span, out.value.size() >= in.value.size() ? out : in);
   result.sensors = side_of(out, result.parts, units.outputs);

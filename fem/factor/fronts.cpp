@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/index.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 
@@ -10,7 +11,6 @@ namespace {
 
 using Tree = Symbolic::Tree;
 using dense::Block;
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Calls visit(column, row, value) for every entry of A + s B, in the order of elimination.
 template <typename Visit>

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/interrupt.h"
 #include "dense/blas.h"
 #include "fem/factor/fronts.h"
@@ -18,7 +19,6 @@ namespace chladni::fem {
 namespace {
 
 using Tree = Symbolic::Tree;
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Calls work(node, thread, team) for every node, after its children. The subtrees come first, one
 // thread per subtree. The nodes above the subtrees follow, all threads on one node.

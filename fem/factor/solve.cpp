@@ -2,6 +2,7 @@
 // for L^T x = y.
 #include <algorithm>
 
+#include "base/index.h"
 #include "dense/panel_kernels.h"
 #include "fem/factor/fronts.h"
 #include "fem/factor/multifrontal.h"
@@ -13,7 +14,6 @@ using Tree = Symbolic::Tree;
 using dense::Block;
 // A degree of freedom's values for all right-hand sides lie together.
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // The right-hand sides of one front, column-major: first its own columns, then the rows below.
 class FrontVectors {

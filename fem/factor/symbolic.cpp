@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/index.h"
 #include "base/parallel.h"
 #include "fem/factor/elimination_tree.h"
 
@@ -8,7 +9,6 @@ namespace chladni::fem {
 namespace {
 
 using Index = std::int32_t;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // An order of the quotient graph's groups, with the elimination tree of that order.
 struct Ordered {

@@ -1,4 +1,5 @@
 #include "identification/delay.h"
+#include "base/turn.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -11,7 +12,6 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 using Complex = std::complex<double>;
 
 // One response with its weights 1/σ, on finite lines above 0 Hz.

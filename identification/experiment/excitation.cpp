@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "identification/estimate/fft.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 void check(const MultisinePlan& plan) {
   require(plan.period >= 4,

@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "modal/state_space.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // States q and q̇ of one mode.
 Plant::Block mode_block(const modal::ReducedModel& model, Eigen::Index mode,

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "base/turn.h"
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 void check(const RigidChain& chain) {
   const auto positive = [](double value, const char* what) {

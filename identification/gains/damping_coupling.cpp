@@ -1,8 +1,8 @@
 #include "identification/damping_coupling.h"
+#include "base/turn.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "identification/constants.h"
@@ -24,7 +24,6 @@ Index nearest(const VectorXd& frequency_hz, double hz) {
 // Standard deviations of the parts of the simulation's modes that coupling adds to mode m. For the
 // mode's own twin it is the damping ratio, the uncertainty of the phase.
 VectorXd spread(const ModalFit& fit, Index m, const VectorXd& frequency_hz) {
-  constexpr double kTwoPi = 2.0 * std::numbers::pi;
   const Index rigid = fit.model.rigid_count;
   const double mean = fit.model.damping_ratio.tail(fit.model.mode_count() - rigid).mean();
   const double own = kTwoPi * fit.model.frequency_hz(m);

@@ -66,7 +66,7 @@ void mark(const Unknown& unknown, Eigen::MatrixXd& covariance) {
 }
 
 // Jacobian of (ω, ζ, L, R) of a single mode by its parameters (L, R, K, D), in physical units.
-Eigen::MatrixXd physical(const Block& block, double scale) {
+Eigen::MatrixXd real_mode_jacobian(const Block& block, double scale) {
   const auto pq = block.left.rows() + block.right.cols();
   const double own = own_frequency(block);
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 + pq, pq + 2);
@@ -152,7 +152,7 @@ class Filler {
 
   void add_mode(const Block& block) {
     const auto count = parameter_count(block);
-    const Eigen::MatrixXd jacobian = physical(block, model_.scale);
+    const Eigen::MatrixXd jacobian = real_mode_jacobian(block, model_.scale);
     const double own = own_frequency(block);
     Eigen::MatrixXd covariance =
         jacobian * covariance_.matrix.block(first_, first_, count, count) * jacobian.transpose();

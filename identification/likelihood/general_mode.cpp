@@ -23,7 +23,7 @@ Eigen::RowVectorXcd right_of(const Block& block) {
 Complex factor_of(const Block& block) { return std::sqrt(Complex(0.0, 2.0 * block.pole.imag())); }
 
 // Jacobian. Rows (ω, ζ, Re L, Re R, Im L, Im R), columns (Re l, Im l, right by columns, σ, ω_d).
-Eigen::MatrixXd physical(const Block& block, double scale) {
+Eigen::MatrixXd complex_mode_jacobian(const Block& block, double scale) {
   const auto p = block.left.rows();
   const auto q = block.right.cols();
   const double own = std::abs(block.pole);
@@ -101,7 +101,7 @@ GeneralMode general_mode_of(const Block& block, double scale, const Eigen::Matri
                      factor * left_of(block),
                      factor * right_of(block),
                      {}};
-  Eigen::MatrixXd change = physical(block, scale);
+  Eigen::MatrixXd change = complex_mode_jacobian(block, scale);
   change.bottomRows(count) = held(result.outputs, result.inputs) * change.bottomRows(count);
   result.covariance = change * covariance * change.transpose();
   return result;

@@ -14,9 +14,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kJitter = 1e-13;   // for products scaled to a unit diagonal
-constexpr double kRounding = 0.1;   // largest part of `left`
-constexpr std::size_t kShares = 8;  // parts of the responses for the threads
+constexpr double kDiagonalJitter = 1e-13;  // for products scaled to a unit diagonal
+constexpr double kRounding = 0.1;          // largest part of `left`
+constexpr std::size_t kShares = 8;         // parts of the responses for the threads
 
 // Sums over the responses. The shares do not depend on the threads and are added in order, so any
 // number of cores gives the same bits.
@@ -45,11 +45,11 @@ DenominatorProducts sum_of(Eigen::Index responses, Eigen::Index unknowns, const 
 void eliminate(Eigen::MatrixXd a, Eigen::MatrixXd m, DenominatorProducts& result) {
   const Eigen::VectorXd scale = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   a = scale.asDiagonal() * a * scale.asDiagonal();
-  a.diagonal().array() += kJitter;
+  a.diagonal().array() += kDiagonalJitter;
   m = scale.asDiagonal() * m;
   const Eigen::MatrixXd x = Eigen::LDLT<Eigen::MatrixXd>(a).solve(m);
   const auto size = static_cast<double>(a.rows());
-  const double error = kJitter + size * std::numeric_limits<double>::epsilon();
+  const double error = kDiagonalJitter + size * std::numeric_limits<double>::epsilon();
   result.left.noalias() -= m.transpose() * x;
   result.rounding.noalias() += error * x.transpose() * x;
 }
@@ -133,7 +133,7 @@ Denominator least_denominator(const DenominatorProducts& products, const Eigen::
   const auto& s = products.left;
   const Eigen::VectorXd scale = s.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * s * scale.asDiagonal();
-  scaled.diagonal().array() += kJitter;
+  scaled.diagonal().array() += kDiagonalJitter;
   Eigen::VectorXd c = Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(scale.cwiseProduct(sums));
   c = scale.cwiseProduct(c);
   c *= sums(sums.size() - 1) / sums.dot(c);

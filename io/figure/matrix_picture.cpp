@@ -15,12 +15,13 @@ namespace {
 
 using Place = Eigen::Vector2d;
 
-constexpr Colour kInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.94, 0.95};
-constexpr double kMargin = 24.0, kHead = 60.0, kName = 14.0, kLabel = 16.0, kLargest = 64.0;
+constexpr Colour kMatrixInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.94, 0.95};
+constexpr double kMatrixMargin = 24.0, kHead = 60.0, kName = 14.0, kMatrixLabel = 16.0,
+                 kLargest = 64.0;
 constexpr Eigen::Index kMost = 200;
 
 /// The layout of the picture [px].
-struct Sheet {
+struct MatrixSheet {
   double width, height;
   Place corner;         // of the first square
   double square, text;  // side of a square; size of the numbers in it (0: none)
@@ -57,15 +58,16 @@ double widest_number(const MatrixPicture& of) {
   return width;
 }
 
-Sheet sheet_of(const MatrixPicture& of) {
-  Sheet sheet{};
+MatrixSheet matrix_sheet(const MatrixPicture& of) {
+  MatrixSheet sheet{};
   sheet.width = of.value.cols() > 24 ? 1400.0 : 1000.0;
   sheet.column_names = widest(of.columns) + 8.0;
-  const double left = kMargin + 26.0 + widest(of.rows) + 10.0;
+  const double left = kMatrixMargin + 26.0 + widest(of.rows) + 10.0;
   sheet.corner = Place(left, kHead + 26.0 + sheet.column_names);
-  const double room = sheet.width - left - kMargin;
+  const double room = sheet.width - left - kMatrixMargin;
   sheet.square = std::min(kLargest, room / static_cast<double>(of.value.cols()));
-  sheet.height = sheet.corner(1) + sheet.square * static_cast<double>(of.value.rows()) + kMargin;
+  sheet.height =
+      sheet.corner(1) + sheet.square * static_cast<double>(of.value.rows()) + kMatrixMargin;
   const double fits = 0.86 * sheet.square / std::max(widest_number(of), 1e-9);
   sheet.text = fits >= 9.0 ? std::min(fits, 15.0) : 0.0;
   return sheet;
@@ -75,7 +77,7 @@ double darkness(const MatrixPicture& of, double value) {
   return std::clamp((value - of.light) / (of.dark - of.light), 0.0, 1.0);
 }
 
-void paint_squares(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet) {
+void paint_squares(Drawing& drawing, const MatrixPicture& of, const MatrixSheet& sheet) {
   for (Eigen::Index i = 0; i < of.value.rows(); ++i) {
     for (Eigen::Index j = 0; j < of.value.cols(); ++j) {
       const Place at =
@@ -87,43 +89,44 @@ void paint_squares(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet
                        known ? sequential(1.0 - dark) : kEmpty);
       if (!known || sheet.text == 0.0) continue;
       drawing.text(at + Place(0.5 * s, 0.5 * s + 0.35 * sheet.text), number(of, i, j), sheet.text,
-                   dark > 0.45 ? kWhite : kInk, Drawing::Align::centre);
+                   dark > 0.45 ? kWhite : kMatrixInk, Drawing::Align::centre);
     }
   }
 }
 
 // Paints every name where there is room, else every second, third, ... name.
-void paint_names(Drawing& drawing, const MatrixPicture& of, const Sheet& sheet) {
+void paint_names(Drawing& drawing, const MatrixPicture& of, const MatrixSheet& sheet) {
   const auto every =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.2 * kName / sheet.square)));
   const auto centre = [&](std::size_t k) {
     return sheet.square * (static_cast<double>(k) + 0.5) + 0.35 * kName;
   };
   for (std::size_t i = 0; i < of.rows.size(); i += every) {
-    drawing.text(sheet.corner + Place(-8.0, centre(i)), of.rows[i], kName, kInk,
+    drawing.text(sheet.corner + Place(-8.0, centre(i)), of.rows[i], kName, kMatrixInk,
                  Drawing::Align::right);
   }
   for (std::size_t j = 0; j < of.columns.size(); j += every) {
-    drawing.text(sheet.corner + Place(centre(j), -8.0), of.columns[j], kName, kInk,
+    drawing.text(sheet.corner + Place(centre(j), -8.0), of.columns[j], kName, kMatrixInk,
                  Drawing::Align::left, false, true);
   }
   const Place whole = sheet.square * Place(static_cast<double>(of.value.cols()),
                                            static_cast<double>(of.value.rows()));
-  drawing.text({sheet.corner(0) + 0.5 * whole(0), kHead + 14.0}, of.column_label, kLabel, kInk,
-               Drawing::Align::centre);
-  drawing.text({kMargin + 12.0, sheet.corner(1) + 0.5 * whole(1)}, of.row_label, kLabel, kInk,
-               Drawing::Align::centre, false, true);
+  drawing.text({sheet.corner(0) + 0.5 * whole(0), kHead + 14.0}, of.column_label, kMatrixLabel,
+               kMatrixInk, Drawing::Align::centre);
+  drawing.text({kMatrixMargin + 12.0, sheet.corner(1) + 0.5 * whole(1)}, of.row_label, kMatrixLabel,
+               kMatrixInk, Drawing::Align::centre, false, true);
 }
 
 }  // namespace
 
 void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture) {
   check(picture);
-  const Sheet sheet = sheet_of(picture);
+  const MatrixSheet sheet = matrix_sheet(picture);
   Drawing drawing(sheet.width, sheet.height);
   double size = 24.0;
-  while (size > 14.0 && text_width(picture.title, size) > sheet.width - 2.0 * kMargin) size -= 1.0;
-  drawing.text({kMargin, 40.0}, picture.title, size, kInk, Drawing::Align::left, true);
+  while (size > 14.0 && text_width(picture.title, size) > sheet.width - 2.0 * kMatrixMargin)
+    size -= 1.0;
+  drawing.text({kMatrixMargin, 40.0}, picture.title, size, kMatrixInk, Drawing::Align::left, true);
   paint_squares(drawing, picture, sheet);
   paint_names(drawing, picture, sheet);
   write_atomically(png, painted(drawing.request()));

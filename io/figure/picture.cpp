@@ -16,9 +16,9 @@
 namespace chladni::io {
 namespace {
 
-constexpr Eigen::Index kMostVertices = 80'000;  // more are not visible at this size
-constexpr double kDeformation = 0.06;           // of the body's diagonal
-constexpr double kSteepest = 1.2;               // change of displacement per length
+constexpr Eigen::Index kMostSheetVertices = 80'000;  // more are not visible at this size
+constexpr double kDeformation = 0.06;                // of the body's diagonal
+constexpr double kSteepest = 1.2;                    // change of displacement per length
 
 // The axis with most of the motion.
 Eigen::Index main_axis(const Points& shape) {
@@ -90,7 +90,8 @@ void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
                       modes.shapes.rows(), 3 * mesh.node_count()));
   require(count >= 1 && modes.mode_count() > modes.rigid_count,
           "picture of the modes: there is no flexible mode to draw");
-  const Skin body = decimated(smooth_skin(mesh, kMostVertices), mesh.points, kMostVertices);
+  const Skin body =
+      decimated(smooth_skin(mesh, kMostSheetVertices), mesh.points, kMostSheetVertices);
   Message request;
   const Points at = vertices(body, mesh.points);
   add_panels(request, body, at, modes, clusters, count);

@@ -22,9 +22,9 @@ constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Rec
 
 constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's overhead
 
-class Reader {
+class RecordReader {
  public:
-  Reader(const MatFields& fields, const TimeOptions& options, TimeFile& file)
+  RecordReader(const MatFields& fields, const TimeOptions& options, TimeFile& file)
       : fields_(fields), options_(options), data_(file.data), notes_(file.notes) {}
 
   void read() {
@@ -187,7 +187,7 @@ class Reader {
 TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOptions& options) {
   TimeFile result{.format = file.format, .data = {}, .notes = file.notes};
   try {
-    Reader(file.variables, options, result).read();
+    RecordReader(file.variables, options, result).read();
   } catch (const InvalidInput& e) {
     throw InvalidInput(name + ": " + e.what());
   }

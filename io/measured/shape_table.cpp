@@ -52,14 +52,14 @@ std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
 }
 
 // The columns of the table.
-struct Columns {
+struct TableColumns {
   std::ptrdiff_t frequency = -1, damping = -1, frequency_std = -1, damping_std = -1;
   std::vector<std::string> channels;
   std::vector<std::ptrdiff_t> value, deviation;  // per channel; −1: none
 };
 
 void add_deviation(const Line& header, std::ptrdiff_t column, const std::string& name,
-                   Columns& columns) {
+                   TableColumns& columns) {
   const auto& field = header.fields[static_cast<std::size_t>(column)];
   const std::string channel = field.substr(kDeviation.size());
   if (channel == "frequency_hz") {
@@ -77,8 +77,8 @@ void add_deviation(const Line& header, std::ptrdiff_t column, const std::string&
   columns.deviation[static_cast<std::size_t>(found - columns.channels.begin())] = column;
 }
 
-Columns columns_of(const Line& header, const std::string& name, ShapesStated stated) {
-  Columns columns;
+TableColumns columns_of(const Line& header, const std::string& name, ShapesStated stated) {
+  TableColumns columns;
   std::map<std::string, int> seen;
   for (std::size_t c = 0; c < header.fields.size(); ++c) {
     const auto& field = header.fields[c];
@@ -153,7 +153,7 @@ class LineReader {
   ShapesStated stated_;
 };
 
-void read_mode(const Line& line, const Line& header, const Columns& columns, Eigen::Index mode,
+void read_mode(const Line& line, const Line& header, const TableColumns& columns, Eigen::Index mode,
                const std::string& name, ShapesStated stated, ShapeTable& table) {
   if (line.fields.size() != header.fields.size()) {
     fail(name, line.number,

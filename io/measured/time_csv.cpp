@@ -16,19 +16,19 @@ namespace {
 
 using Index = Eigen::Index;
 constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's overhead
-constexpr std::array<std::string_view, 3> kPrefix{"out_", "in_", "ref_"};  // by Side
+constexpr std::array<std::string_view, 3> kSidePrefix{"out_", "in_", "ref_"};  // by Side
 
-bool knows(const std::vector<std::string>& names, std::string_view name) {
+bool has_name(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-struct Layout {
+struct RecordLayout {
   Index time = -1, experiment = -1, realisation = -1, period = -1;
   std::array<std::vector<Index>, 3> columns;  // by Side
 };
 
 // The special column with this name; null: the column belongs to a channel.
-Index* special(const std::string& name, Layout& layout) {
+Index* special(const std::string& name, RecordLayout& layout) {
   if (name == "time_s" || name == "time" || name == "t" || name == "t_s") return &layout.time;
   if (name == "experiment") return &layout.experiment;
   if (name == "realisation" || name == "realization") return &layout.realisation;
@@ -46,8 +46,8 @@ std::string named(const std::vector<modal::MeasuredChannel>& channels) {
   return names.empty() ? "none" : listed(names);
 }
 
-Layout layout_of(const CsvTable& table, const TimeOptions& options, TimeFile& file) {
-  Layout layout;
+RecordLayout layout_of(const CsvTable& table, const TimeOptions& options, TimeFile& file) {
+  RecordLayout layout;
   std::array<std::set<std::string>, 3> seen;
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     Index* place = special(table.names[c], layout);
@@ -90,7 +90,7 @@ struct Stretch {
   int experiment = 0, realisation = 0;
 };
 
-std::vector<Stretch> stretches_of(const CsvTable& table, const Layout& layout) {
+std::vector<Stretch> stretches_of(const CsvTable& table, const RecordLayout& layout) {
   std::vector<Stretch> found;
   for (Index row = 0; row < table.values.rows(); ++row) {
     const int experiment = whole(table, row, layout.experiment);
@@ -105,7 +105,7 @@ std::vector<Stretch> stretches_of(const CsvTable& table, const Layout& layout) {
 }
 
 // The time step of the first recording. The other recordings must have the same step.
-double sample_time(const CsvTable& table, const Layout& layout,
+double sample_time(const CsvTable& table, const RecordLayout& layout,
                    const std::vector<Stretch>& stretches, const TimeOptions& options) {
   if (layout.time < 0) {
     require(options.sample_time_s > 0.0,
@@ -134,8 +134,8 @@ double sample_time(const CsvTable& table, const Layout& layout,
 }
 
 // The length of a run of equal numbers in the column `period`.
-Index period_of(const CsvTable& table, const Layout& layout, const std::vector<Stretch>& stretches,
-                const TimeOptions& options) {
+Index period_of(const CsvTable& table, const RecordLayout& layout,
+                const std::vector<Stretch>& stretches, const TimeOptions& options) {
   if (options.period > 0 || layout.period < 0) return options.period;
   Index length = 0;
   for (const auto& stretch : stretches) {
@@ -206,12 +206,12 @@ Side side_of_letters(std::string_view name) {
 
 std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& options) {
   const std::string whole_name(name);
-  if (knows(options.sensor_names, name)) return {Side::output, whole_name};
-  if (knows(options.actuator_names, name)) return {Side::input, whole_name};
-  if (knows(options.reference_names, name)) return {Side::reference, whole_name};
-  for (std::size_t s = 0; s < kPrefix.size(); ++s) {
-    if (name.size() > kPrefix[s].size() && name.starts_with(kPrefix[s])) {
-      return {static_cast<Side>(s), whole_name.substr(kPrefix[s].size())};
+  if (has_name(options.sensor_names, name)) return {Side::output, whole_name};
+  if (has_name(options.actuator_names, name)) return {Side::input, whole_name};
+  if (has_name(options.reference_names, name)) return {Side::reference, whole_name};
+  for (std::size_t s = 0; s < kSidePrefix.size(); ++s) {
+    if (name.size() > kSidePrefix[s].size() && name.starts_with(kSidePrefix[s])) {
+      return {static_cast<Side>(s), whole_name.substr(kSidePrefix[s].size())};
     }
   }
   return {side_of_letters(name), whole_name};
@@ -222,7 +222,7 @@ TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
   const CsvTable table = csv_table(bytes, name, options.limit_bytes);
   require(table.values.rows() > 0, name + ": no line of numbers below the names");
   TimeFile file{.format = "CSV", .data = {}, .notes = {}};
-  const Layout layout = layout_of(table, options, file);
+  const RecordLayout layout = layout_of(table, options, file);
   const auto stretches = stretches_of(table, layout);
   require_room(kBytesPerRecord * static_cast<double>(stretches.size()) +
                    8.0 * static_cast<double>(table.values.size()),
@@ -241,7 +241,7 @@ TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
 namespace {
 
 std::string column_name(const modal::MeasuredChannel& channel, Side side) {
-  Layout nothing;
+  RecordLayout nothing;
   const auto is_read_back = [&](std::string word) {
     return special(word, nothing) == nullptr &&
            side_of(word, {}) == std::pair(side, channel.name) && trimmed(word) == word &&
@@ -249,7 +249,7 @@ std::string column_name(const modal::MeasuredChannel& channel, Side side) {
            word.front() != '#';
   };
   if (is_read_back(channel.name)) return channel.name;
-  std::string word = std::string(kPrefix[static_cast<std::size_t>(side)]) + channel.name;
+  std::string word = std::string(kSidePrefix[static_cast<std::size_t>(side)]) + channel.name;
   require(is_read_back(word), "CSV cannot hold the channel name " + shown(channel.name) +
                                   "; expected one without line ends and blanks around it");
   return word;

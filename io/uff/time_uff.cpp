@@ -75,9 +75,9 @@ Side side_of(const UffFunction& function, const std::string& name, const TimeOpt
   return function.ordinate.type == 13 || function.ordinate.type == 9 ? Side::input : Side::output;
 }
 
-class Collector {
+class RecordCollector {
  public:
-  Collector(const Uff& uff, const std::string& name, const TimeOptions& options)
+  RecordCollector(const Uff& uff, const std::string& name, const TimeOptions& options)
       : uff_(uff), name_(name), options_(options), names_(uff.functions) {}
 
   TimeFile file() {
@@ -264,7 +264,7 @@ UffAxis ordinate_of(const modal::MeasuredChannel& channel, Side side) {
 TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
                         const TimeOptions& options) {
   const Uff uff = parse_uff(bytes, name, options.limit_bytes);
-  return Collector(uff, name, options).file();
+  return RecordCollector(uff, name, options).file();
 }
 
 std::string time_uff(const identification::TimeData& data, UffEncoding encoding) {

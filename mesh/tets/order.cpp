@@ -35,12 +35,12 @@ Eigen::MatrixXd edge_lattice(int corners, int order, int nodes,
 }
 
 // Only the corners of the tetrahedra, in their old order.
-struct Corners {
+struct CornerNodes {
   std::vector<std::int32_t> old;  // row -> row of mesh.points
   Cells tets, faces;              // T x 4, F x 3, in the new rows
 };
 
-Corners corners_of(const TetMesh& mesh) {
+CornerNodes corner_nodes(const TetMesh& mesh) {
   const auto n = static_cast<std::int32_t>(mesh.points.rows());
   std::vector<std::int32_t> fresh(static_cast<std::size_t>(n), -1);
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
@@ -51,7 +51,7 @@ Corners corners_of(const TetMesh& mesh) {
       fresh[static_cast<std::size_t>(p)] = 0;
     }
   }
-  Corners result;
+  CornerNodes result;
   for (std::int32_t p = 0; p < n; ++p) {
     if (fresh[static_cast<std::size_t>(p)] < 0) continue;
     fresh[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(result.old.size());
@@ -199,7 +199,7 @@ Eigen::MatrixXi tet_face_nodes(int order) {
 
 TetMesh with_order(const TetMesh& mesh, int order) {
   require_order(order);
-  const Corners corners = corners_of(mesh);
+  const CornerNodes corners = corner_nodes(mesh);
   TetMesh result;
   result.region = mesh.region;
   result.face_patch = mesh.face_patch;

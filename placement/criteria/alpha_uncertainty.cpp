@@ -1,11 +1,12 @@
 #include "placement/criteria.h"
+#include "placement/criteria/for_people.h"
 
 namespace chladni::placement {
 namespace {
 
-Eigen::MatrixXd score(const PairView& view) { return alpha_deviation(view).cwiseInverse(); }
-
-double percent(double score) { return 100.0 / score; }
+Eigen::MatrixXd alpha_uncertainty_score(const PairView& view) {
+  return alpha_deviation(view).cwiseInverse();
+}
 
 }  // namespace
 
@@ -17,8 +18,8 @@ constinit const Criterion alpha_uncertainty{
         "noise of both and the error of their places: standard deviation of the worst mode",
     .source = "Cramer-Rao bound of (5.5)",
     .unit = "%",
-    .score = score,
-    .for_people = percent,
+    .score = alpha_uncertainty_score,
+    .for_people = deviation_percent,
 };
 
 }  // namespace chladni::placement

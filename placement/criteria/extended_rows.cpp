@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "placement/criteria.h"
+#include "placement/criteria/for_people.h"
 
 namespace chladni::placement {
 namespace {
@@ -19,7 +20,7 @@ AtActuators at_actuators(const PairView& view, Eigen::Index g) {
   return {view.actuators.middleCols(first, size).squaredNorm() / entries, noise};
 }
 
-Eigen::MatrixXd score(const PairView& view) {
+Eigen::MatrixXd extended_rows_score(const PairView& view) {
   Eigen::MatrixXd error = alpha_deviation(view);
   for (Eigen::Index g = 0; g < error.cols(); ++g) {
     const auto [signal, noise] = at_actuators(view, g);
@@ -29,8 +30,6 @@ Eigen::MatrixXd score(const PairView& view) {
   }
   return error.cwiseInverse();
 }
-
-double percent(double score) { return 100.0 / score; }
 
 }  // namespace
 
@@ -42,8 +41,8 @@ constinit const Criterion extended_rows{
         "that scales them, and their own; of the worst mode",
     .source = "(5.2) to (5.5), first order",
     .unit = "%",
-    .score = score,
-    .for_people = percent,
+    .score = extended_rows_score,
+    .for_people = deviation_percent,
 };
 
 }  // namespace chladni::placement

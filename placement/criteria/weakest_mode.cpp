@@ -1,15 +1,14 @@
 #include "placement/criteria.h"
+#include "placement/criteria/for_people.h"
 
 namespace chladni::placement {
 namespace {
 
-Eigen::MatrixXd score(const PairView& view) {
+Eigen::MatrixXd weakest_mode_score(const PairView& view) {
   const Eigen::MatrixXd ones =
       Eigen::MatrixXd::Ones(view.present.rows() + view.site_count(), view.group_count());
   return visibility(view, ones) * view.largest.cwiseInverse().asDiagonal();
 }
-
-double itself(double score) { return score; }
 
 }  // namespace
 
@@ -21,8 +20,8 @@ constinit const Criterion weakest_mode{
         "that cannot be told apart by the norm over all of them",
     .source = "thesis (5.10)",
     .unit = "1",
-    .score = score,
-    .for_people = itself,
+    .score = weakest_mode_score,
+    .for_people = unchanged,
 };
 
 }  // namespace chladni::placement

@@ -10,10 +10,10 @@
 namespace chladni::placement {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoPrediction = std::numeric_limits<double>::quiet_NaN();
 
 double alpha_percent(const LayoutView& view) {
-  if (view.pairs.empty()) return kNone;
+  if (view.pairs.empty()) return kNoPrediction;
   PairView pairs;
   pairs.groups = view.groups;
   const auto count = static_cast<Eigen::Index>(view.pairs.size());
@@ -38,12 +38,12 @@ Eigen::VectorXd errors(const LayoutView& view) {
 
 double mean_error(const LayoutView& view) {
   const auto error = errors(view);
-  return error.size() == 0 ? kNone : error.mean();
+  return error.size() == 0 ? kNoPrediction : error.mean();
 }
 
 double worst_mode(const LayoutView& view) {
   const auto error = errors(view);
-  if (error.size() == 0) return kNone;
+  if (error.size() == 0) return kNoPrediction;
   double worst = 0.0;
   for (const auto& group : view.groups) {
     worst = std::max(worst, error.segment(group.first, group.size).mean());
@@ -54,7 +54,7 @@ double worst_mode(const LayoutView& view) {
 // Root mean square deviation over the wanted modes, at the place with the largest one.
 double worst_place(const LayoutView& view) {
   const auto all = samples(view);
-  if (all.rows.rows() == 0) return kNone;
+  if (all.rows.rows() == 0) return kNoPrediction;
   const Eigen::MatrixXd deviation =
       expected_deviation(view.prior, all.rows, all.noise, view.surface_all);
   return 100.0 * std::sqrt(deviation.cwiseAbs2().rowwise().mean().maxCoeff());
@@ -64,7 +64,7 @@ double worst_place(const LayoutView& view) {
 double frf_percent(const LayoutView& view) {
   const auto all = samples(view);
   if (view.interest_all.rows() == 0 || view.actuators.rows() == 0 || all.rows.rows() == 0) {
-    return kNone;
+    return kNoPrediction;
   }
   const Eigen::MatrixXd deviation =
       expected_deviation(view.prior, all.rows, all.noise, view.interest_all);
@@ -82,7 +82,7 @@ double frf_percent(const LayoutView& view) {
     missed += drive * scale * columns(deviation).squaredNorm();
     there += drive * columns(view.interest).squaredNorm();
   }
-  return there > 0.0 ? 100.0 * std::sqrt(missed / there) : kNone;
+  return there > 0.0 ? 100.0 * std::sqrt(missed / there) : kNoPrediction;
 }
 
 }  // namespace

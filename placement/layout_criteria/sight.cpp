@@ -9,7 +9,7 @@
 namespace chladni::placement {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
 
 // Smallest eigenvalue of ΦᵀΦ [1/kg] for one group at some channels. For lightly damped, separate
 // modes it equals that of the Gramian up to a factor of the mode.
@@ -21,7 +21,7 @@ double least(const Eigen::MatrixXd& shapes, const modal::ModeGroup& group) {
 }
 
 double weakest(const Eigen::MatrixXd& shapes, const LayoutView& view) {
-  if (shapes.rows() == 0) return kNone;
+  if (shapes.rows() == 0) return kUnseen;
   double weakest = std::numeric_limits<double>::infinity();
   for (const auto& group : view.groups) {
     const double average = static_cast<double>(shapes.rows()) * std::pow(view.rms(group.first), 2);
@@ -38,12 +38,12 @@ double driven(const LayoutView& view) { return weakest(view.actuators, view); }
 
 // Smallest Hankel singular value of a mode: half its peak of receptance, over all channels.
 double smallest_response(const LayoutView& view) {
-  if (view.sensors.rows() == 0 || view.actuators.rows() == 0) return kNone;
+  if (view.sensors.rows() == 0 || view.actuators.rows() == 0) return kUnseen;
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& group : view.groups) {
     const double omega = 2.0 * std::numbers::pi * view.frequency_hz(group.first);
     const double damping = view.damping_ratio(group.first);
-    if (!(damping > 0.0)) return kNone;
+    if (!(damping > 0.0)) return kUnseen;
     const double shapes = std::sqrt(least(view.sensors, group) * least(view.actuators, group));
     smallest = std::min(smallest, shapes / (4.0 * damping * omega * omega));
   }

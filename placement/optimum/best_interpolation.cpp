@@ -178,9 +178,9 @@ void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std:
 }
 
 // Exchange among some hundreds of candidates, then among the neighbours of the chosen sites.
-class Search {
+class ExchangeSearch {
  public:
-  explicit Search(const InterpolationProblem& problem)
+  explicit ExchangeSearch(const InterpolationProblem& problem)
       : problem_(problem), empty_(problem), all_(all_of(problem.rows.rows())) {
     is_large_ = problem.rows.rows() > 2 * Constants::coarse;
     coarse_ = is_large_ ? thinned(problem.position, Constants::coarse) : all_;
@@ -249,7 +249,7 @@ void check(const InterpolationProblem& problem) {
 Choice best_interpolation(const InterpolationProblem& problem,
                           const InterpolationOptions& options) {
   check(problem);
-  const Search search(problem);
+  const ExchangeSearch search(problem);
   std::mt19937 random(options.seed);
   Choice best;
   double lowest = std::numeric_limits<double>::infinity();

@@ -23,9 +23,9 @@ struct ByBound {
   bool operator()(const Node& a, const Node& b) const { return a.bound < b.bound; }
 };
 
-class Search {
+class BranchAndBound {
  public:
-  Search(const DeterminantProblem& problem, const DeterminantOptions& options, Choice& best)
+  BranchAndBound(const DeterminantProblem& problem, const DeterminantOptions& options, Choice& best)
       : problem_(problem), options_(options), best_(best) {}
 
   void run() {
@@ -164,7 +164,7 @@ class Search {
 }  // namespace
 
 void search(const DeterminantProblem& problem, const DeterminantOptions& options, Choice& best) {
-  Search(problem, options, best).run();
+  BranchAndBound(problem, options, best).run();
 }
 
 }  // namespace chladni::placement

@@ -6,13 +6,13 @@
 namespace chladni::priors {
 namespace {
 
-std::vector<Hyperparameter> parameters_of(Scales scales) {
+std::vector<Hyperparameter> cosine_parameters(Scales scales) {
   if (scales == Scales::isotropic) return {{"period", "m"}};
   return {{"period_x", "m"}, {"period_y", "m"}, {"period_z", "m"}};
 }
 
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void cosine_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                   const Eigen::VectorXd& parameters, KernelColumn& column) {
   const auto period = lengths(parameters, 0);
   std::array<Eigen::ArrayXd, 3> angle;
   std::array<Eigen::ArrayXd, 3> wave;
@@ -39,8 +39,8 @@ constinit const KernelFamily cosine_kernel{
     .source = "Bochner's theorem with all power at one frequency per axis",
     .is_stationary = true,
     .is_isotropic = false,
-    .parameters = parameters_of,
-    .evaluate = evaluate,
+    .parameters = cosine_parameters,
+    .evaluate = cosine_column,
 };
 
 }  // namespace chladni::priors

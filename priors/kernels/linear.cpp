@@ -3,8 +3,8 @@
 namespace chladni::priors {
 namespace {
 
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void linear_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                   const Eigen::VectorXd& parameters, KernelColumn& column) {
   const auto scale = lengths(parameters, 0);
   const Eigen::RowVector3d there = other.cwiseQuotient(scale.cwiseAbs2());
   column.value = 1.0 + (points * there.transpose()).array();
@@ -26,7 +26,7 @@ constinit const KernelFamily linear_kernel{
     .is_stationary = false,
     .is_isotropic = false,
     .parameters = length_scales,
-    .evaluate = evaluate,
+    .evaluate = linear_column,
 };
 
 }  // namespace chladni::priors

@@ -6,8 +6,8 @@
 namespace chladni::priors {
 namespace {
 
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void matern_5_2_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                       const Eigen::VectorXd& parameters, KernelColumn& column) {
   const auto scale = lengths(parameters, 0);
   const Eigen::ArrayXd s = scaled_square(points, other, scale);
   const Eigen::ArrayXd r = std::sqrt(5.0) * s.sqrt();
@@ -29,7 +29,7 @@ constinit const KernelFamily matern_5_2_kernel{
     .is_stationary = true,
     .is_isotropic = true,
     .parameters = length_scales,
-    .evaluate = evaluate,
+    .evaluate = matern_5_2_column,
 };
 
 }  // namespace chladni::priors

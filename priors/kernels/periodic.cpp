@@ -6,14 +6,14 @@
 namespace chladni::priors {
 namespace {
 
-std::vector<Hyperparameter> parameters_of(Scales scales) {
+std::vector<Hyperparameter> periodic_parameters(Scales scales) {
   if (scales == Scales::isotropic) return {{"period", "m"}, {"roughness", "1", 5e-2, 20.0}};
   return {{"period_x", "m"}, {"period_y", "m"}, {"period_z", "m"}, {"roughness", "1", 5e-2, 20.0}};
 }
 
 // k = exp(−2 Σ_a sin²(u_a) / q²), u_a = π (x_a − x'_a) / p_a: one factor per axis.
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void periodic_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                     const Eigen::VectorXd& parameters, KernelColumn& column) {
   const Eigen::Index last = parameters.size() - 1;
   const double factor = 2.0 / (parameters(last) * parameters(last));
   const auto period = lengths(parameters, 1);
@@ -42,8 +42,8 @@ constinit const KernelFamily periodic_kernel{
     .source = "MacKay 1998; Rasmussen and Williams 2006, (4.31)",
     .is_stationary = true,
     .is_isotropic = false,
-    .parameters = parameters_of,
-    .evaluate = evaluate,
+    .parameters = periodic_parameters,
+    .evaluate = periodic_column,
 };
 
 }  // namespace chladni::priors

@@ -4,14 +4,14 @@
 namespace chladni::priors {
 namespace {
 
-std::vector<Hyperparameter> parameters_of(Scales scales) {
+std::vector<Hyperparameter> rational_quadratic_parameters(Scales scales) {
   auto parameters = length_scales(scales);
   parameters.push_back({"alpha", "1", 1e-2, 1e3});
   return parameters;
 }
 
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void rational_quadratic_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                               const Eigen::VectorXd& parameters, KernelColumn& column) {
   const Eigen::Index last = parameters.size() - 1;
   const double alpha = parameters(last);
   const auto scale = lengths(parameters, 1);
@@ -35,8 +35,8 @@ constinit const KernelFamily rational_quadratic_kernel{
     .source = "Rasmussen and Williams 2006, (4.19)",
     .is_stationary = true,
     .is_isotropic = true,
-    .parameters = parameters_of,
-    .evaluate = evaluate,
+    .parameters = rational_quadratic_parameters,
+    .evaluate = rational_quadratic_column,
 };
 
 }  // namespace chladni::priors

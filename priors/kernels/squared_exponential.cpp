@@ -4,8 +4,8 @@
 namespace chladni::priors {
 namespace {
 
-void evaluate(const CoordinatesView& points, const Eigen::RowVector3d& other,
-              const Eigen::VectorXd& parameters, KernelColumn& column) {
+void squared_exponential_column(const CoordinatesView& points, const Eigen::RowVector3d& other,
+                                const Eigen::VectorXd& parameters, KernelColumn& column) {
   const auto scale = lengths(parameters, 0);
   const Eigen::ArrayXd s = scaled_square(points, other, scale);
   column.value = -0.5 * s;
@@ -25,7 +25,7 @@ constinit const KernelFamily squared_exponential_kernel{
     .is_stationary = true,
     .is_isotropic = true,
     .parameters = length_scales,
-    .evaluate = evaluate,
+    .evaluate = squared_exponential_column,
 };
 
 }  // namespace chladni::priors

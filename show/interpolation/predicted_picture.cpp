@@ -12,7 +12,7 @@
 namespace chladni::show {
 namespace {
 
-constexpr std::size_t kMostPanels = 24;
+constexpr std::size_t kMostRows = 24;
 constexpr int kBlue = 1, kGrey = 6;
 
 Eigen::VectorXd deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
@@ -84,7 +84,7 @@ void draw_predictions(const steps::IdentifiedModel& model, const modal::FrfSet& 
     const auto row =
         steps::index_of(measured.outputs, predicted.outputs[static_cast<std::size_t>(i)].name);
     for (Eigen::Index j = 0; j < predicted.input_count(); ++j) {
-      if (plot.panels.size() == kMostPanels) break;
+      if (plot.panels.size() == kMostRows) break;
       plot.panels.push_back(panel_of(predicted, i, j, measured, row));
     }
   }

@@ -22,6 +22,9 @@ inline constexpr auto kOtherChart =
 /// unit a bare number.
 [[nodiscard]] std::string written(double value, std::string_view unit);
 
+/// "[0, 0, 1]" as a study writes it; what is below rounding is 0.
+[[nodiscard]] std::string direction_text(const Eigen::Vector3d& direction);
+
 /// "z", or the normal of the chart as three numbers.
 [[nodiscard]] std::string normal(const Extension& by);
 

@@ -14,10 +14,6 @@
 namespace chladni::steps {
 namespace {
 
-std::string vector(const Eigen::Vector3d& v) {
-  return fmt::format("[{}, {}, {}]", digits(v(0)), digits(v(1)), digits(v(2)));
-}
-
 std::string unused_name(const study::Study& study, const std::string& wanted) {
   const auto taken = [&](const std::string& name) {
     return std::any_of(study.attachments.begin(), study.attachments.end(),
@@ -60,7 +56,7 @@ std::string resonator(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 2> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 2> kAttachmentEntries{
     {{"mass_with_inertia", mass_with_inertia}, {"resonator", resonator}}};
 
 }  // namespace
@@ -72,9 +68,14 @@ std::string written(double value, std::string_view unit) {
   return study::toml_text(digits(value) + " " + std::string(unit));
 }
 
+std::string direction_text(const Eigen::Vector3d& direction) {
+  const auto shown = [](double x) { return digits(std::abs(x) < 1e-12 ? 0.0 : x); };
+  return fmt::format("[{}, {}, {}]", shown(direction(0)), shown(direction(1)), shown(direction(2)));
+}
+
 std::string normal(const Extension& by) {
   if (looks_down(by)) return study::toml_text("z");
-  return vector(by.chart.axis_u.cross(by.chart.axis_v));
+  return direction_text(by.chart.axis_u.cross(by.chart.axis_v));
 }
 
 void append_attachment(const Extension& by, const std::string& at, const std::string& kind,
@@ -87,7 +88,7 @@ void append_attachment(const Extension& by, const std::string& at, const std::st
 }
 
 Extend extend_attachments(std::string_view effect) {
-  for (const auto& [name, how] : kTable) {
+  for (const auto& [name, how] : kAttachmentEntries) {
     if (name == effect) return how;
   }
   return nullptr;

@@ -110,13 +110,13 @@ std::string orthotropy(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 3> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 3> kBodyEntries{
     {{"thickness", thickness}, {"size_error", size_error}, {"orthotropy", orthotropy}}};
 
 }  // namespace
 
 Extend extend_body(std::string_view effect) {
-  for (const auto& [name, how] : kTable) {
+  for (const auto& [name, how] : kBodyEntries) {
     if (name == effect) return how;
   }
   return nullptr;

@@ -18,16 +18,11 @@ std::string written(const Extension& by, const study::TomlNode& table, const std
   return value == nullptr ? std::string() : std::string(by.edit.written(*value));
 }
 
-std::string vector(const Eigen::Vector3d& v) {
-  const auto shown = [](double x) { return digits(std::abs(x) < 1e-12 ? 0.0 : x); };
-  return fmt::format("[{}, {}, {}]", shown(v(0)), shown(v(1)), shown(v(2)));
-}
-
 template <Side side>
 std::string sign(const Extension& by) {
   const auto found = only_channel(by, side);
   const auto* direction = study::member(found.table, "direction");
-  std::string turned = vector(-found.channel.direction);
+  std::string turned = direction_text(-found.channel.direction);
   if (direction != nullptr && direction->kind == study::TomlNode::Kind::text) {
     const auto& text = direction->text;
     turned = study::toml_text(
@@ -42,7 +37,7 @@ std::string tilt(const Extension& by) {
   const auto found = only_channel(by, side);
   const Eigen::Vector3d tilted = found.channel.direction + by.number("toward_u") * by.chart.axis_u +
                                  by.number("toward_v") * by.chart.axis_v;
-  set_key(by, found, "direction", vector(tilted.normalized()));
+  set_key(by, found, "direction", direction_text(tilted.normalized()));
   return {};
 }
 
@@ -179,7 +174,7 @@ std::string unit(const Extension& by) {
   return {};
 }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 12> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 12> kChannelEntries{
     {{"sensor_sign", sign<Side::sensors>},
      {"actuator_sign", sign<Side::actuators>},
      {"swapped_sensors", swap<Side::sensors>},
@@ -225,7 +220,7 @@ void set_key(const Extension& by, const ChannelTable& of, const std::string& key
 }
 
 Extend extend_channels(std::string_view effect) {
-  for (const auto& [name, how] : kTable) {
+  for (const auto& [name, how] : kChannelEntries) {
     if (name == effect) return how;
   }
   return nullptr;

@@ -29,13 +29,13 @@ std::string along_v(const Extension& by) {
 }
 std::string shear(const Extension& by) { return scale_one(by, "shear_modulus", 2); }
 
-constexpr std::array<std::pair<std::string_view, Extend>, 3> kTable{
+constexpr std::array<std::pair<std::string_view, Extend>, 3> kConstantEntries{
     {{"stiffness_along_u", along_u}, {"stiffness_along_v", along_v}, {"shear_stiffness", shear}}};
 
 }  // namespace
 
 Extend extend_constants(std::string_view effect) {
-  for (const auto& [name, how] : kTable) {
+  for (const auto& [name, how] : kConstantEntries) {
     if (name == effect) return how;
   }
   return nullptr;

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr int kNone = -1;
+constexpr int kNoClass = -1;
 
 }  // namespace
 
@@ -53,13 +53,13 @@ std::vector<BodyError> body_errors(const Structure& structure, const Tolerances&
   whole.density = tolerances.density;
   whole.orthotropy = tolerances.orthotropy;
   whole.mass = tolerances.mass;
-  for (const auto& deviation : deviations(structure, whole, 0.0)) add(deviation, kNone, 1.0);
+  for (const auto& deviation : deviations(structure, whole, 0.0)) add(deviation, kNoClass, 1.0);
   Tolerances waves = no_tolerances();
   waves.thickness = tolerances.thickness;
   bool is_first = true;  // the uniform thickness comes before its waves
   for (const auto& deviation : deviations(structure, waves, 0.0)) {
     if (!is_first || uniform_thickness) {
-      add(deviation, is_first ? kNone : static_cast<int>(ErrorClass::field),
+      add(deviation, is_first ? kNoClass : static_cast<int>(ErrorClass::field),
           is_first ? 1.0 : waves.thickness);
     }
     is_first = false;
