@@ -33,7 +33,7 @@ modal::ReducedModel beam() {
                                        places(kSensors), places(kCoils), 5);
 }
 
-modal::FrfSet measured() {
+modal::FrfSet suspended_responses() {
   const auto frf = modal::frf(beam(), Eigen::VectorXd::LinSpaced(997, 1.0, 250.0));
   modal::FrfSet set;
   for (const int i : kSensors) {
@@ -68,7 +68,7 @@ class IdentifySuspended : public testing::Test {
     const std::string table = "[identification]\n";
     text.insert(text.find(table) + table.size(), keys);
     const study::Study study = study::parse_study(text, folder_.path() / "study.toml", {});
-    (void)io::write_frf(folder_.path() / "thesis_5x5.csv", measured());
+    (void)io::write_frf(folder_.path() / "thesis_5x5.csv", suspended_responses());
     QuietRun quiet(study, folder_.path() / "out");
     identify_command.run(study, quiet.run());
     return io::parse_json(read_whole(folder_.path() / "out/identified.json"));

@@ -14,13 +14,13 @@
 namespace chladni::fem {
 namespace {
 
-const std::vector<Material> kAluminium{isotropic(70e9, 0.33, 2700.0)};
+const std::vector<Material> kPlateMaterials{isotropic(70e9, 0.33, 2700.0)};
 
 class FieldMatricesOf : public ::testing::TestWithParam<int> {
  protected:
   mesh::TetMesh body_ = mesh::with_order(
       mesh::layered(mesh::Plate{0.3, 0.2, 0.02}, GetParam() == 3 ? 0.1 : 0.05, 1), GetParam());
-  System system_ = assemble(body_, kAluminium);
+  System system_ = assemble(body_, kPlateMaterials);
   modal::Modes modes_ = modes(system_, {.count = 5, .certificate = false}).modes;
   Eigen::MatrixXd shapes_ = on_nodes(system_.dofs, modes_.shapes);
 
@@ -36,7 +36,7 @@ class FieldMatricesOf : public ::testing::TestWithParam<int> {
 };
 
 TEST_P(FieldMatricesOf, OnesGiveTheEigenvaluesAndTheIdentity) {
-  const auto found = field_matrices(body_, kAluminium, shapes_, field(1, 1), field(1, 1));
+  const auto found = field_matrices(body_, kPlateMaterials, shapes_, field(1, 1), field(1, 1));
   const Eigen::VectorXd lambda = (2.0 * std::numbers::pi * modes_.frequency_hz).cwiseAbs2();
   const double scale = lambda.maxCoeff();
   EXPECT_LT((found.stiffness[0] - Eigen::MatrixXd(lambda.asDiagonal())).cwiseAbs().maxCoeff(),
@@ -47,7 +47,7 @@ TEST_P(FieldMatricesOf, OnesGiveTheEigenvaluesAndTheIdentity) {
 TEST_P(FieldMatricesOf, HalvesAddUpToTheWhole) {
   Eigen::MatrixXd fields(body_.tet_count(), 3);
   fields << field(1, 0), field(0, 1), field(1, 1);
-  const auto found = field_matrices(body_, kAluminium, shapes_, fields, fields);
+  const auto found = field_matrices(body_, kPlateMaterials, shapes_, fields, fields);
   EXPECT_TRUE((found.stiffness[0] + found.stiffness[1]).isApprox(found.stiffness[2], 1e-12));
   EXPECT_TRUE((found.mass[0] + found.mass[1]).isApprox(found.mass[2], 1e-12));
 }
@@ -62,7 +62,7 @@ TEST_P(FieldMatricesOf, PredictWhatAnotherMaterialDoes) {
   const auto changed = assemble(
       parts, {isotropic(70e9, 0.33, 2700.0), isotropic(70e9 * (1 + change), 0.33, 2700.0)});
   const auto after = modes(changed, {.count = 5, .certificate = false}).modes;
-  const auto found = field_matrices(body_, kAluminium, shapes_, right, right);
+  const auto found = field_matrices(body_, kPlateMaterials, shapes_, right, right);
   for (Eigen::Index i = 6; i < 10; ++i) {
     const double before = std::pow(2.0 * std::numbers::pi * modes_.frequency_hz(i), 2);
     const double now = std::pow(2.0 * std::numbers::pi * after.frequency_hz(i), 2);
@@ -72,9 +72,9 @@ TEST_P(FieldMatricesOf, PredictWhatAnotherMaterialDoes) {
 
 TEST_P(FieldMatricesOf, DoNotDependOnTheNumberOfThreads) {
   const int threads = thread_count();
-  const auto all = field_matrices(body_, kAluminium, shapes_, field(1, 2), field(2, 1));
+  const auto all = field_matrices(body_, kPlateMaterials, shapes_, field(1, 2), field(2, 1));
   set_thread_count(1);
-  const auto one = field_matrices(body_, kAluminium, shapes_, field(1, 2), field(2, 1));
+  const auto one = field_matrices(body_, kPlateMaterials, shapes_, field(1, 2), field(2, 1));
   set_thread_count(threads);
   EXPECT_EQ(all.stiffness[0], one.stiffness[0]);
   EXPECT_EQ(all.mass[0], one.mass[0]);
@@ -86,8 +86,10 @@ TEST(FieldMatrices, RefuseAFieldOfAnotherMesh) {
   const auto body = mesh::layered(mesh::Plate{0.3, 0.2, 0.02}, 0.1, 1);
   const Eigen::MatrixXd shapes = Eigen::MatrixXd::Zero(3 * body.node_count(), 2);
   const Eigen::MatrixXd good = Eigen::MatrixXd::Ones(body.tet_count(), 1);
-  EXPECT_THROW((void)field_matrices(body, kAluminium, shapes, good.topRows(3), good), InvalidInput);
-  EXPECT_THROW((void)field_matrices(body, kAluminium, shapes.topRows(6), good, good), InvalidInput);
+  EXPECT_THROW((void)field_matrices(body, kPlateMaterials, shapes, good.topRows(3), good),
+               InvalidInput);
+  EXPECT_THROW((void)field_matrices(body, kPlateMaterials, shapes.topRows(6), good, good),
+               InvalidInput);
 }
 
 }  // namespace

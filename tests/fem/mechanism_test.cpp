@@ -44,7 +44,7 @@ mesh::TetMesh two_blocks(const Eigen::RowVector3d& by, int order) {
 }
 
 template <typename Failure>
-std::string refusal(const std::function<void()>& call) {
+std::string mechanism_refusal(const std::function<void()>& call) {
   try {
     call();
   } catch (const Failure& failure) {
@@ -57,22 +57,22 @@ void expect_words(const std::string& text, const std::string& words) {
   EXPECT_NE(text.find(words), std::string::npos) << "\"" << words << "\" in \"" << text << "\"";
 }
 
-struct Case {
+struct Joint {
   Eigen::RowVector3d by;
   int order;
   const char* joint;
 };
 
-class MechanismOf : public ::testing::TestWithParam<Case> {};
+class MechanismOf : public ::testing::TestWithParam<Joint> {};
 
 TEST_P(MechanismOf, TwoBlocksIsRefusedByCheckAndByModes) {
   const auto body = two_blocks(GetParam().by, GetParam().order);
-  expect_words(refusal<InvalidInput>([&] { mesh::check(body); }), GetParam().joint);
+  expect_words(mechanism_refusal<InvalidInput>([&] { mesh::check(body); }), GetParam().joint);
   // Who leaves the check out is told by the modes themselves.
   const auto system = assemble(body, {isotropic(70e9, 0.33, 2700.0)});
   ASSERT_EQ(system.rigid.cols(), 6);
   for (const bool certificate : {true, false}) {
-    const auto text = refusal<NumericalFailure>(
+    const auto text = mechanism_refusal<NumericalFailure>(
         [&] { (void)modes(system, {.count = 5, .certificate = certificate}); });
     expect_words(text, "beside the 6 rigid-body motions there is one that costs no energy");
     expect_words(text, "largest at (");
@@ -81,9 +81,9 @@ TEST_P(MechanismOf, TwoBlocksIsRefusedByCheckAndByModes) {
 
 INSTANTIATE_TEST_SUITE_P(
     Fem, MechanismOf,
-    ::testing::Values(Case{{0.1, 0.1, 0.0}, 1, "along the edge from (50, 50, "},
-                      Case{{0.1, 0.1, 0.0}, 2, "along the edge from (50, 50, "},
-                      Case{{0.1, 0.1, 0.1}, 2, "at the node at (50, 50, 0) mm"}));
+    ::testing::Values(Joint{{0.1, 0.1, 0.0}, 1, "along the edge from (50, 50, "},
+                      Joint{{0.1, 0.1, 0.0}, 2, "along the edge from (50, 50, "},
+                      Joint{{0.1, 0.1, 0.1}, 2, "at the node at (50, 50, 0) mm"}));
 
 // By a face they are one body.
 TEST(Mechanism, IsNoneWhereTheBlocksShareAFace) {
@@ -121,7 +121,7 @@ TEST(Mechanism, OfTwoChainsIsRefused) {
   for (const int n : {10, 40, 200}) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
       for (const bool certificate : {true, false}) {
-        const auto text = refusal<NumericalFailure>([&] {
+        const auto text = mechanism_refusal<NumericalFailure>([&] {
           (void)modes(chains(2, n), {.count = 5, .certificate = certificate, .seed = seed});
         });
         expect_words(text, "beside the 1 rigid-body motions there is one that costs no energy");
@@ -135,14 +135,14 @@ TEST(Modes, RefuseAStiffnessThatGivesEnergy) {
   auto system = chains(1, 40);
   system.stiffness.coeffRef(20, 20) -= 1e2;
   system.rigid.resize(40, 0);
-  expect_words(refusal<NumericalFailure>([&] { (void)modes(system, {.count = 3}); }),
+  expect_words(mechanism_refusal<NumericalFailure>([&] { (void)modes(system, {.count = 3}); }),
                "the stiffness matrix is not positive semidefinite");
 }
 
 TEST(Modes, RefuseARigidMotionThatIsNone) {
   auto system = chains(1, 40);
   system.stiffness.coeffRef(20, 20) += 1e4;
-  expect_words(refusal<NumericalFailure>([&] { (void)modes(system, {.count = 3}); }),
+  expect_words(mechanism_refusal<NumericalFailure>([&] { (void)modes(system, {.count = 3}); }),
                "rigid-body motion 1 solves its equation only to");
 }
 
@@ -189,12 +189,13 @@ TEST(Assemble, RefusesACellThatIsInvertedWhereItIsIntegrated) {
   const std::vector<Material> steel{isotropic(210e9, 0.3, 7850.0)};
   auto straight = sound;
   for (const int a : {0}) std::swap(straight.tets(3, a), straight.tets(3, a + 1));
-  expect_words(refusal<InvalidInput>([&] { (void)assemble(straight, steel); }), "tetrahedron ");
+  expect_words(mechanism_refusal<InvalidInput>([&] { (void)assemble(straight, steel); }),
+               "tetrahedron ");
   auto curved = sound;
   const Eigen::RowVector3d a = curved.points.row(curved.tets(5, 0));
   const Eigen::RowVector3d b = curved.points.row(curved.tets(5, 1));
   curved.points.row(curved.tets(5, 4)) = b + 1.5 * (b - a);
-  const auto text = refusal<InvalidInput>([&] { (void)assemble(curved, steel); });
+  const auto text = mechanism_refusal<InvalidInput>([&] { (void)assemble(curved, steel); });
   expect_words(text, "is inverted or flat: its mapping has the determinant -");
   expect_words(text, " mm ");
 }

@@ -17,7 +17,7 @@
 namespace chladni::fem {
 namespace {
 
-Eigen::MatrixXd dense(const SparseMatrix& lower) {
+Eigen::MatrixXd full_matrix(const SparseMatrix& lower) {
   return Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>();
 }
 
@@ -42,8 +42,9 @@ struct Structure {
   }
   [[nodiscard]] Eigen::MatrixXcd direct(double frequency_hz) const {
     const std::complex<double> s(0.0, 2.0 * std::numbers::pi * frequency_hz);
-    const Eigen::MatrixXcd dynamic = dense(system.stiffness).cast<std::complex<double>>() +
-                                     s * dense(system.damping) + s * s * dense(system.mass);
+    const Eigen::MatrixXcd dynamic = full_matrix(system.stiffness).cast<std::complex<double>>() +
+                                     s * full_matrix(system.damping) +
+                                     s * s * full_matrix(system.mass);
     const Eigen::MatrixXd b(channels);
     return b.transpose() * dynamic.partialPivLu().solve(b.cast<std::complex<double>>());
   }
@@ -64,7 +65,7 @@ Structure structure(bool held) {
   Structure result;
   result.system = assemble(body, {isotropic(70e9, 0.33, 2700.0)}, supports, attachments);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      dense(result.system.stiffness), dense(result.system.mass));
+      full_matrix(result.system.stiffness), full_matrix(result.system.mass));
   result.eigenvalues = solver.eigenvalues();
   result.shapes = solver.eigenvectors();
   result.rigid_count = held ? 0 : 6;

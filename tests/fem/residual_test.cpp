@@ -15,7 +15,7 @@
 namespace chladni::fem {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // ---- What the residual sees.
 
@@ -32,7 +32,7 @@ class ResidualOfAPlate : public ::testing::Test {
                {isotropic(70e9, 0.33, 2700.0)});
   ModesResult found_ = modes(system_, {.count = 6});
   Eigen::MatrixXd shapes_ = found_.modes.shapes.rightCols(6);
-  Eigen::VectorXd lambda_ = (kTwoPi * found_.modes.frequency_hz.tail(6)).array().square();
+  Eigen::VectorXd lambda_ = (kTurn * found_.modes.frequency_hz.tail(6)).array().square();
   double s_ = lambda_(0);
   Symbolic symbolic_{system_.stiffness};
   Factorization factor_{symbolic_, system_.stiffness, s_, system_.mass};
@@ -135,7 +135,7 @@ Eigen::VectorXd of_a_rigid_block(const std::vector<Spring>& all) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(root * stiffness * root)
              .eigenvalues()
              .cwiseSqrt() /
-         kTwoPi;
+         kTurn;
 }
 
 class SoftSuspension : public ::testing::TestWithParam<double> {};

@@ -24,7 +24,7 @@ struct Matched {
   GainMatch match;
 };
 
-Matched beam() {
+Matched sensed_beam() {
   FrfFaults faults;
   faults.delay_s = 3e-4;
   auto made = simulators::beam5x5(faults);
@@ -41,7 +41,7 @@ PlacesOfInterest sensors_of(const Matched& one) {
 }
 
 TEST(SpatioTemporal, GivesTheSensorsOwnResponsesBack) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   const auto& lines = one.made.measured.frequency_hz;
   const auto found = predicted(one.fit, one.match, sensors_of(one), lines);
   for (std::size_t k = 0; k < found.value.size(); k += 7) {
@@ -50,7 +50,7 @@ TEST(SpatioTemporal, GivesTheSensorsOwnResponsesBack) {
 }
 
 TEST(SpatioTemporal, IsTheStateSpaceThatItExports) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   const auto interest = sensors_of(one);
   const Eigen::VectorXd lines = Eigen::Vector3d(3.0, 33.0, 80.0);
   const auto responses = modal::frf(model_at(one.fit, one.match, interest), lines);
@@ -65,7 +65,7 @@ TEST(SpatioTemporal, IsTheStateSpaceThatItExports) {
 
 // What is not known of one place is no more known of its responses, and of no other's.
 TEST(SpatioTemporal, ADeviationThatIsNotKnownStaysUnknown) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   const auto& lines = one.made.measured.frequency_hz;
   const auto known = predicted(one.fit, one.match, sensors_of(one), lines);
   for (const double unknown : {std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -88,7 +88,7 @@ TEST(SpatioTemporal, ADeviationThatIsNotKnownStaysUnknown) {
 
 // The deviation is the root mean square of draws of poles, input vectors and shapes.
 TEST(SpatioTemporal, SaysHowFarDrawsScatter) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   auto interest = sensors_of(one);
   interest.deviation = 0.003 * interest.shapes.cwiseAbs();
   const Eigen::VectorXd lines = (Eigen::VectorXd(4) << 4.0, 20.0, 32.6, 109.0).finished();
@@ -125,7 +125,7 @@ TEST(SpatioTemporal, SaysHowFarDrawsScatter) {
 }
 
 TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   auto data = fit_data(modal::part(one.made.measured, {3}, {0, 1, 2, 3, 4}));
   const auto noisy = fitted_row(one.fit, one.match, data);
   const Eigen::RowVectorXd truth = one.match.shapes.row(3);
@@ -136,7 +136,7 @@ TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {
 }
 
 TEST(SpatioTemporal, RefusesWhatDoesNotFit) {
-  const auto one = beam();
+  const auto one = sensed_beam();
   auto interest = sensors_of(one);
   interest.shapes.conservativeResize(5, 4);
   EXPECT_THROW((void)predicted(one.fit, one.match, interest, Eigen::VectorXd::Ones(1)),
@@ -144,7 +144,7 @@ TEST(SpatioTemporal, RefusesWhatDoesNotFit) {
 }
 
 TEST(SpatioTemporal, RefusesComplexShapesWithoutImaginaryParts) {
-  auto one = beam();
+  auto one = sensed_beam();
   one.fit.complex.emplace();
   EXPECT_THROW((void)predicted(one.fit, one.match, sensors_of(one), Eigen::VectorXd::Ones(1)),
                InvalidInput);

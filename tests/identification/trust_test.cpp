@@ -15,7 +15,7 @@ namespace {
 
 using simulators::FrfFaults;
 
-modal::FrfSet beam(const FrfFaults& faults) {
+modal::FrfSet trusted_beam(const FrfFaults& faults) {
   return part(simulators::beam5x3(faults), {0, 1, 4}, {0, 1}).measured;
 }
 
@@ -54,7 +54,7 @@ TEST(Trust, NeverDoubtsASoundFit) {
     faults.seed = seed;
     faults.relative_noise = seed % 2 == 0 ? 0.01 : 0.1;
     faults.floor_noise = seed % 3 == 0 ? 0.3 : 0.0;
-    const auto set = beam(faults);
+    const auto set = trusted_beam(faults);
     const auto known = judgement_of(set, true);
     EXPECT_EQ(known.trust, Trust::to_noise) << seed << ": " << told(known);
     EXPECT_TRUE(known.outlying.empty()) << seed;
@@ -69,10 +69,10 @@ TEST(Trust, SaysThatWhatIsLeftIsMoreThanNoise) {
   FrfFaults faults;
   faults.dashpot = 0.1;  // complex modes; at 0.3 the kernel of the BLAS decides how bad it is
   faults.relative_noise = 1e-3;
-  const auto real = judgement_of(beam(faults), true);
+  const auto real = judgement_of(trusted_beam(faults), true);
   EXPECT_EQ(real.trust, Trust::systematic) << told(real);
   EXPECT_GT(real.level, 2.0);
-  const auto complex = judgement_of(beam(faults), true, Damping::general);
+  const auto complex = judgement_of(trusted_beam(faults), true, Damping::general);
   EXPECT_EQ(complex.trust, Trust::to_noise) << told(complex);
 }
 
@@ -84,7 +84,7 @@ TEST(Trust, RefusesWhatOneCellDecides) {
       for (const bool stated : {true, false}) {
         FrfFaults faults;
         faults.seed = seed;
-        auto set = beam(faults);
+        auto set = trusted_beam(faults);
         const std::size_t line = 150 + 100 * seed;
         set.value[line](1, 1) = size;
         try {
@@ -112,7 +112,7 @@ TEST(Trust, RefusesAModeThatOneValueIs) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     FrfFaults faults;
     faults.seed = seed;
-    auto set = beam(faults);
+    auto set = trusted_beam(faults);
     set.value[600](2, 0) *= 1.3;
     const auto found = judgement_of(set, true);
     EXPECT_EQ(found.trust, Trust::none) << seed << ": " << told(found);
@@ -126,7 +126,7 @@ TEST(Trust, NamesAValueThatIsOffAndKeepsTheFit) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     FrfFaults faults;
     faults.seed = seed;
-    auto set = beam(faults);
+    auto set = trusted_beam(faults);
     set.value[600](2, 0) *= 1.3;  // thirty deviations, between two resonances
     const auto found = judgement_of(set, true, Damping::modal, 5);
     EXPECT_NE(found.trust, Trust::none) << seed << ": " << told(found);
@@ -143,7 +143,7 @@ TEST(Trust, NamesALineThatIsShifted) {
     for (const bool stated : {true, false}) {
       FrfFaults faults;
       faults.seed = seed;
-      auto set = beam(faults);
+      auto set = trusted_beam(faults);
       const std::size_t line = 200 + 90 * seed;
       auto& value = set.value[line];
       const Eigen::MatrixXcd before = value;
@@ -161,7 +161,7 @@ TEST(Trust, NamesALineThatIsShifted) {
 }
 
 TEST(Trust, RefusesResponsesThatAreAllOne) {
-  auto set = beam({});
+  auto set = trusted_beam({});
   for (auto& line : set.value) line.setOnes();
   for (auto& output : set.outputs) output.kind = modal::FrfKind::accelerance;
   try {

@@ -16,7 +16,7 @@
 namespace chladni::identification {
 namespace {
 
-simulators::FrfCase small_beam() { return part(simulators::beam5x3(), {0, 1, 4}, {0, 2}); }
+simulators::FrfCase unsound_beam() { return part(simulators::beam5x3(), {0, 1, 4}, {0, 2}); }
 
 // Two ends are allowed: numbers, or words.
 void expect_numbers_or_words(const modal::FrfSet& set, const std::string& what) {
@@ -42,7 +42,7 @@ void expect_numbers_or_words(const modal::FrfSet& set, const std::string& what) 
 TEST(UnsoundData, OneCellOfAnySizeIsNumbersOrNamed) {
   for (const bool stated : {true, false}) {
     for (const double size : {1e12, 1e30, 1e60, 1e75, 1e150, 1e200, 1e300, 1e308}) {
-      auto set = small_beam().measured;
+      auto set = unsound_beam().measured;
       if (!stated) set.variance.clear();
       set.value[100](1, 1) = size;
       if (size <= 1e70) {
@@ -65,7 +65,7 @@ TEST(UnsoundData, OneCellOfAnySizeIsNumbersOrNamed) {
 
 TEST(UnsoundData, ResponsesWithoutStructureAreNumbersOrWords) {
   const auto all = [](double value) {
-    auto set = small_beam().measured;
+    auto set = unsound_beam().measured;
     set.variance.clear();
     for (auto& line : set.value) line.setConstant(value);
     return set;
@@ -79,16 +79,16 @@ TEST(UnsoundData, ResponsesWithoutStructureAreNumbersOrWords) {
   auto alternating = all(1.0);
   for (std::size_t k = 0; k < alternating.value.size(); k += 2) alternating.value[k] *= -1.0;
   expect_numbers_or_words(alternating, "of either sign in turns");
-  auto quiet = small_beam().measured;
+  auto quiet = unsound_beam().measured;
   for (auto& line : quiet.variance) line.setZero();
   expect_numbers_or_words(quiet, "variances of zero");
-  auto loud = small_beam().measured;
+  auto loud = unsound_beam().measured;
   for (auto& line : loud.variance) line.setConstant(1e300);
   expect_numbers_or_words(loud, "variances of 1e300");
 }
 
 TEST(UnsoundData, FewLinesAreRefused) {
-  const auto whole = small_beam().measured;
+  const auto whole = unsound_beam().measured;
   for (const double high : {0.5, 1.0, 2.0}) {
     FitDataOptions options;
     options.high_hz = high;
@@ -100,7 +100,7 @@ TEST(UnsoundData, FewLinesAreRefused) {
 TEST(UnsoundData, VectorFittingAndFractionsLookAtTheirMatrices) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double size : {1e155, 1e200, 1e300, inf, std::nan("")}) {
-    auto data = fit_data(small_beam().measured);
+    auto data = fit_data(unsound_beam().measured);
     data.value(100, 3) = size;
     EXPECT_THROW((void)vector_fit(data, {.order = 6}), NumericalFailure) << size;
     EXPECT_THROW((void)matrix_fraction(data, {.degree = 4, .numerator_degree = 4}),

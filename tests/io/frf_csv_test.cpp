@@ -263,12 +263,12 @@ TEST(FrfCsv, IsReadCompressedToo) {
   EXPECT_THROW((void)read_frf(file.path, options), InvalidInput);
 }
 
-std::filesystem::path data() {
+std::filesystem::path shared_data() {
   return std::filesystem::path(CHLADNI_SOURCE_DIR) / "../shared/data";
 }
 
 TEST(MeasuredData, BeamOfEindhovenIsReadAsItIs) {
-  const auto path = data() / "tue-beam-3x3/frf_3x3.csv";
+  const auto path = shared_data() / "tue-beam-3x3/frf_3x3.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   const auto file = read_frf(path);
   ASSERT_EQ(file.set.output_count(), 3);
@@ -281,7 +281,7 @@ TEST(MeasuredData, BeamOfEindhovenIsReadAsItIs) {
 }
 
 TEST(MeasuredData, FreeBarIsReadAsItIs) {
-  const auto path = data() / "freebar-modelab/frf_9x1_roving_hammer.csv.gz";
+  const auto path = shared_data() / "freebar-modelab/frf_9x1_roving_hammer.csv.gz";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   FrfOptions options;
   options.unit = "m/s^2";
@@ -297,7 +297,7 @@ TEST(MeasuredData, FreeBarIsReadAsItIs) {
 }
 
 TEST(MeasuredData, TonewoodIsOneAccelerance) {
-  const auto path = data() / "tonewood-1to4/plate_01_1L_H1.csv";
+  const auto path = shared_data() / "tonewood-1to4/plate_01_1L_H1.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   const auto file = read_frf(path);
   EXPECT_EQ(file.set.outputs[0].kind, modal::FrfKind::accelerance);

@@ -28,33 +28,33 @@ std::vector<std::string> words_of(const PlotAxis& axis, double pixels, double be
   return words;
 }
 
-using Words = std::vector<std::string>;
+using PlotWords = std::vector<std::string>;
 
 TEST(PlotAxis, LinearStepsAreOneTwoOrFive) {
   EXPECT_EQ(words_of({.label = "", .low = 0.0, .high = 1.0}, 300.0, 60.0),
-            (Words{"0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
+            (PlotWords{"0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
   EXPECT_EQ(words_of({.label = "", .low = -3.0, .high = 12.0}, 300.0, 80.0),
-            (Words{"0", "5", "10"}));
+            (PlotWords{"0", "5", "10"}));
   EXPECT_EQ(words_of({.label = "", .low = 99.7, .high = 100.3}, 200.0, 60.0),
-            (Words{"99.8", "100.0", "100.2"}));
+            (PlotWords{"99.8", "100.0", "100.2"}));
   EXPECT_EQ(words_of({.label = "", .low = 0.0, .high = 4e-6}, 200.0, 60.0),
-            (Words{"0", "2.0e-06", "4.0e-06"}));
+            (PlotWords{"0", "2.0e-06", "4.0e-06"}));
 }
 
 TEST(PlotAxis, LogarithmicTicksAreDecades) {
   EXPECT_EQ(words_of({.label = "", .logarithmic = true, .low = 1.0, .high = 1000.0}, 300.0, 60.0),
-            (Words{"1", "10", "100", "1000"}));
+            (PlotWords{"1", "10", "100", "1000"}));
   EXPECT_EQ(words_of({.label = "", .logarithmic = true, .low = 1e-9, .high = 1e-6}, 300.0, 60.0),
-            (Words{"10^\xE2\x88\x92"
-                   "9",
-                   "10^\xE2\x88\x92"
-                   "8",
-                   "10^\xE2\x88\x92"
-                   "7",
-                   "10^\xE2\x88\x92"
-                   "6"}));
+            (PlotWords{"10^\xE2\x88\x92"
+                       "9",
+                       "10^\xE2\x88\x92"
+                       "8",
+                       "10^\xE2\x88\x92"
+                       "7",
+                       "10^\xE2\x88\x92"
+                       "6"}));
   EXPECT_EQ(words_of({.label = "", .logarithmic = true, .low = 1.0, .high = 100.0}, 900.0, 60.0),
-            (Words{"1", "2", "5", "10", "20", "50", "100"}));
+            (PlotWords{"1", "2", "5", "10", "20", "50", "100"}));
   EXPECT_EQ(
       words_of({.label = "", .logarithmic = true, .low = 1e-12, .high = 1.0}, 100.0, 30.0).size(),
       4U);
@@ -78,7 +78,8 @@ TEST(PlotAxis, TicksLieInsideAndApart) {
       EXPECT_LE(at, 1.0 + 1e-6);
       if (tick.words.empty()) continue;
       ++count;
-      EXPECT_TRUE(axis.logarithmic || (at - before) * pixels > 40.0) << axis.low << " " << axis.high;
+      EXPECT_TRUE(axis.logarithmic || (at - before) * pixels > 40.0)
+          << axis.low << " " << axis.high;
       before = at;
     }
     EXPECT_GE(count, axis.logarithmic && axis.high < 10.0 * axis.low ? 0 : 1);
@@ -110,16 +111,16 @@ class PlotPicture : public testing::Test {
       fs::temp_directory_path() / ("chladni_plot_" + std::to_string(::getpid()) + ".png");
 };
 
-struct Counts {
+struct PlotCounts {
   int width = 0, height = 0, blue = 0, red = 0;
 };
 
-Counts counts_of(const fs::path& png) {
+PlotCounts plot_counts(const fs::path& png) {
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(png.c_str());
   reader->Update();
   vtkImageData* image = reader->GetOutput();
-  Counts counts{image->GetDimensions()[0], image->GetDimensions()[1]};
+  PlotCounts counts{image->GetDimensions()[0], image->GetDimensions()[1]};
   const auto* pixel = static_cast<const unsigned char*>(image->GetScalarPointer());
   for (int i = 0; i < counts.width * counts.height; ++i, pixel += 3) {
     counts.blue += pixel[2] > pixel[0] + 100;
@@ -149,30 +150,30 @@ TEST_F(PlotPicture, EveryStyleLeavesItsColour) {
   for (const auto style :
        {Style::line, Style::dashed, Style::dots, Style::circles, Style::crosses, Style::plusses}) {
     draw_plot(png_, plot_of(style, 1));
-    const auto blue = counts_of(png_);
+    const auto blue = plot_counts(png_);
     EXPECT_EQ(blue.width, 1000);
     EXPECT_GT(blue.blue, 500) << static_cast<int>(style);
     EXPECT_EQ(blue.red, 0) << static_cast<int>(style);
   }
   draw_plot(png_, plot_of(Style::line, 2));
-  EXPECT_EQ(counts_of(png_).blue, 0);
-  EXPECT_GT(counts_of(png_).red, 500);
+  EXPECT_EQ(plot_counts(png_).blue, 0);
+  EXPECT_GT(plot_counts(png_).red, 500);
 }
 
 TEST_F(PlotPicture, WhatLiesOutsideTheAxesIsNotDrawn) {
   auto plot = plot_of(PlotSeries::Style::line, 1);
   draw_plot(png_, plot);
-  const int whole = counts_of(png_).blue;
+  const int whole = plot_counts(png_).blue;
   plot.panels[0].y.low = 1e6;
   plot.panels[0].y.high = 1e7;
   plot.panels[0].series[0].name.clear();
   draw_plot(png_, plot);
-  EXPECT_EQ(counts_of(png_).blue, 0);
+  EXPECT_EQ(plot_counts(png_).blue, 0);
   plot.panels[0].y.low = 1e2;
   plot.panels[0].y.high = 1e3;
   draw_plot(png_, plot);
-  EXPECT_GT(counts_of(png_).blue, 100);
-  EXPECT_LT(counts_of(png_).blue, whole);
+  EXPECT_GT(plot_counts(png_).blue, 100);
+  EXPECT_LT(plot_counts(png_).blue, whole);
 }
 
 TEST_F(PlotPicture, TheSameInputGivesTheSameBytes) {

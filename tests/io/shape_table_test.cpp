@@ -62,11 +62,11 @@ TEST(ShapeTable, MayHaveGapsWhereTheyAreAllowed) {
                InvalidInput);
 }
 
-struct Bad {
+struct BadTable {
   const char *bytes, *word;
 };
 
-class BadTable : public testing::TestWithParam<Bad> {};
+class BadTable : public testing::TestWithParam<BadTable> {};
 
 TEST_P(BadTable, IsRefusedWithItsLine) {
   try {
@@ -80,20 +80,20 @@ TEST_P(BadTable, IsRefusedWithItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     ShapeTable, BadTable,
-    testing::Values(Bad{"", "no lines"}, Bad{"frequency_hz,s1\n", "no mode"},
-                    Bad{"f,s1\n1,2\n", "no column frequency_hz"},
-                    Bad{"frequency_hz\n1\n", "no column of a channel"},
-                    Bad{"frequency_hz,s1\n1\n", "line 2: 1 fields; expected 2"},
-                    Bad{"frequency_hz,s1\n1,x\n", "line 2: s1"},
-                    Bad{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
-                    Bad{"frequency_hz,s1\n1,\n", "line 2: s1"},
-                    Bad{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
-                    Bad{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
-                    Bad{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
-                    Bad{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
-                    Bad{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
-                    Bad{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
-                    Bad{"\xFF\xFE", "UTF-16"}, Bad{"frequency_hz,\"s1\n1,2\n", "quote"}));
+    testing::Values(BadTable{"", "no lines"}, BadTable{"frequency_hz,s1\n", "no mode"},
+                    BadTable{"f,s1\n1,2\n", "no column frequency_hz"},
+                    BadTable{"frequency_hz\n1\n", "no column of a channel"},
+                    BadTable{"frequency_hz,s1\n1\n", "line 2: 1 fields; expected 2"},
+                    BadTable{"frequency_hz,s1\n1,x\n", "line 2: s1"},
+                    BadTable{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
+                    BadTable{"frequency_hz,s1\n1,\n", "line 2: s1"},
+                    BadTable{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
+                    BadTable{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
+                    BadTable{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
+                    BadTable{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
+                    BadTable{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
+                    BadTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
+                    BadTable{"\xFF\xFE", "UTF-16"}, BadTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
 
 }  // namespace
 }  // namespace chladni::io

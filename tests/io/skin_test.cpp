@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLength = 0.3, kWidth = 0.2, kThickness = 0.02;
 
-mesh::TetMesh plate(int order, double edge = 0.05) {
+mesh::TetMesh skin_plate(int order, double edge = 0.05) {
   return with_order(mesh::layered(mesh::Plate{kLength, kWidth, kThickness}, edge, 1), order);
 }
 
@@ -42,7 +42,7 @@ Eigen::Index edge_count(const Cells& triangles) {
 
 TEST(Skin, IsClosedAndEnclosesTheBodyWhateverTheDivisions) {
   for (const int order : {1, 2, 3}) {
-    const mesh::TetMesh mesh = plate(order);
+    const mesh::TetMesh mesh = skin_plate(order);
     for (const int divisions : {1, 2, 3, 5}) {
       const Skin body = skin(mesh, divisions);
       const Points at = vertices(body, mesh.points);
@@ -55,7 +55,7 @@ TEST(Skin, IsClosedAndEnclosesTheBodyWhateverTheDivisions) {
 
 TEST(Skin, TheOutlineOfABoxIsItsTwelveEdges) {
   for (const int order : {1, 3}) {
-    const mesh::TetMesh mesh = plate(order);
+    const mesh::TetMesh mesh = skin_plate(order);
     const Skin body = skin(mesh, 4);
     EXPECT_NEAR(length(body.outline, vertices(body, mesh.points)),
                 4.0 * (kLength + kWidth + kThickness), 1e-12);
@@ -64,7 +64,7 @@ TEST(Skin, TheOutlineOfABoxIsItsTwelveEdges) {
 
 TEST(Skin, APolynomialOfTheMeshesOrderIsExactBetweenTheNodes) {
   for (const int order : {1, 2, 3}) {
-    const mesh::TetMesh mesh = plate(order);
+    const mesh::TetMesh mesh = skin_plate(order);
     const Skin body = skin(mesh, 5);
     const auto field = [&](const Points& points) {
       Points values(points.rows(), 3);
@@ -82,7 +82,7 @@ TEST(Skin, APolynomialOfTheMeshesOrderIsExactBetweenTheNodes) {
 }
 
 TEST(Skin, PatchesFollowTheirFaces) {
-  const mesh::TetMesh mesh = plate(2);
+  const mesh::TetMesh mesh = skin_plate(2);
   const Skin body = skin(mesh, 3);
   const Points at = vertices(body, mesh.points);
   for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
@@ -95,7 +95,7 @@ TEST(Skin, PatchesFollowTheirFaces) {
 }
 
 TEST(Skin, ASmoothOneHasTheDivisionsThatItsBudgetAllows) {
-  const mesh::TetMesh mesh = plate(2);
+  const mesh::TetMesh mesh = skin_plate(2);
   EXPECT_EQ(smooth_skin(mesh, 1'000'000).triangles.rows(), mesh.faces.rows() * 64);
   EXPECT_EQ(smooth_skin(mesh, 10).triangles.rows(), mesh.faces.rows() * 4);
   const Skin body = smooth_skin(mesh, 8 * mesh.faces.rows());
@@ -104,7 +104,7 @@ TEST(Skin, ASmoothOneHasTheDivisionsThatItsBudgetAllows) {
 }
 
 TEST(Skin, ADecimatedOneIsSmallAndKeepsTheBodysShape) {
-  const mesh::TetMesh mesh = plate(2, 0.01);
+  const mesh::TetMesh mesh = skin_plate(2, 0.01);
   const Skin whole = skin(mesh, 2);
   for (const Eigen::Index most : {2000, 600, 200}) {
     const Skin body = decimated(whole, mesh.points, most);
@@ -120,7 +120,7 @@ TEST(Skin, ADecimatedOneIsSmallAndKeepsTheBodysShape) {
 }
 
 TEST(Skin, ADecimatedOneStandsOnVerticesOfTheWhole) {
-  const mesh::TetMesh mesh = plate(2, 0.02);
+  const mesh::TetMesh mesh = skin_plate(2, 0.02);
   const Skin whole = skin(mesh, 2);
   const Skin body = decimated(whole, mesh.points, 150);
   const Points at = vertices(body, mesh.points), all = vertices(whole, mesh.points);
@@ -130,13 +130,13 @@ TEST(Skin, ADecimatedOneStandsOnVerticesOfTheWhole) {
 }
 
 TEST(Skin, MorePatchesThanVerticesStillEnd) {
-  mesh::TetMesh mesh = plate(1, 0.02);
+  mesh::TetMesh mesh = skin_plate(1, 0.02);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) mesh.face_patch(f) = static_cast<int>(f);
   EXPECT_LE(decimated(skin(mesh, 1), mesh.points, 8).vertex_count(), 8);
 }
 
 TEST(Skin, ImpossibleNumbersAreRefused) {
-  const mesh::TetMesh mesh = plate(1);
+  const mesh::TetMesh mesh = skin_plate(1);
   EXPECT_THROW(static_cast<void>(skin(mesh, 0)), InvalidInput);
   EXPECT_THROW(static_cast<void>(skin(mesh, 17)), InvalidInput);
   EXPECT_THROW(static_cast<void>(decimated(skin(mesh, 1), mesh.points, 7)), InvalidInput);

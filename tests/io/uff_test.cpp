@@ -243,12 +243,12 @@ TEST(Uff, EveryPrefixOfAFileIsReadOrRefused) {
   }
 }
 
-struct Bad {
+struct BadDataset {
   const char *from, *to, *word;
 };
 
 TEST(Uff, RefusalsNameDatasetLineAndByte) {
-  const Bad faults[] = {
+  const BadDataset faults[] = {
       {"         5         5         1", "         7         5         1", "ordinate data type 7"},
       {"         5         5         1", "         5  99999999         1", "99999999 values"},
       {"         5         5         1", "         5        -5         1", "-5 values"},

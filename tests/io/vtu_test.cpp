@@ -40,7 +40,7 @@ class Vtu : public testing::Test {
   fs::path folder_;
 };
 
-mesh::TetMesh plate(int order) {
+mesh::TetMesh vtu_plate(int order) {
   mesh::TetMesh mesh = with_order(mesh::layered(mesh::Plate{0.3, 0.2, 0.02}, 0.1, 1), order);
   for (Eigen::Index t = 0; t < mesh.tet_count(); ++t) mesh.region(t) = static_cast<int>(t % 2);
   mesh.region_names = {"body", "wafer"};
@@ -106,7 +106,7 @@ TEST_F(Vtu, AModesNameCountsFromOneWithTheRigidOnes) {
 
 TEST_F(Vtu, AMeshReadsBackBitByBit) {
   for (const int order : {1, 2}) {
-    const mesh::TetMesh there = plate(order);
+    const mesh::TetMesh there = vtu_plate(order);
     write_vtu(file("mesh.vtu"), there, {});
     const mesh::TetMesh back = read_vtu(file("mesh.vtu"));
     EXPECT_EQ(back.points, there.points);
@@ -148,8 +148,8 @@ TEST_F(Vtu, TheBoundarysNodesKnowTheirPatches) {
 }
 
 TEST_F(Vtu, ACubicMeshIsWrittenAsQuadraticCells) {
-  write_vtu(file("mesh.vtu"), plate(3), {});
-  const mesh::TetMesh back = read_vtu(file("mesh.vtu")), expected = plate(2);
+  write_vtu(file("mesh.vtu"), vtu_plate(3), {});
+  const mesh::TetMesh back = read_vtu(file("mesh.vtu")), expected = vtu_plate(2);
   EXPECT_EQ(back.order(), 2);
   EXPECT_EQ(back.node_count(), expected.node_count());
   EXPECT_NEAR(mesh::volume(back), 0.3 * 0.2 * 0.02, 1e-15);
@@ -158,7 +158,7 @@ TEST_F(Vtu, ACubicMeshIsWrittenAsQuadraticCells) {
 
 TEST_F(Vtu, TheArraysOfTheModesHoldTheShapes) {
   for (const int order : {1, 2, 3}) {
-    const mesh::TetMesh mesh = plate(order);
+    const mesh::TetMesh mesh = vtu_plate(order);
     write_modes_vtu(file("modes.vtu"), mesh, two_modes(mesh), "a <plate> & \"more\"");
     const auto grid = grid_in(file("modes.vtu"));
     EXPECT_EQ(grid->GetCellType(0), order == 1 ? 10 : 24);
@@ -175,7 +175,7 @@ TEST_F(Vtu, TheArraysOfTheModesHoldTheShapes) {
 }
 
 TEST_F(Vtu, AFieldOfOneValuePerNodeHasOneComponent) {
-  const mesh::TetMesh mesh = plate(2);
+  const mesh::TetMesh mesh = vtu_plate(2);
   write_vtu(file("heat.vtu"), mesh, {{"score", mesh.points.col(0)}});
   const auto grid = grid_in(file("heat.vtu"));
   vtkDataArray* score = grid->GetPointData()->GetArray("score");
@@ -185,7 +185,7 @@ TEST_F(Vtu, AFieldOfOneValuePerNodeHasOneComponent) {
 }
 
 TEST_F(Vtu, TheSameInputGivesTheSameBytes) {
-  const mesh::TetMesh mesh = plate(3);
+  const mesh::TetMesh mesh = vtu_plate(3);
   write_modes_vtu(file("a.vtu"), mesh, two_modes(mesh), "title");
   const std::string first = read_whole(file("a.vtu"));
   for (int i = 0; i < 5; ++i) {
@@ -195,7 +195,7 @@ TEST_F(Vtu, TheSameInputGivesTheSameBytes) {
 }
 
 TEST_F(Vtu, TheFileIsCompressedAndAppended) {
-  const mesh::TetMesh mesh = plate(2);
+  const mesh::TetMesh mesh = vtu_plate(2);
   write_vtu(file("a.vtu"), mesh, {});
   const std::string bytes = read_whole(file("a.vtu"));
   EXPECT_NE(bytes.find("vtkZLibDataCompressor"), std::string::npos);
@@ -203,7 +203,7 @@ TEST_F(Vtu, TheFileIsCompressedAndAppended) {
 }
 
 TEST_F(Vtu, AnAnimationSwingsOnceThroughItsFrames) {
-  const mesh::TetMesh mesh = plate(3);
+  const mesh::TetMesh mesh = vtu_plate(3);
   const modal::Modes modes = two_modes(mesh);
   write_animation(file("mode.pvd"), mesh, modes, 1, 8);
   const auto box = mesh::bounding_box(mesh.points);
@@ -239,7 +239,7 @@ TEST_F(Vtu, MarkersKeepNamesKindsAndDirections) {
 }
 
 TEST_F(Vtu, AFieldThatDoesNotFitIsNamed) {
-  const mesh::TetMesh mesh = plate(2);
+  const mesh::TetMesh mesh = vtu_plate(2);
   EXPECT_THROW(write_vtu(file("a.vtu"), mesh, {{"short", Eigen::VectorXd::Ones(7)}}), InvalidInput);
   modal::Modes modes = two_modes(mesh);
   modes.shapes.conservativeResize(modes.shapes.rows() - 1, 2);
@@ -249,7 +249,7 @@ TEST_F(Vtu, AFieldThatDoesNotFitIsNamed) {
 }
 
 TEST_F(Vtu, AFolderThatIsNotThereIsNamed) {
-  EXPECT_THROW(write_vtu(folder_ / "no" / "a.vtu", plate(1), {}), InvalidInput);
+  EXPECT_THROW(write_vtu(folder_ / "no" / "a.vtu", vtu_plate(1), {}), InvalidInput);
 }
 
 TEST_F(Vtu, WhatIsNoVtuIsRefused) {
@@ -262,7 +262,7 @@ TEST_F(Vtu, WhatIsNoVtuIsRefused) {
 }
 
 TEST_F(Vtu, ACutFileIsRefusedWhereverItIsCut) {
-  write_vtu(file("whole.vtu"), plate(2), {});
+  write_vtu(file("whole.vtu"), vtu_plate(2), {});
   const std::string whole = read_whole(file("whole.vtu"));
   const std::size_t end = whole.rfind("</AppendedData>");
   for (int i = 0; i < 12; ++i) {
@@ -273,7 +273,7 @@ TEST_F(Vtu, ACutFileIsRefusedWhereverItIsCut) {
 
 // Whatever a flipped byte does, the answer is a mesh that passes the check or InvalidInput.
 TEST_F(Vtu, ADamagedFileNeverGivesADamagedMesh) {
-  write_vtu(file("whole.vtu"), plate(1), {});
+  write_vtu(file("whole.vtu"), vtu_plate(1), {});
   const std::string whole = read_whole(file("whole.vtu"));
   std::mt19937 random(5);
   for (int i = 0; i < 25; ++i) {

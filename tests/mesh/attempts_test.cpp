@@ -9,29 +9,29 @@ namespace chladni::mesh {
 namespace {
 
 // Cells that are the flatter the thinner the plate.
-TetMesh plate(double thickness) { return layered(Plate{0.1, 0.1, thickness}, 0.05, 1); }
+TetMesh flat_plate(double thickness) { return layered(Plate{0.1, 0.1, thickness}, 0.05, 1); }
 double angle(const TetMesh& mesh) { return quality(mesh).smallest_dihedral_degrees; }
 
 TEST(BetterMesh, IsTheFirstWhereItIsGoodEnough) {
   const auto never = []() -> TetMesh { throw NumericalFailure("was asked for"); };
-  const auto good = [] { return plate(0.05); };
-  EXPECT_EQ(angle(better_mesh(good, never, 5.0)), angle(plate(0.05)));
+  const auto good = [] { return flat_plate(0.05); };
+  EXPECT_EQ(angle(better_mesh(good, never, 5.0)), angle(flat_plate(0.05)));
 }
 
 TEST(BetterMesh, IsTheOneWithTheLargerAngles) {
-  const auto flat = [] { return plate(0.001); };
-  const auto flatter = [] { return plate(0.0005); };
-  EXPECT_EQ(angle(better_mesh(flat, flatter, 90.0)), angle(plate(0.001)));
-  EXPECT_EQ(angle(better_mesh(flatter, flat, 90.0)), angle(plate(0.001)));
+  const auto flat = [] { return flat_plate(0.001); };
+  const auto flatter = [] { return flat_plate(0.0005); };
+  EXPECT_EQ(angle(better_mesh(flat, flatter, 90.0)), angle(flat_plate(0.001)));
+  EXPECT_EQ(angle(better_mesh(flatter, flat, 90.0)), angle(flat_plate(0.001)));
 }
 
 TEST(BetterMesh, IsKeptWhereTheOtherWayFails) {
-  const auto flat = [] { return plate(0.001); };
+  const auto flat = [] { return flat_plate(0.001); };
   const auto dies = []() -> TetMesh { throw WorkerDied("signal 11"); };
   const auto inverts = []() -> TetMesh { throw InvalidInput("inverted"); };
-  EXPECT_EQ(angle(better_mesh(flat, dies, 90.0)), angle(plate(0.001)));
-  EXPECT_EQ(angle(better_mesh(flat, inverts, 90.0)), angle(plate(0.001)));
-  EXPECT_EQ(angle(better_mesh(dies, flat, 90.0)), angle(plate(0.001)));
+  EXPECT_EQ(angle(better_mesh(flat, dies, 90.0)), angle(flat_plate(0.001)));
+  EXPECT_EQ(angle(better_mesh(flat, inverts, 90.0)), angle(flat_plate(0.001)));
+  EXPECT_EQ(angle(better_mesh(dies, flat, 90.0)), angle(flat_plate(0.001)));
   EXPECT_THROW((void)better_mesh(inverts, dies, 90.0), WorkerDied);
 }
 
@@ -40,7 +40,7 @@ TEST(BetterMesh, IsNotLookedForAfterCtrlC) {
   int asked = 0;
   const auto other = [&asked] {
     ++asked;
-    return plate(0.01);
+    return flat_plate(0.01);
   };
   const auto stopped = []() -> TetMesh { throw Interrupted("stopped by Ctrl-C"); };
   const auto full = []() -> TetMesh { throw OutOfResources("no memory"); };

@@ -14,13 +14,15 @@ Eigen::VectorXd times(const SparseMatrix& lower, const Eigen::VectorXd& x) {
   return lower.selfadjointView<Eigen::Lower>() * x;
 }
 
-TetMesh plate(int order) { return with_order(layered(Plate{0.6, 0.4, 0.05}, 0.1, 1), order); }
+TetMesh plate_of_order(int order) {
+  return with_order(layered(Plate{0.6, 0.4, 0.05}, 0.1, 1), order);
+}
 
 class OfEveryOrder : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, OfEveryOrder, testing::Values(1, 2, 3));
 
 TEST_P(OfEveryOrder, ConstantsCostNothingAndWeighTheArea) {
-  const auto mesh = plate(GetParam());
+  const auto mesh = plate_of_order(GetParam());
   const auto whole = surface_laplacian(mesh);
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(whole.mass.rows());
   EXPECT_LT(times(whole.stiffness, one).norm(), 1e-10);
@@ -33,7 +35,7 @@ TEST_P(OfEveryOrder, ConstantsCostNothingAndWeighTheArea) {
 
 // Linear functions are met exactly: ∫|∇f|² = |a|² times the area, ∫f² by hand.
 TEST_P(OfEveryOrder, LinearFunctionsAreExact) {
-  const auto mesh = plate(GetParam());
+  const auto mesh = plate_of_order(GetParam());
   const auto top = surface_laplacian(mesh, {"top"});
   const Eigen::VectorXd f = 3.0 * top.positions.col(0) - 2.0 * top.positions.col(1);
   EXPECT_NEAR(f.dot(times(top.stiffness, f)), 13.0 * 0.24, 1e-10);
@@ -44,7 +46,7 @@ TEST_P(OfEveryOrder, LinearFunctionsAreExact) {
 }
 
 TEST_P(OfEveryOrder, PointsComeBackOnTheNodesTheyAreFrom) {
-  const auto mesh = plate(GetParam());
+  const auto mesh = plate_of_order(GetParam());
   const auto top = surface_laplacian(mesh, {"top"});
   const Eigen::MatrixXd on_top = top.on_nodes * Eigen::MatrixXd(top.positions);
   for (Eigen::Index n = 0; n < mesh.node_count(); ++n) {
@@ -80,7 +82,7 @@ TEST(Laplacian, MeetsCurvedFacesToSecondOrder) {
 }
 
 TEST(Laplacian, RefusesWhatCannotBeMeant) {
-  auto mesh = plate(1);
+  auto mesh = plate_of_order(1);
   EXPECT_THROW((void)surface_laplacian(mesh, {"lid"}), InvalidInput);
   mesh.points.row(mesh.faces(0, 1)) = mesh.points.row(mesh.faces(0, 0));
   EXPECT_THROW((void)surface_laplacian(mesh), InvalidInput);

@@ -13,20 +13,20 @@
 namespace chladni::mesh {
 namespace {
 
-using Vec = Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
+using LayerVector = Eigen::Vector3d;
+constexpr double kHalfTurn = std::numbers::pi;
 
-const auto kMirrorX = [](const Vec& p) { return Vec(-p.x(), p.y(), p.z()); };
-const auto kMirrorY = [](const Vec& p) { return Vec(p.x(), -p.y(), p.z()); };
-const auto kDiagonal = [](const Vec& p) { return Vec(p.y(), p.x(), p.z()); };
+const auto kMirrorX = [](const LayerVector& p) { return LayerVector(-p.x(), p.y(), p.z()); };
+const auto kMirrorY = [](const LayerVector& p) { return LayerVector(p.x(), -p.y(), p.z()); };
+const auto kDiagonal = [](const LayerVector& p) { return LayerVector(p.y(), p.x(), p.z()); };
 
-const WaferTable kReference{.length = 0.6,
-                            .width = 0.6,
-                            .height = 0.05,
-                            .face_sheet = 0.008,
-                            .pockets_x = 9,
-                            .pockets_y = 9,
-                            .rib = 0.006};
+const WaferTable kLayeredTable{.length = 0.6,
+                               .width = 0.6,
+                               .height = 0.05,
+                               .face_sheet = 0.008,
+                               .pockets_x = 9,
+                               .pockets_y = 9,
+                               .rib = 0.006};
 
 double box_volume(const Plate& p) { return p.length * p.width * p.thickness; }
 
@@ -93,7 +93,7 @@ TEST(LayeredPlate, ThinOnesTakeMilliseconds) {
 }
 
 TEST(LayeredQuadrilateral, FillsSkewAndTaperedPlates) {
-  const double s = std::sin(kPi / 4.0) * 10.0;
+  const double s = std::sin(kHalfTurn / 4.0) * 10.0;
   Quadrilateral rhombus{.corners = {}, .thickness = 1.0};
   rhombus.corners << 0, 0, 10, 0, 10 + s, s, s, s;
   const TetMesh skew = layered(rhombus, 1.0, 1);
@@ -123,10 +123,10 @@ TEST(LayeredDisc, HasTheVolumeOfTheDisc) {
       for (const int layers : {1, 2}) {
         const TetMesh mesh = layered(disc, edge, layers);
         expect_sound(mesh);
-        const double exact = kPi / 4.0 * (0.09 - hole * hole) * 0.01;
+        const double exact = kHalfTurn / 4.0 * (0.09 - hole * hole) * 0.01;
         EXPECT_NEAR(volume(mesh), exact, 1e-12 * exact);
         EXPECT_NEAR(patch_area(as_surface(mesh), "top"), exact / 0.01, 1e-12);
-        EXPECT_NEAR(patch_area(as_surface(mesh), "rim"), kPi * 0.3 * 0.01, 0.004 * 0.01);
+        EXPECT_NEAR(patch_area(as_surface(mesh), "rim"), kHalfTurn * 0.3 * 0.01, 0.004 * 0.01);
       }
     }
   }
@@ -136,8 +136,9 @@ TEST(LayeredDisc, TurnsBy30DegreesAndIsMirroredAtEvery15) {
   for (const double hole : {0.0, 0.1}) {
     const TetMesh mesh =
         layered(Disc{.diameter = 0.3, .thickness = 0.01, .hole_diameter = hole}, 0.012, 2);
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(kPi / 6.0, Vec::UnitZ()).toRotationMatrix();
-    EXPECT_TRUE(symmetric_under(mesh, [&](const Vec& p) { return Vec(turn * p); }));
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(kHalfTurn / 6.0, LayerVector::UnitZ()).toRotationMatrix();
+    EXPECT_TRUE(symmetric_under(mesh, [&](const LayerVector& p) { return LayerVector(turn * p); }));
     EXPECT_TRUE(symmetric_under(mesh, kMirrorX));
     EXPECT_TRUE(symmetric_under(mesh, kMirrorY));
     EXPECT_TRUE(symmetric_under(mesh, kDiagonal));
@@ -151,7 +152,7 @@ TEST(LayeredDisc, TrianglesStayNearTheSizeAskedFor) {
 }
 
 TEST(LayeredTable, HasTheVolumeOfTheReferenceTable) {
-  const TetMesh mesh = layered(kReference, 0.03, 1);
+  const TetMesh mesh = layered(kLayeredTable, 0.03, 1);
   expect_sound(mesh);
   EXPECT_NEAR(volume(mesh), 5752800e-9, 1e-12);
   const Surface outside = as_surface(mesh);
@@ -164,7 +165,7 @@ TEST(LayeredTable, HasTheVolumeOfTheReferenceTable) {
 TEST(LayeredTable, MirroredForEvenAndOddPockets) {
   for (const int pockets : {1, 2, 4, 5}) {
     for (const int across : {1, 2, 3}) {
-      WaferTable table = kReference;
+      WaferTable table = kLayeredTable;
       table.pockets_x = table.pockets_y = pockets;
       table.rim = 0.01;
       const TetMesh mesh = layered(table, {.edge_length = 0.05, .across_ribs = across});
@@ -177,7 +178,7 @@ TEST(LayeredTable, MirroredForEvenAndOddPockets) {
 }
 
 TEST(LayeredTable, CutoutsKeepAWallToThePockets) {
-  WaferTable table = kReference;
+  WaferTable table = kLayeredTable;
   table.edge_cutout_length = 0.09;
   table.edge_cutout_depth = 0.03;
   table.corner_cutout = 0.04;
@@ -192,8 +193,8 @@ TEST(LayeredTable, CutoutsKeepAWallToThePockets) {
 }
 
 TEST(LayeredTable, AcrossRibsCutsEveryRib) {
-  const TetMesh coarse = layered(kReference, {.edge_length = 0.06, .across_ribs = 1});
-  const TetMesh fine = layered(kReference, {.edge_length = 0.06, .across_ribs = 2});
+  const TetMesh coarse = layered(kLayeredTable, {.edge_length = 0.06, .across_ribs = 1});
+  const TetMesh fine = layered(kLayeredTable, {.edge_length = 0.06, .across_ribs = 2});
   EXPECT_NEAR(quality(coarse).shortest_edge, 0.006, 1e-12);
   EXPECT_NEAR(quality(fine).shortest_edge, 0.003, 1e-12);
 }
@@ -209,7 +210,7 @@ TEST(LayeredTable, WithoutPocketsIsABlock) {
 TEST(LayeredSphere, VolumeConvergesWithTheSquareOfTheEdge) {
   for (const double hole : {0.0, 0.1}) {
     const Sphere ball{.diameter = 0.2, .hole_diameter = hole};
-    const double exact = kPi / 6.0 * (0.008 - hole * hole * hole);
+    const double exact = kHalfTurn / 6.0 * (0.008 - hole * hole * hole);
     double previous = 0.0;
     for (const double edge : {0.025, 0.0125, 0.00625}) {
       const TetMesh mesh = layered(ball, edge);
@@ -233,7 +234,8 @@ TEST(LayeredSphere, IsSymmetricAsACubeAndWellShaped) {
   const TetMesh mesh = layered(Sphere{.diameter = 0.2}, 0.02);
   EXPECT_TRUE(symmetric_under(mesh, kMirrorX));
   EXPECT_TRUE(symmetric_under(mesh, kDiagonal));
-  EXPECT_TRUE(symmetric_under(mesh, [](const Vec& p) { return Vec(p.y(), p.z(), p.x()); }));
+  EXPECT_TRUE(
+      symmetric_under(mesh, [](const LayerVector& p) { return LayerVector(p.y(), p.z(), p.x()); }));
   EXPECT_GT(quality(mesh).smallest_radius_ratio, 0.3);
   EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 20.0);
 }
@@ -251,7 +253,7 @@ TEST(LayeredDisc, OfCurvedCellsIsRound) {
       const auto box = bounding_box(mesh.points);
       EXPECT_NEAR(box(1, 0) - box(0, 0), 0.3, 0.3 * 4e-5);
       EXPECT_NEAR(box(1, 1) - box(0, 1), 0.3, 0.3 * 4e-5);
-      const double exact = 0.01 * kPi / 4.0 * (0.09 - hole * hole);
+      const double exact = 0.01 * kHalfTurn / 4.0 * (0.09 - hole * hole);
       EXPECT_NEAR(volume(mesh) / exact, 1.0, 1e-12);
     }
   }
@@ -261,7 +263,7 @@ TEST(LayeredSphere, CurvedCellsHaveTheVolumeOfTheBall) {
   const Sphere ball{.diameter = 0.2};
   TetMesh mesh = with_order(layered(ball, 0.03), 3);
   project_to_sphere(mesh, ball);
-  EXPECT_NEAR(volume(mesh) / (kPi / 6.0 * 0.008), 1.0, 1e-4);
+  EXPECT_NEAR(volume(mesh) / (kHalfTurn / 6.0 * 0.008), 1.0, 1e-4);
 }
 
 TEST(LayeredSphere, CurvedCellsKeepPositiveVolume) {
@@ -288,9 +290,9 @@ TEST(DefaultLayering, IsUsable) {
     EXPECT_NO_THROW(check(layered(upright, default_layering(upright, order))));
     const Disc mirror{.diameter = 0.3, .thickness = 0.003};
     EXPECT_NO_THROW(check(layered(mirror, default_layering(mirror, order))));
-    EXPECT_NO_THROW(check(layered(kReference, default_layering(kReference, order))));
+    EXPECT_NO_THROW(check(layered(kLayeredTable, default_layering(kLayeredTable, order))));
   }
-  EXPECT_THROW(static_cast<void>(default_layering(kReference, 4)), InvalidInput);
+  EXPECT_THROW(static_cast<void>(default_layering(kLayeredTable, 4)), InvalidInput);
 }
 
 TEST(Layered, RefusesSizesThatCannotBeMeant) {
@@ -310,7 +312,7 @@ TEST(Layered, RefusesSizesThatCannotBeMeant) {
                  InvalidInput);
     EXPECT_THROW(static_cast<void>(layered(Sphere{.diameter = bad}, 0.1)), InvalidInput);
   }
-  WaferTable bored = kReference;
+  WaferTable bored = kLayeredTable;
   bored.bores.push_back({.centre = {0.0, 0.0}, .diameter = 0.01});
   EXPECT_THROW(static_cast<void>(layered(bored, 0.03, 1)), InvalidInput);
 }

@@ -27,7 +27,7 @@ Surface in_single_precision(Surface surface) {
   return surface;
 }
 
-Surface drilled_plate(double radius, int sides) {
+Surface plate_with_hole(double radius, int sides) {
   return difference(box({0, 0, 0}, {0.3, 0.2, 0.02}), prism(0.1, 0.1, radius, -0.01, 0.03, sides));
 }
 
@@ -48,7 +48,7 @@ TEST(SmoothPartsOf, ABoxAreSixPlanes) {
 
 TEST(SmoothPartsOf, ADrilledPlateKnowTheRadiusOfItsBore) {
   for (const int sides : {24, 90, 2000}) {
-    const SmoothParts parts = smooth_parts(drilled_plate(0.03, sides), 0.01, 30.0);
+    const SmoothParts parts = smooth_parts(plate_with_hole(0.03, sides), 0.01, 30.0);
     EXPECT_EQ(parts.radius.size(), 7U) << sides;
     ASSERT_EQ(finite_radii(parts).size(), 1U) << sides;
     EXPECT_NEAR(finite_radii(parts)[0], 0.03, 0.0003) << sides;
@@ -57,7 +57,7 @@ TEST(SmoothPartsOf, ADrilledPlateKnowTheRadiusOfItsBore) {
 
 TEST(SmoothPartsOf, PlanesStayWholeWhereRoundingTiltsTheirSlivers) {
   const Surface rounded = in_single_precision(
-      shapes::moved(drilled_plate(0.03, 1885), {1.0, 2.0, 3.0}));  // sides of 0.1 mm x 20 mm
+      shapes::moved(plate_with_hole(0.03, 1885), {1.0, 2.0, 3.0}));  // sides of 0.1 mm x 20 mm
   Surface body = rounded;
   ASSERT_TRUE(check_and_repair(body).fit());
   EXPECT_EQ(smooth_parts(body, 0.01, 30.0).radius.size(), 7U);
@@ -117,8 +117,8 @@ TEST(StandIns, LeaveAlonePointsOffTheLines) {
   for (std::size_t i = 0; i < stand_in.size(); ++i) EXPECT_EQ(stand_in[i], static_cast<int>(i));
 }
 
-double area(const Points& points, const std::vector<Eigen::Vector3i>& triangles,
-            const Eigen::RowVector3d& normal) {
+double facing_area(const Points& points, const std::vector<Eigen::Vector3i>& triangles,
+                   const Eigen::RowVector3d& normal) {
   double sum = 0.0;
   for (const Eigen::Vector3i& t : triangles) {
     const Eigen::RowVector3d a = points.row(t[0]);
@@ -142,7 +142,7 @@ TEST(PlaneTriangles, LeaveHolesOpenAndSeeTheNormal) {
     const Eigen::RowVector3d normal = side * (turn * Eigen::Vector3d::UnitZ()).transpose();
     const auto found = plane_triangles(points, {}, rim, normal);
     ASSERT_TRUE(found.has_value());
-    EXPECT_NEAR(area(points, *found, normal), 12.0, 1e-12);
+    EXPECT_NEAR(facing_area(points, *found, normal), 12.0, 1e-12);
   }
 }
 
@@ -152,7 +152,7 @@ TEST(PlaneTriangles, KeepALineWithTheFigureOnBothSides) {
   const std::vector<PlaneLine> rim{{0, 1, 1}, {1, 2, 1}, {2, 3, 1}, {3, 0, 1}, {4, 5, 2}};
   const auto found = plane_triangles(points, {}, rim, {0, 0, 1});
   ASSERT_TRUE(found.has_value());
-  EXPECT_NEAR(area(points, *found, {0, 0, 1}), 4.0, 1e-12);
+  EXPECT_NEAR(facing_area(points, *found, {0, 0, 1}), 4.0, 1e-12);
   int uses = 0;
   for (const Eigen::Vector3i& t : *found) {
     uses += static_cast<int>((t.array() == 4).any() && (t.array() == 5).any());

@@ -13,7 +13,7 @@
 namespace chladni::mesh {
 namespace {
 
-std::string complaint(const TetMesh& mesh) {
+std::string mesh_complaint(const TetMesh& mesh) {
   try {
     check(mesh);
   } catch (const InvalidInput& error) {
@@ -22,9 +22,9 @@ std::string complaint(const TetMesh& mesh) {
   return {};
 }
 
-void expect_complaint(const TetMesh& mesh, const std::string& words) {
-  EXPECT_NE(complaint(mesh).find(words), std::string::npos)
-      << "expected \"" << words << "\" in \"" << complaint(mesh) << "\"";
+void expect_mesh_complaint(const TetMesh& mesh, const std::string& words) {
+  EXPECT_NE(mesh_complaint(mesh).find(words), std::string::npos)
+      << "expected \"" << words << "\" in \"" << mesh_complaint(mesh) << "\"";
 }
 
 TetMesh joined(const TetMesh& a, const TetMesh& b) {
@@ -41,7 +41,7 @@ TetMesh joined(const TetMesh& a, const TetMesh& b) {
 TEST(Check, AcceptsSoundMeshesOfEveryOrder) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     for (const int order : {1, 2, 3}) {
-      EXPECT_EQ(complaint(with_order(random_mesh(seed), order)), "");
+      EXPECT_EQ(mesh_complaint(with_order(random_mesh(seed), order)), "");
     }
   }
 }
@@ -49,15 +49,15 @@ TEST(Check, AcceptsSoundMeshesOfEveryOrder) {
 TEST(Check, NamesInvertedTetrahedraUpToTen) {
   TetMesh mesh = random_mesh(1);
   std::swap(mesh.tets(17, 0), mesh.tets(17, 1));
-  expect_complaint(mesh, "1 tetrahedra are inverted or flat");
-  expect_complaint(mesh, "tetrahedron 17 at (");
+  expect_mesh_complaint(mesh, "1 tetrahedra are inverted or flat");
+  expect_mesh_complaint(mesh, "tetrahedron 17 at (");
   for (Eigen::Index t = 0; t < 25; ++t) {
     if (t != 17) std::swap(mesh.tets(t, 0), mesh.tets(t, 1));
   }
-  expect_complaint(mesh, "25 tetrahedra are inverted or flat");
-  expect_complaint(mesh, "and 15 more");
-  expect_complaint(mesh, "tetrahedron 9 at (");
-  EXPECT_EQ(complaint(mesh).find("tetrahedron 10 at"), std::string::npos);
+  expect_mesh_complaint(mesh, "25 tetrahedra are inverted or flat");
+  expect_mesh_complaint(mesh, "and 15 more");
+  expect_mesh_complaint(mesh, "tetrahedron 9 at (");
+  EXPECT_EQ(mesh_complaint(mesh).find("tetrahedron 10 at"), std::string::npos);
 }
 
 TEST(Check, RefusesFlatOnesWhereverTheBodyStands) {
@@ -65,21 +65,21 @@ TEST(Check, RefusesFlatOnesWhereverTheBodyStands) {
     TetMesh mesh = layered(Plate{0.6, 0.6, 0.02}, 0.2, 1);
     mesh.points.col(2).setZero();
     mesh.points.array() += away;
-    expect_complaint(mesh, "flat");
+    expect_mesh_complaint(mesh, "flat");
   }
   TetMesh thin = layered(Plate{10.0, 10.0, 1e-4}, 1.0, 1);
-  EXPECT_EQ(complaint(thin), "");
+  EXPECT_EQ(mesh_complaint(thin), "");
 }
 
 TEST(Check, FindsCurvedCellsThatFoldOver) {
   for (const int order : {2, 3}) {
     TetMesh mesh = with_order(random_mesh(3), order);
-    EXPECT_EQ(complaint(mesh), "");
+    EXPECT_EQ(mesh_complaint(mesh), "");
     // A mid-edge node drawn beyond the other end of its edge.
     const Eigen::RowVector3d a = mesh.points.row(mesh.tets(5, 0));
     const Eigen::RowVector3d b = mesh.points.row(mesh.tets(5, 1));
     mesh.points.row(mesh.tets(5, 4)) = b + 0.5 * (b - a);
-    expect_complaint(mesh, "tetrahedron 5 at");
+    expect_mesh_complaint(mesh, "tetrahedron 5 at");
   }
 }
 
@@ -88,8 +88,8 @@ TEST(Check, NamesPointsThatAreNotFinite) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     TetMesh mesh = random_mesh(2);
     mesh.points(13, 1) = bad;
-    expect_complaint(mesh, "point 13");
-    expect_complaint(mesh, "not finite");
+    expect_mesh_complaint(mesh, "point 13");
+    expect_mesh_complaint(mesh, "not finite");
   }
 }
 
@@ -99,16 +99,16 @@ TEST(Check, NamesIndicesOutOfRange) {
   for (const int bad : {-1, count, 2000000000, std::numeric_limits<int>::min()}) {
     TetMesh mesh = sound;
     mesh.tets(8, 3) = bad;
-    expect_complaint(mesh, "tetrahedron 8 names point " + std::to_string(bad));
+    expect_mesh_complaint(mesh, "tetrahedron 8 names point " + std::to_string(bad));
     mesh = sound;
     mesh.faces(4, 1) = bad;
-    expect_complaint(mesh, "boundary face 4 names point " + std::to_string(bad));
+    expect_mesh_complaint(mesh, "boundary face 4 names point " + std::to_string(bad));
     mesh = sound;
     mesh.region(6) = bad;
-    expect_complaint(mesh, "cell 6 has region " + std::to_string(bad));
+    expect_mesh_complaint(mesh, "cell 6 has region " + std::to_string(bad));
     mesh = sound;
     mesh.face_patch(6) = bad;
-    expect_complaint(mesh, "cell 6 has patch " + std::to_string(bad));
+    expect_mesh_complaint(mesh, "cell 6 has patch " + std::to_string(bad));
   }
 }
 
@@ -116,10 +116,10 @@ TEST(Check, ListsBodiesThatShareNoNode) {
   const TetMesh a = layered(Plate{0.6, 0.6, 0.02}, 0.2, 1);
   TetMesh b = layered(Plate{0.1, 0.1, 0.01}, 0.1, 1);
   b.points.col(0).array() += 1.0;
-  expect_complaint(joined(a, b), "2 bodies share no node");
-  expect_complaint(joined(a, b), "volume 0.0072 m^3, centre (");
-  expect_complaint(joined(a, b), "volume 0.0001 m^3, centre (1000, ");
-  EXPECT_EQ(complaint(a), "");
+  expect_mesh_complaint(joined(a, b), "2 bodies share no node");
+  expect_mesh_complaint(joined(a, b), "volume 0.0072 m^3, centre (");
+  expect_mesh_complaint(joined(a, b), "volume 0.0001 m^3, centre (1000, ");
+  EXPECT_EQ(mesh_complaint(a), "");
 }
 
 // One point for those that are at one place.
@@ -152,21 +152,21 @@ TetMesh two_blocks(const Eigen::RowVector3d& by, int order) {
 TEST(Check, RefusesAHingeByItsPlace) {
   for (const int order : {1, 2, 3}) {
     const TetMesh hinge = two_blocks({0.1, 0.1, 0.0}, order);
-    expect_complaint(hinge, "1 places where parts of the body meet in an edge or a node only");
-    expect_complaint(hinge, "along the edge from (50, 50, ");
-    expect_complaint(hinge, "volume 0.001 m^3, centre (100, 100, -50) mm");
+    expect_mesh_complaint(hinge, "1 places where parts of the body meet in an edge or a node only");
+    expect_mesh_complaint(hinge, "along the edge from (50, 50, ");
+    expect_mesh_complaint(hinge, "volume 0.001 m^3, centre (100, 100, -50) mm");
   }
 }
 
 TEST(Check, RefusesABallJointByItsPlace) {
   for (const int order : {1, 2}) {
-    expect_complaint(two_blocks({0.1, 0.1, 0.1}, order), "at the node at (50, 50, 0) mm");
+    expect_mesh_complaint(two_blocks({0.1, 0.1, 0.1}, order), "at the node at (50, 50, 0) mm");
   }
 }
 
 TEST(Check, AcceptsBlocksThatShareAFace) {
-  EXPECT_EQ(complaint(two_blocks({0.1, 0.0, 0.0}, 2)), "");
-  EXPECT_EQ(complaint(two_blocks({0.1, 0.05, 0.0}, 2)), "");
+  EXPECT_EQ(mesh_complaint(two_blocks({0.1, 0.0, 0.0}, 2)), "");
+  EXPECT_EQ(mesh_complaint(two_blocks({0.1, 0.05, 0.0}, 2)), "");
 }
 
 // Four blocks in a ring, each joined to the next along one upright edge: a linkage of four bars
@@ -181,29 +181,29 @@ TEST(Check, TellsALinkageFromAFrame) {
   for (const auto& [x, y] : {std::pair{0.1, 0.1}, {0.0, 0.2}, {-0.1, 0.1}}) {
     ring = add(ring, {x, y, 0.0});
   }
-  expect_complaint(ring, "4 places where parts of the body meet in an edge or a node only");
+  expect_mesh_complaint(ring, "4 places where parts of the body meet in an edge or a node only");
   TetMesh stiff = ring;
   for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.0, 0.1}, {0.1, 0.1}}) {
     stiff = add(stiff, {x, y, 0.1});
   }
-  EXPECT_EQ(complaint(stiff), "");
+  EXPECT_EQ(mesh_complaint(stiff), "");
 }
 
 TEST(Check, RefusesPointsWithoutATetrahedron) {
   TetMesh mesh = random_mesh(4);
   mesh.points.conservativeResize(mesh.points.rows() + 1, 3);
   mesh.points.bottomRows(1) << 0.5, 0.25, 0.125;
-  expect_complaint(mesh, "used by no tetrahedron");
-  expect_complaint(mesh, "(500, 250, 125) mm");
+  expect_mesh_complaint(mesh, "used by no tetrahedron");
+  expect_mesh_complaint(mesh, "(500, 250, 125) mm");
 }
 
 TEST(Check, RefusesArraysThatDoNotFit) {
   const TetMesh sound = random_mesh(4);
-  expect_complaint(TetMesh{}, "no tetrahedra");
+  expect_mesh_complaint(TetMesh{}, "no tetrahedra");
   const auto refused = [&](const std::function<void(TetMesh&)>& spoil) {
     TetMesh mesh = sound;
     spoil(mesh);
-    EXPECT_NE(complaint(mesh), "");
+    EXPECT_NE(mesh_complaint(mesh), "");
   };
   refused([](TetMesh& m) { m.tets.conservativeResize(m.tets.rows(), 5); });
   refused([](TetMesh& m) { m.region.conservativeResize(m.region.size() - 1); });

@@ -27,7 +27,7 @@ class Tetrahedralize : public ::testing::Test {
   static void SetUpTestSuite() { setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1); }
 };
 
-void expect_same_patches(const TetMesh& mesh, const Surface& surface, double tolerance) {
+void expect_patches_of(const TetMesh& mesh, const Surface& surface, double tolerance) {
   ASSERT_EQ(mesh.patch_names, surface.patch_names);
   for (int p = 0; p < static_cast<int>(surface.patch_names.size()); ++p) {
     const double expected = shapes::patch_area(surface.points, surface.triangles, surface.patch, p);
@@ -52,7 +52,7 @@ TEST_F(Tetrahedralize, FillsPlatesExactly) {
     const TetMesh mesh = tetrahedralize(body, {});
     const double exact = plate.length * plate.width * plate.thickness;
     EXPECT_NEAR(volume(mesh), exact, 1e-9 * exact);
-    expect_same_patches(mesh, body, 1e-9);
+    expect_patches_of(mesh, body, 1e-9);
     expect_outward_boundary(mesh);
     const Quality good = quality(mesh);
     EXPECT_GT(good.smallest_dihedral_degrees, 8.0);

@@ -81,7 +81,7 @@ MeasuredShapes measured_of(const Made& all, const Eigen::VectorXd& parameters, d
   return measured;
 }
 
-Eigen::VectorXd some_parameters() {
+Eigen::VectorXd correction_parameters() {
   return (Eigen::VectorXd(6) << 0.03, 0.02, -0.01, 0.04, -0.05, 0.02).finished();
 }
 
@@ -89,7 +89,7 @@ const ResidualErrors kErrors{{0.05, 2.0, 0.9}, 1.1};
 
 TEST(CorrectedModes, DiagonaliseTheCorrectedStiffnessAndMass) {
   const auto all = made(1);
-  const auto parameters = some_parameters();
+  const auto parameters = correction_parameters();
   const auto modes = corrected_modes(all.basis.frequency_hz, all.corrections, parameters).value();
   Eigen::MatrixXd stiffness =
       (2.0 * std::numbers::pi * all.basis.frequency_hz).cwiseAbs2().asDiagonal();
@@ -117,7 +117,7 @@ TEST(CorrectedModes, AreNoneWhereAMassIsNegative) {
 
 TEST(CorrectedEvidence, IsThePooledOneWithoutCorrections) {
   const auto all = made(1);
-  const auto measured = measured_of(all, some_parameters(), 0.02, 3);
+  const auto measured = measured_of(all, correction_parameters(), 0.02, 3);
   const auto plain = pooled_evidence(measured, all.basis, kErrors);
   const auto none = corrected_evidence(measured, all.basis, {}, kErrors, {}).value();
   const auto zero =
@@ -151,16 +151,16 @@ void expect_slopes_equal_differences(const Made& all, const MeasuredShapes& meas
 
 TEST(CorrectedEvidence, SlopesEqualDifferences) {
   const auto all = made(1);
-  const auto measured = measured_of(all, some_parameters(), 0.02, 3);
-  expect_slopes_equal_differences(all, measured, 0.5 * some_parameters());
+  const auto measured = measured_of(all, correction_parameters(), 0.02, 3);
+  expect_slopes_equal_differences(all, measured, 0.5 * correction_parameters());
   expect_slopes_equal_differences(all, measured, Eigen::VectorXd::Zero(6));
 }
 
 TEST(CorrectedEvidence, SlopesEqualDifferencesForAMotionAsAWhole) {
   const auto all = made(1);
-  auto measured = measured_of(all, some_parameters(), 0.02, 3);
+  auto measured = measured_of(all, correction_parameters(), 0.02, 3);
   measured.frequency_hz(0) = 0.0;
-  expect_slopes_equal_differences(all, measured, 0.5 * some_parameters());
+  expect_slopes_equal_differences(all, measured, 0.5 * correction_parameters());
 }
 
 // The same simulation with its modes chosen, ordered and signed in another way.
@@ -181,10 +181,10 @@ Made told_otherwise(const Made& all, const Eigen::MatrixXd& turn) {
 
 void expect_same_evidence(const Made& all, const Eigen::MatrixXd& turn) {
   const auto other = told_otherwise(all, turn);
-  const auto measured = measured_of(all, some_parameters(), 0.02, 3);
+  const auto measured = measured_of(all, correction_parameters(), 0.02, 3);
   auto same = measured;
   same.places.shapes = other.shapes;
-  const Eigen::VectorXd at = 0.7 * some_parameters();
+  const Eigen::VectorXd at = 0.7 * correction_parameters();
   const auto one = corrected_evidence(measured, all.basis, all.corrections, kErrors, at).value();
   const auto two = corrected_evidence(same, other.basis, other.corrections, kErrors, at).value();
   EXPECT_NEAR(one.log_evidence, two.log_evidence, 1e-8 * std::abs(one.log_evidence));

@@ -14,10 +14,10 @@
 namespace chladni::priors {
 namespace {
 
-constexpr unsigned kSeed = 20;
+constexpr unsigned kKernelSeed = 20;
 
 // Points that fill `dimensions` axes, one of them twice.
-Points random_points(Eigen::Index count, int dimensions, unsigned seed = kSeed) {
+Points kernel_points(Eigen::Index count, int dimensions, unsigned seed = kKernelSeed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-0.3, 0.3);
   Points points = Points::Constant(count, 3, 0.02);
@@ -37,7 +37,7 @@ Eigen::VectorXd some_parameters(const Kernel& kernel) {
   return values;
 }
 
-Eigen::MatrixXd whole(const Eigen::MatrixXd& lower) {
+Eigen::MatrixXd whole_covariance(const Eigen::MatrixXd& lower) {
   return lower.selfadjointView<Eigen::Lower>();
 }
 
@@ -97,8 +97,8 @@ class EveryKernel : public ::testing::TestWithParam<Case> {
 };
 
 TEST_P(EveryKernel, IsSymmetric) {
-  const auto points = random_points(20, 3);
-  const auto others = random_points(15, 3, kSeed + 1);
+  const auto points = kernel_points(20, 3);
+  const auto others = kernel_points(15, 3, kKernelSeed + 1);
   const auto there = covariance(kernel_, values_, points, others);
   const auto back = covariance(kernel_, values_, others, points);
   EXPECT_LT(maximum(there - back.transpose()), 1e-13);
@@ -107,7 +107,7 @@ TEST_P(EveryKernel, IsSymmetric) {
 TEST_P(EveryKernel, IsPositiveSemidefinite) {
   for (const int dimensions : {1, 2, 3}) {
     for (const double stretch : {0.2, 1.0, 8.0}) {
-      const auto points = random_points(40, dimensions);
+      const auto points = kernel_points(40, dimensions);
       const auto matrix = covariance(kernel_, stretch * values_, points);
       const Eigen::VectorXd eigenvalues =
           Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
@@ -119,21 +119,22 @@ TEST_P(EveryKernel, IsPositiveSemidefinite) {
 }
 
 TEST_P(EveryKernel, IsTheSameForTwoSetsAndForOne) {
-  const auto points = random_points(20, 3);
+  const auto points = kernel_points(20, 3);
   const auto square = covariance(kernel_, values_, points);
   EXPECT_EQ(maximum(square.triangularView<Eigen::StrictlyUpper>()), 0.0);
-  EXPECT_LT(maximum(whole(square) - covariance(kernel_, values_, points, points)), 1e-14);
+  EXPECT_LT(maximum(whole_covariance(square) - covariance(kernel_, values_, points, points)),
+            1e-14);
 }
 
 TEST_P(EveryKernel, HasTheVarianceOnItsDiagonal) {
-  const auto points = random_points(20, 3);
+  const auto points = kernel_points(20, 3);
   const Eigen::VectorXd diagonal = covariance(kernel_, values_, points).diagonal();
   EXPECT_LT(maximum(diagonal - variances(kernel_, values_, points)), 1e-14);
 }
 
 TEST_P(EveryKernel, HasTheGradientOfItsDifferences) {
-  const auto points = random_points(12, 3);
-  std::mt19937 random(kSeed);
+  const auto points = kernel_points(12, 3);
+  std::mt19937 random(kKernelSeed);
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(random); };
   Eigen::MatrixXd weights = Eigen::MatrixXd::NullaryExpr(12, 12, draw);
@@ -145,7 +146,7 @@ TEST_P(EveryKernel, HasTheGradientOfItsDifferences) {
     const auto at = [&](double log_change) {
       Eigen::VectorXd changed = values_;
       changed(k) *= std::exp(log_change);
-      return whole(covariance(kernel_, changed, points));
+      return whole_covariance(covariance(kernel_, changed, points));
     };
     const Eigen::MatrixXd slope =  // the error is h^4 / 30 of the fifth derivative
         (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
@@ -157,7 +158,7 @@ TEST_P(EveryKernel, HasTheGradientOfItsDifferences) {
 }
 
 TEST_P(EveryKernel, DoesNotChangeWhenAllIsMovedWhereItIsStationary) {
-  const auto points = random_points(20, 3);
+  const auto points = kernel_points(20, 3);
   const Eigen::RowVector3d shift(0.11, -0.07, 0.05);
   const Points moved = points.rowwise() + shift;
   const double change =
@@ -170,7 +171,7 @@ TEST_P(EveryKernel, DoesNotChangeWhenAllIsMovedWhereItIsStationary) {
 }
 
 TEST_P(EveryKernel, DoesNotChangeWhenAllIsTurnedWhereItIsIsotropic) {
-  const auto points = random_points(20, 3);
+  const auto points = kernel_points(20, 3);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, -2, 3).normalized()).toRotationMatrix();
   const Points turned = points * turn.transpose();
@@ -181,7 +182,7 @@ TEST_P(EveryKernel, DoesNotChangeWhenAllIsTurnedWhereItIsIsotropic) {
 }
 
 TEST_P(EveryKernel, DoesNotChangeWithTheUnitOfLength) {
-  const auto points = random_points(20, 3);
+  const auto points = kernel_points(20, 3);
   if (GetParam().name.find("symmetrised") != std::string::npos) return;  // its centre is in metres
   Eigen::VectorXd millimetres = values_;
   for (Eigen::Index k = 0; k < values_.size(); ++k) {
@@ -193,7 +194,7 @@ TEST_P(EveryKernel, DoesNotChangeWithTheUnitOfLength) {
 }
 
 TEST_P(EveryKernel, RefusesParametersThatAreNotItsOwn) {
-  const auto points = random_points(4, 2);
+  const auto points = kernel_points(4, 2);
   EXPECT_THROW((void)covariance(kernel_, Eigen::VectorXd::Ones(17), points), InvalidInput);
   EXPECT_THROW((void)covariance(kernel_, -values_, points), InvalidInput);
 }
@@ -210,8 +211,8 @@ TEST_P(EverySymmetry, IsKeptByTheKernel) {
        {square(1, 1, 1), square(1, 1, -1), square(-1, -1, 1), square(-1, -1, -1)}) {
     const auto kernel = symmetrised(GetParam().kernel(), symmetry);
     const auto values = some_parameters(kernel);
-    const auto points = random_points(15, 3);
-    const auto others = random_points(10, 3, kSeed + 1);
+    const auto points = kernel_points(15, 3);
+    const auto others = kernel_points(10, 3, kKernelSeed + 1);
     const auto before = covariance(kernel, values, points, others);
     for (std::size_t g = 0; g < symmetry.operations.size(); ++g) {
       const Points image =
@@ -269,7 +270,7 @@ TEST(Kernel, MaternsLieBetweenTheExponentialAndTheSquaredExponential) {
 }
 
 TEST(Kernel, RationalQuadraticOfManyScalesIsTheSquaredExponential) {
-  const auto points = random_points(10, 2);
+  const auto points = kernel_points(10, 2);
   const auto quadratic =
       covariance(kernel_family("rational_quadratic"), Eigen::Vector2d(0.2, 1e7), points);
   const auto exponential =
@@ -282,7 +283,7 @@ TEST(Kernel, PeriodicAndCosineRepeatThemselves) {
     const Kernel kernel(kernel_family(name));
     Eigen::VectorXd values = some_parameters(kernel);
     values(0) = 0.2;
-    const auto points = random_points(10, 2);
+    const auto points = kernel_points(10, 2);
     const Points moved = points.rowwise() + Eigen::RowVector3d(0.2, -0.4, 0.0);
     EXPECT_LT(maximum(covariance(kernel, values, points, points) -
                       covariance(kernel, values, points, moved)),

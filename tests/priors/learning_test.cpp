@@ -12,7 +12,7 @@
 namespace chladni::priors {
 namespace {
 
-Points grid(int per_side, double size) {
+Points learning_grid(int per_side, double size) {
   Points points = Points::Zero(Eigen::Index{per_side} * per_side, 3);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     points(i, 0) = size * (static_cast<double>(i % per_side) / (per_side - 1) - 0.5);
@@ -38,7 +38,7 @@ Eigen::VectorXd one(double value) { return Eigen::VectorXd::Constant(1, value); 
 
 TEST(Learned, FindsTheHyperparametersOfItsOwnDraws) {
   const Kernel kernel(kernel_family("matern_3_2"));
-  const auto points = grid(17, 0.6);
+  const auto points = learning_grid(17, 0.6);
   const auto y = drawn(kernel, one(0.12), points, 2.0, 0.0, 12, 3);
   const auto found = learned(kernel, points, y, {.shared = true});
   ASSERT_EQ(found.size(), 1U);
@@ -49,7 +49,7 @@ TEST(Learned, FindsTheHyperparametersOfItsOwnDraws) {
 
 TEST(Learned, FindsTheNoiseToo) {
   const Kernel kernel(kernel_family("squared_exponential"));
-  const auto points = grid(12, 0.6);
+  const auto points = learning_grid(12, 0.6);
   const auto y = drawn(kernel, one(0.15), points, 1.0, 0.05, 6, 4);
   const auto found = learned(kernel, points, y, {.shared = true, .learn_noise = true});
   EXPECT_NEAR(found[0].noise / 0.05, 1.0, 0.15);
@@ -58,7 +58,7 @@ TEST(Learned, FindsTheNoiseToo) {
 
 TEST(Learned, NoOtherLengthIsLikelier) {
   const Kernel kernel(kernel_family("squared_exponential"));
-  const auto points = grid(9, 0.6);
+  const auto points = learning_grid(9, 0.6);
   const auto y = drawn(kernel, one(0.15), points, 1.0, 0.0, 4, 5);
   for (const auto merit : {Merit::marginal_likelihood, Merit::leave_one_out}) {
     const auto found = learned(kernel, points, y, {.merit = merit, .noise_ratio = 1e-6});
@@ -77,7 +77,7 @@ TEST(Learned, NoOtherLengthIsLikelier) {
 // The line search and the gradient-based one are two ways to one answer.
 TEST(Learned, IsTheSameOnALineAndInABox) {
   const Kernel kernel(kernel_family("matern_5_2"));
-  const auto points = grid(8, 0.6);
+  const auto points = learning_grid(8, 0.6);
   const auto y = drawn(kernel, one(0.2), points, 1.5, 0.02, 2, 6);
   const Eigen::MatrixXd noise = Eigen::MatrixXd::Constant(64, 2, 0.03);
   const auto line = learned(kernel, points, y, {.noise = noise});
@@ -92,7 +92,7 @@ TEST(Learned, IsTheSameOnALineAndInABox) {
 
 TEST(Learned, ScalesWithTheValuesAndTheBody) {
   const Kernel kernel(kernel_family("squared_exponential"));
-  const auto points = grid(8, 0.6);
+  const auto points = learning_grid(8, 0.6);
   const auto y = drawn(kernel, one(0.15), points, 1.0, 0.0, 2, 7);
   const auto first = learned(kernel, points, y);
   const Points larger = 3.0 * points;
@@ -105,7 +105,7 @@ TEST(Learned, ScalesWithTheValuesAndTheBody) {
 
 TEST(Learned, PriorsPullAndBoundsAreSaid) {
   const Kernel kernel(kernel_family("squared_exponential"));
-  const auto points = grid(6, 0.6);
+  const auto points = learning_grid(6, 0.6);
   const auto y = drawn(kernel, one(0.2), points, 1.0, 0.0, 1, 8);
   const auto free = learned(kernel, points, y);
   Learning how;
@@ -120,7 +120,7 @@ TEST(Learned, PriorsPullAndBoundsAreSaid) {
 
 // A shape without noise that is smoother than any draw: what is learned is what the ratio says.
 TEST(NoiseDependence, TellsARidgeFromDraws) {
-  const auto points = grid(14, 0.6);
+  const auto points = learning_grid(14, 0.6);
   const Kernel rough(kernel_family("matern_3_2"));
   const auto draws = drawn(rough, one(0.15), points, 1.0, 0.0, 2, 12);
   EXPECT_LT(noise_dependence(learned(rough, points, draws), rough, points, draws, {}).maxCoeff(),
@@ -133,7 +133,7 @@ TEST(NoiseDependence, TellsARidgeFromDraws) {
 
 TEST(Learned, SeveralHyperparametersAreLikelierThanOne) {
   const Kernel per_axis(kernel_family("squared_exponential"), Scales::per_axis);
-  const auto points = grid(9, 0.6);
+  const auto points = learning_grid(9, 0.6);
   const auto y = drawn(per_axis, Eigen::Vector3d(0.1, 0.3, 1.0), points, 1.0, 0.0, 3, 9);
   const auto isotropic = learned(kernel_family("squared_exponential"), points, y,
                                  {.shared = true, .noise_ratio = 1e-6});
@@ -145,7 +145,7 @@ TEST(Learned, SeveralHyperparametersAreLikelierThanOne) {
 
 TEST(Learned, WarmStartNeedsOneSearch) {
   const Kernel kernel(kernel_family("rational_quadratic"));
-  const auto points = grid(8, 0.6);
+  const auto points = learning_grid(8, 0.6);
   const auto y = drawn(kernel, Eigen::Vector2d(0.15, 1.0), points, 1.0, 0.0, 3, 10);
   const Learning cold{.shared = true, .noise_ratio = 1e-6};
   const auto first = learned(kernel, points, y, cold);
@@ -159,7 +159,7 @@ TEST(Learned, WarmStartNeedsOneSearch) {
 
 TEST(Learned, SeedDecidesAlone) {
   const Kernel kernel(kernel_family("rational_quadratic"));
-  const auto points = grid(6, 0.6);
+  const auto points = learning_grid(6, 0.6);
   const auto y = drawn(kernel, Eigen::Vector2d(0.15, 1.0), points, 1.0, 0.0, 1, 11);
   const auto a = learned(kernel, points, y, {.seed = 5});
   const auto b = learned(kernel, points, y, {.seed = 5});
@@ -168,7 +168,7 @@ TEST(Learned, SeedDecidesAlone) {
 
 TEST(Learned, RefusesWhatCannotBeMeant) {
   const Kernel kernel(kernel_family("squared_exponential"));
-  const auto points = grid(4, 0.6);
+  const auto points = learning_grid(4, 0.6);
   const Eigen::VectorXd y = points.col(0);
   EXPECT_THROW((void)learned(kernel, points, y.head(5)), InvalidInput);
   EXPECT_THROW((void)learned(kernel, points, Eigen::VectorXd::Zero(16)), InvalidInput);
@@ -180,8 +180,8 @@ TEST(Learned, RefusesWhatCannotBeMeant) {
 }
 
 TEST(MatchedLength, IsTheBestForTheTask) {
-  const auto places = grid(4, 0.5);
-  const auto surface = grid(15, 0.6);
+  const auto places = learning_grid(4, 0.5);
+  const auto surface = learning_grid(15, 0.6);
   const auto shapes = [](const Points& at) {
     Eigen::MatrixXd values(at.rows(), 2);
     values.col(0) = (9.0 * at.col(0).array()).sin() * (5.0 * at.col(1).array()).cos();
@@ -197,8 +197,8 @@ TEST(MatchedLength, IsTheBestForTheTask) {
 }
 
 TEST(MatchedLength, NoiseThatIsLargeIsCounted) {
-  const auto places = grid(4, 0.5);
-  const auto surface = grid(11, 0.6);
+  const auto places = learning_grid(4, 0.5);
+  const auto surface = learning_grid(11, 0.6);
   const Eigen::VectorXd here = (6.0 * places.col(0).array()).sin();
   const Eigen::VectorXd there = (6.0 * surface.col(0).array()).sin();
   Task task{places, here, surface, there, Eigen::VectorXd::Ones(121)};

@@ -14,16 +14,16 @@
 namespace chladni::priors {
 namespace {
 
-struct Case {
+struct CoefficientCase {
   Eigen::MatrixXd weighted;
   Eigen::VectorXd values, noise;
 };
 
 // Functions, values that they can show, uneven noise.
-Case random_case(Eigen::Index s, Eigen::Index k, unsigned seed) {
+CoefficientCase random_case(Eigen::Index s, Eigen::Index k, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
-  Case made{Eigen::MatrixXd(s, k), Eigen::VectorXd(s), Eigen::VectorXd(s)};
+  CoefficientCase made{Eigen::MatrixXd(s, k), Eigen::VectorXd(s), Eigen::VectorXd(s)};
   for (double& x : made.weighted.reshaped()) x = 2.0 * uniform();
   Eigen::VectorXd b(k);
   for (double& x : b) x = 4.0 * uniform();
@@ -34,13 +34,13 @@ Case random_case(Eigen::Index s, Eigen::Index k, unsigned seed) {
   return made;
 }
 
-Eigen::MatrixXd covariance(const Case& one, double square) {
+Eigen::MatrixXd covariance(const CoefficientCase& one, double square) {
   Eigen::MatrixXd all = square * one.weighted * one.weighted.transpose();
   all.diagonal() += one.noise.cwiseAbs2();
   return all;
 }
 
-double textbook_evidence(const Case& one, double square) {
+double textbook_evidence(const CoefficientCase& one, double square) {
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance(one, square));
   const double determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return -0.5 * (determinant + one.values.dot(factor.solve(one.values)) +
@@ -49,7 +49,7 @@ double textbook_evidence(const Case& one, double square) {
 
 class Sizes : public testing::TestWithParam<std::tuple<int, int>> {
  protected:
-  Case made = random_case(std::get<0>(GetParam()), std::get<1>(GetParam()), 5);
+  CoefficientCase made = random_case(std::get<0>(GetParam()), std::get<1>(GetParam()), 5);
   RandomCoefficients shape{made.weighted, made.values, made.noise};
 };
 
@@ -84,8 +84,8 @@ TEST_P(Sizes, SlopesAreDifferences) {
   const double step = 1e-5;
   const auto of_variance = shape.variance_slopes();
   for (Eigen::Index j = 0; j < made.weighted.cols(); ++j) {
-    Case up = made;
-    Case down = made;
+    CoefficientCase up = made;
+    CoefficientCase down = made;
     up.weighted.col(j) *= std::exp(0.5 * step);
     down.weighted.col(j) *= std::exp(-0.5 * step);
     const double slope = (textbook_evidence(up, shape.amplitude_square()) -
@@ -95,8 +95,8 @@ TEST_P(Sizes, SlopesAreDifferences) {
   }
   const auto of_noise = shape.noise_slopes();
   for (Eigen::Index i = 0; i < made.noise.size(); ++i) {
-    Case up = made;
-    Case down = made;
+    CoefficientCase up = made;
+    CoefficientCase down = made;
     up.noise(i) *= std::exp(step);
     down.noise(i) *= std::exp(-step);
     const double slope = (textbook_evidence(up, shape.amplitude_square()) -
@@ -132,13 +132,13 @@ INSTANTIATE_TEST_SUITE_P(RandomCoefficients, Sizes,
                          testing::Values(std::tuple(5, 12), std::tuple(12, 12), std::tuple(30, 7)));
 
 TEST(RandomCoefficients, SayThatNoiseAloneExplainsTheValues) {
-  Case made = random_case(40, 5, 7);
+  CoefficientCase made = random_case(40, 5, 7);
   made.values.setZero();
   EXPECT_TRUE(RandomCoefficients(made.weighted, made.values, made.noise).vanishes());
 }
 
 TEST(RandomCoefficients, RefuseSizesThatDoNotFitAndNoNoise) {
-  const Case made = random_case(6, 4, 1);
+  const CoefficientCase made = random_case(6, 4, 1);
   EXPECT_THROW(RandomCoefficients(made.weighted, made.values.head(5), made.noise), InvalidInput);
   EXPECT_THROW(RandomCoefficients(made.weighted, made.values, 0.0 * made.noise), InvalidInput);
 }

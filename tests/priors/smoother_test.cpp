@@ -16,11 +16,11 @@ namespace {
 using simulators::Dice;
 
 // Places in the plane, noise that differs from place to place, values that bend.
-struct Case {
+struct SmootherCase {
   Eigen::MatrixXd places, kernel, trend;
   Eigen::VectorXd deviation, values;
 
-  explicit Case(int n = 13, unsigned seed = 5, Eigen::Index dimensions = 2) {
+  explicit SmootherCase(int n = 13, unsigned seed = 5, Eigen::Index dimensions = 2) {
     Dice dice(seed);
     places = dice.normal(n, dimensions);
     kernel = bending_kernel(places, places);
@@ -31,8 +31,8 @@ struct Case {
     values += 0.1 * deviation.cwiseProduct(dice.normal(n, 1));
   }
   [[nodiscard]] Smoother smoother() const { return {kernel, trend, deviation}; }
-  [[nodiscard]] Case without(Eigen::Index m) const {
-    Case less = *this;
+  [[nodiscard]] SmootherCase without(Eigen::Index m) const {
+    SmootherCase less = *this;
     std::vector<Eigen::Index> kept;
     for (Eigen::Index k = 0; k < values.size(); ++k) {
       if (k != m) kept.push_back(k);
@@ -46,13 +46,14 @@ struct Case {
   }
 };
 
-double at_place(const SmoothFunction& function, const Case& data, const Case& of, Eigen::Index m) {
+double at_place(const SmoothFunction& function, const SmootherCase& data, const SmootherCase& of,
+                Eigen::Index m) {
   const Eigen::MatrixXd kernel = bending_kernel(of.places.row(m), data.places);
   return (kernel * function.weights)(0) + of.trend.row(m).dot(function.trend);
 }
 
 TEST(Smoother, SolvesTheBorderedSystemOfTheSource) {
-  const Case data;
+  const SmootherCase data;
   const auto n = data.values.size();
   const double lambda = 0.03;
   Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 3, n + 3);
@@ -69,7 +70,7 @@ TEST(Smoother, SolvesTheBorderedSystemOfTheSource) {
 }
 
 TEST(Smoother, LeavesOneOutAsARefitDoes) {
-  const Case data;
+  const SmootherCase data;
   const auto smoother = data.smoother();
   for (const double lambda : {1e-4, 0.05, 20.0}) {
     const auto errors = smoother.left_out_errors(data.values, lambda);
@@ -91,7 +92,7 @@ TEST(Smoother, LeavesOneOutAsARefitDoes) {
 }
 
 TEST(Smoother, HasTheInfluenceThatDifferencesShow) {
-  const Case data;
+  const SmootherCase data;
   const auto smoother = data.smoother();
   const auto influence = smoother.influence(0.1);
   for (const Eigen::Index m : {0, 4, 12}) {
@@ -104,7 +105,7 @@ TEST(Smoother, HasTheInfluenceThatDifferencesShow) {
 }
 
 // −2 ln L = ln|Σ| + ln|TᵀΣ⁻¹T| − ln|TᵀT| + yᵀPy + (n − p) ln 2π (Harville 1974).
-double dense_reml(const Case& data, double lambda, double noise) {
+double dense_reml(const SmootherCase& data, double lambda, double noise) {
   const Eigen::MatrixXd inverse = data.deviation.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd t = inverse * data.trend;
   const Eigen::VectorXd y = inverse * data.values;
@@ -124,7 +125,7 @@ double dense_reml(const Case& data, double lambda, double noise) {
 }
 
 TEST(Smoother, HasTheRestrictedLikelihoodOfTheDenseFormula) {
-  const Case data;
+  const SmootherCase data;
   const auto smoother = data.smoother();
   for (const double lambda : {1e-3, 0.1, 10.0}) {
     const auto known =
@@ -143,14 +144,14 @@ TEST(Smoother, HasTheRestrictedLikelihoodOfTheDenseFormula) {
   }
 }
 
-constexpr SmoothingRule kRules[] = {SmoothingRule::reml_known_noise, SmoothingRule::reml,
-                                    SmoothingRule::generalised_cross_validation,
-                                    SmoothingRule::leave_one_out};
+constexpr SmoothingRule kSmootherRules[] = {SmoothingRule::reml_known_noise, SmoothingRule::reml,
+                                            SmoothingRule::generalised_cross_validation,
+                                            SmoothingRule::leave_one_out};
 
 TEST(Smoother, HasTheSlopesThatDifferencesShow) {
-  const Case data;
+  const SmootherCase data;
   const auto smoother = data.smoother();
-  for (const auto rule : kRules) {
+  for (const auto rule : kSmootherRules) {
     for (const double lambda : {1e-3, 0.1, 10.0}) {
       constexpr double kStep = 1e-4;
       const auto at = [&](double factor) {
@@ -164,9 +165,9 @@ TEST(Smoother, HasTheSlopesThatDifferencesShow) {
 
 TEST(Smoother, FindsTheLowestPointOfEachCriterion) {
   for (const unsigned seed : {5U, 6U, 7U, 8U}) {
-    const Case data(13, seed);
+    const SmootherCase data(13, seed);
     const auto smoother = data.smoother();
-    for (const auto rule : kRules) {
+    for (const auto rule : kSmootherRules) {
       const auto found = smoother.chosen(data.values, rule, 0.2);
       const double value = smoother.criterion(data.values, rule, 0.2, found.lambda).value;
       for (double lambda = 1e-8; lambda < 1e8; lambda *= 1.1) {
@@ -178,7 +179,7 @@ TEST(Smoother, FindsTheLowestPointOfEachCriterion) {
 }
 
 TEST(Smoother, InterpolatesWithoutSmoothingAndIsFlatWithAllOfIt) {
-  const Case data;
+  const SmootherCase data;
   const auto smoother = data.smoother();
   const auto through = smoother.fit(data.values, 1e-12);
   const auto flat = smoother.fit(data.values, std::numeric_limits<double>::infinity());
@@ -195,7 +196,7 @@ TEST(Smoother, InterpolatesWithoutSmoothingAndIsFlatWithAllOfIt) {
 
 // The bordered matrix again: Σ of the values, the free part's unknowns beside it.
 TEST(Smoother, HasTheVarianceOfUniversalKriging) {
-  const Case data;
+  const SmootherCase data;
   const auto n = data.values.size();
   const Smoothing smoothing{0.07, 0.3, 0.0, false};
   const double square = smoothing.noise * smoothing.noise;
@@ -218,7 +219,7 @@ TEST(Smoother, HasTheVarianceOfUniversalKriging) {
 }
 
 TEST(Smoother, TakesPlacesAtOnePointAsWeightedMean) {
-  Case data(8, 3);
+  SmootherCase data(8, 3);
   data.places.row(7) = data.places.row(6);
   data.kernel = bending_kernel(data.places, data.places);
   data.trend = plane_functions(data.places);
@@ -232,7 +233,7 @@ TEST(Smoother, TakesPlacesAtOnePointAsWeightedMean) {
   for (Eigen::Index m = 0; m < 8; ++m) {
     EXPECT_NEAR(at_place(both, data, data, m), at_place(one, merged, data, m), 1e-9);
   }
-  for (const auto rule : kRules) {
+  for (const auto rule : kSmootherRules) {
     const auto chosen = data.smoother().chosen(data.values, rule, 0.1);
     EXPECT_TRUE(std::isfinite(chosen.noise)) << static_cast<int>(rule);
   }
@@ -240,12 +241,12 @@ TEST(Smoother, TakesPlacesAtOnePointAsWeightedMean) {
 
 // A kernel may hold any amount of what is free anyway.
 TEST(Smoother, DoesNotFeelTheFreePartOfItsKernel) {
-  const Case data;
+  const SmootherCase data;
   const auto plain = data.smoother();
   const Eigen::MatrixXd much = data.kernel + 1e9 * data.trend * data.trend.transpose();
   const Smoother loaded(much, data.trend, data.deviation);
   const double lambda = 0.05;
-  for (const auto rule : kRules) {
+  for (const auto rule : kSmootherRules) {
     const double value = plain.criterion(data.values, rule, 0.2, lambda).value;
     EXPECT_NEAR(loaded.criterion(data.values, rule, 0.2, lambda).value, value,
                 1e-4 * std::abs(value));
@@ -257,7 +258,7 @@ TEST(Smoother, DoesNotFeelTheFreePartOfItsKernel) {
 }
 
 TEST(Smoother, RefusesWhatCannotBeMeant) {
-  const Case data;
+  const SmootherCase data;
   EXPECT_THROW(Smoother(data.kernel, data.trend.topRows(5), data.deviation), InvalidInput);
   EXPECT_THROW(Smoother(data.kernel, data.trend, -data.deviation), InvalidInput);
   Eigen::MatrixXd line = data.trend;

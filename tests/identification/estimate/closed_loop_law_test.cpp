@@ -158,7 +158,7 @@ struct Tally {
   }
 };
 
-FrfEstimateOptions all_periods() {
+FrfEstimateOptions law_periods() {
   FrfEstimateOptions options;
   options.drop = 0;
   options.smooth_lines = 0;
@@ -172,7 +172,7 @@ class ClosedLoopLaw : public testing::Test {
     Draw draw(5);
     for (int n = 0; n < kRepeats; ++n) {
       const auto data = repeat(made, kNoise, draw);
-      const auto found = closed_loop_estimate(data, all_periods());
+      const auto found = closed_loop_estimate(data, law_periods());
       indirect.add(made, found.estimate.set);
     }
   }

@@ -14,8 +14,8 @@ namespace chladni::identification {
 namespace {
 
 // What a noiseless experiment in the steady state must give: the discrete model's response.
-std::vector<Eigen::MatrixXcd> truth(const modal::ReducedModel& model, const modal::FrfSet& set,
-                                    double sample_time) {
+std::vector<Eigen::MatrixXcd> true_response(const modal::ReducedModel& model,
+                                            const modal::FrfSet& set, double sample_time) {
   const auto space = modal::discretised(modal::state_space(model), sample_time);
   std::vector<Eigen::MatrixXcd> result;
   for (const double f : set.frequency_hz) result.push_back(modal::response(space, f));
@@ -40,7 +40,7 @@ TEST(FrfEstimate, IsTheDiscreteResponseWithoutNoise) {
     const auto found = frf_estimate(virtual_experiment(rig, plan, 2, 1));
     ASSERT_EQ(found.set.frequency_hz.size(), 76);
     EXPECT_EQ(found.set.frequency_hz(0), 5.0);
-    EXPECT_LT(largest_error(found.set, truth(model, found.set, rig.sample_time_s)), 1e-9);
+    EXPECT_LT(largest_error(found.set, true_response(model, found.set, rig.sample_time_s)), 1e-9);
   }
 }
 
@@ -66,7 +66,7 @@ Scatter scatter(InputScheme scheme, bool total, int realisations) {
   double squares = 0.0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const auto found = frf_estimate(virtual_experiment(rig, plan, realisations, seed), options);
-    const auto want = truth(model, found.set, rig.sample_time_s);
+    const auto want = true_response(model, found.set, rig.sample_time_s);
     for (std::size_t k = 0; k < want.size(); ++k) {
       for (Eigen::Index i = 0; i < 2; ++i) {
         for (Eigen::Index j = 0; j < 2; ++j) {

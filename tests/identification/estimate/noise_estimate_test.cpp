@@ -60,7 +60,7 @@ struct Estimate {
 };
 
 // As the program does: from the data, then from what the first fit leaves.
-Estimate estimated(const FrfCase& made, double model_error) {
+Estimate noise_estimated(const FrfCase& made, double model_error) {
   auto set = made.measured;
   set.variance.clear();
   FitDataOptions options;
@@ -88,7 +88,7 @@ FrfCase of_accelerometers(double part) {
 TEST(NoiseEstimate, IsThatOfTheRecord) {
   for (const auto& made :
        {relative(0.01), relative(0.05), of_accelerometers(0.01), of_accelerometers(0.05)}) {
-    const auto found = estimated(made, 0.0);
+    const auto found = noise_estimated(made, 0.0);
     EXPECT_NEAR(found.deviation, 0.99, 0.06);
     EXPECT_GT(found.cost, 1.0);
     EXPECT_LT(found.cost, 1.25);
@@ -98,10 +98,10 @@ TEST(NoiseEstimate, IsThatOfTheRecord) {
 // What a study without variances assumes that a model is off by (1 %) is a part of the deviations,
 // and no noise: where the noise is as small the cost is half of what is expected.
 TEST(NoiseEstimate, HoldsTheErrorThatTheModelMayHave) {
-  const auto found = estimated(relative(0.01), 0.01);
+  const auto found = noise_estimated(relative(0.01), 0.01);
   EXPECT_NEAR(found.deviation, 1.0, 0.06);
   EXPECT_NEAR(found.cost, 0.5, 0.05);
-  const auto noisy = estimated(of_accelerometers(0.05), 0.01);
+  const auto noisy = noise_estimated(of_accelerometers(0.05), 0.01);
   EXPECT_NEAR(noisy.deviation, 0.97, 0.06);
   EXPECT_GT(noisy.cost, 1.0);
 }

@@ -19,7 +19,7 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // The thesis' grid (4.1.1) on its simulated beam: 4096 Hz, 16384 samples, 10 periods.
 constexpr double kSampling = 4096.0;
-constexpr Eigen::Index kPeriod = 16384;
+constexpr Eigen::Index kTransientPeriod = 16384;
 
 modal::ReducedModel beam() {
   const Eigen::VectorXd at = Eigen::Vector3d(0.05, 0.15, 0.35);
@@ -30,7 +30,7 @@ modal::ReducedModel beam() {
 
 VirtualExperimentPlan thesis_plan() {
   VirtualExperimentPlan plan;
-  plan.multisine.period = kPeriod;
+  plan.multisine.period = kTransientPeriod;
   plan.multisine.sample_time_s = 1.0 / kSampling;
   plan.multisine.low_hz = 0.25;
   plan.multisine.high_hz = 200.0;
@@ -65,7 +65,7 @@ Eigen::VectorXd error_at_modes(const modal::FrfSet& set) {
   return result;
 }
 
-VirtualRig rig() { return rig_of(beam(), kSampling); }
+VirtualRig transient_rig() { return rig_of(beam(), kSampling); }
 
 FrfEstimateOptions dropping(Eigen::Index periods) {
   FrfEstimateOptions options;
@@ -74,7 +74,7 @@ FrfEstimateOptions dropping(Eigen::Index periods) {
 }
 
 TEST(Transient, DroppingOnePeriodLeavesPercentsAtTheModes) {
-  const auto data = virtual_experiment(rig(), thesis_plan(), 1, 1);
+  const auto data = virtual_experiment(transient_rig(), thesis_plan(), 1, 1);
   const auto once = error_at_modes(frf_estimate(data, dropping(1)).set);
   EXPECT_GT(once.maxCoeff(), 0.02);
   // The poles of the first fit take it away altogether.
@@ -85,7 +85,7 @@ TEST(Transient, DroppingOnePeriodLeavesPercentsAtTheModes) {
 
 TEST(Transient, IsAlwaysSeenOnTheThesisGrid) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    auto noisy = rig();
+    auto noisy = transient_rig();
     const auto size = virtual_experiment(noisy, thesis_plan(), 1, seed).records[0].outputs;
     const double rms = size.norm() / std::sqrt(static_cast<double>(size.size()));
     noisy.sensor_noise = Eigen::Vector3d::Constant(0.01 * rms);
@@ -100,12 +100,12 @@ TEST(Transient, IsAlwaysSeenOnTheThesisGrid) {
 
 // Bias of the mean FRF, over its deviation: below 0.1 after the removal, and far above before.
 TEST(Transient, ItsRemovalLeavesLessThanATenthOfTheDeviation) {
-  auto noisy = rig();
+  auto noisy = transient_rig();
   const auto exact = virtual_experiment(noisy, thesis_plan(), 1, 3).records[0].outputs;
   const double rms = exact.norm() / std::sqrt(static_cast<double>(exact.size()));
   noisy.sensor_noise = Eigen::Vector3d::Constant(0.01 * rms);
   const auto ratio = [&](bool removed, Eigen::Index dropped) {
-    const auto clean = virtual_experiment(rig(), thesis_plan(), 1, 3);
+    const auto clean = virtual_experiment(transient_rig(), thesis_plan(), 1, 3);
     const auto data = virtual_experiment(noisy, thesis_plan(), 1, 3);
     const auto noise = frf_estimate(data, dropping(dropped)).set;
     // The estimator is linear in the outputs: what it makes of noiseless ones is its bias.
@@ -128,12 +128,13 @@ TEST(Transient, ItsRemovalLeavesLessThanATenthOfTheDeviation) {
 }
 
 TEST(Transient, NoNoiseIsAddedByItsRemoval) {
-  auto noisy = rig();
+  auto noisy = transient_rig();
   noisy.sensor_noise = Eigen::Vector3d::Constant(1e-6);
   const auto plan = thesis_plan();
   const auto data = virtual_experiment(noisy, plan, 1, 3);
   const auto clean =
-      without_transient(virtual_experiment(rig(), plan, 1, 3), start_at(beam()).pole).data;
+      without_transient(virtual_experiment(transient_rig(), plan, 1, 3), start_at(beam()).pole)
+          .data;
   const auto both = without_transient(data, start_at(beam()).pole).data;
   const auto added = (both.records[0].outputs - clean.records[0].outputs).norm();
   const auto was = 1e-6 * std::sqrt(static_cast<double>(both.records[0].outputs.size()));

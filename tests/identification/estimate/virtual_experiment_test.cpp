@@ -19,7 +19,7 @@ namespace {
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 using Complex = std::complex<double>;
 
-Eigen::MatrixXd noise(Eigen::Index samples, Eigen::Index columns) {
+Eigen::MatrixXd measured_noise(Eigen::Index samples, Eigen::Index columns) {
   Draw draw(4);
   Eigen::MatrixXd result(samples, columns);
   for (double& x : result.reshaped()) x = draw.normal();
@@ -33,7 +33,7 @@ TEST(VirtualExperiment, MovesAsTheDiscretisedStateSpace) {
   model.rigid_count = 1;
   const auto rig = rig_of(model, 512.0);
   const auto space = modal::discretised(modal::state_space(model), rig.sample_time_s);
-  const auto u = noise(200, 2);
+  const auto u = measured_noise(200, 2);
   Draw draw(1);
   const auto record = recorded(rig, u, draw);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(space.a.rows());
@@ -45,7 +45,7 @@ TEST(VirtualExperiment, MovesAsTheDiscretisedStateSpace) {
 
 TEST(VirtualExperiment, DelaysByWholeSamplesAndByFractions) {
   auto rig = rig_of(two_modes(), 512.0);
-  const auto u = noise(200, 2);
+  const auto u = measured_noise(200, 2);
   Draw draw(1);
   const auto prompt = recorded(rig, u, draw).outputs;
   rig.delay_s = 3.0 * rig.sample_time_s;
@@ -69,7 +69,7 @@ TEST(VirtualExperiment, StepsGiveWhatTheWholeRecordGives) {
   model.residual.setConstant(2e-5);
   auto rig = rig_of(model, 512.0);
   rig.delay_s = 1.3 * rig.sample_time_s;
-  const auto u = noise(100, 2);
+  const auto u = measured_noise(100, 2);
   Draw draw(1);
   const auto whole = recorded(rig, u, draw).outputs;
   rig.controller = Controller{.a = Eigen::MatrixXd::Zero(1, 1),
@@ -84,7 +84,7 @@ TEST(VirtualExperiment, StepsGiveWhatTheWholeRecordGives) {
 
 TEST(VirtualExperiment, ASpringOfNoStiffnessChangesNothing) {
   auto rig = rig_of(two_modes(), 512.0);
-  const auto u = noise(300, 2);
+  const auto u = measured_noise(300, 2);
   Draw draw(1);
   const auto linear = recorded(rig, u, draw).outputs;
   rig.spring = CubicSpring{.stiffness = 0.0, .output = 0, .input = 0};
