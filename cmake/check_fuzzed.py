@@ -1,14 +1,32 @@
 """Whether what the fuzzers compile is closed: every function of ours that one of their sources calls
 stands in another of them.
 
-    check_fuzzed.py BUILD SOURCE...
+    check_fuzzed.py ROOT BUILD SOURCE... -- COMPILER FLAGS...
 
 The sources are named as in tests/fuzz/sources.cmake (io/scan). What they define and what they need is
-read from the objects of the rooms in the folder BUILD.
+read from the objects of the rooms in the folder BUILD, or from objects made for it where the rooms
+compile several files as one.
 """
+import concurrent.futures
+import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
+
+
+def objects_of(folder, sources, root, build, compiler, made):
+    """The objects of a folder's sources: those of its room, or one of all made in the folder `made`."""
+    room = folder.split("/", 1)[0]
+    library = build / room / "CMakeFiles" / f"chladni_{room}.dir"
+    objects = [library / f"{source.split('/', 1)[1]}.cpp.o" for source in sources]
+    if all(path.exists() for path in objects):
+        return objects
+    path = Path(made) / (folder.replace("/", "_") + ".o")
+    text = "".join(f'#include "{source}.cpp"\n' for source in sources)
+    subprocess.run([*compiler, "-O0", f"-I{root}", "-x", "c++", "-c", "-", "-o", path],
+                   input=text, text=True, check=True)
+    return [path]
 
 
 def symbols(path):
@@ -31,16 +49,24 @@ def split(line):
 
 
 def main():
-    build = Path(sys.argv[1])
+    root, build = Path(sys.argv[1]), Path(sys.argv[2])
+    end = sys.argv.index("--")
+    sources, compiler = sys.argv[3:end], sys.argv[end + 1:]
+    folders = {}
+    for source in sources:
+        folders.setdefault(source.rsplit("/", 1)[0], []).append(source)
     defined, needed = set(), {}
-    for source in sys.argv[2:]:
-        room, name = source.split("/", 1)
-        here, there = symbols(build / room / "CMakeFiles" / f"chladni_{room}.dir" / f"{name}.cpp.o")
-        defined |= here
-        needed.update(dict.fromkeys(there, source))
+    with tempfile.TemporaryDirectory() as made, \
+            concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        found = pool.map(lambda f: objects_of(f, folders[f], root, build, compiler, made), folders)
+        for folder, objects in zip(folders, found):
+            for path in objects:
+                here, there = symbols(path)
+                defined |= here
+                needed.update(dict.fromkeys(there, folder))
     missing = sorted(needed.keys() - defined)
     for name in missing:
-        print(f"tests/fuzz/sources.cmake: {needed[name]} needs the source of {name}")
+        print(f"tests/fuzz/sources.cmake: a source of {needed[name]} needs that of {name}")
     sys.exit(len(missing) > 0)
 
 
