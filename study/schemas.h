@@ -1,4 +1,4 @@
-// The tables of a study whose keys stand in a schema.
+// The keys of all tables of a study.
 #pragma once
 
 #include <string>
@@ -28,8 +28,13 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+/// What stands above all tables.
+[[nodiscard]] const Schema<Study>& top_schema();
 [[nodiscard]] const Schema<Channel>& sensor_schema();
 [[nodiscard]] const Schema<Channel>& actuator_schema();
+[[nodiscard]] const Schema<LayoutPlan>& layout_schema();
+[[nodiscard]] const Schema<fem::Support>& support_schema();
+[[nodiscard]] const Schema<VariationPlan>& variation_schema();
 /// What attachments of all kinds have.
 [[nodiscard]] const Schema<AttachmentPlan>& attachment_schema();
 [[nodiscard]] const Schema<fem::PointMass>& mass_schema();
@@ -61,8 +66,13 @@ struct TableText {
   std::vector<KeyText> keys;
 };
 
-/// All tables that have a schema.
-[[nodiscard]] std::vector<TableText> tables_with_schemas();
+/// The keys of [expect]: the unit of each follows from its name.
+[[nodiscard]] TableText expected_keys();
+/// The same in study.json, in the order of the file: "frequency_1": { value, within, unit }.
+[[nodiscard]] io::Json expectations_json(const std::vector<Expectation>& expectations);
+
+/// All tables of a study.
+[[nodiscard]] std::vector<TableText> tables_of_a_study();
 
 /// The same as Markdown: docs/reference/keys.md.
 [[nodiscard]] std::string page_of_keys();

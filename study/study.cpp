@@ -5,6 +5,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "study/extends.h"
+#include "study/schemas.h"
 #include "study/sha256.h"
 #include "study/tables/known.h"
 #include "study/tables/tables.h"
@@ -76,9 +77,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   Problems problems(file.string());
   const auto known = without_statements(tree, problems);
   TableReader root(tree, "", problems);
-  study.title = root.text("title").value_or(study.name);
-  if (const auto seed = root.integer("seed", 0, 4294967295))
-    study.seed = static_cast<unsigned>(*seed);
+  top_schema().read(root, study);
   read_geometry_part(root, folder, study);
   read_materials(root, study);
   read_mesh_part(root, study);

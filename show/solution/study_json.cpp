@@ -57,53 +57,6 @@ io::Json attachments_json(const std::vector<study::AttachmentPlan>& plans) {
   return array;
 }
 
-io::Json variations_json(const std::vector<study::VariationPlan>& plans) {
-  io::JsonArray array;
-  for (const auto& plan : plans) {
-    io::JsonObject object;
-    object.emplace_back("of", plan.of);
-    if (plan.at) {
-      object.emplace_back("at_m", study::place_json(*plan.at));
-      object.emplace_back("radius_m", plan.radius);
-      object.emplace_back("relative", plan.relative);
-    }
-    for (std::size_t k = 0; k < study::kVariationWaves.size(); ++k) {
-      object.emplace_back(std::string(study::kVariationWaves[k]), plan.waves[k]);
-    }
-    array.emplace_back(object);
-  }
-  return array;
-}
-
-io::Json supports_json(const std::vector<fem::Support>& supports) {
-  io::JsonArray array;
-  for (const auto& support : supports) {
-    const std::string fixed =
-        std::string(support.x ? "x" : "") + (support.y ? "y" : "") + (support.z ? "z" : "");
-    array.push_back(io::JsonObject{{"patch", support.patch}, {"fixed", fixed}});
-  }
-  return array;
-}
-
-io::Json layouts_json(const std::vector<study::LayoutPlan>& layouts) {
-  io::JsonArray array;
-  for (const auto& layout : layouts) {
-    array.push_back(io::JsonObject{{"name", layout.name},
-                                   {"sensors", io::Json::texts(layout.sensors)},
-                                   {"actuators", io::Json::texts(layout.actuators)}});
-  }
-  return array;
-}
-
-io::Json expectations_json(const std::vector<study::Expectation>& expectations) {
-  io::JsonObject object;
-  for (const auto& one : expectations) {
-    object.emplace_back(
-        one.key, io::JsonObject{{"value", one.value}, {"within", one.within}, {"unit", one.unit}});
-  }
-  return object;
-}
-
 io::Json constants_json(const std::vector<diagnosis::CalibratedConstant>& constants) {
   using Kind = diagnosis::CalibratedConstant::Kind;
   io::JsonArray array;
@@ -140,12 +93,12 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
       {"materials", materials},
       {"mesh", study::mesh_schema().json(study.mesh)},
       {"modes", study::modes_schema().json(study.modes)},
-      {"supports", supports_json(study.supports)},
+      {"supports", list_json(study::support_schema(), study.supports)},
       {"attachments", attachments_json(study.attachments)},
-      {"variations", variations_json(study.variations)},
+      {"variations", list_json(study::variation_schema(), study.variations)},
       {"sensors", list_json(study::sensor_schema(), study.sensors)},
       {"actuators", list_json(study::actuator_schema(), study.actuators)},
-      {"layouts", layouts_json(study.layouts)}};
+      {"layouts", list_json(study::layout_schema(), study.layouts)}};
   const auto add = [&](const char* table, const auto& schema, const auto& plan) {
     if (plan) object.emplace_back(table, schema.json(*plan));
   };
@@ -157,7 +110,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("priors", study::priors_schema(), study.priors);
   add("diagnosis", study::diagnosis_schema(), study.diagnosis);
   if (!study.constants.empty()) object.emplace_back("constants", constants_json(study.constants));
-  object.emplace_back("expect", expectations_json(study.expectations));
+  object.emplace_back("expect", study::expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));
   return object;

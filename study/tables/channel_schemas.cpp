@@ -1,4 +1,4 @@
-// The keys of sensors, actuators and attachments.
+// The keys of sensors, actuators, layouts of them, and attachments.
 #include "study/schemas.h"
 #include "study/tables/rows.h"
 
@@ -83,6 +83,14 @@ Schema<Channel> channel_schema(const std::string& table, const std::vector<std::
 template <typename Plan>
 Key<Plan> damping(const std::string& si_unit) {
   return quantity("damping", si_unit, Sign::not_negative, &Plan::damping, "of its dashpot");
+}
+
+/// Names of channels. The reader of the table knows which there are.
+Key<LayoutPlan> channels(const std::string& name, std::vector<std::string> LayoutPlan::*value) {
+  return {.text = {name, "names of " + name + " of the study", "none", "that belong to it"},
+          .json_name = name,
+          .read = [=](TableReader& table, LayoutPlan& plan) { plan.*value = table.texts(name); },
+          .json = [=](const LayoutPlan& plan) { return io::Json::texts(plan.*value); }};
 }
 
 /// Another way to say a number of the resonator; its reader computes it.
@@ -195,6 +203,15 @@ const Schema<Channel>& sensor_schema() {
 
 const Schema<Channel>& actuator_schema() {
   static const auto schema = channel_schema("[actuator]", {"force"}, "pushes");
+  return schema;
+}
+
+const Schema<LayoutPlan>& layout_schema() {
+  using P = LayoutPlan;
+  static const Schema<P> schema = {
+      "[layout]",
+      {name_of<P>("differs from all other layouts'"), channels("sensors", &P::sensors),
+       channels("actuators", &P::actuators)}};
   return schema;
 }
 

@@ -123,18 +123,8 @@ void read_attachments(TableReader& root, Study& study) {
 
 void read_supports(TableReader& root, Study& study) {
   for (auto& table : root.tables("support")) {
-    fem::Support support;
-    support.patch = table.required_text("patch");
-    const std::string axes = table.required_text("fixed");
-    if (axes.find_first_not_of("xyz") != std::string::npos) {
-      table.wrong(*table.find("fixed"), table.name("fixed") + " is \"" + axes +
-                                            "\"; expected some of the letters x, y and z");
-    }
-    support.x = axes.find('x') != std::string::npos;
-    support.y = axes.find('y') != std::string::npos;
-    support.z = axes.find('z') != std::string::npos;
+    study.supports.push_back(read_part(table, support_schema()));
     table.refuse_unknown();
-    study.supports.push_back(support);
     study.support_lines.push_back(table.line());
   }
 }

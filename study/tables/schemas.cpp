@@ -27,11 +27,35 @@ Key<diagnosis::Tolerances> tolerance(const std::string& name, const std::string&
 template <typename Plan>
 TableText text_of(const Schema<Plan>& schema, const std::string& of = "") {
   TableText text{fmt::format("`[{}]`{}{}", schema.table, of.empty() ? "" : " ", of), {}};
+  if (schema.table.empty()) text.heading = "Above all tables";
   for (const auto& key : schema.keys) text.keys.push_back(key.text);
   return text;
 }
 
 }  // namespace
+
+const Schema<Study>& top_schema() {
+  using P = Study;
+  static const Schema<P> schema = {
+      "",
+      {{.text = {"title", "a text", "the study's name", "for reports"},
+        .json_name = "title",
+        .read = [](TableReader& table,
+                   P& study) { study.title = table.text("title").value_or(study.name); },
+        .json = not_shown<P>},
+       special<P>({"extends", "the file of a study", "none",
+                   "a study whose tables this one takes over and changes"},
+                  "extends", not_shown<P>),
+       {.text = {"seed", "0 to 4294967295", "1", "of everything random; `--seed` overrules it"},
+        .json_name = "seed",
+        .read =
+            [](TableReader& table, P& study) {
+              const auto seed = table.integer("seed", 0, 4294967295);
+              if (seed) study.seed = static_cast<unsigned>(*seed);
+            },
+        .json = not_shown<P>}}};
+  return schema;
+}
 
 const Schema<MeshPlan>& mesh_schema() {
   using P = MeshPlan;
@@ -196,11 +220,12 @@ const Schema<diagnosis::Tolerances>& tolerances_schema() {
   return schema;
 }
 
-std::vector<TableText> tables_with_schemas() {
+std::vector<TableText> tables_of_a_study() {
   std::vector<TableText> tables;
   const auto add = [&](const auto& schema, const std::string& of = "") {
     tables.push_back(text_of(schema, of));
   };
+  add(top_schema());
   add(file_schema());
   add(plate_schema(), "and of a `beam`");
   add(disc_schema());
@@ -215,8 +240,11 @@ std::vector<TableText> tables_with_schemas() {
   }
   add(mesh_schema());
   add(modes_schema());
+  add(support_schema());
+  add(variation_schema());
   add(sensor_schema());
   add(actuator_schema());
+  add(layout_schema());
   add(attachment_schema());
   add(mass_schema(), "of kind `mass`");
   add(spring_schema(), "of kind `spring`");
@@ -236,6 +264,7 @@ std::vector<TableText> tables_with_schemas() {
   add(diagnosis_schema());
   add(tolerances_schema());
   add(costs_schema());
+  tables.push_back(expected_keys());
   return tables;
 }
 
@@ -243,13 +272,11 @@ std::string page_of_keys() {
   std::string page =
       "# Keys of a study\n\n"
       "`chladni list keys` prints this page, and a test compares them. Text, units, defaults and "
-      "bounds are\nthose that the reader uses. [study.md](study.md) explains the tables, also "
-      "those "
-      "that are not here.\n"
+      "bounds are\nthose that the reader uses. [study.md](study.md) explains the tables.\n"
       "A number may also say how well it is known, `{ value = \"70 GPa\", within = \"15 %\" }` "
       "(study.md#constants-that-are-not-known):\n";
   page += fmt::format("{}.\n", fmt::join(keys_with_deviations(), ", "));
-  for (const auto& table : tables_with_schemas()) {
+  for (const auto& table : tables_of_a_study()) {
     page += fmt::format("\n## {}\n\n| key | what | may be | default |\n|---|---|---|---|\n",
                         table.heading);
     for (const auto& key : table.keys) {
