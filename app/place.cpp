@@ -8,7 +8,7 @@ namespace {
 
 void run_place(const study::Study& study, show::Run& run) {
   const stage::Solution solution = stage::solved(study, run);
-  const steps::Placed result = steps::placed(study, solution, run);
+  const steps::BestPlaces result = steps::best_places(study, solution, run);
   run.show(show::placement_table(solution, result));
   show::leave_placement(study, solution, result, run, true);
 }

@@ -42,9 +42,9 @@ void run_study(const study::Study& study, show::Run& run) {
   // If the body is given by its dimensions, the names of its patches are known.
   if (study.geometry.kind == "file") show::paint_patches(study, solution.model.body, run);
   show::leave_modes(study, solution, run);
-  std::optional<steps::Placed> placement;
+  std::optional<steps::BestPlaces> placement;
   if (study.placement) {
-    placement = steps::placed(study, solution, run);
+    placement = steps::best_places(study, solution, run);
     run.show("\n" + show::placement_table(solution, *placement));
     show::leave_placement(study, solution, *placement, run, false);
   }

@@ -1,11 +1,14 @@
 // An identified model as text, JSON, pictures and files.
 #pragma once
 
+#include "io/result_table.h"
 #include "show/run.h"
 #include "steps/identification.h"
 
 namespace chladni::show {
 
+/// The modes with their standard deviations and gains.
+[[nodiscard]] io::ResultTable identified_modes_table(const steps::IdentifiedModel& model);
 [[nodiscard]] std::string identification_table(const steps::IdentifiedModel& model);
 
 /// "trust: ...", then a line for each doubtful mode and outlying line.

@@ -21,39 +21,19 @@ io::Json places_json(const Points& places) {
   return array;
 }
 
-Eigen::Index column_of(const steps::Placed& placed, int group) {
-  return placed.wanted.columns[static_cast<std::size_t>(
-      placed.wanted.groups[static_cast<std::size_t>(group)].first)];
+Eigen::Index column_of(const steps::BestPlaces& places, int group) {
+  return places.wanted.columns[static_cast<std::size_t>(
+      places.wanted.groups[static_cast<std::size_t>(group)].first)];
 }
 
-io::Json pair_json(const stage::Solution& solution, const steps::Placed& placed,
-                   const steps::BestPair& pair) {
-  const auto& modes = solution.modes;
-  const Eigen::Index column = column_of(placed, pair.limiting);
-  return io::JsonObject{{"x_m", pair.position.x()},
-                        {"y_m", pair.position.y()},
-                        {"z_m", pair.position.z()},
-                        {"score", pair.score},
-                        {"value", placed.criterion->for_people(pair.score)},
-                        {"limiting_mode", static_cast<long long>(column - modes.rigid_count + 1)},
-                        {"limiting_frequency_hz", modes.frequency_hz(column)}};
-}
-
-io::Json pairs_json(const stage::Solution& solution, const steps::Placed& placed,
-                    const std::vector<steps::BestPair>& pairs) {
-  io::JsonArray array;
-  for (const auto& pair : pairs) array.push_back(pair_json(solution, placed, pair));
-  return array;
-}
-
-io::Json worst_place_json(const steps::Placed& placed, const steps::ScoredLayout& layout) {
+io::Json worst_place_json(const steps::BestPlaces& places, const steps::ScoredLayout& layout) {
   if (layout.deviation.size() == 0) return {};
   Eigen::Index worst = 0;
   layout.deviation.maxCoeff(&worst);
-  return place_json(placed.surface.sites.position.row(worst).transpose());
+  return place_json(places.surface.sites.position.row(worst).transpose());
 }
 
-io::Json layout_json(const steps::Placed& placed, const steps::ScoredLayout& layout) {
+io::Json layout_json(const steps::BestPlaces& places, const steps::ScoredLayout& layout) {
   io::JsonObject scores;
   const auto criteria = placement::layout_criteria();
   for (std::size_t c = 0; c < criteria.size(); ++c) {
@@ -67,11 +47,11 @@ io::Json layout_json(const steps::Placed& placed, const steps::ScoredLayout& lay
                         {"actuators", io::Json::texts(layout.actuators)},
                         {"collocated_pairs", layout.pairs},
                         {"blind_modes", blind},
-                        {"worst_place", worst_place_json(placed, layout)},
+                        {"worst_place", worst_place_json(places, layout)},
                         {"scores", scores}};
 }
 
-io::Json optimum_json(const steps::Optimum& optimum) {
+io::Json optimum_json(const placement::Optimum& optimum) {
   const bool has_bound = optimum.certificate > 0.0;
   const auto& choice = optimum.choice;
   io::JsonArray equivalent;
@@ -87,7 +67,7 @@ io::Json optimum_json(const steps::Optimum& optimum) {
                         {"equivalent", equivalent}};
 }
 
-io::Json wanted_json(const stage::Solution& solution, const steps::WantedModes& wanted) {
+io::Json wanted_json(const stage::Solution& solution, const placement::WantedModes& wanted) {
   io::JsonArray modes;
   for (std::size_t g = 0; g < wanted.groups.size(); ++g) {
     const auto [first, size] = wanted.groups[g];
@@ -109,24 +89,12 @@ std::string value_text(const placement::Criterion& criterion, double score) {
                                : fmt::format("{:.3g} {}", value, criterion.unit);
 }
 
-std::string pairs_table(const stage::Solution& solution, const steps::Placed& placed,
-                        const std::vector<steps::BestPair>& pairs) {
-  std::string text;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Eigen::Vector3d mm = 1e3 * pairs[i].position;
-    text += fmt::format("{:4}  {:9.2f} {:9.2f} {:9.2f}  {:>10}  {}\n", i + 1, mm.x(), mm.y(),
-                        mm.z(), value_text(*placed.criterion, pairs[i].score),
-                        steps::group_name(solution, placed.wanted, pairs[i].limiting));
-  }
-  return text;
-}
-
-std::string layouts_table(const steps::Placed& placed) {
+std::string layouts_table(const steps::BestPlaces& places) {
   const auto width = [](const steps::ScoredLayout& layout) {
     return std::clamp<std::size_t>(layout.name.size(), 10, 30);
   };
   std::string text = fmt::format("\n{:<29}", "layout");
-  for (const auto& layout : placed.layouts) {
+  for (const auto& layout : places.layouts) {
     text += fmt::format("  {:>{}}", layout.name.substr(0, 30), width(layout));
   }
   text += "\n";
@@ -135,7 +103,7 @@ std::string layouts_table(const steps::Placed& placed) {
     const std::string unit =
         criteria[c]->unit == "1" ? "" : fmt::format(" [{}]", criteria[c]->unit);
     text += fmt::format("{:<29}", std::string(criteria[c]->name) + unit);
-    for (const auto& layout : placed.layouts) {
+    for (const auto& layout : places.layouts) {
       const double value = layout.scores(static_cast<Eigen::Index>(c));
       text += fmt::format("  {:>{}}", std::isfinite(value) ? fmt::format("{:.4g}", value) : "-",
                           width(layout));
@@ -146,59 +114,59 @@ std::string layouts_table(const steps::Placed& placed) {
 }
 
 io::HeatMapPicture picture_of(const study::Study& study, const stage::Solution& solution,
-                              const steps::Placed& placed) {
-  const auto& sites = placed.surface.sites;
-  const auto& map = placed.maps[placed.chosen];
+                              const steps::BestPlaces& places) {
+  const auto& sites = places.surface.sites;
+  const auto& map = places.maps[places.chosen];
   io::HeatMapPicture picture;
   picture.title = study.title;
-  picture.scale = std::string(placed.criterion->name) + ", lighter is better";
+  picture.scale = std::string(places.criterion->name) + ", lighter is better";
   picture.points = sites.position;
-  picture.triangles = placed.surface.triangles;
+  picture.triangles = places.surface.triangles;
   const double highest = map.score.maxCoeff();
   picture.value = highest > 0.0 ? Eigen::VectorXd(map.score / highest) : map.score;
   picture.lowest = "0";
-  picture.highest = value_text(*placed.criterion, highest);
-  if (placed.criterion->unit != "1") picture.lowest = "unknown";
-  for (Eigen::Index i = 0; i < placed.forbidden.size(); ++i) {
-    picture.forbidden.push_back(placed.forbidden(i) >= 0 ? 1 : 0);
+  picture.highest = value_text(*places.criterion, highest);
+  if (places.criterion->unit != "1") picture.lowest = "unknown";
+  for (Eigen::Index i = 0; i < places.forbidden.size(); ++i) {
+    picture.forbidden.push_back(places.forbidden(i) >= 0 ? 1 : 0);
   }
-  for (const auto& [first, size] : placed.wanted.groups) {
+  for (const auto& [first, size] : places.wanted.groups) {
     if (size > 1) continue;  // a repeated mode has no fixed nodal lines
-    const auto column = placed.wanted.columns[static_cast<std::size_t>(first)];
+    const auto column = places.wanted.columns[static_cast<std::size_t>(first)];
     picture.nodal_lines.push_back(
         {fmt::format("mode {} ({:.2f} Hz)", column + 1, solution.modes.frequency_hz(column)),
          sites.shapes.col(column)});
   }
-  const auto& shown = placed.pairs.empty() ? placed.best : placed.pairs;
+  const auto& shown = places.pairs.empty() ? places.best : places.pairs;
   for (std::size_t i = 0; i < shown.size(); ++i) {
     // The best one, and those equally good by symmetry.
-    if (placed.pairs.empty() && shown[i].score < 0.99 * shown[0].score) break;
+    if (places.pairs.empty() && shown[i].score < 0.99 * shown[0].score) break;
     picture.best.push_back(
-        {shown[i].position, value_text(*placed.criterion, shown[i].score) + ", mode " +
-                                std::to_string(column_of(placed, shown[i].limiting) + 1)});
+        {shown[i].position, value_text(*places.criterion, shown[i].score) + ", mode " +
+                                std::to_string(column_of(places, shown[i].limiting) + 1)});
   }
   picture.markers = stage::markers_of(study, solution.model);
   picture.markers.resize(study.sensors.size() + study.actuators.size());
   return picture;
 }
 
-io::LayoutsPicture layouts_picture(const study::Study& study, const steps::Placed& placed) {
+io::LayoutsPicture layouts_picture(const study::Study& study, const steps::BestPlaces& places) {
   io::LayoutsPicture picture;
   picture.title = study.title + ": layouts";
   picture.scale = "expected error of an interpolated shape, of its root mean square";
-  picture.points = placed.surface.sites.position;
-  picture.triangles = placed.surface.triangles;
+  picture.points = places.surface.sites.position;
+  picture.triangles = places.surface.triangles;
   double largest = 0.0;
-  for (const auto& layout : placed.layouts) {
+  for (const auto& layout : places.layouts) {
     if (layout.deviation.size() > 0) largest = std::max(largest, layout.deviation.maxCoeff());
   }
   picture.lightest = "0";
   picture.darkest = fmt::format("{:.2g} %", 100.0 * largest);
-  for (const auto& layout : placed.layouts) {
+  for (const auto& layout : places.layouts) {
     if (layout.deviation.size() == 0) continue;
     const Eigen::VectorXd& off = layout.deviation;
     const double mean =
-        std::sqrt(off.cwiseAbs2().dot(placed.surface.sites.area) / placed.surface.sites.area.sum());
+        std::sqrt(off.cwiseAbs2().dot(places.surface.sites.area) / places.surface.sites.area.sum());
     picture.panels.push_back(
         {layout.name,
          fmt::format("mean {:.2g} %, worst {:.2g} %", 100.0 * mean, 100.0 * off.maxCoeff()),
@@ -207,30 +175,71 @@ io::LayoutsPicture layouts_picture(const study::Study& study, const steps::Place
   return picture;
 }
 
-void leave_fields(const stage::Solution& solution, const steps::Placed& placed,
+void leave_fields(const stage::Solution& solution, const steps::BestPlaces& places,
                   const std::string& title, const Run& run) {
   std::vector<io::NodeField> fields;
   const auto criteria = placement::criteria();
   io::Units units{title, {"length: m"}};
   for (std::size_t c = 0; c < criteria.size(); ++c) {
-    fields.push_back({std::string(criteria[c]->name), placed.maps[c].score});
+    fields.push_back({std::string(criteria[c]->name), places.maps[c].score});
     units.lines.push_back(std::string(criteria[c]->name) +
                           (criteria[c]->unit == "1" ? ": 1" : ": 1/standard deviation"));
   }
-  Eigen::VectorXd limiting(placed.surface.sites.count());
+  Eigen::VectorXd limiting(places.surface.sites.count());
   for (Eigen::Index i = 0; i < limiting.size(); ++i) {
-    const auto column = column_of(placed, placed.maps[placed.chosen].limiting(i));
+    const auto column = column_of(places, places.maps[places.chosen].limiting(i));
     limiting(i) = static_cast<double>(column - solution.modes.rigid_count + 1);
   }
   fields.push_back({"limiting_mode", limiting});
-  fields.push_back({"admissible", (placed.forbidden.array() < 0).cast<double>()});
-  io::write_surface_vtu(run / "heat_map.vtu", placed.surface.sites.position,
-                        placed.surface.triangles, fields, units);
+  fields.push_back({"admissible", (places.forbidden.array() < 0).cast<double>()});
+  io::write_surface_vtu(run / "heat_map.vtu", places.surface.sites.position,
+                        places.surface.triangles, fields, units);
 }
 
 }  // namespace
 
-std::string optimum_text(const steps::Optimum& optimum) {
+io::ResultTable pairs_table(const stage::Solution& solution, const steps::BestPlaces& places,
+                            const std::vector<placement::BestPair>& pairs) {
+  const auto& modes = solution.modes;
+  const auto count = std::ssize(pairs);
+  Points at(count, 3);
+  Eigen::VectorXd score(count), value(count), frequency_hz(count);
+  std::vector<std::string> rank, shown, limit;
+  std::vector<io::Json> mode;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& pair = pairs[static_cast<std::size_t>(i)];
+    const auto column = column_of(places, pair.limiting);
+    at.row(i) = pair.position.transpose();
+    score(i) = pair.score;
+    value(i) = places.criterion->for_people(pair.score);
+    frequency_hz(i) = modes.frequency_hz(column);
+    rank.push_back(std::to_string(i + 1));
+    shown.push_back(value_text(*places.criterion, pair.score));
+    limit.push_back(
+        placement::group_name(modes.frequency_hz, modes.rigid_count, places.wanted, pair.limiting));
+    mode.emplace_back(static_cast<long long>(column - modes.rigid_count + 1));
+  }
+  io::ResultTable table{"Best places of one collocated pair", {}};
+  auto& columns = table.columns;
+  columns.push_back(io::word_column("", rank, 4));
+  columns.back().gap = 0;
+  columns.back().is_number = true;
+  for (const int axis : {0, 1, 2}) {
+    const std::string name(1, "xyz"[axis]);
+    columns.push_back(io::number_column(name, "mm", at.col(axis), {"{:.2f}", 1e3}, 9, name + "_m"));
+    columns.back().gap = axis == 0 ? 2 : 1;
+  }
+  columns.push_back(io::json_column("score", score));
+  columns.push_back(io::word_column("value", shown, 10));
+  columns.back().is_number = true;
+  columns.push_back(io::json_column("value", value));
+  columns.push_back(io::word_column("limited by mode", limit));
+  columns.push_back(io::json_column("limiting_mode", mode));
+  columns.push_back(io::json_column("limiting_frequency_hz", frequency_hz));
+  return table;
+}
+
+std::string optimum_text(const placement::Optimum& optimum) {
   std::string text = fmt::format("best {} sites by {}: score {:.6g}", optimum.sites.rows(),
                                  optimum.by, optimum.choice.score);
   if (optimum.choice.proven) {
@@ -257,66 +266,64 @@ std::string blind_text(const stage::Solution& solution, const steps::ScoredLayou
 }
 
 io::JsonObject placement_json(const study::Study&, const stage::Solution& solution,
-                              const steps::Placed& placed) {
+                              const steps::BestPlaces& places) {
   io::JsonArray layouts;
-  for (const auto& layout : placed.layouts) layouts.push_back(layout_json(placed, layout));
+  for (const auto& layout : places.layouts) layouts.push_back(layout_json(places, layout));
   io::JsonArray optima;
-  for (const auto& optimum : placed.optima) optima.push_back(optimum_json(optimum));
+  for (const auto& optimum : places.optima) optima.push_back(optimum_json(optimum));
   io::JsonArray rules;
-  for (std::size_t r = 0; r < placed.rules.size(); ++r) {
-    const auto took = (placed.forbidden.array() == static_cast<int>(r)).count();
+  for (std::size_t r = 0; r < places.rules.size(); ++r) {
+    const auto took = (places.forbidden.array() == static_cast<int>(r)).count();
     rules.push_back(
-        io::JsonObject{{"rule", placed.rules[r].name}, {"took", static_cast<long long>(took)}});
+        io::JsonObject{{"rule", places.rules[r].name}, {"took", static_cast<long long>(took)}});
   }
-  return {{"criterion", std::string(placed.criterion->name)},
-          {"unit", std::string(placed.criterion->unit)},
-          {"modes", wanted_json(solution, placed.wanted)},
-          {"best", pairs_json(solution, placed, placed.best)},
-          {"pairs", pairs_json(solution, placed, placed.pairs)},
+  return {{"criterion", std::string(places.criterion->name)},
+          {"unit", std::string(places.criterion->unit)},
+          {"modes", wanted_json(solution, places.wanted)},
+          {"best", io::json_rows(pairs_table(solution, places, places.best))},
+          {"pairs", io::json_rows(pairs_table(solution, places, places.pairs))},
           {"layouts", layouts},
-          {"optimum", optimum_json(placed.optima.front())},
+          {"optimum", optimum_json(places.optima.front())},
           {"optima", optima},
           {"rules", rules},
-          {"points", static_cast<long long>(placed.surface.sites.count())},
-          {"notes", io::Json::texts(placed.notes)}};
+          {"points", static_cast<long long>(places.surface.sites.count())},
+          {"notes", io::Json::texts(places.notes)}};
 }
 
-std::string placement_table(const stage::Solution& solution, const steps::Placed& placed) {
+std::string placement_table(const stage::Solution& solution, const steps::BestPlaces& places) {
   std::string text =
-      fmt::format(
-          "best places of one collocated pair by {}\n{:>4}  {:>9} {:>9} {:>9}  {:>10}  {}\n",
-          placed.criterion->name, "", "x [mm]", "y [mm]", "z [mm]", "value", "limited by mode") +
-      pairs_table(solution, placed, placed.best);
-  if (!placed.pairs.empty()) {
-    text += "pairs chosen together\n" + pairs_table(solution, placed, placed.pairs);
+      fmt::format("best places of one collocated pair by {}\n{}", places.criterion->name,
+                  io::text(pairs_table(solution, places, places.best)));
+  if (!places.pairs.empty()) {
+    text += "pairs chosen together\n" + io::rows_text(pairs_table(solution, places, places.pairs));
   }
-  if (!placed.layouts.empty()) text += layouts_table(placed);
+  if (!places.layouts.empty()) text += layouts_table(places);
   text += "\n";
-  for (const auto& optimum : placed.optima) text += optimum_text(optimum) + "\n";
-  for (const auto& layout : placed.layouts) {
+  for (const auto& optimum : places.optima) text += optimum_text(optimum) + "\n";
+  for (const auto& layout : places.layouts) {
     if (!layout.blind.empty()) text += "note: " + blind_text(solution, layout) + "\n";
   }
   return text;
 }
 
 void leave_placement(const study::Study& study, const stage::Solution& solution,
-                     const steps::Placed& placed, Run& run, bool main_result) {
-  for (const auto& note : placed.notes) run.note(note);
-  for (const auto& layout : placed.layouts) {
+                     const steps::BestPlaces& places, Run& run, bool main_result) {
+  for (const auto& note : places.notes) run.note(note);
+  for (const auto& layout : places.layouts) {
     for (const int mode : layout.blind) {
-      const auto& columns = placed.wanted.columns;
+      const auto& columns = places.wanted.columns;
       if (std::find(columns.begin(), columns.end(), mode - 1) == columns.end()) continue;
       run.warn(blind_text(solution, layout) + "; placement.modes asks for it");
       break;
     }
   }
-  run.leave("placement.json", placement_json(study, solution, placed), main_result);
-  leave_fields(solution, placed, study.title, run);
+  run.leave("placement.json", placement_json(study, solution, places), main_result);
+  leave_fields(solution, places, study.title, run);
   if (!run.options().pictures) return;
   tell(run.progress(), "painting the heat map");
   run.paint("heat_map.png",
-            [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, placed)); });
-  const auto layouts = layouts_picture(study, placed);
+            [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, places)); });
+  const auto layouts = layouts_picture(study, places);
   if (layouts.panels.empty()) return;
   run.paint("layouts.png", [&](const auto& png) { io::draw_layouts(png, layouts); });
 }

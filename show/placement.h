@@ -1,6 +1,7 @@
 // Best places and layouts as text, JSON and files.
 #pragma once
 
+#include "io/result_table.h"
 #include "show/run.h"
 #include "steps/placement.h"
 
@@ -8,19 +9,24 @@ namespace chladni::show {
 
 [[nodiscard]] io::JsonObject placement_json(const study::Study& study,
                                             const stage::Solution& solution,
-                                            const steps::Placed& placed);
+                                            const steps::BestPlaces& places);
 
 [[nodiscard]] std::string placement_table(const stage::Solution& solution,
-                                          const steps::Placed& placed);
+                                          const steps::BestPlaces& places);
+
+/// Best pairs, best first.
+[[nodiscard]] io::ResultTable pairs_table(const stage::Solution& solution,
+                                          const steps::BestPlaces& places,
+                                          const std::vector<placement::BestPair>& pairs);
 
 /// One line each, for the terminal.
-[[nodiscard]] std::string optimum_text(const steps::Optimum& optimum);
+[[nodiscard]] std::string optimum_text(const placement::Optimum& optimum);
 
 [[nodiscard]] std::string blind_text(const stage::Solution& solution,
                                      const steps::ScoredLayout& layout);
 
 /// placement.json, heat_map.vtu, heat_map.png, layouts.png.
 void leave_placement(const study::Study& study, const stage::Solution& solution,
-                     const steps::Placed& placed, Run& run, bool main_result);
+                     const steps::BestPlaces& places, Run& run, bool main_result);
 
 }  // namespace chladni::show

@@ -15,6 +15,7 @@
 #include "io/report.h"
 #include "io/report_sections.h"
 #include "show/diagnosis.h"
+#include "show/identification.h"
 #include "show/interpolation.h"
 #include "show/placement.h"
 #include "show/version.h"
@@ -32,29 +33,15 @@ io::Section channels_of(const study::Study& study, const stage::Solution& soluti
   return io::channels_section(markers, modes, shapes);
 }
 
-io::Table best_table(const stage::Solution& solution, const steps::Placed& placement) {
-  io::Table table{"Best places of one collocated pair",
-                  {{"x [mm]"}, {"y [mm]"}, {"z [mm]"}, {"value"}, {"limited by mode", false}},
-                  {}};
-  for (const auto& pair : placement.best) {
-    const Eigen::Vector3d mm = 1e3 * pair.position;
-    table.rows.push_back({{fmt::format("{:.1f}", mm.x()), fmt::format("{:.1f}", mm.y()),
-                           fmt::format("{:.1f}", mm.z()),
-                           fmt::format("{:.3g}", placement.criterion->for_people(pair.score)),
-                           steps::group_name(solution, placement.wanted, pair.limiting)}});
-  }
-  return table;
-}
-
-io::Table report_layouts(const steps::Placed& placement) {
+io::Table report_layouts(const steps::BestPlaces& placement) {
   io::Table table{"Layouts", {{"criterion", false}, {"better", false}}, {}};
   for (const auto& layout : placement.layouts) table.columns.push_back({layout.name});
   const auto criteria = placement::layout_criteria();
   for (std::size_t c = 0; c < criteria.size(); ++c) {
-    const auto& one = *criteria[c];
+    const auto& criterion = *criteria[c];
+    const std::string unit = criterion.unit == "1" ? "" : " [" + std::string(criterion.unit) + "]";
     io::Table::Row row{
-        {std::string(one.name) + (one.unit == "1" ? "" : " [" + std::string(one.unit) + "]"),
-         one.larger_is_better ? "more" : "less"}};
+        {std::string(criterion.name) + unit, criterion.larger_is_better ? "more" : "less"}};
     for (const auto& layout : placement.layouts) {
       const double value = layout.scores(static_cast<Eigen::Index>(c));
       row.cells.push_back(std::isfinite(value) ? fmt::format("{:.4g}", value) : "\u2013");
@@ -64,7 +51,7 @@ io::Table report_layouts(const steps::Placed& placement) {
   return table;
 }
 
-io::Section placement_section(const stage::Solution& solution, const steps::Placed& placement,
+io::Section placement_section(const stage::Solution& solution, const steps::BestPlaces& placement,
                               const Run& run) {
   io::Section section{"Placement", {}};
   if (run.has_painted("heat_map.png")) {
@@ -72,7 +59,7 @@ io::Section placement_section(const stage::Solution& solution, const steps::Plac
                                              std::string(placement.criterion->summary) + ".");
     section.blocks = picture.blocks;
   }
-  section.blocks.emplace_back(best_table(solution, placement));
+  section.blocks.emplace_back(io::report_table(pairs_table(solution, placement, placement.best)));
   if (!placement.layouts.empty()) section.blocks.emplace_back(report_layouts(placement));
   if (run.has_painted("layouts.png")) {
     const auto picture = io::picture_section(
@@ -102,15 +89,15 @@ io::Table methods_table(const steps::Interpolated& shapes) {
     table.columns.push_back({"held-out shapes, error [%]"});
     table.columns.push_back({"held-out FRFs, error [%]"});
   }
-  for (const auto& one : shapes.methods) {
-    io::Table::Row row{{one.method->name}};
+  for (const auto& shape : shapes.methods) {
+    io::Table::Row row{{shape.method->name}};
     if (has_truth) {
-      row.cells.push_back(percent_cell(one.error.mean()));
-      row.cells.push_back(percent_cell(one.covered.mean()));
+      row.cells.push_back(percent_cell(shape.error.mean()));
+      row.cells.push_back(percent_cell(shape.covered.mean()));
     }
     if (has_hidden) {
-      row.cells.push_back(percent_cell(one.hidden_error.mean()));
-      row.cells.push_back(percent_cell(one.hidden_frf_error.mean()));
+      row.cells.push_back(percent_cell(shape.hidden_error.mean()));
+      row.cells.push_back(percent_cell(shape.hidden_frf_error.mean()));
     }
     table.rows.push_back(row);
   }
@@ -124,20 +111,7 @@ io::Section identification_section(const steps::IdentifiedModel& model, const Ru
                                          "What the fit leaves of the responses stands below them.")
                          .blocks;
   }
-  const auto& fit = model.found.fit;
-  io::Table table{"Modes, with standard deviations",
-                  {{"mode"}, {"Hz"}, {"+-"}, {"damping ratio [%]"}, {"+-"}, {"gain of L over R"}},
-                  {}};
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
-    const auto& match = model.match.modes[static_cast<std::size_t>(m)];
-    const bool known = match.by != identification::MatchedBy::nothing;
-    table.rows.push_back(
-        {{std::to_string(m + 1), fmt::format("{:.4f}", fit.model.frequency_hz(m)),
-          fmt::format("{:.2g}", fit.frequency_std_hz(m)), percent_cell(fit.model.damping_ratio(m)),
-          percent_cell(fit.damping_std(m)),
-          known ? fmt::format("{:.4g}", match.alpha) : "\u2013"}});
-  }
-  section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(io::report_table(identified_modes_table(model)));
   section.blocks.emplace_back(io::Note{
       io::Note::Tone::plain,
       fmt::format("The responses are fitted to {} % of their size; the noise "

@@ -10,7 +10,7 @@ namespace chladni::show {
 
 /// Results of a study in addition to the modes; null if a step was not made.
 struct Found {
-  const steps::Placed* placement = nullptr;
+  const steps::BestPlaces* placement = nullptr;
   const steps::Interpolated* shapes = nullptr;
   const steps::Diagnosed* diagnosis = nullptr;
 };

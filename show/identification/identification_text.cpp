@@ -45,18 +45,6 @@ std::vector<std::string> row_names(const steps::IdentifiedModel& model) {
   return names;
 }
 
-io::Json modes_list(const identification::ModalFit& fit) {
-  io::JsonArray modes;
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
-    modes.push_back(io::JsonObject{{"frequency_hz", fit.model.frequency_hz(m)},
-                                   {"damping_ratio", fit.model.damping_ratio(m)},
-                                   {"frequency_std_hz", fit.frequency_std_hz(m)},
-                                   {"damping_std", fit.damping_std(m)},
-                                   {"rigid", m < fit.model.rigid_count}});
-  }
-  return modes;
-}
-
 io::Json gain_json(const steps::IdentifiedModel& model) {
   const auto& modes = model.match.modes;
   const auto n = static_cast<Eigen::Index>(modes.size());
@@ -215,24 +203,47 @@ std::string model_error_text(const steps::IdentifiedModel& model) {
 
 }  // namespace
 
+io::ResultTable identified_modes_table(const steps::IdentifiedModel& model) {
+  const auto& fit = model.found.fit;
+  const auto& modes = fit.model;
+  std::vector<std::string> number, frequency, damping, gain;
+  std::vector<io::Json> rigid;
+  for (Eigen::Index m = 0; m < modes.mode_count(); ++m) {
+    const bool is_rigid = m < modes.rigid_count;
+    number.push_back(std::to_string(m + 1));
+    frequency.push_back(
+        is_rigid ? "0, rigid body"
+                 : fmt::format("{:.4f} +- {:.2g}", modes.frequency_hz(m), fit.frequency_std_hz(m)));
+    damping.push_back(
+        is_rigid ? ""
+                 : fmt::format("{:.6f} +- {:.2g}", modes.damping_ratio(m), fit.damping_std(m)));
+    gain.push_back(gain_text(model.match.modes[static_cast<std::size_t>(m)]));
+    rigid.emplace_back(is_rigid);
+  }
+  io::ResultTable table{"Modes, with standard deviations",
+                        {io::word_column("mode", number, 4), io::word_column("Hz", frequency, 24),
+                         io::word_column("damping ratio", damping, 26),
+                         io::word_column("gain of L over R", gain, 22)}};
+  for (auto& column : table.columns) {
+    column.is_number = true;
+    column.gap = 1;
+  }
+  table.columns.front().gap = 0;
+  table.columns.push_back(io::json_column("frequency_hz", modes.frequency_hz));
+  table.columns.push_back(io::json_column("damping_ratio", modes.damping_ratio));
+  table.columns.push_back(io::json_column("frequency_std_hz", fit.frequency_std_hz));
+  table.columns.push_back(io::json_column("damping_std", fit.damping_std));
+  table.columns.push_back(io::json_column("rigid", rigid));
+  return table;
+}
+
 std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
-  std::string text = fmt::format(
-      "{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{:>4} {:>24} {:>26} {:>22}\n",
-      data.outputs, data.inputs, data.line_count(), data.frequency_hz(0),
-      data.frequency_hz(data.line_count() - 1), "mode", "Hz", "damping ratio", "gain of L over R");
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
-    const auto gain = gain_text(model.match.modes[static_cast<std::size_t>(m)]);
-    if (m < fit.model.rigid_count) {
-      text += fmt::format("{:>4} {:>24} {:>26} {:>22}\n", m + 1, "0, rigid body", "", gain);
-      continue;
-    }
-    text += fmt::format(
-        "{:>4} {:>24} {:>26} {:>22}\n", m + 1,
-        fmt::format("{:.4f} +- {:.2g}", fit.model.frequency_hz(m), fit.frequency_std_hz(m)),
-        fmt::format("{:.6f} +- {:.2g}", fit.model.damping_ratio(m), fit.damping_std(m)), gain);
-  }
+  std::string text = fmt::format("{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{}",
+                                 data.outputs, data.inputs, data.line_count(), data.frequency_hz(0),
+                                 data.frequency_hz(data.line_count() - 1),
+                                 io::text(identified_modes_table(model)));
   if (fit.complex) text += complex_table(fit);
   text += fmt::format("\nresponses off by {} of their size, {} {}",
                       percent(steps::overall_error(model)),
@@ -262,7 +273,7 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
   io::JsonObject json{{"damping", fit.complex ? "general" : "modal"},
                       {"sensors", io::Json::texts(names_of(model.seen.outputs))},
                       {"actuators", io::Json::texts(names_of(model.seen.inputs))},
-                      {"modes", modes_list(fit)},
+                      {"modes", io::json_rows(identified_modes_table(model))},
                       {"output_matrix", io::Json::rows(fit.model.output_shapes)},
                       {"input_matrix", io::Json::rows(fit.model.input_shapes)},
                       {"output_std", io::Json::rows(fit.output_std)},

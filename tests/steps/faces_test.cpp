@@ -119,14 +119,14 @@ class OnFaces : public ::testing::Test {
 
   struct Found {
     steps::LearnedPriors priors;
-    steps::Placed placed;
+    steps::BestPlaces placed;
   };
   Found found(const std::string& geometry, const std::string& rest) {
     const study::Study study = study_of(geometry, rest);
     app::QuietRun quiet(study, folder_.path() / "out");
     const stage::Solution solution = stage::solved(study, quiet.run());
     return {steps::learned_priors(study, solution, quiet.run()),
-            steps::placed(study, solution, quiet.run())};
+            steps::best_places(study, solution, quiet.run())};
   }
 
   std::string refusal(const std::string& geometry, const std::string& rest) {
@@ -169,7 +169,7 @@ void expect_same_priors(const steps::LearnedPriors& one, const steps::LearnedPri
   }
 }
 
-void expect_same_places(const steps::Placed& one, const steps::Placed& other) {
+void expect_same_places(const steps::BestPlaces& one, const steps::BestPlaces& other) {
   EXPECT_NEAR(one.surface.sites.area.sum(), other.surface.sites.area.sum(), 1e-9);
   ASSERT_FALSE(one.best.empty());
   ASSERT_FALSE(other.best.empty());

@@ -44,7 +44,7 @@ class Place : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   // The result of a study whose [placement] is `placement`.
-  steps::Placed placed_with(const std::string& placement) {
+  steps::BestPlaces placed_with(const std::string& placement) {
     const study::Study study =
         study::parse_study(kPlate + "[placement]\n" + placement, "study.toml");
     show::Options options;
@@ -54,7 +54,7 @@ class Place : public ::testing::Test {
     show::Talk talk(said_, show::manner_of_stderr(true));
     show::Run run(study, options, shown_, talk);
     const stage::Solution solution = stage::solved(study, run);
-    steps::Placed result = steps::placed(study, solution, run);
+    steps::BestPlaces result = steps::best_places(study, solution, run);
     run.show(show::placement_table(solution, result));
     show::leave_placement(study, solution, result, run, true);
     return result;
@@ -194,7 +194,7 @@ TEST_F(Place, NamesTheModeThatALayoutCannotSee) {
   show::Talk talk(said_, show::manner_of_stderr(false));
   show::Run run(study, options, shown_, talk);
   const auto solution = stage::solved(study, run);
-  const auto result = steps::placed(study, solution, run);
+  const auto result = steps::best_places(study, solution, run);
   show::leave_placement(study, solution, result, run, true);
   ASSERT_FALSE(result.layouts[0].blind.empty());
   EXPECT_EQ(result.layouts[0].blind[0], 8);  // x^2 - y^2 vanishes on the diagonals
@@ -212,7 +212,7 @@ TEST_F(Place, SaysThatTwoSensorsAreInOnePlace) {
   show::Talk talk(said_, show::manner_of_stderr(true));
   show::Run run(study, options, shown_, talk);
   const auto solution = stage::solved(study, run);
-  const auto result = steps::placed(study, solution, run);
+  const auto result = steps::best_places(study, solution, run);
   ASSERT_EQ(result.notes.size(), 1U);
   EXPECT_TRUE(says(result.notes[0], "sensors s1 and s2 are in one place"));
 }

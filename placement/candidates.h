@@ -1,0 +1,31 @@
+// The places where devices may be.
+#pragma once
+
+#include <vector>
+
+#include "placement/rules.h"
+#include "placement/sites.h"
+
+namespace chladni::placement {
+
+/// A mounting grid seen from above.
+struct Grid {
+  Eigen::Vector2d pitch = Eigen::Vector2d::Zero();   ///< [m]
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [m]
+  int columns = 0, rows = 0;                         ///< along x and y
+};
+
+/// Allowed places of devices.
+struct Candidates {
+  Sites sites;
+  bool is_grid = false;  ///< no device may be beside them
+};
+/// The points of a surface that no rule forbids.
+/// @throws InvalidInput  as `admissible`
+[[nodiscard]] Candidates candidates_on(const Surface& surface, const std::vector<Rule>& rules);
+/// The places of a grid on the body that no rule forbids.
+/// @throws InvalidInput  none lies on the body; as `admissible`
+[[nodiscard]] Candidates candidates_on(const Grid& grid, const Sampler& sampler,
+                                       const std::vector<Rule>& rules);
+
+}  // namespace chladni::placement

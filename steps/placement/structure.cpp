@@ -1,0 +1,99 @@
+// The study's plan and structure as the room `placement` takes them.
+#include <algorithm>
+
+#include "base/error.h"
+#include "mesh/surface.h"
+#include "steps/placement/placing.h"
+
+namespace chladni::steps {
+namespace {
+
+bool stays(const study::PlacementPlan& plan, const study::Channel& channel) {
+  return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
+}
+
+placement::Channels channels_at(const std::vector<study::Channel>& channels,
+                                const std::vector<mesh::Site>& sites, const modal::Modes& modes,
+                                const study::PlacementPlan& plan) {
+  const auto count = static_cast<Eigen::Index>(channels.size());
+  placement::Channels result;
+  result.lines = {Points(count, 3), Points(count, 3)};
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    result.lines.position.row(row) = sites[i].position.transpose();
+    result.lines.direction.row(row) = channels[i].direction.transpose();
+    result.stays.push_back(stays(plan, channels[i]) ? 1 : 0);
+  }
+  result.shapes = stage::shapes_at(channels, sites, modes);
+  return result;
+}
+
+Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solution& solution,
+                                   const study::PlacementPlan& plan) {
+  const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
+  const auto& finder = sampler.finder();
+  std::vector<mesh::Site> points;
+  for (const auto& place : plan.interest) {
+    auto site = place.from_above ? finder.from_above(place.point.x(), place.point.y())
+                                 : std::optional(finder.nearest(place.point));
+    require(site && site->distance < 1e-3, study.file.string() + ":" + std::to_string(place.line) +
+                                               ": a point of interest is not on the body");
+    points.push_back(*site);
+  }
+  return sampler.at(points).shapes;
+}
+
+// Number of sites: one per point of the study's channels, minus those that stay; 0 if none is left.
+int sites_wanted(const study::PlacementPlan& plan, const placement::Structure& structure) {
+  if (plan.sites > 0) return plan.sites;
+  const auto pairs = placement::collocated_pairs(structure.sensors.lines, structure.actuators.lines,
+                                                 structure.size);
+  const auto points = structure.sensors.count() + structure.actuators.count() - std::ssize(pairs) -
+                      std::ssize(plan.there);
+  return static_cast<int>(std::max<Eigen::Index>(0, points));
+}
+
+}  // namespace
+
+study::PlacementPlan placement_plan(const study::Study& study) {
+  return study.placement.value_or(study::PlacementPlan{});
+}
+
+placement::Plan room_plan(const study::PlacementPlan& plan, const placement::Structure& structure) {
+  placement::Plan room;
+  room.modes = plan.modes;
+  room.up_to_hz = plan.up_to_hz;
+  room.criterion = plan.criterion;
+  room.frequency_tolerance = plan.frequency_tolerance;
+  room.noise = plan.noise;
+  room.frf_noise = plan.frf_noise;
+  room.resolution_hz = plan.resolution_hz;
+  room.position_error = plan.position_error;
+  const bool mean = plan.uncertainty && !plan.uncertainty->worst;
+  room.over = mean ? placement::Over::mean : placement::Over::worst;
+  room.spacing = plan.spacing;
+  room.pairs = plan.pairs;
+  room.sites = sites_wanted(plan, structure);
+  room.by_interpolation = plan.choose_by == "interpolation_error";
+  return room;
+}
+
+placement::Structure structure_of(const study::Study& study, const stage::Solution& solution,
+                                  const study::PlacementPlan& plan, unsigned seed) {
+  const auto& modes = solution.modes;
+  const auto& model = solution.model;
+  const auto box = mesh::bounding_box(model.body.points);
+  placement::Structure structure;
+  structure.frequency_hz = modes.frequency_hz;
+  structure.damping_ratio = modes.damping_ratio;
+  structure.rigid_count = modes.rigid_count;
+  structure.mass_kg = model.mass.mass_kg;
+  structure.size = (box.row(1) - box.row(0)).norm();
+  structure.sensors = channels_at(study.sensors, model.sensors, modes, plan);
+  structure.actuators = channels_at(study.actuators, model.actuators, modes, plan);
+  if (plan.uncertainty) structure.ensemble = stage::ensemble(solution, *plan.uncertainty, seed);
+  structure.interest = shapes_of_interest(study, solution, plan);
+  return structure;
+}
+
+}  // namespace chladni::steps
