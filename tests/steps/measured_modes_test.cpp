@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
+#include "refusal.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
 #include "tests/app/quiet_run.h"
@@ -89,12 +90,7 @@ class MeasuredModes : public testing::Test {
   // The message with which the file is refused.
   std::string refusal(const std::string& name, const std::string& text) {
     if (!text.empty()) write(name, text);
-    try {
-      static_cast<void>(read(study_of(name)));
-    } catch (const InvalidInput& e) {
-      return e.what();
-    }
-    return "";
+    return refusal_of([&] { return read(study_of(name)); });
   }
 
   // A table of the first modes of another plate at the channels, with errors as a test has them.

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "io/json.h"
+#include "refusal.h"
 #include "show/placement.h"
 #include "steps/placement.h"
 
@@ -61,12 +62,7 @@ class Place : public ::testing::Test {
   }
 
   std::string refusal(const std::string& placement) {
-    try {
-      (void)placed_with(placement);
-    } catch (const InvalidInput& e) {
-      return e.what();
-    }
-    return "";
+    return refusal_of([&] { return placed_with(placement); });
   }
 
   io::Json left() {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "refusal.h"
 #include "stage/channel_paths.h"
 #include "study/study.h"
 #include "tests/app/quiet_run.h"
@@ -42,12 +43,7 @@ study::Study parsed(const std::string& more) {
 }
 
 std::string refusal(const std::string& more) {
-  try {
-    static_cast<void>(parsed(more));
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "";
+  return refusal_of([&] { return parsed(more); });
 }
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }

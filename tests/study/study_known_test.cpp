@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "refusal.h"
 #include "study/study.h"
 
 namespace chladni::study {
@@ -28,12 +29,7 @@ Study with(const Numbers& numbers, const std::string& more = "") {
 }
 
 std::string refusal(const Numbers& numbers, const std::string& more = "") {
-  try {
-    static_cast<void>(with(numbers, more));
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "";
+  return refusal_of([&] { return with(numbers, more); });
 }
 
 const std::string kWood = R"(

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "refusal.h"
 #include "study/problems.h"
 #include "study/sha256.h"
 
@@ -67,12 +68,7 @@ study::Study parsed(const std::string& text) {
 
 /// What the reader says of `text`.
 std::string refusal(const std::string& text) {
-  try {
-    static_cast<void>(parsed(text));
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "";
+  return refusal_of([&] { return parsed(text); });
 }
 
 /// The contract's study with one piece of text replaced.
