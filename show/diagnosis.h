@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/report.h"
+#include "io/result_table.h"
 #include "show/run.h"
 #include "steps/diagnosis.h"
 
@@ -9,6 +10,9 @@ namespace chladni::show {
 
 /// "point_mass: 0.2518 +- 0.0001 kg at (127.8, -289.9) mm"
 [[nodiscard]] std::string cause_text(const diagnosis::Cause& cause);
+
+/// The causes of the best explanation with their probability, evidence and part of the misfit.
+[[nodiscard]] io::ResultTable causes_table(const diagnosis::Diagnosis& result);
 
 /// A warning and its reason, if the result should not be used; then the verdict.
 [[nodiscard]] std::string verdict_text(const steps::Diagnosed& diagnosed);

@@ -19,17 +19,6 @@
 namespace chladni::show {
 namespace {
 
-io::Table causes_table(const steps::Diagnosed& one) {
-  io::Table table{
-      "Causes", {{"cause", false}, {"probability"}, {"ln evidence"}, {"of the misfit [%]"}}, {}};
-  for (const auto& cause : one.result.best.causes) {
-    table.rows.push_back(
-        {{cause_text(cause), fmt::format("{:.3f}", cause.probability),
-          fmt::format("{:.1f}", cause.log_evidence_gain), percent_cell(cause.share)}});
-  }
-  return table;
-}
-
 io::Table gain_table(const steps::Gain& gain) {
   io::Table table{"Relative error of the predicted responses [%]",
                   {{"", false}, {"before"}, {"after"}, {"noise"}},
@@ -135,7 +124,9 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(std::move(line))});
   }
   add_levels(section, one.result);
-  if (!one.result.best.causes.empty()) section.blocks.emplace_back(causes_table(one));
+  if (!one.result.best.causes.empty()) {
+    section.blocks.emplace_back(io::report_table(causes_table(one.result)));
+  }
   if (!one.result.constants.empty()) {
     section.blocks.emplace_back(constants_table(one.result));
   }
@@ -148,7 +139,8 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
                 "How much of the difference one thing in one place would explain.");
   }
   if (one.modes) {
-    section.blocks.emplace_back(modes_told_table(one.result.modes, changes_modes(one.result)));
+    section.blocks.emplace_back(
+        io::report_table(modes_told_table(one.result.modes, changes_modes(one.result))));
   } else {
     add_responses(section, one, run);
   }

@@ -164,18 +164,22 @@ io::JsonObject by_modes_json(const diagnosis::Diagnosis& result) {
 }
 
 // Parts of the misfit are known of responses alone.
-std::string cause_line(const diagnosis::Cause& cause, bool by_modes) {
-  const auto text = fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}", name_of(cause),
-                                cause.probability, cause.log_evidence_gain);
-  return by_modes ? text + "\n"
-                  : text + fmt::format(", {:.1f} % of the misfit\n", 100.0 * cause.share);
+std::string cause_lines(const diagnosis::Diagnosis& result, bool by_modes) {
+  const auto table = causes_table(result);
+  const auto& probability = table.columns[1];
+  const auto& evidence = table.columns[2];
+  const auto& share = table.columns[3];
+  std::string text;
+  for (std::size_t i = 0; i < table.row_count(); ++i) {
+    text += fmt::format("  {}: {} {}, {} {}", name_of(result.best.causes[i]), probability.head,
+                        probability.cells[i], evidence.head, evidence.cells[i]);
+    text += by_modes ? "\n" : fmt::format(", {} % {}\n", share.cells[i], share.head);
+  }
+  return text;
 }
 
 std::string causes_text(const diagnosis::Diagnosis& result, bool by_modes) {
-  std::string text;
-  for (const auto& cause : result.best.causes) {
-    text += cause_line(cause, by_modes);
-  }
+  std::string text = cause_lines(result, by_modes);
   if (result.superclass) text += "  unknown, in: " + superclass_text(*result.superclass) + "\n";
   int shown = 0;
   for (const auto& rival : result.rivals) {
@@ -201,6 +205,24 @@ std::string cause_text(const diagnosis::Cause& cause) {
     numbers += (numbers.empty() ? "" : ", ") + quantity(one);
   }
   return numbers.empty() ? text : text + ": " + numbers;
+}
+
+io::ResultTable causes_table(const diagnosis::Diagnosis& result) {
+  const auto count = std::ssize(result.best.causes);
+  std::vector<std::string> names;
+  Eigen::VectorXd probability(count), evidence(count), share(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& cause = result.best.causes[static_cast<std::size_t>(i)];
+    names.push_back(cause_text(cause));
+    probability(i) = cause.probability;
+    evidence(i) = cause.log_evidence_gain;
+    share(i) = cause.share;
+  }
+  return {"Causes",
+          {io::word_column("cause", names),
+           io::number_column("probability", "", probability, {"{:.3f}"}, 0),
+           io::number_column("ln evidence", "", evidence, {"{:.1f}"}, 0),
+           io::number_column("of the misfit", "%", share, {"{:.1f}", 100.0}, 0)}};
 }
 
 std::string verdict_text(const diagnosis::Diagnosis& result) {
@@ -295,7 +317,7 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"gain", gain_json(one.gain)},
                       {"detectable", detectable_json(one.detectable)},
                       {"levels", levels_json(result)},
-                      {"modes", modes_told_json(result.modes)},
+                      {"modes", io::json_rows(modes_told_table(result.modes, true))},
                       {"reference", one.reference_file},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};

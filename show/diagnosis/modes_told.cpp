@@ -14,16 +14,7 @@ namespace {
 using diagnosis::ErrorLevel;
 using diagnosis::ModeTold;
 
-std::string hertz(double hz) { return std::isfinite(hz) ? fmt::format("{:.3f}", hz) : "-"; }
-
-std::string deviation(double hz, double measured_hz) {
-  if (!std::isfinite(hz)) return "-";
-  return fmt::format("{:+.2f}", 100.0 * (hz / measured_hz - 1.0));
-}
-
 bool in_both(const ModeTold& mode) { return std::isfinite(mode.reference_hz); }
-
-std::string mac(double value) { return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-"; }
 
 }  // namespace
 
@@ -67,68 +58,53 @@ io::JsonObject levels_json(const diagnosis::Diagnosis& result) {
 
 io::JsonArray proposals_json(const std::vector<diagnosis::Proposal>& proposals) {
   io::JsonArray array;
-  for (const auto& one : proposals) {
-    io::JsonObject json{{"what", std::string(diagnosis::name(one.what))},
-                        {"in_words", diagnosis::in_words(one)},
-                        {"log_evidence", one.evidence},
-                        {"cost", one.cost}};
-    if (!one.of.empty()) json.emplace_back("of", one.of);
-    if (one.place) json.emplace_back("place_m", io::Json(Eigen::VectorXd(*one.place)));
-    if (one.mass > 0.0) json.emplace_back("mass_kg", one.mass);
+  for (const auto& proposal : proposals) {
+    io::JsonObject json{{"what", std::string(diagnosis::name(proposal.what))},
+                        {"in_words", diagnosis::in_words(proposal)},
+                        {"log_evidence", proposal.evidence},
+                        {"cost", proposal.cost}};
+    if (!proposal.of.empty()) json.emplace_back("of", proposal.of);
+    if (proposal.place) json.emplace_back("place_m", io::Json(Eigen::VectorXd(*proposal.place)));
+    if (proposal.mass > 0.0) json.emplace_back("mass_kg", proposal.mass);
     array.emplace_back(std::move(json));
   }
   return array;
 }
 
-std::string modes_told_text(const std::vector<ModeTold>& modes, bool has_causes) {
-  if (modes.empty()) return "";
-  std::string text =
-      fmt::format("\n{:>13} {:>11} {:>7} {:>7}", "measured [Hz]", "before [Hz]", "off [%]", "MAC");
-  if (has_causes) text += fmt::format(" {:>11} {:>7} {:>7}", "after [Hz]", "off [%]", "MAC");
-  text += "\n";
-  for (const auto& one : modes) {
-    text += fmt::format("{:>13} {:>11} {:>7} {:>7}", hertz(one.measured_hz), hertz(one.before_hz),
-                        deviation(one.before_hz, one.measured_hz), mac(one.mac_before));
-    if (has_causes) {
-      text += fmt::format(" {:>11} {:>7} {:>7}", hertz(one.after_hz),
-                          deviation(one.after_hz, one.measured_hz), mac(one.mac_after));
+io::ResultTable modes_told_table(const std::vector<ModeTold>& modes, bool has_causes) {
+  const auto values = [&](double ModeTold::*value) {
+    Eigen::VectorXd column(std::ssize(modes));
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      column(static_cast<Eigen::Index>(i)) = modes[i].*value;
     }
-    text += "\n";
-  }
-  return text;
-}
-
-io::JsonArray modes_told_json(const std::vector<ModeTold>& modes) {
-  io::JsonArray array;
-  for (const auto& one : modes) {
-    array.emplace_back(io::JsonObject{{"measured_hz", one.measured_hz},
-                                      {"before_hz", one.before_hz},
-                                      {"after_hz", one.after_hz},
-                                      {"reference_hz", one.reference_hz},
-                                      {"mac_before", one.mac_before},
-                                      {"mac_after", one.mac_after}});
-  }
-  return array;
-}
-
-io::Table modes_told_table(const std::vector<ModeTold>& modes, bool has_causes) {
-  io::Table table{"Measured and simulated modes",
-                  {{"measured [Hz]"}, {"before [Hz]"}, {"off [%]"}, {"MAC"}},
-                  {}};
-  if (has_causes) {
-    for (const char* head : {"after [Hz]", "off [%]", "MAC"}) table.columns.push_back({head});
-  }
-  for (const auto& one : modes) {
-    std::vector<std::string> row{hertz(one.measured_hz), hertz(one.before_hz),
-                                 deviation(one.before_hz, one.measured_hz), mac(one.mac_before)};
-    if (has_causes) {
-      row.push_back(hertz(one.after_hz));
-      row.push_back(deviation(one.after_hz, one.measured_hz));
-      row.push_back(mac(one.mac_after));
-    }
-    table.rows.push_back({std::move(row)});
+    return column;
+  };
+  const Eigen::VectorXd measured = values(&ModeTold::measured_hz);
+  const auto off = [&](const Eigen::VectorXd& frequency) {
+    return Eigen::VectorXd(frequency.array() / measured.array() - 1.0);
+  };
+  const io::NumberFormat hertz{"{:.3f}"}, share{"{:.3f}"}, percent{"{:+.2f}", 100.0};
+  const Eigen::VectorXd before = values(&ModeTold::before_hz);
+  const Eigen::VectorXd after = values(&ModeTold::after_hz);
+  io::ResultTable table{
+      "Measured and simulated modes",
+      {io::number_column("measured", "Hz", measured, hertz, 13, "measured_hz"),
+       io::number_column("before", "Hz", before, hertz, 11, "before_hz"),
+       io::number_column("off", "%", off(before), percent, 7),
+       io::number_column("MAC", "", values(&ModeTold::mac_before), share, 7, "mac_before"),
+       io::number_column("after", "Hz", after, hertz, 11, "after_hz"),
+       io::number_column("off", "%", off(after), percent, 7),
+       io::number_column("MAC", "", values(&ModeTold::mac_after), share, 7, "mac_after"),
+       io::json_column("reference_hz", values(&ModeTold::reference_hz))}};
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    table.columns[i].gap = i == 0 ? 0 : 1;
+    if (i >= 4) table.columns[i].is_shown = has_causes && i < 7;
   }
   return table;
+}
+
+std::string modes_told_text(const std::vector<ModeTold>& modes, bool has_causes) {
+  return modes.empty() ? "" : "\n" + io::text(modes_told_table(modes, has_causes));
 }
 
 }  // namespace chladni::show

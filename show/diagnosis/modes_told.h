@@ -6,7 +6,7 @@
 
 #include "diagnosis/diagnosed.h"
 #include "io/json.h"
-#include "io/report.h"
+#include "io/result_table.h"
 
 namespace chladni::show {
 
@@ -28,11 +28,12 @@ namespace chladni::show {
 [[nodiscard]] std::string reference_line(const diagnosis::Diagnosis& result,
                                          const std::string& file);
 
-/// Measured modes beside those before and after, as text; empty: none are told.
+/// Measured modes beside those before and after; their JSON has all columns.
+/// @param has_causes  the text and the report have the columns after the causes
+[[nodiscard]] io::ResultTable modes_told_table(const std::vector<diagnosis::ModeTold>& modes,
+                                               bool has_causes);
+/// The same as text; empty: none are told.
 [[nodiscard]] std::string modes_told_text(const std::vector<diagnosis::ModeTold>& modes,
                                           bool has_causes);
-[[nodiscard]] io::JsonArray modes_told_json(const std::vector<diagnosis::ModeTold>& modes);
-[[nodiscard]] io::Table modes_told_table(const std::vector<diagnosis::ModeTold>& modes,
-                                         bool has_causes);
 
 }  // namespace chladni::show

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dense/blas.h"
+#include "io/result_table.h"
 #include "show/solution.h"
 #include "stage/solution.h"
 
@@ -59,16 +60,25 @@ Eigen::VectorXd error_hz(const stage::Solution& solution) {
 std::string modes_table(const stage::Solution& solution) {
   const auto& modes = solution.modes;
   const Eigen::VectorXd error = error_hz(solution);
-  std::string text = fmt::format("{:>5}  {:>14}  {:>11}  {:>9}\n", "mode", "frequency [Hz]",
-                                 "error [Hz]", "residual");
+  std::vector<std::string> number, errors, remarks;
   for (Eigen::Index i = 0; i < modes.mode_count(); ++i) {
     const bool rigid = i < modes.rigid_count;
-    text += fmt::format("{:5d}  {:14.3f}  {:>11}  {:9.1e}  {}\n", i + 1, modes.frequency_hz(i),
-                        rigid ? "" : fmt::format("{:.{}f}", error(i), digits_for(error(i))),
-                        solution.summary.residual(i), remark(solution, i));
+    number.push_back(std::to_string(i + 1));
+    errors.push_back(rigid ? "" : fmt::format("{:.{}f}", error(i), digits_for(error(i))));
+    remarks.push_back(remark(solution, i));
   }
-  return text + fmt::format("{}{}\n", solution.summary.text,
-                            solution.summary.complete ? "" : " (completeness not proved)");
+  io::ResultTable table{
+      "",
+      {io::word_column("mode", number, 5),
+       io::number_column("frequency", "Hz", modes.frequency_hz, {"{:.3f}"}, 14),
+       io::word_column("error [Hz]", errors, 11),
+       io::number_column("residual", "", solution.summary.residual, {"{:.1e}"}, 9),
+       io::word_column("", remarks)}};
+  table.columns[0].gap = 0;
+  for (const std::size_t k : {0U, 2U}) table.columns[k].is_number = true;
+  return io::text(table) +
+         fmt::format("{}{}\n", solution.summary.text,
+                     solution.summary.complete ? "" : " (completeness not proved)");
 }
 
 io::JsonObject modes_json(const study::Study& study, const stage::Solution& solution) {
