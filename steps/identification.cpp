@@ -22,10 +22,11 @@ constexpr double kAssumedModelError = 0.01;  // if no variance is stated
 // True if springs to ground or supports hold the body. Attachments on the body do not hold it.
 bool is_held(const study::Study& study) {
   return !study.supports.empty() ||
-         std::any_of(study.attachments.begin(), study.attachments.end(), [](const auto& one) {
-           return std::holds_alternative<fem::GroundSpring>(one.what) ||
-                  std::holds_alternative<fem::GroundTorsionSpring>(one.what);
-         });
+         std::any_of(study.attachments.begin(), study.attachments.end(),
+                     [](const auto& attachment) {
+                       return std::holds_alternative<fem::GroundSpring>(attachment.what) ||
+                              std::holds_alternative<fem::GroundTorsionSpring>(attachment.what);
+                     });
 }
 
 identification::FitDataOptions data_options(const study::IdentificationPlan& plan,
@@ -67,14 +68,14 @@ void add_errors(IdentifiedModel& model) {
   model.error.resize(data.outputs, data.inputs);
   model.noise.resize(data.outputs, data.inputs);
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
-    const Eigen::ArrayXd there = (data.weight.col(e).array() > 0.0).cast<double>();
+    const Eigen::ArrayXd measured = (data.weight.col(e).array() > 0.0).cast<double>();
     const double size = data.value.col(e).norm();
     const auto i = e % data.outputs;
     const auto j = e / data.outputs;
-    const Eigen::ArrayXd wrong = (data.value.col(e) - fitted.col(e)).cwiseAbs().array() * there;
+    const Eigen::ArrayXd wrong = (data.value.col(e) - fitted.col(e)).cwiseAbs().array() * measured;
     model.error(i, j) = wrong.matrix().norm() / size;
     model.noise(i, j) =
-        (there / data.weight.col(e).array().max(1e-300) * there).matrix().norm() / size;
+        (measured / data.weight.col(e).array().max(1e-300) * measured).matrix().norm() / size;
   }
 }
 
@@ -215,7 +216,8 @@ IdentifiedModel identified(const study::Study& study, const stage::Solution* sol
   work.clear_progress();
   if (model.drift.size() > 0) work.warn(drift_warning(model));
   for (const auto& note : model.found.fit.notes) work.warn(note);
-  model.match = work.timed("gains", [&] { return matched(study, solution, model, work); });
+  static_cast<identification::ChannelGains&>(model) =
+      work.timed("gains", [&] { return gains_of(study, solution, model, work); });
   for (const auto& warning : model.match.warnings) work.warn(warning);
   add_errors(model);
   model.judgement = work.timed("judge", [&] { return judged(plan, study, model, work); });
@@ -233,14 +235,14 @@ IdentifiedModel identified(const study::Study& study, const stage::Solution* sol
 double overall_error(const IdentifiedModel& model) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
-  return ((data.value - fitted).array().abs() * there).matrix().norm() / data.value.norm();
+  const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
+  return ((data.value - fitted).array().abs() * measured).matrix().norm() / data.value.norm();
 }
 
 double noise(const IdentifiedModel& model) {
   const auto& data = model.data;
-  const Eigen::ArrayXXd there = (data.weight.array() > 0.0).cast<double>();
-  return (there / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
+  const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
+  return (measured / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
 }
 
 void require_trust(const IdentifiedModel& model) {
@@ -250,7 +252,7 @@ void require_trust(const IdentifiedModel& model) {
   for (const auto& reason : judgement.reasons) text += "; " + reason;
   throw NumericalFailure(text +
                          ". See \"trust\" in identified.json; look at fit.png, at the "
-                         "lines named there and at identification.band");
+                         "lines named measured and at identification.band");
 }
 
 }  // namespace chladni::steps

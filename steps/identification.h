@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "identification/gain_match.h"
+#include "identification/channel_gains.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
 #include "modal/frf_set.h"
@@ -30,7 +30,7 @@ struct MeasuredFrfs {
 ///                       does not fit the quantity in the study
 [[nodiscard]] MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work);
 
-struct IdentifiedModel {
+struct IdentifiedModel : identification::ChannelGains {
   MeasuredFrfs measured;
   modal::FrfSet seen;            ///< responses used by the fit
   identification::FitData data;  ///< corrected to one structure if `drift` is not empty
@@ -39,9 +39,6 @@ struct IdentifiedModel {
   Eigen::VectorXd model_error;
   Eigen::VectorXd drift;  ///< per response of `seen`: relative shift of its resonances, corrected;
                           ///< empty: no significant drift
-  identification::GainMatch match;
-  std::vector<identification::CollocatedPair> pairs;
-  bool corrects_gains = false;  ///< `gain_errors` names a side
   std::vector<identification::StabilisationPoint> stabilisation;
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
   Eigen::MatrixXd noise;  ///< per response: standard deviation over |G|, likewise
@@ -62,9 +59,6 @@ template <typename Named>
 [[nodiscard]] identification::FitData fit_data_of(const study::Study& study,
                                                   const IdentifiedModel& model,
                                                   const modal::FrfSet& set);
-/// Rigid-body motion with this number of rigid-body modes, all channels along z.
-[[nodiscard]] identification::RigidMotion rigid_motion(Eigen::Index rigid_count);
-
 /// @param solution  of the study; null: solved only if the gains need a simulation
 /// @throws as its steps
 [[nodiscard]] IdentifiedModel identified(const study::Study& study, const stage::Solution* solution,

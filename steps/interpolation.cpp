@@ -94,7 +94,7 @@ void add_unmeasured(const study::Study& study, const stage::Solution& solution,
   std::vector<ChannelSite> sites;
   const auto& seen = result.measured.identified->seen.outputs;
   for (const auto& site : channel_sites(study, solution.model)) {
-    const auto is_it = [&](const auto& one) { return one.name == site.name; };
+    const auto is_it = [&](const auto& channel) { return channel.name == site.name; };
     if (!std::any_of(study.sensors.begin(), study.sensors.end(), is_it) ||
         std::any_of(seen.begin(), seen.end(), is_it)) {
       continue;
@@ -134,72 +134,77 @@ Eigen::VectorXcd responses(const Measured& measured, const Eigen::RowVectorXd& s
   const double low = 0.5 * model.frequency_hz.minCoeff();
   const double high = 1.1 * model.frequency_hz.maxCoeff();
   const auto frf = modal::frf(model, Eigen::VectorXd::LinSpaced(kFrfLines, low, high));
-  Eigen::VectorXcd all(kFrfLines * model.input_count());
+  Eigen::VectorXcd values(kFrfLines * model.input_count());
   for (Eigen::Index k = 0; k < kFrfLines; ++k) {
-    all.segment(k * model.input_count(), model.input_count()) =
+    values.segment(k * model.input_count(), model.input_count()) =
         frf.value[static_cast<std::size_t>(k)].row(0).transpose();
   }
-  return all;
+  return values;
 }
 
-void score_hidden(const Interpolated& result, Interpolation& one) {
+void score_hidden(const Interpolated& result, Interpolation& interpolation) {
   const auto& measured = result.measured;
   const auto& hidden = measured.hidden;
   const auto h = hidden.places.count();
-  one.hidden_error.resize(h);
-  one.hidden_frf_error.resize(h);
-  one.hidden_covered.resize(h);
+  interpolation.hidden_error.resize(h);
+  interpolation.hidden_frf_error.resize(h);
+  interpolation.hidden_covered.resize(h);
   const bool has_frf = !measured.identified && measured.shapes.frequency_hz.minCoeff() > 0.0;
   for (Eigen::Index c = 0; c < h; ++c) {
-    const Eigen::RowVectorXd wrong = one.hidden.mean.row(c) - hidden.values.row(c);
-    one.hidden_error(c) = wrong.norm() / hidden.values.row(c).norm();
-    const Eigen::ArrayXd band =
-        (one.hidden.deviation.row(c).array().square() + hidden.noise.row(c).array().square())
-            .sqrt();
-    one.hidden_covered(c) =
+    const Eigen::RowVectorXd wrong = interpolation.hidden.mean.row(c) - hidden.values.row(c);
+    interpolation.hidden_error(c) = wrong.norm() / hidden.values.row(c).norm();
+    const Eigen::ArrayXd band = (interpolation.hidden.deviation.row(c).array().square() +
+                                 hidden.noise.row(c).array().square())
+                                    .sqrt();
+    interpolation.hidden_covered(c) =
         (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
-    one.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
+    interpolation.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
     if (!has_frf) continue;
     const auto real = responses(measured, hidden.values.row(c));
-    one.hidden_frf_error(c) =
-        (responses(measured, one.hidden.mean.row(c)) - real).norm() / real.norm();
+    interpolation.hidden_frf_error(c) =
+        (responses(measured, interpolation.hidden.mean.row(c)) - real).norm() / real.norm();
   }
-  if (measured.identified) one.hidden_frf_error = held_out_frf_errors(result, one);
+  if (measured.identified)
+    interpolation.hidden_frf_error = held_out_frf_errors(result, interpolation);
 }
 
 // Adds the uncertainty of each mode's scale to the deviations. The scale is common to all actuator
 // rows of a mode, so its error does not average out as independent errors do. The error is put on
 // the actuator rows, so responses to the actuators change only with the shape.
-void widen_by_scale(const Interpolated& result, Interpolation& one) {
+void widen_by_scale(const Interpolated& result, Interpolation& interpolation) {
   const auto off = with_scale_off(result.measured);
   if (!off) return;
-  const auto other = priors::mode_field(*one.method, *off, result.simulation);
+  const auto other = priors::mode_field(*interpolation.method, *off, result.simulation);
   const auto widen = [&](priors::Field& field, const priors::Places& places) {
     if (places.count() == 0) return;
     const Eigen::ArrayXXd moved = other->at(places).mean - field.mean;
     field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
   };
-  widen(one.hidden, result.measured.hidden.places);
-  widen(one.points, result.point_places);
-  widen(one.unmeasured, result.unmeasured_places);
+  widen(interpolation.hidden, result.measured.hidden.places);
+  widen(interpolation.points, result.point_places);
+  widen(interpolation.unmeasured, result.unmeasured_places);
 }
 
 Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
   const auto& measured = result.measured;
-  Interpolation one;
-  one.method = &method;
-  one.field = priors::mode_field(method, measured.shapes, result.simulation);
-  one.surface = one.field->at(result.simulation.surface);
-  if (measured.hidden.places.count() > 0) one.hidden = one.field->at(measured.hidden.places);
-  if (!result.points.empty()) one.points = one.field->at(result.point_places);
-  if (!result.unmeasured.empty()) one.unmeasured = one.field->at(result.unmeasured_places);
-  widen_by_scale(result, one);
-  if (measured.hidden.places.count() > 0) score_hidden(result, one);
+  Interpolation interpolation;
+  interpolation.method = &method;
+  interpolation.field = priors::mode_field(method, measured.shapes, result.simulation);
+  interpolation.surface = interpolation.field->at(result.simulation.surface);
+  if (measured.hidden.places.count() > 0)
+    interpolation.hidden = interpolation.field->at(measured.hidden.places);
+  if (!result.points.empty()) interpolation.points = interpolation.field->at(result.point_places);
+  if (!result.unmeasured.empty())
+    interpolation.unmeasured = interpolation.field->at(result.unmeasured_places);
+  widen_by_scale(result, interpolation);
+  if (measured.hidden.places.count() > 0) score_hidden(result, interpolation);
   if (measured.truth.size() > 0) {
-    one.error = priors::squared_error(one.surface.mean, measured.truth, measured.truth_area);
-    one.covered = priors::coverage(one.surface, measured.truth, measured.truth_area);
+    interpolation.error =
+        priors::squared_error(interpolation.surface.mean, measured.truth, measured.truth_area);
+    interpolation.covered =
+        priors::coverage(interpolation.surface, measured.truth, measured.truth_area);
   }
-  return one;
+  return interpolation;
 }
 
 // The first default method accepts any places. If another one does not, a note says so.

@@ -1,70 +1,33 @@
-// From identified responses to shapes at the channels, and from a field of shapes to responses.
+// From identified responses of a study to shapes at its channels, and from a field to responses.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "base/error.h"
-#include "identification/damping_coupling.h"
+#include "identification/response_field.h"
 #include "steps/interpolation.h"
 #include "steps/predicted.h"
 
 namespace chladni::steps {
 namespace {
 
-constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
-constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
-
 // The site of a channel of the study, by name.
-const ChannelSite& site_of(const std::vector<ChannelSite>& all, const std::string& name) {
-  return all[static_cast<std::size_t>(index_of(all, name))];
-}
-
-// Remaining difference between the two sides of the pairs, for each mode. The deviations of the fit
-// do not contain these errors (gains, places, neighbours). If the places of a pair differ, it is
-// the part that remains along the simulated shape at both places, because near a node the ratio of
-// the sides has no meaning.
-Eigen::VectorXd disagreement(const IdentifiedModel& model) {
-  const auto& fit = model.found.fit.model;
-  const auto& match = model.match;
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(fit.mode_count());
-  if (model.pairs.size() < 2) return result;
-  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
-    const auto& mode = match.modes[static_cast<std::size_t>(m)];
-    if (mode.by != identification::MatchedBy::pairs) continue;
-    double square = 0.0;
-    for (std::size_t c = 0; c < model.pairs.size(); ++c) {
-      const auto& pair = model.pairs[c];
-      const bool apart = !pair.is_one_place();
-      const double here = apart ? pair.at_input(m) : 1.0;
-      const double there = apart ? pair.at_output(m) : 1.0;
-      // The part that the gains explain is corrected, on either side.
-      const double gain = model.corrects_gains ? match.pairs[c].ratio : 1.0;
-      const double output = fit.output_shapes(pair.output, m) / mode.alpha / gain;
-      const double input = mode.sign * mode.alpha * fit.input_shapes(m, pair.input);
-      const double size = std::hypot(here, there);
-      if (size > 0.0) square += std::pow((output * here - input * there) / size, 2);
-    }
-    result(m) = std::sqrt(square / static_cast<double>(model.pairs.size()));
-  }
-  return result;
+const ChannelSite& site_of(const std::vector<ChannelSite>& sites, const std::string& name) {
+  return sites[static_cast<std::size_t>(index_of(sites, name))];
 }
 
 // Modes that have a scale and are not rigid-body modes.
 std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, stage::Work& work) {
-  std::vector<Eigen::Index> modes;
-  const auto& fit = model.found.fit.model;
-  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
-    if (model.match.deviation.col(m).allFinite()) {
-      modes.push_back(m);
-    } else {
-      work.warn(
-          fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
-                      "actuators: it takes no part in what is predicted elsewhere",
-                      m + 1, fit.frequency_hz(m)));
-    }
+  const auto& fit = model.found.fit;
+  const auto modes = identification::modes_with_scale(fit, model.match);
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    if (std::ranges::find(modes, m) != modes.end()) continue;
+    work.warn(
+        fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
+                    "actuators: it takes no part in what is predicted elsewhere",
+                    m + 1, fit.model.frequency_hz(m)));
   }
   require(!modes.empty(),
           "no identified mode has a known scale: name a pair of a sensor and an "
@@ -100,49 +63,13 @@ void add_hidden(const study::Study& study, const stage::Solution& solution,
   }
 }
 
-// Static flexibility of the simulation's modes above the band, places × actuators.
-Eigen::MatrixXd flexibility_above(const Interpolated& result, const Eigen::MatrixXd& places,
-                                  const Eigen::MatrixXd& inputs) {
+// The simulation at the channels of the identified model.
+identification::FieldSimulation field_simulation(const Interpolated& result) {
   const auto& model = identified_of(result);
-  const auto& frequency = result.simulation.frequency_hz;
-  const double above = kBeyond * model.data.frequency_hz(model.data.line_count() - 1);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(places.rows(), inputs.rows());
-  for (Eigen::Index r = 0; r < frequency.size(); ++r) {
-    if (frequency(r) < above) continue;
-    const double omega = 2.0 * std::numbers::pi * frequency(r);
-    sum += places.col(r) * inputs.col(r).transpose() / (omega * omega);
-  }
-  return sum;
-}
-
-// Fitted residual over simulated residual; zero if the simulated one does not explain it.
-double residual_factor(const Interpolated& result) {
   const auto& measured = result.measured;
-  const auto& model = identified_of(result);
-  const auto& fitted = model.found.fit.model.residual;
-  const auto at_sensors = flexibility_above(result, measured.sensor_shapes, measured.input_shapes);
-  const double square = at_sensors.squaredNorm();
-  const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
-  const double left = (fitted - factor * at_sensors).squaredNorm();
-  const bool explains = factor > 0.0 && left < (1.0 - kExplained) * fitted.squaredNorm();
-  return explains ? factor : 0.0;
-}
-
-// The simulated residual in the scale of the fitted one.
-Eigen::MatrixXd residual_at(const Interpolated& result, const priors::Places& places) {
-  return residual_factor(result) *
-         flexibility_above(result, places.shapes, result.measured.input_shapes);
-}
-
-// Rigid-body rows at places that move along z.
-void add_rigid_rows(const IdentifiedModel& model, const priors::Places& places,
-                    identification::PlacesOfInterest& result) {
-  const auto rigid = model.found.fit.model.rigid_count;
-  if (rigid == 0 || !model.match.rigid) return;
-  const auto directions =
-      identification::rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
-  result.shapes.leftCols(rigid) =
-      places.direction.col(2).asDiagonal() * (directions * model.match.rigid->modes);
+  return {{result.simulation.frequency_hz, measured.sensor_shapes, measured.input_shapes},
+          measured.shapes.places.shapes,
+          model.data.frequency_hz(model.data.line_count() - 1)};
 }
 
 }  // namespace
@@ -162,71 +89,41 @@ Measured measured_by_responses(const study::Study& study, const stage::Solution&
     used.push_back(site_of(sites, side[static_cast<std::size_t>(row.channel)].name));
     result.channels.push_back(used.back().name);
   }
-  const auto& fit = model->found.fit.model;
-  const auto& modes = result.fitted_mode;
-  const Eigen::VectorXd doubt = disagreement(*model)(modes);
-  const Eigen::MatrixXd deviation = model->match.deviation(Eigen::all, modes);
-  result.shapes = {places_at(used, solution.modes, harmonics), fit.frequency_hz(modes),
-                   model->match.shapes(Eigen::all, modes),
-                   (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
-  result.damping_ratio = fit.damping_ratio(modes);
+  const auto& fit = model->found.fit;
+  result.shapes =
+      identification::measured_shapes(fit, *model, places_at(used, solution.modes, harmonics));
+  result.damping_ratio = fit.model.damping_ratio(result.fitted_mode);
   std::vector<ChannelSite> sensors;
   std::vector<ChannelSite> actuators;
-  for (const auto& one : model->seen.outputs) sensors.push_back(site_of(sites, one.name));
-  for (const auto& one : model->seen.inputs) actuators.push_back(site_of(sites, one.name));
+  for (const auto& output : model->seen.outputs) sensors.push_back(site_of(sites, output.name));
+  for (const auto& input : model->seen.inputs) actuators.push_back(site_of(sites, input.name));
   result.sensor_shapes = places_at(sensors, solution.modes).shapes;
   result.input_shapes = places_at(actuators, solution.modes).shapes;
   add_hidden(study, solution, sites, harmonics, *model, result);
   return result;
 }
 
-// The ratio of sensor rows to actuator rows is proportional to the square of the scale.
 std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured) {
-  constexpr double kLeast = 1e-3;
   if (!measured.identified) return std::nullopt;
-  const auto& match = measured.identified->match;
-  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Ones(std::ssize(measured.fitted_mode));
-  for (std::size_t k = 0; k < measured.fitted_mode.size(); ++k) {
-    const auto& one = match.modes[static_cast<std::size_t>(measured.fitted_mode[k])];
-    const double relative = 2.0 * one.alpha_std / one.alpha;
-    if (std::isfinite(relative)) factor(static_cast<Eigen::Index>(k)) += relative;
-  }
-  if (factor.maxCoeff() < 1.0 + kLeast) return std::nullopt;
-  auto off = measured.shapes;
-  for (std::size_t row = 0; row < match.rows.size(); ++row) {
-    if (match.rows[row].actuator) {
-      off.values.row(static_cast<Eigen::Index>(row)).array() *= factor.array();
-    }
-  }
-  return off;
+  return identification::with_scale_off(measured.identified->match, measured.fitted_mode,
+                                        measured.shapes);
 }
 
 identification::PlacesOfInterest places_of_interest(const Interpolated& result,
                                                     const priors::Places& places,
                                                     const priors::Field& field) {
   const auto& model = identified_of(result);
-  const auto m = model.found.fit.model.mode_count();
-  identification::PlacesOfInterest interest{Eigen::MatrixXd::Zero(places.count(), m),
-                                            Eigen::MatrixXd::Zero(places.count(), m),
-                                            residual_at(result, places)};
-  interest.shapes(Eigen::all, result.measured.fitted_mode) = field.mean;
-  interest.deviation(Eigen::all, result.measured.fitted_mode) = field.deviation;
-  add_rigid_rows(model, places, interest);
-  if (model.found.fit.complex) {
-    const auto parts = identification::imaginary_parts(
-        model.found.fit, model.match,
-        {result.simulation.frequency_hz, result.measured.shapes.places.shapes, places.shapes});
-    interest.imaginary = parts.mean;
-    interest.imaginary_deviation = parts.deviation;
-  }
-  return interest;
+  return identification::places_of_interest(model.found.fit, model.match,
+                                            result.measured.fitted_mode, field_simulation(result),
+                                            places, field);
 }
 
-Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolation& one) {
+Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
+                                    const Interpolation& interpolation) {
   const auto& model = identified_of(result);
   const auto& measured = result.measured;
   Eigen::VectorXd errors(measured.hidden.places.count());
-  const auto interest = places_of_interest(result, measured.hidden.places, one.hidden);
+  const auto interest = places_of_interest(result, measured.hidden.places, interpolation.hidden);
   const auto& frequency = model.data.frequency_hz;
   const auto responses =
       identification::predicted(model.found.fit, model.match, interest, frequency);
@@ -240,10 +137,10 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result, const Interpolat
     double wrong = 0.0;
     double size = 0.0;
     for (std::size_t k = 0; k < real.value.size(); ++k) {
-      const Eigen::RowVectorXcd there = real.value[k].row(0);
-      if (!there.allFinite()) continue;
-      wrong += (responses.value[k].row(c) - there).squaredNorm();
-      size += there.squaredNorm();
+      const Eigen::RowVectorXcd measured_line = real.value[k].row(0);
+      if (!measured_line.allFinite()) continue;
+      wrong += (responses.value[k].row(c) - measured_line).squaredNorm();
+      size += measured_line.squaredNorm();
     }
     errors(c) = std::sqrt(wrong / size);
   }
@@ -276,7 +173,7 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
         fit.rigid_count));
   }
   if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&
-      residual_factor(result) == 0.0) {
+      identification::residual_factor(model.found.fit, field_simulation(result)) == 0.0) {
     notes.emplace_back(
         "the modes above the band are neither in the predicted responses nor in their band: the "
         "simulation does not explain the fitted residual");

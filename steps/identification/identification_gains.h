@@ -9,13 +9,14 @@ namespace chladni::steps {
   return study.identification.value_or(study::IdentificationPlan{});
 }
 
-/// Fills model.pairs and matches the gains. For modes without a pair the simulation gives the
-/// scale, with the errors and corrections that the shapes of the side with more channels show.
+/// The gains of a fit. For modes without a pair the simulation gives the scale, with the errors and
+/// corrections that the shapes of the side with more channels show.
 /// @param solution  of the study; null: solved only if the two places of a pair differ; modes
 ///                  without a pair then have no scale
 /// @throws as its steps
-[[nodiscard]] identification::GainMatch matched(const study::Study& study,
-                                                const stage::Solution* solution,
-                                                IdentifiedModel& model, stage::Work& work);
+[[nodiscard]] identification::ChannelGains gains_of(const study::Study& study,
+                                                    const stage::Solution* solution,
+                                                    const IdentifiedModel& model,
+                                                    stage::Work& work);
 
 }  // namespace chladni::steps

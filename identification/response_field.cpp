@@ -1,0 +1,205 @@
+#include "identification/response_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "identification/damping_coupling.h"
+
+namespace chladni::identification {
+namespace {
+
+constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
+constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
+
+// Remaining difference between the two sides of the pairs, for each mode. If the places of a pair
+// differ, it is the part that remains along the simulated shape at both places, because near a node
+// the ratio of the sides has no meaning.
+Eigen::VectorXd pair_disagreement(const modal::ReducedModel& fit, const ChannelGains& gains) {
+  const auto& match = gains.match;
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(fit.mode_count());
+  if (gains.pairs.size() < 2) return result;
+  for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
+    const auto& mode = match.modes[static_cast<std::size_t>(m)];
+    if (mode.by != MatchedBy::pairs) continue;
+    double square = 0.0;
+    for (std::size_t c = 0; c < gains.pairs.size(); ++c) {
+      const auto& pair = gains.pairs[c];
+      const bool apart = !pair.is_one_place();
+      const double at_input = apart ? pair.at_input(m) : 1.0;
+      const double at_output = apart ? pair.at_output(m) : 1.0;
+      // The part that the gains explain is corrected, on either side.
+      const double gain = gains.corrects_gains ? match.pairs[c].ratio : 1.0;
+      const double output = fit.output_shapes(pair.output, m) / mode.alpha / gain;
+      const double input = mode.sign * mode.alpha * fit.input_shapes(m, pair.input);
+      const double size = std::hypot(at_input, at_output);
+      if (size > 0.0) square += std::pow((output * at_input - input * at_output) / size, 2);
+    }
+    result(m) = std::sqrt(square / static_cast<double>(gains.pairs.size()));
+  }
+  return result;
+}
+
+// Static flexibility of the simulation's modes above the band, places × actuators.
+Eigen::MatrixXd flexibility_above(const FieldSimulation& simulation,
+                                  const Eigen::MatrixXd& places) {
+  const auto& frequency = simulation.channels.frequency_hz;
+  const auto& inputs = simulation.channels.inputs;
+  const double above = kBeyond * simulation.highest_hz;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(places.rows(), inputs.rows());
+  for (Eigen::Index r = 0; r < frequency.size(); ++r) {
+    if (frequency(r) < above) continue;
+    const double omega = 2.0 * std::numbers::pi * frequency(r);
+    sum += places.col(r) * inputs.col(r).transpose() / (omega * omega);
+  }
+  return sum;
+}
+
+// Rigid-body rows at places that move along z.
+void add_rigid_rows(const ModalFit& fit, const GainMatch& match, const priors::Places& places,
+                    PlacesOfInterest& result) {
+  const auto rigid = fit.model.rigid_count;
+  if (rigid == 0 || !match.rigid) return;
+  const auto directions = rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
+  result.shapes.leftCols(rigid) =
+      places.direction.col(2).asDiagonal() * (directions * match.rigid->modes);
+}
+
+// The places of the match's rows.
+priors::Places rows_of(const GainMatch& match, const priors::Places& outputs,
+                       const priors::Places& inputs) {
+  const auto count = std::ssize(match.rows);
+  priors::Places places{Points(count, 3), Points(count, 3),
+                        Eigen::MatrixXd(count, outputs.shapes.cols()),
+                        Eigen::MatrixXd(count, outputs.harmonics.cols())};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& row = match.rows[static_cast<std::size_t>(i)];
+    const auto& side = row.actuator ? inputs : outputs;
+    places.position.row(i) = side.position.row(row.channel);
+    places.direction.row(i) = side.direction.row(row.channel);
+    places.shapes.row(i) = side.shapes.row(row.channel);
+    if (side.harmonics.cols() > 0) places.harmonics.row(i) = side.harmonics.row(row.channel);
+  }
+  return places;
+}
+
+void require_places(const modal::FrfSet& responses, const priors::Simulation& simulation,
+                    const priors::Places& outputs, const priors::Places& inputs) {
+  const auto modes = simulation.mode_count();
+  const auto fits = [&](const priors::Places& places, Eigen::Index count) {
+    return places.count() == count && places.direction.rows() == count &&
+           places.shapes.rows() == count && places.shapes.cols() == modes;
+  };
+  require(fits(outputs, responses.output_count()) && fits(inputs, responses.input_count()),
+          "a field of responses needs the place, direction and simulated shapes of each of its "
+          "channels");
+}
+
+}  // namespace
+
+std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit, const GainMatch& match) {
+  std::vector<Eigen::Index> modes;
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    if (match.deviation.col(m).allFinite()) modes.push_back(m);
+  }
+  return modes;
+}
+
+priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& gains,
+                                       const priors::Places& rows) {
+  const auto modes = modes_with_scale(fit, gains.match);
+  const Eigen::VectorXd doubt = pair_disagreement(fit.model, gains)(modes);
+  const Eigen::MatrixXd deviation = gains.match.deviation(Eigen::all, modes);
+  return {rows, fit.model.frequency_hz(modes), gains.match.shapes(Eigen::all, modes),
+          (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
+}
+
+std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
+                                                     const std::vector<Eigen::Index>& modes,
+                                                     priors::MeasuredShapes shapes) {
+  constexpr double kLeast = 1e-3;
+  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Ones(std::ssize(modes));
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const auto& mode = match.modes[static_cast<std::size_t>(modes[k])];
+    const double relative = 2.0 * mode.alpha_std / mode.alpha;
+    if (std::isfinite(relative)) factor(static_cast<Eigen::Index>(k)) += relative;
+  }
+  if (factor.maxCoeff() < 1.0 + kLeast) return std::nullopt;
+  for (std::size_t row = 0; row < match.rows.size(); ++row) {
+    if (match.rows[row].actuator) {
+      shapes.values.row(static_cast<Eigen::Index>(row)).array() *= factor.array();
+    }
+  }
+  return shapes;
+}
+
+double residual_factor(const ModalFit& fit, const FieldSimulation& simulation) {
+  const auto& fitted = fit.model.residual;
+  const auto at_sensors = flexibility_above(simulation, simulation.channels.outputs);
+  const double square = at_sensors.squaredNorm();
+  const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
+  const double left = (fitted - factor * at_sensors).squaredNorm();
+  const bool explains = factor > 0.0 && left < (1.0 - kExplained) * fitted.squaredNorm();
+  return explains ? factor : 0.0;
+}
+
+PlacesOfInterest places_of_interest(const ModalFit& fit, const GainMatch& match,
+                                    const std::vector<Eigen::Index>& modes,
+                                    const FieldSimulation& simulation, const priors::Places& places,
+                                    const priors::Field& field) {
+  const auto m = fit.model.mode_count();
+  PlacesOfInterest interest{
+      Eigen::MatrixXd::Zero(places.count(), m), Eigen::MatrixXd::Zero(places.count(), m),
+      residual_factor(fit, simulation) * flexibility_above(simulation, places.shapes)};
+  interest.shapes(Eigen::all, modes) = field.mean;
+  interest.deviation(Eigen::all, modes) = field.deviation;
+  add_rigid_rows(fit, match, places, interest);
+  if (fit.complex) {
+    const auto parts = imaginary_parts(
+        fit, match, {simulation.channels.frequency_hz, simulation.rows, places.shapes});
+    interest.imaginary = parts.mean;
+    interest.imaginary_deviation = parts.deviation;
+  }
+  return interest;
+}
+
+PredictedResponses ResponseField::at(const priors::Places& places,
+                                     const Eigen::VectorXd& frequency_hz) const {
+  auto field = field_->at(places);
+  if (field_with_scale_off_ != nullptr) {
+    const Eigen::ArrayXXd moved = field_with_scale_off_->at(places).mean - field.mean;
+    field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
+  }
+  const auto interest = places_of_interest(fit_, gains_.match, modes_, simulation_, places, field);
+  return predicted(fit_, gains_.match, interest, frequency_hz);
+}
+
+ResponseField response_field(const modal::FrfSet& responses, const priors::Simulation& simulation,
+                             const priors::Places& outputs, const priors::Places& inputs,
+                             const ResponseFieldPlan& plan) {
+  require_places(responses, simulation, outputs, inputs);
+  const auto data = fit_data(responses, {.low_hz = plan.low_hz, .high_hz = plan.high_hz});
+  ResponseField result;
+  result.fit_ = identified(data, plan.fit).fit;
+  const SimulatedChannels channels{simulation.frequency_hz, outputs.shapes, inputs.shapes};
+  result.gains_ = channel_gains(
+      result.fit_, responses, plan.gains,
+      {[&] { return channels; },
+       [&] { return simulated_gain_prior(result.fit_, simulation, outputs, inputs); }});
+  const auto rows = rows_of(result.gains_.match, outputs, inputs);
+  result.simulation_ = {channels, rows.shapes, data.frequency_hz(data.line_count() - 1)};
+  result.modes_ = modes_with_scale(result.fit_, result.gains_.match);
+  require(!result.modes_.empty(),
+          "no identified mode has a known scale: name a pair of a sensor "
+          "and an actuator at one place");
+  result.shapes_ = measured_shapes(result.fit_, result.gains_, rows);
+  const auto& method = priors::interpolator(plan.method);
+  result.field_ = priors::mode_field(method, result.shapes_, simulation);
+  if (const auto off = with_scale_off(result.gains_.match, result.modes_, result.shapes_)) {
+    result.field_with_scale_off_ = priors::mode_field(method, *off, simulation);
+  }
+  return result;
+}
+
+}  // namespace chladni::identification

@@ -1,0 +1,103 @@
+// Responses at any place of a structure: G(ρ, s) of a modal model of measured responses, whose
+// shapes are interpolated between the channels with the modes of a simulation.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/channel_gains.h"
+#include "identification/identified.h"
+#include "identification/spatio_temporal.h"
+#include "priors/interpolator.h"
+
+namespace chladni::identification {
+
+/// Modes of the fit that have a scale and are not rigid-body modes; others take no part in what is
+/// predicted between the channels.
+[[nodiscard]] std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit,
+                                                         const GainMatch& match);
+
+/// The shapes of those modes at the rows of the match. Their noise has the deviation of the fit and
+/// what the two sides of the pairs still differ by: errors of gains, places and neighbours, which
+/// the fit does not know.
+/// @param rows  places of the rows of the match
+[[nodiscard]] priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& gains,
+                                                     const priors::Places& rows);
+
+/// The same shapes with all actuator rows changed by one standard deviation of the scale between
+/// them and the sensor rows; none if no scale is uncertain. The ratio of both is proportional to
+/// the square of the scale.
+[[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(
+    const GainMatch& match, const std::vector<Eigen::Index>& modes, priors::MeasuredShapes shapes);
+
+/// The simulation of a fit, r modes: at its channels, and at the rows of its match.
+struct FieldSimulation {
+  SimulatedChannels channels;
+  Eigen::MatrixXd rows;     ///< n_z×r [kg^-1/2]
+  double highest_hz = 0.0;  ///< of the lines of the fit; modes above 1.05 of it are residual
+};
+
+/// Fitted residual over that of the simulation's modes above the band; 0 if these do not explain
+/// three tenths of it.
+[[nodiscard]] double residual_factor(const ModalFit& fit, const FieldSimulation& simulation);
+
+/// Shapes of responses at places, from a field of the shapes of `modes`. Rigid-body rows come from
+/// the geometry, the residual from the simulation's modes above the band.
+[[nodiscard]] PlacesOfInterest places_of_interest(const ModalFit& fit, const GainMatch& match,
+                                                  const std::vector<Eigen::Index>& modes,
+                                                  const FieldSimulation& simulation,
+                                                  const priors::Places& places,
+                                                  const priors::Field& field);
+
+/// What a field of responses is computed from, beside the responses.
+struct ResponseFieldPlan {
+  double low_hz = 0.0, high_hz = 0.0;  ///< the band; high 0: all lines
+  IdentificationOptions fit;
+  GainPlan gains;
+  std::string method = "dynamic_residual";  ///< of priors::interpolators()
+};
+
+/// G(ρ, s) of one structure.
+class ResponseField {
+ public:
+  [[nodiscard]] const ModalFit& fit() const { return fit_; }
+  [[nodiscard]] const ChannelGains& gains() const { return gains_; }
+  /// The shapes that are interpolated, at the channels.
+  [[nodiscard]] const priors::MeasuredShapes& shapes() const { return shapes_; }
+
+  /// The responses from all actuators, with their deviations.
+  /// @param places  with the simulation's modes along the direction of motion
+  /// @throws InvalidInput  `places` lack what the method needs; 0 Hz with rigid-body modes
+  [[nodiscard]] PredictedResponses at(const priors::Places& places,
+                                      const Eigen::VectorXd& frequency_hz) const;
+
+ private:
+  friend ResponseField response_field(const modal::FrfSet& responses,
+                                      const priors::Simulation& simulation,
+                                      const priors::Places& outputs, const priors::Places& inputs,
+                                      const ResponseFieldPlan& plan);
+  ModalFit fit_;
+  ChannelGains gains_;
+  FieldSimulation simulation_;
+  std::vector<Eigen::Index> modes_;
+  priors::MeasuredShapes shapes_;
+  std::shared_ptr<const priors::ModeField> field_;
+  std::shared_ptr<const priors::ModeField> field_with_scale_off_;  // null: the scale is certain
+};
+
+/// Identifies the responses, gives both sides one scale, and interpolates the shapes.
+/// @param responses   with places and directions of all channels
+/// @param simulation  of the structure; its corrections may be empty
+/// @param outputs, inputs  the channels of the responses with the simulation's modes, along the
+///                         channels' directions
+/// @throws as `identified`, `channel_gains` and `priors::mode_field`; InvalidInput: no mode has a
+///         known scale, or places do not fit the channels
+[[nodiscard]] ResponseField response_field(const modal::FrfSet& responses,
+                                           const priors::Simulation& simulation,
+                                           const priors::Places& outputs,
+                                           const priors::Places& inputs,
+                                           const ResponseFieldPlan& plan = {});
+
+}  // namespace chladni::identification
