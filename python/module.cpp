@@ -66,5 +66,7 @@ PYBIND11_MODULE(chladni, module) {
     throw pybind11::error_already_set();
   }
   chladni::python::add_priors(module);
+  chladni::python::add_placement(module);
+  chladni::python::add_identification(module);
   chladni::python::add_app(module);
 }

@@ -1,0 +1,131 @@
+// Responses at any place of a structure, from arrays of measured responses.
+#include <pybind11/complex.h>
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <complex>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "identification/response_field.h"
+#include "python/long_call.h"
+#include "python/rooms.h"
+
+namespace chladni::python {
+namespace {
+
+namespace py = pybind11;
+using Complexes = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>;
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// Lines × rows × columns as one matrix for each line.
+template <typename Matrix, typename Array>
+std::vector<Matrix> matrices_of(const Array& array, const std::string& what, Eigen::Index rows,
+                                Eigen::Index columns) {
+  require(array.ndim() == 3 && array.shape(1) == rows && array.shape(2) == columns,
+          what + " needs the shape lines x outputs x inputs");
+  const auto values = array.template unchecked<3>();
+  std::vector<Matrix> matrices;
+  for (py::ssize_t k = 0; k < array.shape(0); ++k) {
+    Matrix matrix(rows, columns);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      for (Eigen::Index j = 0; j < columns; ++j) matrix(i, j) = values(k, i, j);
+    }
+    matrices.push_back(std::move(matrix));
+  }
+  return matrices;
+}
+
+template <typename Array, typename Matrix>
+Array array_of(const std::vector<Matrix>& matrices, Eigen::Index rows, Eigen::Index columns) {
+  Array array({std::ssize(matrices), rows, columns});
+  auto values = array.template mutable_unchecked<3>();
+  for (std::size_t k = 0; k < matrices.size(); ++k) {
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      for (Eigen::Index j = 0; j < columns; ++j) {
+        values(static_cast<py::ssize_t>(k), i, j) = matrices[k](i, j);
+      }
+    }
+  }
+  return array;
+}
+
+std::vector<modal::MeasuredChannel> channels_at(const priors::Places& places,
+                                                const std::string& letter) {
+  std::vector<modal::MeasuredChannel> channels;
+  for (Eigen::Index i = 0; i < places.count(); ++i) {
+    modal::MeasuredChannel channel;
+    channel.name = letter + std::to_string(i + 1);
+    channel.position = places.position.row(i).transpose();
+    channel.direction = places.direction.row(i).transpose();
+    channels.push_back(std::move(channel));
+  }
+  return channels;
+}
+
+modal::FrfSet frf_set(const Eigen::VectorXd& frequency_hz, const Complexes& responses,
+                      const priors::Places& outputs, const priors::Places& inputs,
+                      const std::optional<Numbers>& variance) {
+  modal::FrfSet set;
+  set.outputs = channels_at(outputs, "output ");
+  set.inputs = channels_at(inputs, "input ");
+  set.frequency_hz = frequency_hz;
+  set.value =
+      matrices_of<Eigen::MatrixXcd>(responses, "responses", outputs.count(), inputs.count());
+  if (variance) {
+    set.variance =
+        matrices_of<Eigen::MatrixXd>(*variance, "variance", outputs.count(), inputs.count());
+  }
+  modal::check(set);
+  return set;
+}
+
+py::tuple responses_at(const identification::ResponseField& field, const priors::Places& places,
+                       const Eigen::VectorXd& frequency_hz) {
+  const auto found = [&] {
+    const LongCall call;
+    return field.at(places, frequency_hz);
+  }();
+  const auto inputs = field.fit().model.input_count();
+  return py::make_tuple(array_of<Complexes>(found.value, places.count(), inputs),
+                        array_of<Numbers>(found.deviation, places.count(), inputs));
+}
+
+}  // namespace
+
+void add_identification(py::module_& module) {
+  using identification::ResponseField;
+  py::class_<ResponseField>(module, "ResponseField", "responses at any place of a structure")
+      .def("at", &responses_at, py::arg("places"), py::arg("frequency_hz"),
+           "value and standard deviation, each lines x places x inputs [m/N]")
+      .def_property_readonly(
+          "frequency_hz", [](const ResponseField& field) { return field.fit().model.frequency_hz; },
+          "of the identified modes")
+      .def_property_readonly("damping_ratio", [](const ResponseField& field) {
+        return field.fit().model.damping_ratio;
+      });
+  module.def(
+      "response_field",
+      [](const Eigen::VectorXd& frequency_hz, const Complexes& responses,
+         const priors::Places& outputs, const priors::Places& inputs,
+         const priors::Simulation& simulation, const std::optional<Numbers>& variance,
+         int rigid_body_modes, const std::string& method) {
+        const auto set = frf_set(frequency_hz, responses, outputs, inputs, variance);
+        identification::ResponseFieldPlan plan;
+        plan.fit.rigid_count = rigid_body_modes;
+        plan.method = method;
+        const LongCall call;
+        return identification::response_field(set, simulation, outputs, inputs, plan);
+      },
+      py::arg("frequency_hz"), py::arg("responses"), py::arg("outputs"), py::arg("inputs"),
+      py::arg("simulation"), py::arg("variance") = py::none(), py::arg("rigid_body_modes") = 0,
+      py::arg("method") = "dynamic_residual",
+      "G between the sensors. frequency_hz lines; responses lines x outputs x inputs [m/N], nan "
+      "where nothing was measured; outputs and inputs Places with the simulation's modes; variance "
+      "as responses [m^2/N^2]; rigid_body_modes at 0 Hz, -1: found.");
+}
+
+}  // namespace chladni::python

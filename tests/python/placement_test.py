@@ -1,0 +1,74 @@
+"""Best places on arrays: a pinned beam, whose modes are sines."""
+import unittest
+
+import chladni
+import numpy as np
+
+LENGTH = 2.0
+
+
+def shapes(x, modes=6):
+    return np.sqrt(2.0) * np.sin(np.outer(x, np.arange(1, modes + 1)) * np.pi / LENGTH)
+
+
+def lines(x):
+    position = np.column_stack([x, np.zeros((len(x), 2))])
+    return position, np.tile([0.0, 0.0, 1.0], (len(x), 1))
+
+
+def channels(*x):
+    position, direction = lines(np.array(x))
+    return chladni.Channels(position, direction, shapes(np.array(x)))
+
+
+def beam(**more):
+    return chladni.Structure(50.0 * np.arange(1, 7) ** 2, mass_kg=1.0, size=LENGTH, **more)
+
+
+def sites(count):
+    x = np.linspace(0.0, LENGTH, count)
+    return chladni.Sites(lines(x)[0], np.full(count, 1e-3), shapes(x))
+
+
+class Placement(unittest.TestCase):
+    def test_a_pair_for_two_modes_sits_at_a_third_of_the_span(self):
+        plan = chladni.PlacementPlan()
+        plan.modes = [1, 2]
+        best = chladni.best_pairs(beam(), sites(601), plan)
+        x = best[0].position[0]
+        self.assertAlmostEqual(min(x, LENGTH - x), LENGTH / 3, places=9)
+        self.assertAlmostEqual(best[0].score, np.sqrt(0.75), places=9)
+
+    def test_two_sites_have_the_largest_determinant(self):
+        plan = chladni.PlacementPlan()
+        plan.modes = [1, 2]
+        plan.sites = 2
+        best = chladni.best_layouts(beam(), sites(201), plan)[0]
+        self.assertEqual(best.by, "determinant")
+        self.assertEqual(len(best.rows), 2)
+        wanted = LENGTH * np.arctan(np.sqrt(2.0)) / np.pi
+        np.testing.assert_allclose(np.sort(best.sites[:, 0]), [wanted, LENGTH - wanted], atol=0.01)
+
+    def test_a_layout_is_scored_without_a_study(self):
+        structure = beam(sensors=channels(1.0, 0.42), actuators=channels(1.0))
+        plan = chladni.PlacementPlan()
+        middle = chladni.layout_score(structure, sites(201), plan, [0], [0])
+        self.assertEqual(middle["blind_modes"], [2, 4, 6])
+        self.assertEqual(middle["collocated_pairs"], 1)
+        self.assertEqual(middle["scores"]["observed_points"], 1)
+        self.assertEqual(chladni.layout_score(structure, sites(201), plan, [1], [])["blind_modes"],
+                         [])
+
+    def test_what_does_not_fit_is_a_value_error(self):
+        plan = chladni.PlacementPlan()
+        with self.assertRaisesRegex(ValueError, "the number of modes on the surface is 6"):
+            chladni.best_pairs(chladni.Structure([1.0, 2.0], 1.0, LENGTH), sites(11), plan)
+        with self.assertRaisesRegex(chladni.InvalidInput, "channel 0 of a layout does not exist"):
+            chladni.layout_score(beam(), sites(11), plan, [0], [])
+        plan.criterion = "luck"
+        with self.assertRaisesRegex(chladni.InvalidInput, "weakest_mode"):
+            chladni.best_pairs(beam(), sites(11), plan)
+
+
+if __name__ == "__main__":
+    unittest.main()
