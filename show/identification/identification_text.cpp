@@ -18,7 +18,7 @@ std::string percent(double part) { return fmt::format("{:.3g} %", 100.0 * part);
 
 std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& channels) {
   std::vector<std::string> names;
-  for (const auto& one : channels) names.push_back(one.name);
+  for (const auto& channel : channels) names.push_back(channel.name);
   return names;
 }
 
@@ -52,10 +52,10 @@ io::Json gain_json(const steps::IdentifiedModel& model) {
   Eigen::VectorXd deviation(n);
   std::vector<std::string> by;
   for (Eigen::Index m = 0; m < n; ++m) {
-    const auto& one = modes[static_cast<std::size_t>(m)];
-    alpha(m) = one.alpha * one.sign;
-    deviation(m) = one.by == identification::MatchedBy::nothing ? NAN : one.alpha_std;
-    by.emplace_back(matched_by(one.by));
+    const auto& mode = modes[static_cast<std::size_t>(m)];
+    alpha(m) = mode.alpha * mode.sign;
+    deviation(m) = mode.by == identification::MatchedBy::nothing ? NAN : mode.alpha_std;
+    by.emplace_back(matched_by(mode.by));
   }
   io::JsonArray pairs;
   for (std::size_t c = 0; c < model.pairs.size(); ++c) {
@@ -116,13 +116,13 @@ io::Json fit_json(const steps::IdentifiedModel& model) {
   io::JsonArray channels;
   for (Eigen::Index j = 0; j < model.error.cols(); ++j) {
     for (Eigen::Index i = 0; i < model.error.rows(); ++i) {
-      io::JsonObject one{{"sensor", model.seen.outputs[static_cast<std::size_t>(i)].name},
-                         {"actuator", model.seen.inputs[static_cast<std::size_t>(j)].name},
-                         {"relative_error", model.error(i, j)},
-                         {"noise_floor", model.noise(i, j)}};
+      io::JsonObject response{{"sensor", model.seen.outputs[static_cast<std::size_t>(i)].name},
+                              {"actuator", model.seen.inputs[static_cast<std::size_t>(j)].name},
+                              {"relative_error", model.error(i, j)},
+                              {"noise_floor", model.noise(i, j)}};
       if (model.drift.size() > 0)
-        one.emplace_back("drift", model.drift(i + model.error.rows() * j));
-      channels.emplace_back(std::move(one));
+        response.emplace_back("drift", model.drift(i + model.error.rows() * j));
+      channels.emplace_back(std::move(response));
     }
   }
   const auto& fit = model.found.fit;
@@ -151,16 +151,16 @@ io::Json steps_json(const identification::Identified& found) {
 }
 
 io::Json stabilisation_json(const std::vector<identification::StabilisationPoint>& points) {
-  io::JsonArray all;
+  io::JsonArray points;
   for (const auto& point : points) {
-    all.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
-                                 {"frequency_hz", point.frequency_hz},
-                                 {"damping_ratio", point.damping_ratio},
-                                 {"stable_frequency", point.stable_frequency},
-                                 {"stable_damping", point.stable_damping},
-                                 {"stable_shape", point.stable_shape}});
+    points.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
+                                    {"frequency_hz", point.frequency_hz},
+                                    {"damping_ratio", point.damping_ratio},
+                                    {"stable_frequency", point.stable_frequency},
+                                    {"stable_damping", point.stable_damping},
+                                    {"stable_shape", point.stable_shape}});
   }
-  return all;
+  return points;
 }
 
 // The state space of real modes has all places of the extended model as outputs; that of complex
