@@ -151,16 +151,16 @@ io::Json steps_json(const identification::Identified& found) {
 }
 
 io::Json stabilisation_json(const std::vector<identification::StabilisationPoint>& points) {
-  io::JsonArray points;
+  io::JsonArray array;
   for (const auto& point : points) {
-    points.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
+    array.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
                                     {"frequency_hz", point.frequency_hz},
                                     {"damping_ratio", point.damping_ratio},
                                     {"stable_frequency", point.stable_frequency},
                                     {"stable_damping", point.stable_damping},
                                     {"stable_shape", point.stable_shape}});
   }
-  return points;
+  return array;
 }
 
 // The state space of real modes has all places of the extended model as outputs; that of complex

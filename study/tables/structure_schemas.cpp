@@ -77,7 +77,7 @@ struct FixedAxis {
   char letter;
   bool fem::Support::*fixed;
 };
-constexpr FixedAxis kAxes[] = {
+constexpr FixedAxis kFixedAxes[] = {
     {'x', &fem::Support::x}, {'y', &fem::Support::y}, {'z', &fem::Support::z}};
 
 void read_fixed(TableReader& table, fem::Support& support) {
@@ -86,14 +86,14 @@ void read_fixed(TableReader& table, fem::Support& support) {
     table.wrong(*table.find("fixed"), table.name("fixed") + " is \"" + letters +
                                           "\"; expected some of the letters x, y and z");
   }
-  for (const auto& axis : kAxes) {
+  for (const auto& axis : kFixedAxes) {
     support.*axis.fixed = letters.find(axis.letter) != std::string::npos;
   }
 }
 
 io::Json fixed_json(const fem::Support& support) {
   std::string letters;
-  for (const auto& axis : kAxes) {
+  for (const auto& axis : kFixedAxes) {
     if (support.*axis.fixed) letters += axis.letter;
   }
   return letters;

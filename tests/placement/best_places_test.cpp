@@ -6,7 +6,7 @@
 
 #include "placement/best_layouts.h"
 #include "placement/best_pairs.h"
-#include "refusal.h"
+#include "tests/refusal.h"
 
 namespace chladni::placement {
 namespace {

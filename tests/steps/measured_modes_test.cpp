@@ -13,10 +13,10 @@
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
-#include "refusal.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
 #include "tests/app/quiet_run.h"
+#include "tests/refusal.h"
 
 namespace chladni::steps {
 namespace {

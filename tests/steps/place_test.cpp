@@ -9,9 +9,9 @@
 
 #include "base/error.h"
 #include "io/json.h"
-#include "refusal.h"
 #include "show/placement.h"
 #include "steps/placement.h"
+#include "tests/refusal.h"
 
 namespace chladni::steps {
 namespace {

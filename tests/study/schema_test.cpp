@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "refusal.h"
 #include "study/schemas.h"
+#include "tests/refusal.h"
 
 namespace chladni::study {
 namespace {

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "refusal.h"
 #include "stage/channel_paths.h"
 #include "study/study.h"
 #include "tests/app/quiet_run.h"
+#include "tests/refusal.h"
 
 namespace chladni::study {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "refusal.h"
 #include "study/study.h"
+#include "tests/refusal.h"
 
 namespace chladni::study {
 namespace {

@@ -10,9 +10,9 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "refusal.h"
 #include "study/problems.h"
 #include "study/sha256.h"
+#include "tests/refusal.h"
 
 namespace chladni::study {
 namespace {
