@@ -25,8 +25,8 @@ struct WholeDocument {
 ///
 /// Tables are merged key by key, and the values in `own` win. Elements of an array of tables that
 /// have a `name` are merged by name; a new name is appended, and `removed = true` removes an
-/// element. All other values are replaced, and so is a `geometry` of another kind. Expectations of
-/// a base are not expectations of the merged study.
+/// element. All other values are replaced, and so is a `geometry` of another kind. Expectations and
+/// specimens of a base are not those of the merged study.
 /// Values of the base get the position of `extends`, and its file names start at the folder of
 /// `own`.
 /// @param file  the file of `own`
@@ -40,7 +40,8 @@ template <typename Node>
 [[nodiscard]] std::vector<Node*> relative_files(Node& document) {
   constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
       {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
-      {"measurement", "shapes"}, {"measurement", "truth"}, {"diagnosis", "tolerances"}};
+      {"measurement", "shapes"}, {"measurement", "truth"}, {"measurement", "modes"},
+      {"measurement", "reference"}, {"diagnosis", "tolerances"}};
   std::vector<Node*> named{member(document, "extends")};
   for (const auto& [part, key] : kKeys) {
     if (auto* table = member(document, part)) named.push_back(member(*table, key));

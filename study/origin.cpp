@@ -25,13 +25,15 @@ void add(std::vector<NamedFile>& files, const Study& study, const fs::path& file
   files.push_back({name.generic_string(), file});
 }
 
-void add_truth(std::vector<NamedFile>& files, const Study& study, const fs::path& truth) {
-  add(files, study, truth);
-  if (truth.empty() || files.empty() || files.back().file != truth) return;
+void add_study(std::vector<NamedFile>& files, const Study& study, const fs::path& other) {
+  add(files, study, other);
+  if (other.empty() || files.empty() || files.back().file != other) return;
   try {
-    for (const auto& one : named_files(read_study(truth), true)) add(files, study, one.file);
+    const auto read = read_study(other);
+    if (!read.specimens.empty()) return;  // a series has no series as a specimen
+    for (const auto& one : named_files(read, true)) add(files, study, one.file);
   } catch (const InvalidInput&) {
-    return;  // the step that needs the truth reports the error
+    return;  // the step that needs that study reports the error
   }
 }
 
@@ -77,9 +79,10 @@ std::vector<NamedFile> named_files(const Study& study, bool measured) {
     const auto& plan = *study.measurement;
     for (const auto& file : {plan.frf, plan.time, plan.shapes, plan.modes_file, plan.reference})
       add(files, study, file);
-    add_truth(files, study, plan.truth);
+    add_study(files, study, plan.truth);
   }
   if (study.diagnosis) add(files, study, study.diagnosis->tolerances_file);
+  for (const auto& specimen : study.specimens) add_study(files, study, specimen.file);
   return files;
 }
 

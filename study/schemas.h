@@ -56,6 +56,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();
 [[nodiscard]] const Schema<diagnosis::Tolerances>& tolerances_schema();
 [[nodiscard]] const Schema<diagnosis::MeasurementCosts>& costs_schema();
+[[nodiscard]] const Schema<SpecimenPlan>& specimen_schema();
 
 /// A place in study.json: two or three coordinates.
 [[nodiscard]] io::Json place_json(const Place& place);

@@ -94,6 +94,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_interpolation(root, study);
   read_priors(root, study);
   read_diagnosis(root, folder, study);
+  read_specimens(root, folder, study);
   read_expectations(root, study);
   root.refuse_unknown();
   read_known(known, study, problems);

@@ -145,10 +145,19 @@ struct MeasurementPlan {
   std::filesystem::path reference;    ///< modes measured before something changed; or empty
   std::vector<std::string> hold_out;  ///< names of channels that are held out of every fit
   std::string source;  ///< where to get files that do not come with the study; or empty
+  double mass = 0.0;   ///< [kg], as scales have it; 0: not weighed
 };
 
 /// "; it does not come with the study: SOURCE"; empty if the plan states none.
 [[nodiscard]] std::string source_text(const MeasurementPlan& plan);
+
+/// Another specimen of the design that the study is of.
+struct SpecimenPlan {
+  std::string name;
+  std::filesystem::path file;  ///< its study
+  std::string group;           ///< specimens that are more alike; or empty
+  std::string same_as;         ///< the specimen above that is measured again; or empty
+};
 
 /// A virtual experiment (docs/reference/experiments.md).
 struct ExperimentPlan {
@@ -258,6 +267,8 @@ struct Study {
   std::vector<StudyMaterial> materials;
   /// Constants that state how well they are known. A diagnosis of modes calibrates them.
   std::vector<diagnosis::CalibratedConstant> constants;
+  /// Length, width and mass that state a deviation: compared between specimens.
+  std::vector<diagnosis::CalibratedConstant> sheet;
   MeshPlan mesh;
   ModesPlan modes;
   std::vector<fem::Support> supports;
@@ -273,6 +284,7 @@ struct Study {
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
   std::optional<DiagnosisPlan> diagnosis;
+  std::vector<SpecimenPlan> specimens;
   std::vector<DataFile> files;  ///< files that [measurement] reads
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< implausible values: "<file>:<line>:<column>: ..."

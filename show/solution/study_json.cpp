@@ -110,6 +110,10 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("priors", study::priors_schema(), study.priors);
   add("diagnosis", study::diagnosis_schema(), study.diagnosis);
   if (!study.constants.empty()) object.emplace_back("constants", constants_json(study.constants));
+  if (!study.sheet.empty()) object.emplace_back("sheet", constants_json(study.sheet));
+  if (!study.specimens.empty()) {
+    object.emplace_back("specimens", list_json(study::specimen_schema(), study.specimens));
+  }
   object.emplace_back("expect", study::expectations_json(study.expectations));
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));

@@ -124,6 +124,8 @@ const Schema<MeasurementPlan>& measurement_schema() {
        special<P>({"hold_out", "channels of the study", "none",
                    "channels that no fit may see; what is predicted there is scored"},
                   "hold_out", [](const P& plan) { return io::Json::texts(plan.hold_out); }),
+       quantity("mass", "kg", Sign::positive, &P::mass,
+                "of the body on scales; compared between specimens", "not weighed"),
        text("source", &P::source, "where files are to be had that do not come with the study",
             "none")}};
   return schema;

@@ -136,6 +136,22 @@ double thickness_of(const Geometry& geometry) {
   return 0.0;
 }
 
+/// Of a plate or beam, whose length lies along x.
+std::optional<Constant> of_sheet(const Study& study, const std::string& key) {
+  if (key == "measurement.mass" && study.measurement) {
+    return Constant{"kg", "mass", study.measurement->mass};
+  }
+  const auto* plate = std::get_if<mesh::Plate>(&study.geometry.body);
+  if (plate == nullptr) return std::nullopt;
+  if (key == fmt::format("geometry.{}.length", study.geometry.kind)) {
+    return Constant{"m", "length_along_u", plate->length};
+  }
+  if (key == fmt::format("geometry.{}.width", study.geometry.kind)) {
+    return Constant{"m", "length_along_v", plate->width};
+  }
+  return std::nullopt;
+}
+
 /// @param key  without the place in an array
 std::optional<Constant> constant_of(const Study& study, const std::string& key, int element) {
   constexpr std::string_view kMaterial = "material.";
@@ -148,7 +164,23 @@ std::optional<Constant> constant_of(const Study& study, const std::string& key, 
   if (key == fmt::format("geometry.{}.thickness", study.geometry.kind)) {
     return Constant{"m", "thickness", thickness_of(study.geometry)};
   }
-  return std::nullopt;
+  return of_sheet(study, key);
+}
+
+/// True for what is compared between specimens alone.
+bool is_of_sheet(const Constant& constant) {
+  return constant.effect == "mass" || constant.effect.starts_with("length_along");
+}
+
+void add_to_sheet(const KnownNumber& known, const std::string& key, const Constant& constant,
+                  Study& study, Problems& problems) {
+  if (known.kind == Kind::unknown) {
+    problems.add(known.line, known.column,
+                 key + " cannot be unknown; expected measured = \"1 %\" or within = \"1 %\"");
+    return;
+  }
+  study.sheet.push_back(
+      {key, constant.unit, constant.value, constant.effect, known.deviation, known.kind});
 }
 
 void add(const KnownNumber& known, const std::string& key, const Constant& constant, Study& study,
@@ -158,6 +190,10 @@ void add(const KnownNumber& known, const std::string& key, const Constant& const
       problems.add(known.line, known.column, key + " is 0: it has no relative deviation");
     }
     return;  // else the reader of the key has told the problem
+  }
+  if (is_of_sheet(constant)) {
+    add_to_sheet(known, key, constant, study, problems);
+    return;
   }
   study.constants.push_back(
       {key, constant.unit, constant.value, constant.effect, known.deviation, known.kind});
@@ -179,7 +215,8 @@ std::vector<KnownNumber> without_statements(TomlNode& tree, Problems& problems) 
 std::vector<std::string> keys_with_deviations() {
   return {"material.density", "material.youngs_modulus (orthotropic: [0] and [1])",
           "material.shear_modulus[2]", "modes.damping_ratio",
-          "thickness of a plate, beam, disc or quadrilateral"};
+          "thickness of a plate, beam, disc or quadrilateral",
+          "of specimens also length and width of a plate or beam, and measurement.mass"};
 }
 
 namespace {

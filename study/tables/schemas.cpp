@@ -264,6 +264,7 @@ std::vector<TableText> tables_of_a_study() {
   add(diagnosis_schema());
   add(tolerances_schema());
   add(costs_schema());
+  add(specimen_schema());
   tables.push_back(expected_keys());
   return tables;
 }

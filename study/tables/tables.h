@@ -36,6 +36,7 @@ void read_identification(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
 void read_priors(TableReader& root, Study& study);
 void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
+void read_specimens(TableReader& root, const StudyFolder& folder, Study& study);
 void read_expectations(TableReader& root, Study& study);
 
 /// The path of `key`; empty if the key is missing. A path outside the folders is a problem, and

@@ -1,0 +1,165 @@
+// A diagnosis of several specimens as text.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "show/specimens.h"
+
+namespace chladni::show {
+namespace {
+
+using diagnosis::CalibratedNumber;
+using diagnosis::OddEntry;
+using diagnosis::SpecimensDiagnosis;
+
+constexpr std::size_t kRivalsTold = 5;
+constexpr double kRivalTold = 0.005;  // probability
+
+struct UnitShown {
+  double factor = 1.0;
+  std::string name;
+};
+UnitShown shown_unit(const std::string& unit) {
+  if (unit == "Pa") return {1e-9, "GPa"};
+  if (unit == "m") return {1e3, "mm"};
+  if (unit == "kg") return {1e3, "g"};
+  return {1.0, unit == "1" ? "" : unit};
+}
+
+// Enough digits to show the deviation to two of its own.
+std::string with_deviation(double value, double std, const std::string& between) {
+  const int digits =
+      std > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 9) : 3;
+  return fmt::format("{:.{}f}{}{:.{}f}", value, digits, between, std, digits);
+}
+
+std::string name_of(const OddEntry& one) { return fmt::format("{} of {}", one.key, one.specimen); }
+
+std::string told_explanation(const diagnosis::SpecimensExplanation& one) {
+  if (!one.unlike.empty()) {
+    return fmt::format("{} is not of this design: its {} differ", one.unlike,
+                       one.by_modes ? "frequencies" : "constants");
+  }
+  if (one.entries.empty()) return "every entry is right";
+  std::string text;
+  for (const auto& entry : one.entries) text += (text.empty() ? "" : "; and ") + entry_text(entry);
+  return text;
+}
+
+std::string population_text(const SpecimensDiagnosis& result) {
+  std::string text = "population:\n";
+  for (const auto& one : result.population) {
+    const auto [factor, unit] = shown_unit(one.unit);
+    text += fmt::format("  {}: mean {}{}{}, specimens scatter {:.2g} %", one.name,
+                        with_deviation(factor * one.mean, factor * one.std, " +- "),
+                        unit.empty() ? "" : " ", unit, 100.0 * one.spread);
+    if (one.within_group > 0.0) {
+      text += fmt::format(" from group to group, {:.2g} % inside one", 100.0 * one.within_group);
+    }
+    text += one.determined ? "\n" : ", not determined\n";
+  }
+  return result.population.empty() ? "" : text;
+}
+
+// The number of a specimen; none if it has none of that key.
+const CalibratedNumber* number_of(const diagnosis::SpecimenTold& specimen, const std::string& key) {
+  const auto found = std::ranges::find(specimen.constants, key, &CalibratedNumber::name);
+  return found == specimen.constants.end() ? nullptr : &*found;
+}
+
+std::string cell(const SpecimensDiagnosis& result, const diagnosis::SpecimenTold& specimen,
+                 const CalibratedNumber& number) {
+  const bool is_odd = std::ranges::any_of(result.best.entries, [&](const OddEntry& one) {
+    return one.specimen == specimen.name && one.key == number.name;
+  });
+  const double factor = shown_unit(number.unit).factor;
+  return with_deviation(factor * number.value, factor * number.std, "+-") + (is_odd ? "!" : "");
+}
+
+std::string table_of_specimens(const SpecimensDiagnosis& result) {
+  std::vector<std::pair<std::string, std::string>> keys;  // with their units
+  for (const auto& specimen : result.specimens) {
+    for (const auto& one : specimen.constants) {
+      const std::pair key(one.name, shown_unit(one.unit).name);
+      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+    }
+  }
+  std::string text = fmt::format("\n{:<38}", "specimen");
+  for (const auto& one : result.specimens) text += fmt::format(" {:>15}", one.name);
+  if (std::ranges::any_of(result.specimens, [](const auto& one) { return !one.group.empty(); })) {
+    text += fmt::format("\n{:<38}", "group");
+    for (const auto& one : result.specimens) text += fmt::format(" {:>15}", one.group);
+  }
+  for (const auto& [key, unit] : keys) {
+    text += fmt::format("\n{:<38}", unit.empty() ? key : fmt::format("{} [{}]", key, unit));
+    for (const auto& one : result.specimens) {
+      const auto* number = number_of(one, key);
+      text += fmt::format(" {:>15}", number == nullptr ? "-" : cell(result, one, *number));
+    }
+  }
+  text += fmt::format("\n{:<38}", "modes compared");
+  for (const auto& one : result.specimens) text += fmt::format(" {:>15}", one.modes.size());
+  text += fmt::format("\n{:<38}", "frequencies off by [%], after all");
+  for (const auto& one : result.specimens) text += fmt::format(" {:>15.2f}", 100.0 * one.scatter);
+  return text + "\n";
+}
+
+std::string rivals_text(const SpecimensDiagnosis& result) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(result.rivals.size(), kRivalsTold); ++i) {
+    const auto& one = result.rivals[i];
+    if (one.probability < kRivalTold) break;
+    text += fmt::format("  {:.3f}  {}\n", one.probability, told_explanation(one));
+  }
+  return text.empty() ? "" : "instead of it, with probability:\n" + text;
+}
+
+}  // namespace
+
+std::string entry_text(const OddEntry& one) {
+  const auto [factor, unit] = shown_unit(one.unit);
+  return fmt::format("{}: {}{}{}, written {:.4g} ({:+.1f} %)", name_of(one),
+                     with_deviation(factor * one.value, factor * one.std, " +- "),
+                     unit.empty() ? "" : " ", unit, factor * one.of_study, 100.0 * one.change());
+}
+
+std::string verdict_text(const SpecimensDiagnosis& result) {
+  const std::string best = told_explanation(result.best) + ".";
+  switch (result.verdict) {
+    case diagnosis::Verdict::no_discrepancy:
+      return "The specimens differ as those of one population do: no entry is accused.";
+    case diagnosis::Verdict::named:
+      return "Named: " + best;
+    case diagnosis::Verdict::ambiguous:
+      return "Two or more explanations are equally good; the likeliest: " + best;
+    case diagnosis::Verdict::partial:
+      return "One entry is sure, another is not: " + best;
+    case diagnosis::Verdict::unexplained:
+      break;
+  }
+  if (!result.best.unlike.empty()) return "The experiments contradict each other: " + best;
+  return "The model's errors are larger than those of a model of this design.";
+}
+
+std::string specimens_table(const SpecimensDiagnosis& result) {
+  std::string text = fmt::format("verdict: {}\n{}\n", diagnosis::name(result.verdict),
+                                 verdict_text(result));
+  text += fmt::format(
+      "The model's frequencies are good to {:.2g} % in all specimens alike, to {:.2g} % in each by "
+      "itself.\n",
+      100.0 * result.shared_error, 100.0 * result.own_error);
+  text += fmt::format("every entry is right: probability {:.3f}\n", result.none);
+  for (const auto& one : result.entries) {
+    if (one.probability < kRivalTold) break;
+    text += fmt::format("  {}: probability {:.3f}, ln evidence {:.1f}\n", name_of(one),
+                        one.probability, one.log_evidence);
+  }
+  text += rivals_text(result) + population_text(result);
+  if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
+  for (const auto& note : result.notes) text += "note: " + note + "\n";
+  return text + table_of_specimens(result);
+}
+
+}  // namespace chladni::show

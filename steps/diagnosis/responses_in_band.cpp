@@ -1,0 +1,83 @@
+#include "steps/diagnosis/responses_in_band.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+
+#include "base/error.h"
+#include "identification/fit_data.h"
+#include "identification/identified.h"
+
+namespace chladni::steps {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
+
+// Estimates variances that the file does not state from the scatter of the lines.
+void state_variance(modal::FrfSet& set, stage::Work& work) {
+  if (!set.variance.empty()) return;
+  const auto data = identification::fit_data(set);
+  work.warn(
+      "the measured responses state no variance: it is estimated from their scatter, and "
+      "with it every probability");
+  Eigen::MatrixXd nothing = Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNone);
+  set.variance.assign(set.value.size(), nothing);
+  Index line = 0;
+  for (Index k = 0; k < set.line_count(); ++k) {
+    if (set.frequency_hz(k) <= 0.0) continue;
+    const Eigen::VectorXd weight = data.weight.row(line++).transpose();
+    set.variance[static_cast<std::size_t>(k)] =
+        (weight.array() > 0.0)
+            .select(weight.array().square().inverse(), kNone)
+            .matrix()
+            .reshaped(set.output_count(), set.input_count());
+  }
+}
+
+}  // namespace
+
+study::DiagnosisPlan plan_of(const study::Study& study) {
+  return study.diagnosis.value_or(study::DiagnosisPlan{});
+}
+
+MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
+                         const study::DiagnosisPlan& plan, double highest_hz, stage::Work& work) {
+  auto& set = measured.all;
+  set = modal::converted(set, modal::FrfKind::receptance);
+  const double high = plan.high_hz > 0.0 ? plan.high_hz : highest_hz;
+  const double last_hz = std::min(high, highest_hz);
+  const double first_hz = std::max(plan.low_hz, 1e-9);
+  const auto within =
+      (set.frequency_hz.array() >= first_hz && set.frequency_hz.array() <= last_hz).count();
+  require(within >= 16,
+          fmt::format("{}: {} measured lines ({:.6g} to {:.6g} Hz were measured) lie within the "
+                      "band of the diagnosis and below {:.6g} Hz, where the simulation's modes "
+                      "end; at least 16 are expected",
+                      study.file.string(), within, set.frequency_hz.minCoeff(),
+                      set.frequency_hz.maxCoeff(), highest_hz));
+  set = modal::band(set, first_hz, last_hz);
+  state_variance(set, work);
+  return measured;
+}
+
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stage::Work& work) {
+  if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
+  try {
+    identification::IdentificationOptions options;
+    options.rigid_count = -1;
+    options.fit.delay = true;
+    return identification::identified(identification::fit_data(seen), options).fit;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& e) {
+    work.note(std::string("no modes were identified for the comparison: ") + e.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace chladni::steps

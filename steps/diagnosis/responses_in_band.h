@@ -1,0 +1,28 @@
+// Measured responses as a diagnosis takes them.
+#pragma once
+
+#include <optional>
+
+#include "identification/modal_fit.h"
+#include "modal/frf_set.h"
+#include "stage/work.h"
+#include "steps/identification.h"
+#include "study/study.h"
+
+namespace chladni::steps {
+
+/// That of the study, or the usual one.
+[[nodiscard]] study::DiagnosisPlan plan_of(const study::Study& study);
+
+/// The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`,
+/// with variances, estimated where the file states none.
+/// @throws InvalidInput  fewer than 16 lines are left
+[[nodiscard]] MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
+                                       const study::DiagnosisPlan& plan, double highest_hz,
+                                       stage::Work& work);
+
+/// Modes of the measured responses, for the comparison; none if they cannot be identified.
+[[nodiscard]] std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
+                                                               stage::Work& work);
+
+}  // namespace chladni::steps
