@@ -24,13 +24,14 @@ void check(const std::vector<Specimen>& specimens) {
                          [&](const Specimen& other) { return other.name == name; });
     };
     require(!known(one.name), "specimen " + one.name + " stands twice");
-    require(one.same_as.empty() || known(one.same_as),
-            fmt::format("{} is the same as {}, which does not stand before it", one.name,
-                        one.same_as));
+    require(
+        one.same_as.empty() || known(one.same_as),
+        fmt::format("{} is the same as {}, which does not stand before it", one.name, one.same_as));
     require(one.measured.count() > 0, one.name + " has no measured modes");
     require(!one.constants.empty(),
-            one.name + ": no constant states how well it is known; expected some, such as "
-                       "{ value = \"70 GPa\", within = \"10 %\" }");
+            one.name +
+                ": no constant states how well it is known; expected some, such as "
+                "{ value = \"70 GPa\", within = \"10 %\" }");
     for (const auto& constant : one.constants) {
       require(constant.kind == CalibratedConstant::Kind::unknown || constant.deviation > 0.0,
               fmt::format("{} of {}: its deviation must be above 0", constant.name, one.name));

@@ -14,7 +14,8 @@ namespace chladni::diagnosis {
 /// One specimen, or one measurement of it.
 struct Specimen {
   std::string name;
-  std::string group;  ///< specimens of one group are more alike, such as halves of a board; or empty
+  std::string
+      group;  ///< specimens of one group are more alike, such as halves of a board; or empty
   /// The specimen that was measured before, with another known modification: constants, entries and
   /// model-form errors are the same. Empty: a specimen of its own.
   std::string same_as;
@@ -41,7 +42,7 @@ struct OddEntry {
 /// One answer: some wrong entries, or a specimen that is not of this design.
 struct SpecimensExplanation {
   std::vector<OddEntry> entries;
-  std::string unlike;  ///< a specimen whose constants or modes no entry explains; or empty
+  std::string unlike;         ///< a specimen whose constants or modes no entry explains; or empty
   bool by_modes = false;      ///< the frequencies of `unlike` scatter; else its constants differ
   double log_evidence = 0.0;  ///< against "none"
   double probability = 0.0;
@@ -51,16 +52,16 @@ struct SpecimensExplanation {
 struct PopulationConstant {
   std::string name, unit, effect;
   double mean = 0.0, std = 0.0;  ///< in `unit`
-  double spread = 0.0;           ///< relative deviation of a specimen; of a group, where there are some
-  double within_group = 0.0;     ///< relative deviation inside a group; 0: there are no groups
-  bool determined = true;        ///< false: these data tell nothing of the mean
+  double spread = 0.0;  ///< relative deviation of a specimen; of a group, where there are some
+  double within_group = 0.0;  ///< relative deviation inside a group; 0: there are no groups
+  bool determined = true;     ///< false: these data tell nothing of the mean
 };
 
 struct SpecimenTold {
   std::string name, group, same_as;
   std::vector<CalibratedNumber> constants;  ///< entries among them, under the best explanation
-  std::vector<ModeTold> modes;              ///< `after_hz` with these constants and the shared error
-  double scatter = 0.0;  ///< root mean square of ln(measured over simulated), after both
+  std::vector<ModeTold> modes;  ///< `after_hz` with these constants and the shared error
+  double scatter = 0.0;         ///< root mean square of ln(measured over simulated), after both
 };
 
 struct SpecimensDiagnosis {

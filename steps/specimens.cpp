@@ -56,13 +56,15 @@ study::Study read_one(const study::Study& study, const study::SpecimenPlan& plan
 // The modes of a specimen, of its file or of its responses.
 diagnosis::MeasuredModes modes_of_specimen(const study::Study& study, stage::Work& work) {
   if (has_modes(*study.measurement)) return measured_modes(study, work);
-  const auto measured = within_band(measured_frfs(study, work), study, plan_of(study), HUGE_VAL, work);
+  const auto measured =
+      within_band(measured_frfs(study, work), study, plan_of(study), HUGE_VAL, work);
   const auto seen = modal::part(measured.all, measured.outputs, measured.inputs);
   const auto fit = modes_of(seen, work);
   require(fit.has_value(), "no modes can be identified from its responses");
   const auto& lines = seen.frequency_hz;
-  return diagnosis::measured_modes(*fit, names_of(seen.outputs), names_of(seen.inputs), lines(0),
-                                   lines.tail(1)(0));
+  const auto all = diagnosis::measured_modes(*fit, names_of(seen.outputs), names_of(seen.inputs),
+                                             lines(0), lines.tail(1)(0));
+  return clear_modes(all, work);
 }
 
 std::vector<diagnosis::CalibratedConstant> numbers_of(const study::Study& study,
@@ -85,8 +87,7 @@ diagnosis::Specimen specimen_of(const study::SpecimenPlan& plan, const study::St
     const auto solution = stage::solved(stage::with_modes_for_diagnosis(study), work);
     diagnosis::Specimen one{plan.name, plan.group, plan.same_as, {}, {}, {}};
     one.measured = modes_below(0.9 * solution.modes.frequency_hz.tail(1)(0), modes, study, work);
-    one.structure =
-        stage::structure_of(study, solution, one.measured.frequency_hz.tail(1)(0));
+    one.structure = stage::structure_of(study, solution, one.measured.frequency_hz.tail(1)(0));
     one.constants = numbers_of(study, one.structure.surface);
     return one;
   });

@@ -145,7 +145,9 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
             place_of(file, *extends) + "more than eight studies that extend each other");
     whole.bases.push_back(base_file);
     TomlNode base = parse_toml(text, base_file.string());
-    std::erase_if(base.members, [](const auto& entry) { return entry.key == "expect" || entry.key == "specimen"; });
+    std::erase_if(base.members, [](const auto& entry) {
+      return entry.key == "expect" || entry.key == "specimen";
+    });
     lead_files(base, fs::absolute(base_file).parent_path().lexically_relative(folder));
     put_at(base, *extends);
     Merge(file.string()).tables(base, whole.tree);

@@ -39,8 +39,8 @@ struct WholeDocument {
 template <typename Node>
 [[nodiscard]] std::vector<Node*> relative_files(Node& document) {
   constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
-      {"geometry", "file"},      {"measurement", "frf"},   {"measurement", "time"},
-      {"measurement", "shapes"}, {"measurement", "truth"}, {"measurement", "modes"},
+      {"geometry", "file"},         {"measurement", "frf"},     {"measurement", "time"},
+      {"measurement", "shapes"},    {"measurement", "truth"},   {"measurement", "modes"},
       {"measurement", "reference"}, {"diagnosis", "tolerances"}};
   std::vector<Node*> named{member(document, "extends")};
   for (const auto& [part, key] : kKeys) {

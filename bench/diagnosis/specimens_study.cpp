@@ -103,8 +103,8 @@ bool is_truth(const simulators::PlateSeries& series, const diagnosis::OddEntry& 
 
 void score(const simulators::PlateSeries& series, const diagnosis::SpecimensDiagnosis& found,
            const std::string& line, double seconds, Total& total) {
-  const bool is_sure = found.verdict == diagnosis::Verdict::named ||
-                       found.verdict == diagnosis::Verdict::partial;
+  const bool is_sure =
+      found.verdict == diagnosis::Verdict::named || found.verdict == diagnosis::Verdict::partial;
   bool named = false, wrong = false, first = false;
   double probability = 0.0, off = std::nan("");
   for (const auto& entry : found.best.entries) {
@@ -123,14 +123,18 @@ void score(const simulators::PlateSeries& series, const diagnosis::SpecimensDiag
   total.first += first ? 1 : 0;
   total.accused += wrong ? 1 : 0;
   total.within_two += std::abs(off) < 2.0 ? 1 : 0;
-  fmt::print("{} {:<14} {} {} p {:.3f} none {:.3f} truth {:+.1f} % off by {:+.1f} shared {:.2f} % "
-             "own {:.2f} % {:.1f} s{}\n",
-             line, diagnosis::name(found.verdict), named ? "named" : wrong ? "WRONG" : "-",
-             first ? "first" : "-", probability, found.none, 100.0 * std::expm1(series.odd_change),
-             off, 100.0 * found.shared_error, 100.0 * found.own_error, seconds,
-             wrong ? fmt::format(" ({} of {})", found.best.entries.front().effect,
-                                 found.best.entries.front().specimen)
-                   : "");
+  fmt::print(
+      "{} {:<14} {} {} p {:.3f} none {:.3f} truth {:+.1f} % off by {:+.1f} shared {:.2f} % "
+      "own {:.2f} % {:.1f} s{}\n",
+      line, diagnosis::name(found.verdict),
+      named   ? "named"
+      : wrong ? "WRONG"
+              : "-",
+      first ? "first" : "-", probability, found.none, 100.0 * std::expm1(series.odd_change), off,
+      100.0 * found.shared_error, 100.0 * found.own_error, seconds,
+      wrong ? fmt::format(" ({} of {})", found.best.entries.front().effect,
+                          found.best.entries.front().specimen)
+            : "");
   std::fflush(stdout);
 }
 
@@ -166,9 +170,10 @@ void run(const Arguments& wanted) {
     }
   }
   for (const auto& [hidden, total] : totals) {
-    fmt::print("{}: {} series, right sheet and entry named {}, likeliest {}, another accused {}, "
-               "size within two deviations {}\n",
-               hidden, total.series, total.named, total.first, total.accused, total.within_two);
+    fmt::print(
+        "{}: {} series, right sheet and entry named {}, likeliest {}, another accused {}, "
+        "size within two deviations {}\n",
+        hidden, total.series, total.named, total.first, total.accused, total.within_two);
   }
 }
 

@@ -144,8 +144,8 @@ std::string verdict_text(const SpecimensDiagnosis& result) {
 }
 
 std::string specimens_table(const SpecimensDiagnosis& result) {
-  std::string text = fmt::format("verdict: {}\n{}\n", diagnosis::name(result.verdict),
-                                 verdict_text(result));
+  std::string text =
+      fmt::format("verdict: {}\n{}\n", diagnosis::name(result.verdict), verdict_text(result));
   text += fmt::format(
       "The model's frequencies are good to {:.2g} % in all specimens alike, to {:.2g} % in each by "
       "itself.\n",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <vector>
 
 #include "base/error.h"
 #include "identification/fit_data.h"
@@ -16,6 +17,8 @@ namespace {
 using Eigen::Index;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kWeak = 0.1;       // of the largest residue of a response
+constexpr double kTooDamped = 3.0;  // over the median damping ratio
 constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
 
 // Estimates variances that the file does not state from the scatter of the lines.
@@ -78,6 +81,42 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stag
     work.note(std::string("no modes were identified for the comparison: ") + e.what());
     return std::nullopt;
   }
+}
+
+diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all, stage::Work& work) {
+  Eigen::VectorXd strength = Eigen::VectorXd::Zero(all.count());
+  for (Index i = 0; i < all.output_shapes.rows(); ++i) {
+    for (Index j = 0; j < all.input_shapes.rows(); ++j) {
+      const Eigen::VectorXd residue =
+          (all.output_shapes.row(i).array() * all.input_shapes.row(j).array()).abs().matrix();
+      strength = strength.cwiseMax(residue / std::max(residue.maxCoeff(), 1e-300));
+    }
+  }
+  std::vector<Index> kept;
+  std::vector<double> damping;
+  for (Index k = 0; k < all.count(); ++k) {
+    if (!(strength(k) >= kWeak)) continue;
+    kept.push_back(k);
+    damping.push_back(all.damping_ratio(k));
+  }
+  if (kept.empty()) return all;
+  const auto middle = damping.begin() + static_cast<std::ptrdiff_t>(damping.size() / 2);
+  std::nth_element(damping.begin(), middle, damping.end());
+  std::erase_if(kept, [&](Index k) { return all.damping_ratio(k) > kTooDamped * *middle; });
+  if (static_cast<Index>(kept.size()) < all.count()) {
+    work.note(fmt::format("{} of {} identified modes are weak or damped as no other is: left out",
+                          all.count() - static_cast<Index>(kept.size()), all.count()));
+  }
+  auto clear = all;
+  clear.frequency_hz = all.frequency_hz(kept);
+  clear.frequency_std = all.frequency_std(kept);
+  clear.damping_ratio = all.damping_ratio(kept);
+  clear.damping_std = all.damping_std(kept);
+  clear.output_shapes = all.output_shapes(Eigen::all, kept);
+  clear.output_std = all.output_std(Eigen::all, kept);
+  clear.input_shapes = all.input_shapes(Eigen::all, kept);
+  clear.input_std = all.input_std(Eigen::all, kept);
+  return clear;
 }
 
 }  // namespace chladni::steps

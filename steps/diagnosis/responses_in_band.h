@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "diagnosis/measured_modes.h"
 #include "identification/modal_fit.h"
 #include "modal/frf_set.h"
 #include "stage/work.h"
@@ -24,5 +25,10 @@ namespace chladni::steps {
 /// Modes of the measured responses, for the comparison; none if they cannot be identified.
 [[nodiscard]] std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
                                                                stage::Work& work);
+
+/// The modes of a fit that are no filling of it: with a tenth of the largest residue in some
+/// response, and damped at most three times as much as the median of those. A note tells of others.
+[[nodiscard]] diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all,
+                                                   stage::Work& work);
 
 }  // namespace chladni::steps

@@ -213,8 +213,10 @@ std::vector<KnownNumber> without_statements(TomlNode& tree, Problems& problems) 
 }
 
 std::vector<std::string> keys_with_deviations() {
-  return {"material.density", "material.youngs_modulus (orthotropic: [0] and [1])",
-          "material.shear_modulus[2]", "modes.damping_ratio",
+  return {"material.density",
+          "material.youngs_modulus (orthotropic: [0] and [1])",
+          "material.shear_modulus[2]",
+          "modes.damping_ratio",
           "thickness of a plate, beam, disc or quadrilateral",
           "of specimens also length and width of a plate or beam, and measurement.mass"};
 }

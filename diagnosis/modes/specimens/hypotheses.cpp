@@ -167,8 +167,8 @@ WeighedFits weighed_hypotheses(const JointModel& model, const Series& series, in
 std::vector<Index> set_strays_aside(Series& series, bool learned) {
   std::vector<Index> strays;
   const double variance = kSpecimens.stray * kSpecimens.stray;
-  const auto most = static_cast<std::size_t>(kSpecimens.strays_at_most *
-                                             static_cast<double>(series.count()));
+  const auto most =
+      static_cast<std::size_t>(kSpecimens.strays_at_most * static_cast<double>(series.count()));
   while (strays.size() < most) {
     const JointFit none = JointModel(series, learned).fitted({}, {});
     Index worst = -1;

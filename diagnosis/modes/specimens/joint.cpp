@@ -43,7 +43,8 @@ MatrixXd in_one_group(const Series& series) {
   const Index b = series.body_count();
   MatrixXd same(b, b);
   for (Index i = 0; i < b; ++i) {
-    for (Index j = 0; j < b; ++j) same(i, j) = series.group[at(i)] == series.group[at(j)] ? 1.0 : 0.0;
+    for (Index j = 0; j < b; ++j)
+      same(i, j) = series.group[at(i)] == series.group[at(j)] ? 1.0 : 0.0;
   }
   return same;
 }
@@ -150,7 +151,9 @@ MatrixXd JointModel::slope(const VectorXd& ln_levels, Index level) const {
 
 JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) const {
   const MatrixXd more = outer(columns(supposed));
-  const auto off = [&](const VectorXd& x) -> VectorXd { return (x - usual_).cwiseQuotient(width_); };
+  const auto off = [&](const VectorXd& x) -> VectorXd {
+    return (x - usual_).cwiseQuotient(width_);
+  };
   const auto scored = [&](const VectorXd& x, bool with_slopes) {
     Scored result;
     const Eigen::LLT<MatrixXd> factor(covariance(x) + more);
@@ -166,7 +169,8 @@ JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) 
     for (Index j = 0; j < x.size(); ++j) {
       const MatrixXd d = slope(x, j);
       parts.emplace_back(result.inverse * d);
-      result.gradient(j) += 0.5 * parts.back().trace() - 0.5 * result.weighted.dot(d * result.weighted);
+      result.gradient(j) +=
+          0.5 * parts.back().trace() - 0.5 * result.weighted.dot(d * result.weighted);
     }
     result.information = width_.cwiseAbs2().cwiseInverse().asDiagonal();
     for (Index j = 0; j < x.size(); ++j) {
@@ -194,7 +198,8 @@ JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) 
     }
     if (std::abs(fall) < 1e-4 || damping > 1e4) break;
   }
-  if (!std::isfinite(here.value)) throw NumericalFailure("specimens: a covariance that is not positive");
+  if (!std::isfinite(here.value))
+    throw NumericalFailure("specimens: a covariance that is not positive");
   const auto n = static_cast<double>(series_.count());
   JointFit fit{supposed, x, 0.0, here.weighted, here.inverse};
   fit.log_evidence = -here.value - 0.5 * n * std::log(2.0 * std::numbers::pi) -

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "base/error.h"
@@ -20,9 +21,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = CalibratedConstant::Kind;
 
-constexpr double kPairError = 0.02;   // [ln f], of a pair where ways of pairing are compared
-constexpr double kPairAtMost = 4.0;   // of the squares of such an error
-constexpr double kApartAtAll = 0.01;  // weight of frequencies beside shapes
+constexpr double kPairError = 0.02;     // [ln f], of a pair where ways of pairing are compared
+constexpr double kPairAtMost = 4.0;     // of the squares of such an error
+constexpr double kFarFromOthers = 0.1;  // [ln] of a constant, likewise
+constexpr double kApartAtAll = 0.01;    // weight of frequencies beside shapes
 
 bool is_of_sheet(const CalibratedConstant& one) {
   return one.effect == "mass" || one.effect.starts_with("length_along");
@@ -134,7 +136,8 @@ std::unique_ptr<SpecimenModel> made(const Specimen& specimen, const DiagnosisOpt
   one->problem = std::make_unique<ModesProblem>(one->given.structure, one->given.measured,
                                                 options.tolerances, learned, one->held);
   one->fit = one->problem->nothing();
-  require(one->fit.model.count() > 0, specimen.name + ": its model has no mode near those measured");
+  require(one->fit.model.count() > 0,
+          specimen.name + ": its model has no mode near those measured");
   pair_again(*one);
   const auto paired =
       std::ranges::count_if(one->fit.matching.model, [](Index k) { return k >= 0; });
@@ -249,8 +252,8 @@ void add_constants(const SpecimenModel& one, Index bodies, Series& series) {
   for (const auto& held : one.held) {
     if (held.stated.kind == Kind::measured) {
       CalibratedConstant stated = held.stated;
-      stated.deviation = std::sqrt(std::max(
-          std::pow(stated.deviation, 2) - std::pow(kSpecimens.blunder, 2), 1e-12));
+      stated.deviation = std::sqrt(
+          std::max(std::pow(stated.deviation, 2) - std::pow(kSpecimens.blunder, 2), 1e-12));
       entry(stated);
       continue;
     }
@@ -303,14 +306,46 @@ SpecimenModels::SpecimenModels(const std::vector<Specimen>& specimens,
     one.body = specimen.same_as.empty() ? bodies++ : models_[at(before)]->body;
     for (const auto& note : one.given.notes) notes_.push_back(specimen.name + ": " + note);
   }
+  start_from_the_others();
   number_the_modes();
+}
+
+// A specimen by itself may find constants that pair its modes wrongly. Where constants near the
+// median of all specimens do about as well, its modes are paired by these.
+void SpecimenModels::start_from_the_others() {
+  std::map<std::string, std::vector<double>> values;  // ln, of each constant
+  for (const auto& one : models_) {
+    for (std::size_t c = 0; c < one->held.size(); ++c) {
+      values[one->held[c].stated.name].push_back(std::log(one->held[c].stated.value) +
+                                                 one->fit.constants(static_cast<Index>(c)));
+    }
+  }
+  for (auto& one : models_) {
+    ModesFit start;
+    start.constants = VectorXd::Zero(one->fit.constants.size());
+    for (std::size_t c = 0; c < one->held.size(); ++c) {
+      const auto& stated = one->held[c].stated;
+      if (stated.kind == Kind::measured) continue;
+      auto& all = values.at(stated.name);
+      std::ranges::sort(all);
+      const double median = 0.5 * (all[(all.size() - 1) / 2] + all[all.size() / 2]);
+      start.constants(static_cast<Index>(c)) = median - std::log(stated.value);
+    }
+    const auto cost = [&](const ModesFit& fit) {
+      return square_misfit(one->given.measured, fit.model, fit.matching) +
+             ((fit.constants - start.constants) / kFarFromOthers).squaredNorm();
+    };
+    auto own = one->fit;
+    if (!take_constants(*one, start.constants)) continue;
+    const ModesFit near = one->problem->fitted(one->fit);
+    one->fit = cost(near) < cost(own) ? near : std::move(own);
+  }
 }
 
 void SpecimenModels::number_the_modes() {
   const Structure& design = models_.front()->given.structure;
-  if (std::ranges::any_of(models_, [](const auto& one) {
-        return one->given.structure.surface.count() == 0;
-      })) {
+  if (std::ranges::any_of(
+          models_, [](const auto& one) { return one->given.structure.surface.count() == 0; })) {
     for (auto& one : models_) {
       one->of_mode.resize(at(one->fit.model.count()));
       for (std::size_t k = 0; k < one->of_mode.size(); ++k) {
@@ -346,9 +381,8 @@ Series SpecimenModels::series() const {
     const auto& name = specimens_[m].group;
     const auto known = std::ranges::find(groups, name);
     series.has_groups = series.has_groups || (!name.empty() && known != groups.end());
-    series.group.push_back(name.empty() || known == groups.end()
-                               ? static_cast<Index>(groups.size())
-                               : known - groups.begin());
+    series.group.push_back(name.empty() || known == groups.end() ? static_cast<Index>(groups.size())
+                                                                 : known - groups.begin());
     if (name.empty() || known == groups.end()) groups.push_back(name);
   }
   series.error = Eigen::Map<const VectorXd>(error.data(), static_cast<Index>(error.size()));

@@ -37,6 +37,7 @@ class SpecimenModels {
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  void start_from_the_others();
   void number_the_modes();
 
   const std::vector<Specimen>& specimens_;

@@ -52,9 +52,9 @@ MatrixXd frequency_slopes(const ModesProblem& problem, const ModesFit& fit,
     const VectorXd step = kSlopeStep * VectorXd::Unit(c, i);
     const State more = with_constants(problem, fit.constants + step);
     const State less = with_constants(problem, fit.constants - step);
-    slopes.col(i) = change_of_frequencies(model, more.stiffness - less.stiffness,
-                                          more.mass - less.mass) /
-                    (2.0 * kSlopeStep);
+    slopes.col(i) =
+        change_of_frequencies(model, more.stiffness - less.stiffness, more.mass - less.mass) /
+        (2.0 * kSlopeStep);
   }
   return slopes;
 }

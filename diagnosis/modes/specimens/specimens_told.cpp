@@ -53,8 +53,7 @@ OddEntry odd_entry(const View& view, const JointFit& fit, Index which) {
   const JointFit refitted = view.is_fitted(fit)
                                 ? JointFit{}
                                 : view.model.fitted(fit.supposed, view.weighed.none().ln_levels);
-  const Vector2d off =
-      view.model.entry(view.is_fitted(fit) ? fit : refitted, at(which));
+  const Vector2d off = view.model.entry(view.is_fitted(fit) ? fit : refitted, at(which));
   odd.value = one.stated.value * std::exp(off(0));
   odd.std = odd.value * std::sqrt(std::max(off(1), 0.0));
   return odd;
@@ -103,14 +102,10 @@ CalibratedNumber number(const CalibratedConstant& stated, double value_of_study,
                         const Vector2d& ln_change, double prior) {
   const double value = value_of_study * std::exp(ln_change(0));
   const double variance = std::max(ln_change(1), 0.0);
-  return {stated.name,
-          stated.unit,
-          stated.effect,
-          value_of_study,
-          value,
-          value * std::sqrt(variance),
-          prior,
-          variance < kConstants.not_determined * prior * prior};
+  return {stated.name,   stated.unit,
+          stated.effect, value_of_study,
+          value,         value * std::sqrt(variance),
+          prior,         variance < kConstants.not_determined * prior * prior};
 }
 
 std::vector<CalibratedNumber> numbers_of(const View& view, Index body) {
@@ -127,8 +122,8 @@ std::vector<CalibratedNumber> numbers_of(const View& view, Index body) {
   for (std::size_t e = 0; e < view.series.entries.size(); ++e) {
     const auto& one = view.series.entries[e];
     if (one.body != body) continue;
-    all.push_back(
-        number(one.stated, one.stated.value, view.model.entry(view.best(), e), one.stated.deviation));
+    all.push_back(number(one.stated, one.stated.value, view.model.entry(view.best(), e),
+                         one.stated.deviation));
     all.back().determined = true;  // it was measured
   }
   return all;
@@ -137,8 +132,8 @@ std::vector<CalibratedNumber> numbers_of(const View& view, Index body) {
 // The modes of a measurement before and after, and what is left of ln f.
 SpecimenTold specimen_told(const View& view, std::size_t m) {
   const auto& own = *view.models.all()[m];
-  SpecimenTold one{view.specimens[m].name, view.specimens[m].group, view.specimens[m].same_as,
-                   {}, {}, 0.0};
+  SpecimenTold one{
+      view.specimens[m].name, view.specimens[m].group, view.specimens[m].same_as, {}, {}, 0.0};
   one.constants = numbers_of(view, own.body);
   ModesFit stated;
   const auto before = own.problem->modes(own.problem->with(stated), false);
@@ -228,7 +223,9 @@ std::vector<Proposal> proposals_of(const View& view, const std::vector<OddEntry>
   return sorted;
 }
 
-std::string words_for(const OddEntry& odd) { return fmt::format("{} of {}", odd.key, odd.specimen); }
+std::string words_for(const OddEntry& odd) {
+  return fmt::format("{} of {}", odd.key, odd.specimen);
+}
 
 void note_what_is_alike(const View& view, SpecimensDiagnosis& result) {
   if (result.best.entries.size() != 1) return;
@@ -241,10 +238,9 @@ void note_what_is_alike(const View& view, SpecimensDiagnosis& result) {
     }
   }
   if (rivals.empty()) return;
-  result.notes.push_back(fmt::format("the data do not tell {} ({:.2f}) apart from {}",
-                                     words_for(result.best.entries.front()),
-                                     result.best.entries.front().probability,
-                                     fmt::join(rivals, ", ")));
+  result.notes.push_back(fmt::format(
+      "the data do not tell {} ({:.2f}) apart from {}", words_for(result.best.entries.front()),
+      result.best.entries.front().probability, fmt::join(rivals, ", ")));
   static_cast<void>(view);
 }
 
@@ -263,10 +259,9 @@ void note_strays(const View& view, const std::vector<Index>& strays, SpecimensDi
   for (const Index i : strays) {
     const auto& row = view.series.rows[at(i)];
     const auto m = at(row.measurement);
-    result.notes.push_back(
-        fmt::format("{} of {} is not believed: no constants of these specimens have it",
-                    mode_name(view.models.all()[m]->given.measured, row.measured),
-                    view.specimens[m].name));
+    result.notes.push_back(fmt::format(
+        "{} of {} is not believed: no constants of these specimens have it",
+        mode_name(view.models.all()[m]->given.measured, row.measured), view.specimens[m].name));
   }
 }
 

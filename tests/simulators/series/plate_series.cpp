@@ -71,8 +71,8 @@ MatrixXd field(Dice& dice, double size) {
 struct SharedNature {
   MatrixXd thickness, modulus;
   Eigen::Vector2d label;
-  double mass = 0.0;                      // of the label [kg]
-  Eigen::Array4d mean;                    // ln of q11, q22, q66 and density
+  double mass = 0.0;    // of the label [kg]
+  Eigen::Array4d mean;  // ln of q11, q22, q66 and density
 };
 
 SharedNature shared_nature(Dice& dice, double size) {
@@ -205,7 +205,8 @@ SeriesErrors errors_of_series(unsigned seed, const PlateSeriesOptions& options) 
   MatrixXd off(m, options.specimens);
   for (Index s = 0; s < options.specimens; ++s) {
     const auto plate = real_plate(dice, shared, without, 0.0);
-    off.col(s) = (ritz_modes(plate.body).frequency_hz.segment(3, m).array() / simulated.array()).log();
+    off.col(s) =
+        (ritz_modes(plate.body).frequency_hz.segment(3, m).array() / simulated.array()).log();
     off.col(s).array() -= off.col(s).mean();
   }
   const Eigen::VectorXd common = off.rowwise().mean();

@@ -17,14 +17,14 @@ struct PlateSeriesOptions {
   /// the plate, a glued label), and of what each plate has by itself. At 1 the frequencies are off
   /// by 1 to 2 % and by 0.3 to 0.5 %.
   double shared = 1.0, own = 1.0;
-  bool shapes = true;        ///< with errors of 5 %, at nine sensors; else frequencies alone
+  bool shapes = true;  ///< with errors of 5 %, at nine sensors; else frequencies alone
   double least = 0.10, most = 0.20;  ///< |ln| of the wrong entry
 };
 
 struct PlateSeries {
   std::vector<diagnosis::Specimen> specimens;
-  int odd = -1;            ///< the plate whose sheet is wrong; −1: none
-  std::string odd_effect;  ///< "thickness" or "mass"
+  int odd = -1;             ///< the plate whose sheet is wrong; −1: none
+  std::string odd_effect;   ///< "thickness" or "mass"
   double odd_change = 0.0;  ///< ln(true over written)
 };
 
