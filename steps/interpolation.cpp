@@ -32,7 +32,7 @@ std::vector<std::string> default_methods() {
   return names;
 }
 
-study::InterpolationPlan plan_of(const study::Study& study) {
+study::InterpolationPlan interpolation_plan(const study::Study& study) {
   auto plan = study.interpolation.value_or(study::InterpolationPlan{});
   if (plan.methods.empty()) plan.methods = default_methods();
   return plan;
@@ -225,7 +225,7 @@ void add_method(const std::string& name, bool asked_for, Interpolated& result, s
 
 Interpolated interpolated(const study::Study& study, const stage::Solution& solution,
                           stage::Work& work, const OnIdentified& on_identified) {
-  auto plan = plan_of(study);
+  auto plan = interpolation_plan(study);
   const auto& body = solution.model.body;
   const auto faces = stage::faces_of(study, body, plan.on, "interpolation.on");
   for (const auto& note : faces.notes) work.note(note);
