@@ -1,7 +1,8 @@
 // Laws of the diagnosis of several specimens of one design.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -65,7 +66,7 @@ Series small_series(unsigned seed) {
   return series;
 }
 
-// ln of the normal density by LU of the whole covariance: no code of JointModel's.
+// ln of the normal density by the eigenvalues of the whole covariance: no code of JointModel's.
 double log_density(const MatrixXd& covariance, const VectorXd& x) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(covariance);
   const VectorXd along = parts.eigenvectors().transpose() * x;
