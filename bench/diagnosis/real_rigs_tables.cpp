@@ -86,10 +86,20 @@ std::string number(double value, const char* unit = "") {
 }
 
 struct Totals {
-  int cases = 0, failed = 0, sized = 0, size_good = 0;
-  std::array<int, 5> verdicts{};
-  std::vector<double> places, seconds;
+  int cases = 0, failed = 0, clear = 0, clear_right = 0;
+  simulators::Coverage sizes, places;
+  std::array<int, 6> verdicts{};
+  std::vector<double> place_errors, seconds;
 };
+
+bool is_clear(const RealDone& one) {
+  return !one.score.effects.empty() && one.clear >= simulators::kClear;
+}
+
+void add(simulators::Coverage& sum, const simulators::Coverage& one) {
+  sum.count += one.count;
+  sum.good += one.good;
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return NAN;
@@ -101,28 +111,33 @@ double median(std::vector<double> values) {
 void add(Totals& sum, const RealDone& one) {
   ++sum.cases;
   sum.seconds.push_back(one.seconds);
+  sum.clear += is_clear(one) ? 1 : 0;
   if (!one.failure.empty()) {
     ++sum.failed;
     return;
   }
-  ++sum.verdicts[static_cast<std::size_t>(one.score.verdict)];
-  if (const double place = one.score.place_error(); !std::isnan(place)) sum.places.push_back(place);
-  if (const double z = one.score.worst_z(); !std::isnan(z)) {
-    ++sum.sized;
-    sum.size_good += z <= 2.0 ? 1 : 0;
+  const auto verdict = one.score.verdict;
+  ++sum.verdicts[static_cast<std::size_t>(verdict)];
+  const bool is_right = verdict == RigVerdict::right || verdict == RigVerdict::as_class;
+  sum.clear_right += is_clear(one) && is_right ? 1 : 0;
+  if (const double place = one.score.place_error(); !std::isnan(place)) {
+    sum.place_errors.push_back(place);
   }
+  add(sum.sizes, one.score.sizes());
+  add(sum.places, one.score.places());
 }
 
 void print_row(const std::string& name, const Totals& sum) {
   fmt::print("{:<28} {:>5}", name, sum.cases);
   for (const int count : sum.verdicts) fmt::print(" {:>10}", count);
-  fmt::print(" {:>6} {:>9} {:>5}/{:<4} {:>7}\n", sum.failed,
-             number(1e3 * median(sum.places), " mm"), sum.size_good, sum.sized,
-             number(median(sum.seconds)));
+  const auto part = [](int good, int count) { return fmt::format("{}/{}", good, count); };
+  fmt::print(" {:>6} {:>9} {:>9} {:>9} {:>9} {:>7}\n", sum.failed, part(sum.clear_right, sum.clear),
+             number(1e3 * median(sum.place_errors), " mm"), part(sum.sizes.good, sum.sizes.count),
+             part(sum.places.good, sum.places.count), number(median(sum.seconds)));
 }
 
 void print_reliability(const std::vector<RealDone>& all) {
-  constexpr std::array<double, 8> kEdges{0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-12};
+  constexpr std::array<double, 6> kEdges{0.0, 0.2, 0.5, 0.8, 0.95, 1.0 + 1e-12};
   fmt::print("\nprobability   statements   true   stated\n");
   for (std::size_t b = 0; b + 1 < kEdges.size(); ++b) {
     int count = 0;
@@ -151,6 +166,10 @@ RealArguments real_arguments(int count, char** values) {
     const std::string word = values[i];
     if (word == "--truth") {
       all.truth = true;
+      continue;
+    }
+    if (word == "--rivals") {
+      all.rivals = true;
       continue;
     }
     if (word == "--reference") {
@@ -205,25 +224,50 @@ void print_case(const RealDone& done) {
   const std::string told = !done.failure.empty() ? done.failure
                            : cause == nullptr    ? done.score.told
                                                  : cause->cause;
-  fmt::print("{:>5} {:<6} {:<30} {:<10} {:<11} {:<28} {:>5} {:>9} {:>6} {:>6.2f} {:>6.1f}\n",
+  fmt::print("{:>5} {:<6} {:<30} {:<10} {:<11} {:<28} {:>5} {:>9} {:>6} {:>6.2f} {:<6} {:>6.1f}\n",
              done.trial.seed, done.trial.body, done.trial.kind, verdict, done.score.told, told,
              cause == nullptr ? "-" : fmt::format("{:.3f}", cause->probability),
              number(1e3 * done.score.place_error(), " mm"), number(done.score.worst_z()),
-             done.clear, done.seconds);
+             done.clear, is_clear(done) ? "clear" : "-", done.seconds);
   std::fflush(stdout);
 }
 
+void print_rivals(const diagnosis::Diagnosis& told) {
+  constexpr std::size_t kMost = 6;
+  const auto print = [](const diagnosis::Explanation& one) {
+    fmt::print("        {:.3f} ln {:>6.1f}", one.probability, one.log_evidence);
+    for (const auto& cause : one.causes) {
+      fmt::print("; {} {:.3f}", cause.effect, cause.probability);
+      for (const auto& channel : cause.channels) fmt::print(" {}", channel);
+      for (const auto& n : cause.parameters)
+        fmt::print(" {}={:.3g}~{:.2g}", n.name, n.value, n.std);
+    }
+    fmt::print("\n");
+  };
+  print(told.best);
+  for (std::size_t i = 0; i < std::min(kMost, told.rivals.size()); ++i) print(told.rivals[i]);
+  fmt::print("        levels");
+  for (const auto& level : told.levels_after) fmt::print(" {} {:.3g}", level.of, level.value);
+  fmt::print("\n");
+}
+
 void print_totals(const std::vector<RealDone>& all) {
-  std::map<std::string, Totals> rows;
+  std::map<std::string, Totals> rows, bodies, kinds;
   Totals sum;
   for (const auto& one : all) {
     add(rows[one.trial.body + " " + one.trial.group], one);
+    add(bodies["all of " + one.trial.body], one);
+    add(kinds["all of " + one.trial.group], one);
     add(sum, one);
   }
-  fmt::print("\n{:<28} {:>5} {:>10} {:>10} {:>10} {:>10} {:>10} {:>6} {:>9} {:>10} {:>7}\n",
-             "body kind", "cases", "right", "half", "phantom", "wrong-sure", "missed", "failed",
-             "place", "size<2sd", "seconds");
-  for (const auto& [name, row] : rows) print_row(name, row);
+  fmt::print(
+      "\n{:<28} {:>5} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>6} {:>9} {:>9} {:>9} {:>9} "
+      "{:>7}\n",
+      "body kind", "cases", "right", "class", "half", "phantom", "wrong-sure", "missed", "failed",
+      "of clear", "place", "size<2sd", "place<2sd", "seconds");
+  for (const auto* some : {&rows, &bodies, &kinds}) {
+    for (const auto& [name, row] : *some) print_row(name, row);
+  }
   print_row("all", sum);
   print_reliability(all);
 }

@@ -14,6 +14,7 @@ struct RealArguments {
   unsigned first = 1, last = 2;  ///< seeds
   bool modes = true;             ///< else responses
   bool truth = false;            ///< without a diagnosis
+  bool rivals = false;           ///< also print the explanations and levels of each case
   bool reference = false;        ///< beside the modes of the rig with nothing hidden
   double edge_length = 0.0;      ///< of the mesh [m]; 0: left to the program
   simulators::RealRigOptions options;
@@ -38,6 +39,8 @@ struct RealDone {
 
 void print_truth(const RealTrial& trial, const simulators::RealRigCase& rig);
 void print_case(const RealDone& done);
+/// The explanations with their probabilities and ln evidence, and the levels that the best leaves.
+void print_rivals(const diagnosis::Diagnosis& told);
 /// Totals by body and kind, and the truth of statements by their probability.
 void print_totals(const std::vector<RealDone>& all);
 

@@ -17,15 +17,16 @@ bool both(const std::string& a, const std::string& b, std::string_view one, std:
   return (a == one && b == two) || (a == two && b == one);
 }
 
+bool is_scale(std::string_view effect) {
+  constexpr std::array<std::string_view, 4> kScales{"youngs_modulus", "density", "thickness",
+                                                    "size_error"};
+  return std::ranges::find(kScales, effect) != kScales.end();
+}
+
 // Effects that differ so little that either name is true of both.
 bool are_kin(const std::string& a, const std::string& b, bool scaled) {
   if (both(a, b, "point_mass", "mass_with_inertia")) return true;
   if (both(a, b, "ground_spring", "elastic_pad")) return true;
-  constexpr std::array<std::string_view, 4> kScales{"youngs_modulus", "density", "thickness",
-                                                    "size_error"};
-  const auto is_scale = [&](const std::string& one) {
-    return std::ranges::find(kScales, one) != kScales.end();
-  };
   return !scaled && is_scale(a) && is_scale(b);
 }
 
@@ -52,6 +53,32 @@ bool is_present(const Cause& cause, const HiddenEffect& effect) {
          std::abs(told->value / effect.size.at("frequency") - 1.0) < kSameFrequency;
 }
 
+// The coordinates of a place; of a slender body only that along it.
+void add_place(EffectScore& score, const Cause& cause, const Eigen::Vector2d& truth,
+               const RealRigCase& rig) {
+  using Role = diagnosis::Parameter::Role;
+  for (const auto& told : cause.parameters) {
+    const bool is_u = told.role == Role::place_u;
+    if (!is_u && (told.role != Role::place_v || rig.body.rig.is_slender())) continue;
+    score.sizes.push_back(
+        {is_u ? "place_u" : "place_v", is_u ? truth.x() : truth.y(), told.value, told.std});
+  }
+}
+
+bool is_place(const SizeScore& size) { return size.name.starts_with("place_"); }
+
+Coverage coverage(const RigScore& score, bool places) {
+  Coverage all;
+  for (const auto& effect : score.effects) {
+    for (const auto& size : effect.sizes) {
+      if (is_place(size) != places) continue;
+      ++all.count;
+      all.good += std::abs(size.z()) <= 2.0 ? 1 : 0;
+    }
+  }
+  return all;
+}
+
 void add_size(EffectScore& score, const Cause& cause, const std::string& size, double truth) {
   const auto told = std::ranges::find(cause.parameters, size, &diagnosis::CauseParameter::name);
   if (told != cause.parameters.end()) score.sizes.push_back({size, truth, told->value, told->std});
@@ -59,7 +86,7 @@ void add_size(EffectScore& score, const Cause& cause, const std::string& size, d
 
 // The score of an effect. Of a patch and a pad the radius is hardly visible: sizes that go with it
 // are left out.
-EffectScore scored(const HiddenEffect& effect, const Cause* cause) {
+EffectScore scored(const HiddenEffect& effect, const Cause* cause, const RealRigCase& rig) {
   EffectScore score;
   score.kind = effect.kind;
   if (cause == nullptr) return score;
@@ -73,6 +100,7 @@ EffectScore scored(const HiddenEffect& effect, const Cause* cause) {
   if (!effect.place || !cause->place) return score;
   score.placed = true;
   score.place_error = (*cause->place - *effect.place).norm();
+  add_place(score, *cause, *effect.place, rig);
   return score;
 }
 
@@ -85,6 +113,21 @@ const Cause* found(const HiddenEffect& effect, const diagnosis::Diagnosis& told,
     if (best == nullptr || cause.probability > best->probability) best = &cause;
   }
   return best;
+}
+
+// One scale of the body was hidden, and the explanations by one scale are nearly all there is.
+bool is_told_as_class(const RealRigCase& rig, const diagnosis::Diagnosis& told) {
+  if (rig.truth.size() != 1 || !is_scale(rig.truth.front().kind)) return false;
+  double all = 0.0;
+  double true_one = 0.0;
+  const auto add = [&](const diagnosis::Explanation& one) {
+    if (one.causes.size() != 1 || !is_scale(one.causes.front().effect)) return;
+    all += one.probability;
+    if (one.causes.front().effect == rig.truth.front().kind) true_one += one.probability;
+  };
+  add(told.best);
+  for (const auto& rival : told.rivals) add(rival);
+  return all >= kClass && true_one >= kOfClass;
 }
 
 RigVerdict verdict_of(const RigScore& score, bool nothing_to_name) {
@@ -102,8 +145,8 @@ RigVerdict verdict_of(const RigScore& score, bool nothing_to_name) {
 }  // namespace
 
 std::string_view name(RigVerdict verdict) {
-  constexpr std::array<std::string_view, 5> kNames{"right", "half", "phantom", "wrong-sure",
-                                                   "missed"};
+  constexpr std::array<std::string_view, 6> kNames{"right",   "class",      "half",
+                                                   "phantom", "wrong-sure", "missed"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
@@ -123,11 +166,15 @@ double RigScore::place_error() const {
   return worst;
 }
 
+Coverage RigScore::sizes() const { return coverage(*this, false); }
+
+Coverage RigScore::places() const { return coverage(*this, true); }
+
 RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told) {
   RigScore score;
   score.told = kVerdicts[static_cast<std::size_t>(told.verdict)];
   for (const auto& effect : rig.truth) {
-    score.effects.push_back(scored(effect, found(effect, told, rig)));
+    score.effects.push_back(scored(effect, found(effect, told, rig), rig));
   }
   for (const auto& cause : told.best.causes) {
     Statement one{cause.effect, cause.probability, false};
@@ -140,6 +187,9 @@ RigScore scored(const RealRigCase& rig, const diagnosis::Diagnosis& told) {
     score.statements.push_back(std::move(one));
   }
   score.verdict = verdict_of(score, rig.truth.empty() || rig.outside);
+  if (score.verdict == RigVerdict::missed && is_told_as_class(rig, told)) {
+    score.verdict = RigVerdict::as_class;
+  }
   return score;
 }
 

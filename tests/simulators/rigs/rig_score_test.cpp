@@ -77,6 +77,36 @@ TEST(RigScore, TakesScalesForOneWithoutScale) {
   EXPECT_EQ(scored(rig, told).verdict, RigVerdict::right);
 }
 
+TEST(RigScore, TellsScalesAsAClassWhereTheTruthIsAmongThem) {
+  const auto rig = hiding({{"density", {{"relative", 0.1}}, {}, {}}});
+  auto told = telling({cause("thickness", 0.45)});
+  told.best.probability = 0.45;
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::missed);
+  auto rival = telling({cause("density", 0.4)}).best;
+  rival.probability = 0.4;
+  told.rivals = {rival};
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::as_class);
+  told.rivals.front().causes.front().effect = "point_mass";
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::missed);
+  told.rivals = {rival};
+  told.best.causes.front().probability = 0.95;
+  EXPECT_EQ(scored(rig, told).verdict, RigVerdict::wrong_sure);
+}
+
+TEST(RigScore, CountsSizesAndPlacesWithinTwoDeviations) {
+  using Role = diagnosis::Parameter::Role;
+  auto mass = cause("point_mass", 0.99);
+  mass.place = Eigen::Vector2d(0.1, 0.13);
+  mass.parameters = {{"mass", "kg", 0.23, 0.02, Role::strength},
+                     {"u", "m", 0.1, 0.01, Role::place_u},
+                     {"v", "m", 0.13, 0.01, Role::place_v}};
+  const auto score = scored(hiding({kMass}), telling({mass}));
+  EXPECT_EQ(score.sizes().count, 1);
+  EXPECT_EQ(score.sizes().good, 1);
+  EXPECT_EQ(score.places().count, 2);
+  EXPECT_EQ(score.places().good, 1);
+}
+
 TEST(RigScore, DoesNotBlameTheStringThatIsThere) {
   auto rig = hiding({});
   rig.present = {{"resonator", {{"frequency", 300.0}}, {}, {}}};
