@@ -93,7 +93,7 @@ Indices shared(const Indices& places) {
   return rows;
 }
 
-Indices at(const Indices& of, const Indices& rows) {
+Indices picked(const Indices& of, const Indices& rows) {
   Indices result;
   for (const auto row : rows) result.push_back(of[static_cast<std::size_t>(row)]);
   return result;
@@ -175,7 +175,7 @@ Comparison compared(const Structure& structure, const modal::FrfSet& measured,
       modal::converted(modal::band(modal::part(measured, rows, columns), lowest, options.high_hz),
                        modal::FrfKind::receptance);
   require(seen.line_count() > 0, "comparison: nothing was measured in the band");
-  const auto model = part(reduced_model(structure), at(outputs, rows), at(inputs, columns));
+  const auto model = part(reduced_model(structure), picked(outputs, rows), picked(inputs, columns));
   const auto simulated = modal::frf(model, seen.frequency_hz);
   Comparison result;
   result.responses = compared(seen, simulated.value, options);

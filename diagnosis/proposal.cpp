@@ -5,7 +5,7 @@
 namespace chladni::diagnosis {
 namespace {
 
-std::string at(const Eigen::Vector2d& place) {
+std::string place_text(const Eigen::Vector2d& place) {
   return fmt::format("at ({:.0f}, {:.0f}) mm", 1e3 * place(0), 1e3 * place(1));
 }
 
@@ -18,11 +18,11 @@ std::string task_of(const Proposal& proposal) {
       return "put another channel in the place of " + proposal.of;
     case What::mass:
       return fmt::format("lay a known mass of {:.2g} g {}, and measure the frequencies again",
-                         1e3 * proposal.mass, at(proposal.place.value()));
+                         1e3 * proposal.mass, place_text(proposal.place.value()));
     case What::dimension:
       return "measure " + proposal.of;
     case What::sensor:
-      return "a sensor " + at(proposal.place.value());
+      return "a sensor " + place_text(proposal.place.value());
     case What::weighing:
       return "weigh " + proposal.of;
   }

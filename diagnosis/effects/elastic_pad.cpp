@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 // As of a spring in one place.
-double typical_stiffness(const Structure& structure) {
+double typical_pad_stiffness(const Structure& structure) {
   const double omega = first_omega(structure);
   return 0.01 * structure.mass_kg * omega * omega;
 }
@@ -31,7 +31,7 @@ std::vector<Parameter> stiffness_radius_place(const Structure& structure) {
            .unit = "N/m",
            .scale = Parameter::Scale::logarithmic,
            .is_size = true,
-           .centre = std::log(typical_stiffness(structure)),
+           .centre = std::log(typical_pad_stiffness(structure)),
            .width = 3.0,
            .step = 1e-4},
           {.name = "radius",
@@ -97,7 +97,7 @@ std::function<void(State&)> bedding(const Structure& structure, Index /*option*/
 }
 
 std::vector<EffectStart> pads(const Scene& scene) {
-  const double stiffness = typical_stiffness(scene.structure());
+  const double stiffness = typical_pad_stiffness(scene.structure());
   const double radius = typical_radius(scene.structure());
   std::vector<VectorXd> sizes;
   for (double times = 1e-3; times < 200.0; times *= 4.0) {

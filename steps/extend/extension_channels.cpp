@@ -13,7 +13,7 @@
 namespace chladni::steps {
 namespace {
 
-std::string written(const Extension& by, const study::TomlNode& table, const std::string& key) {
+std::string value_text(const Extension& by, const study::TomlNode& table, const std::string& key) {
   const auto* value = study::member(table, key);
   return value == nullptr ? std::string() : std::string(by.edit.written(*value));
 }
@@ -216,7 +216,7 @@ std::vector<ChannelTable> all_sensors(const Extension& by) {
 
 void set_key(const Extension& by, const ChannelTable& of, const std::string& key,
              const std::string& value) {
-  by.edit.set(of.table, "name", key, value, by.comment(written(by, of.table, key)));
+  by.edit.set(of.table, "name", key, value, by.comment(value_text(by, of.table, key)));
 }
 
 Extend extend_channels(std::string_view effect) {

@@ -91,7 +91,7 @@ class Taker {
       return wrong(kExpected);
     }
     try {
-      const double part = quantity(node.text, "1");
+      const double part = chladni::quantity(node.text, "1");
       return part > 0.0 && part < 1.0 ? part : wrong(kExpected);
     } catch (const InvalidInput&) {
       return wrong(kExpected);
