@@ -75,7 +75,7 @@ io::JsonArray all_json(const std::vector<diagnosis::SpecimenTold>& specimens) {
                                       {"group", one.group},
                                       {"same_as", one.same_as},
                                       {"constants", numbers_json(one.constants)},
-                                      {"modes", modes_told_json(one.modes)},
+                                      {"modes", io::json_rows(modes_told_table(one.modes, true))},
                                       {"scatter", one.scatter}});
   }
   return array;
