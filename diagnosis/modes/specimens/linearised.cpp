@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
+#include "diagnosis/modes/specimens/pairs.h"
 #include "diagnosis/modes/specimens/slopes.h"
 #include "diagnosis/modes/specimens/specimen_constants.h"
 #include "modal/pairing.h"
@@ -21,8 +22,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = CalibratedConstant::Kind;
 
-constexpr double kPairError = 0.02;     // [ln f], of a pair where ways of pairing are compared
-constexpr double kPairAtMost = 4.0;     // of the squares of such an error
 constexpr double kFarFromOthers = 0.1;  // [ln] of a constant, likewise
 constexpr double kApartAtAll = 0.01;    // weight of frequencies beside shapes
 
@@ -41,24 +40,8 @@ std::vector<CalibratedConstant> held_of(const Specimen& specimen) {
   return held;
 }
 
-double square_misfit(const MeasuredModes& measured, const RecordedModes& model,
-                     const Matching& matching) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < matching.model.size(); ++i) {
-    const Index k = matching.model[i];
-    const double off =
-        k < 0 ? HUGE_VAL
-              : std::log(measured.frequency_hz(static_cast<Index>(i)) / model.frequency_hz(k));
-    sum += std::min(std::pow(off / kPairError, 2), kPairAtMost);
-  }
-  return sum;
-}
-
 void pair_again(SpecimenModel& one) {
-  const auto ways = one.problem->matchings(one.fit.model);
-  one.fit.matching = *std::ranges::min_element(ways, {}, [&](const Matching& way) {
-    return square_misfit(one.given.measured, one.fit.model, way);
-  });
+  one.fit.matching = nearest_pairs(*one.problem, one.given.measured, one.fit.model);
 }
 
 // True: the model has modes with these constants, which are taken.
@@ -280,19 +263,6 @@ void centre(Series& series) {
 
 }  // namespace
 
-Index entry_of(const Series& series, Index body, const std::string& key) {
-  const auto found = std::ranges::find_if(series.entries, [&](const Series::Entry& one) {
-    return one.body == body && one.stated.name == key;
-  });
-  return found == series.entries.end() ? -1 : found - series.entries.begin();
-}
-
-Index constant_of(const Series& series, const std::string& key) {
-  const auto found = std::ranges::find_if(
-      series.constants, [&](const Series::Constant& one) { return one.stated.name == key; });
-  return found == series.constants.end() ? -1 : found - series.constants.begin();
-}
-
 SpecimenModels::SpecimenModels(const std::vector<Specimen>& specimens,
                                const DiagnosisOptions& options)
     : specimens_(specimens) {
@@ -337,8 +307,9 @@ void SpecimenModels::start_from_the_others() {
     };
     auto own = one->fit;
     if (!take_constants(*one, start.constants)) continue;
-    const ModesFit near = one->problem->fitted(one->fit);
-    one->fit = cost(near) < cost(own) ? near : std::move(own);
+    one->fit = one->problem->fitted(one->fit);
+    pair_again(*one);
+    if (!(cost(one->fit) < cost(own))) one->fit = std::move(own);
   }
 }
 

@@ -45,4 +45,10 @@ struct Series {
   [[nodiscard]] Eigen::Index body_count() const { return static_cast<Eigen::Index>(bodies.size()); }
 };
 
+/// Place in `series.entries` of an entry of a body, −1: it has none of that key.
+[[nodiscard]] Eigen::Index entry_of(const Series& series, Eigen::Index body,
+                                    const std::string& key);
+/// Place in `series.constants`, −1: none of that key.
+[[nodiscard]] Eigen::Index constant_of(const Series& series, const std::string& key);
+
 }  // namespace chladni::diagnosis
