@@ -8,7 +8,7 @@ namespace chladni::study {
 const Schema<SpecimenPlan>& specimen_schema() {
   using P = SpecimenPlan;
   static const Schema<P> schema = {
-      "specimen",
+      "[specimen]",
       {special<P>({"name", "a text", "needed", "differs from all others"}, "name",
                   [](const P& plan) { return io::Json(plan.name); }),
        special<P>({"study", "a path", "needed",

@@ -29,7 +29,7 @@ modal::ReducedModel damped_chain(double c) {
   return model;
 }
 
-modal::FrfSet measured(const modal::ReducedModel& model) {
+modal::FrfSet general_responses(const modal::ReducedModel& model) {
   const auto frf = modal::frf(model, Eigen::VectorXd::LinSpaced(997, 1.0, 250.0));
   modal::FrfSet set;
   for (int i = 1; i <= 5; ++i) {
@@ -73,7 +73,7 @@ class IdentifyGeneral : public testing::Test {
   }
 
   void write(const modal::ReducedModel& model) const {
-    (void)io::write_frf(folder_.path() / "thesis_5x5.csv", measured(model));
+    (void)io::write_frf(folder_.path() / "thesis_5x5.csv", general_responses(model));
   }
 
   [[nodiscard]] io::Json left(const std::string& damping) const {

@@ -9,14 +9,13 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "fem/assemble.h"
 #include "mesh/bodies.h"
 #include "tests/fem/random_body.h"
 
 namespace chladni::fem {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // n equal masses in a row, joined by equal springs, ends free: ω_k = 2 √(k/m) sin(kπ / 2n), of
 // which the rigid one is known.

@@ -62,11 +62,11 @@ TEST(ShapeTable, MayHaveGapsWhereTheyAreAllowed) {
                InvalidInput);
 }
 
-struct BadTable {
+struct BrokenTable {
   const char *bytes, *word;
 };
 
-class BadTable : public testing::TestWithParam<BadTable> {};
+class BadTable : public testing::TestWithParam<BrokenTable> {};
 
 TEST_P(BadTable, IsRefusedWithItsLine) {
   try {
@@ -80,20 +80,20 @@ TEST_P(BadTable, IsRefusedWithItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     ShapeTable, BadTable,
-    testing::Values(BadTable{"", "no lines"}, BadTable{"frequency_hz,s1\n", "no mode"},
-                    BadTable{"f,s1\n1,2\n", "no column frequency_hz"},
-                    BadTable{"frequency_hz\n1\n", "no column of a channel"},
-                    BadTable{"frequency_hz,s1\n1\n", "line 2: 1 fields; expected 2"},
-                    BadTable{"frequency_hz,s1\n1,x\n", "line 2: s1"},
-                    BadTable{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
-                    BadTable{"frequency_hz,s1\n1,\n", "line 2: s1"},
-                    BadTable{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
-                    BadTable{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
-                    BadTable{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
-                    BadTable{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
-                    BadTable{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
-                    BadTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
-                    BadTable{"\xFF\xFE", "UTF-16"}, BadTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
+    testing::Values(BrokenTable{"", "no lines"}, BrokenTable{"frequency_hz,s1\n", "no mode"},
+                    BrokenTable{"f,s1\n1,2\n", "no column frequency_hz"},
+                    BrokenTable{"frequency_hz\n1\n", "no column of a channel"},
+                    BrokenTable{"frequency_hz,s1\n1\n", "line 2: 1 fields; expected 2"},
+                    BrokenTable{"frequency_hz,s1\n1,x\n", "line 2: s1"},
+                    BrokenTable{"frequency_hz,s1\n1,nan\n", "line 2: s1"},
+                    BrokenTable{"frequency_hz,s1\n1,\n", "line 2: s1"},
+                    BrokenTable{"frequency_hz,s1\n-1,2\n", "frequency_hz is negative"},
+                    BrokenTable{"frequency_hz,s1,s1\n1,2,3\n", "two columns"},
+                    BrokenTable{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
+                    BrokenTable{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
+                    BrokenTable{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
+                    BrokenTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
+                    BrokenTable{"\xFF\xFE", "UTF-16"}, BrokenTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
 
 }  // namespace
 }  // namespace chladni::io

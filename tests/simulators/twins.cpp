@@ -1,16 +1,15 @@
 #include "simulators/twins.h"
+#include "base/turn.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
 namespace chladni::simulators {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // A delay and a low-pass. Both have unit gain and a delay of `seconds` at 0 Hz.
 Complex delayed(double omega, double seconds) { return std::polar(1.0, -omega * seconds); }

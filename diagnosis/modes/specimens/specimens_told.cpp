@@ -19,6 +19,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 using Kind = CalibratedConstant::Kind;
 
+constexpr double kNamedFirst = 10.0;  // more than what is unknown of any entry for its cost
 constexpr std::size_t kMostRivals = 12;
 constexpr double kToldRival = 0.05;  // probability of an entry that is told beside the best
 
@@ -202,7 +203,9 @@ double expected_evidence(const View& view, const OddEntry& odd) {
   return std::max(0.0, 0.5 * ((off * off + spread) / variance - 1.0 - std::log(spread / variance)));
 }
 
-std::vector<Proposal> proposals_of(const View& view, const std::vector<OddEntry>& entries,
+// What the answer rests on comes first, then what is least known for its cost.
+std::vector<Proposal> proposals_of(const View& view, const SpecimensExplanation& best,
+                                   const std::vector<OddEntry>& entries,
                                    const MeasurementCosts& costs) {
   std::vector<std::pair<double, Proposal>> all;
   for (const auto& odd : entries) {
@@ -215,7 +218,11 @@ std::vector<Proposal> proposals_of(const View& view, const std::vector<OddEntry>
     one.evidence = expected_evidence(view, odd);
     one.cost = is_mass ? costs.weighing : costs.dimension;
     const double unknown = -p * std::log(p) - (1.0 - p) * std::log1p(-std::min(p, 1.0 - 1e-12));
-    if (one.evidence > one.cost) all.emplace_back(unknown / one.cost, one);
+    const bool is_named = std::ranges::any_of(best.entries, [&](const OddEntry& other) {
+      return other.specimen == odd.specimen && other.key == odd.key;
+    });
+    const double worth = is_named ? kNamedFirst + p : unknown / one.cost;
+    if (one.evidence > one.cost) all.emplace_back(worth, one);
   }
   std::ranges::stable_sort(all, std::ranges::greater{}, &std::pair<double, Proposal>::first);
   std::vector<Proposal> sorted;
@@ -297,7 +304,7 @@ SpecimensDiagnosis told(const std::vector<Specimen>& specimens, const SpecimenMo
   result.population = population_of(view);
   result.shared_error = std::exp(view.best().ln_levels(0));
   result.own_error = std::exp(view.best().ln_levels(1));
-  result.proposals = proposals_of(view, result.entries, options.costs);
+  result.proposals = proposals_of(view, result.best, result.entries, options.costs);
   result.measure_next = next_in_words(result);
   result.notes = models.notes();
   note_strays(view, strays, result);

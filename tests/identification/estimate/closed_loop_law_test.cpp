@@ -8,10 +8,10 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <vector>
 
 #include "base/draw.h"
+#include "base/turn.h"
 #include "identification/closed_loop.h"
 #include "tests/identification/rigs.h"
 
@@ -22,7 +22,6 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index kOutputs = 4, kInputs = 13, kControlled = 4, kLines = 8;
 constexpr int kRealisations = 8, kPeriods = 2, kRepeats = 250;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 Complex circular(Draw& draw) {
   const double real = draw.normal();

@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "base/draw.h"
 #include "base/error.h"
+#include "base/turn.h"
 #include "identification/frf_estimate.h"
 #include "identification/modal_fit.h"
 #include "modal/frf.h"
@@ -15,8 +15,6 @@
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // The model's responses, late and with 1 % noise of known variance.
 modal::FrfSet noisy(const modal::ReducedModel& model, double delay, double noise, unsigned seed) {

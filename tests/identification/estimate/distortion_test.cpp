@@ -5,11 +5,11 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <optional>
 #include <vector>
 
 #include "base/draw.h"
+#include "base/turn.h"
 #include "identification/fit_data.h"
 #include "identification/frf_estimate.h"
 #include "identification/modal_fit.h"
@@ -18,14 +18,14 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr Eigen::Index kSamples = 1024, kSubsteps = 8, kFirstLine = 16, kLastLine = 352;
 constexpr Eigen::Index kFine = 2 * kSubsteps * kSamples;  // half steps of a period
 constexpr double kPeriod = 16.0;                          // [s]
 constexpr double kStiffness = 4000.0, kMass = 1.0;        // [N/m], [kg], each of the chain
 constexpr double kOfMass = 1.0, kOfStiffness = 4e-4;      // Rayleigh damping [1/s], [s]
 constexpr double kAmplitude = 1.0;                        // of each line [N]
-constexpr int kWarmUp = 2, kPeriods = 3, kRealisations = 10, kTruth = 200, kExperiments = 6;
+constexpr int kWarmUp = 2, kPeriodsOfDistortion = 3, kRealisationsOfDistortion = 10, kTruth = 200,
+              kExperimentsOfDistortion = 6;
 
 using State = Eigen::Matrix<double, 6, 1>;  // places, speeds
 
@@ -122,8 +122,9 @@ class Distortion : public testing::Test {
   static void SetUpTestSuite() {
     Draw draw(17);
     truth = estimated(records(kCubic, 0.0, kTruth, 1, draw), 0);
-    for (int n = 0; n < kExperiments; ++n) {
-      data.push_back(records(kCubic, kNoise, kRealisations, kPeriods, draw));
+    for (int n = 0; n < kExperimentsOfDistortion; ++n) {
+      data.push_back(
+          records(kCubic, kNoise, kRealisationsOfDistortion, kPeriodsOfDistortion, draw));
     }
   }
   static inline modal::FrfSet truth;
@@ -152,7 +153,8 @@ TEST_F(Distortion, OfMinusFortyDecibelsIsFoundWithinADecibel) {
         const auto lines = set.value.size();
         for (auto k = third * lines / 3; k < (third + 1) * lines / 3; ++k) {
           const double one = kTruth * truth.variance[k](i, 0);  // of one realisation
-          found += kRealisations * (set.variance[k] - set.noise_variance[k])(i, 0) / one;
+          found +=
+              kRealisationsOfDistortion * (set.variance[k] - set.noise_variance[k])(i, 0) / one;
           count += 1.0;
         }
       }
@@ -183,7 +185,7 @@ double pole_errors(const std::vector<Eigen::Index>& outputs, const modal::FrfSet
       squares += frequency * frequency + damping * damping;
     }
   }
-  return std::sqrt(squares / (6.0 * kExperiments));
+  return std::sqrt(squares / (6.0 * kExperimentsOfDistortion));
 }
 
 TEST_F(Distortion, PolesOfTheBestLinearApproximationLieWithinTheirDeviations) {

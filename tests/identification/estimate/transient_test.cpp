@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "identification/frf_estimate.h"
 #include "identification/modal_fit.h"
 #include "modal/state_space.h"
@@ -14,8 +14,6 @@
 
 namespace chladni::identification {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // The thesis' grid (4.1.1) on its simulated beam: 4096 Hz, 16384 samples, 10 periods.
 constexpr double kSampling = 4096.0;

@@ -5,9 +5,9 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/turn.h"
 #include "identification/estimate/fft.h"
 #include "modal/frf.h"
 #include "modal/state_space.h"
@@ -16,7 +16,6 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 using Complex = std::complex<double>;
 
 Eigen::MatrixXd measured_noise(Eigen::Index samples, Eigen::Index columns) {
