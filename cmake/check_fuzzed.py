@@ -9,6 +9,7 @@ compile several files as one.
 """
 import concurrent.futures
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -41,11 +42,12 @@ def symbols(path):
     return defined, needed
 
 
+LINE = re.compile(r"(.*?) ([A-Za-z])(?: [0-9a-f]+){0,2} *")
+
+
 def split(line):
     """`name kind value size`; names hold blanks, undefined symbols have no size."""
-    words = line.split(" ")
-    at = max(i for i, word in enumerate(words) if len(word) == 1 and word.isalpha())
-    return " ".join(words[:at]), words[at]
+    return LINE.fullmatch(line).groups()
 
 
 def main():
