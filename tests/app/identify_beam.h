@@ -127,6 +127,10 @@ class Identify : public testing::Test {
   // The error of the default: |predicted − measured| over |measured| of the held-out rows together.
   double held_out_error(const std::string& text, const std::string& out) {
     (void)run(interpolate_command, text, out);
+    return error_left(out);
+  }
+
+  double error_left(const std::string& out) const {
     const auto json = left("interpolation.json", out);
     double square = 0.0;
     const auto& rows = json.at("methods").array().front().at("held_out").array();
@@ -134,14 +138,24 @@ class Identify : public testing::Test {
     return std::sqrt(square / static_cast<double>(rows.size()));
   }
 
-  // The errors of the study as it is, and of the thesis' path on it.
+  // The same of a fit that may end as not to be trusted: its results are written all the same.
+  double doubted_error(const std::string& text, const std::string& out) {
+    try {
+      return held_out_error(text, out);
+    } catch (const NumericalFailure&) {
+      return error_left(out);
+    }
+  }
+
+  // The errors of the study as it is, and of the thesis' path on it. Whether the latter is trusted
+  // depends on the kernel of the BLAS.
   std::pair<double, double> held_out_errors(const std::string& text) {
     const double ours = held_out_error(text, "ours");
     const auto path =
         replaced(with_real_modes(text), "[identification]\n",
                  "[identification]\nmethod = \"thesis\"\ngain = \"thesis\"\nmodes = 6\n");
-    return {ours, held_out_error(path + "[interpolation]\nmethods = [\"thin_plate_spline\"]\n",
-                                 "theirs")};
+    return {ours,
+            doubted_error(path + "[interpolation]\nmethods = [\"thin_plate_spline\"]\n", "theirs")};
   }
 
   TestFolder folder_{"identify"};

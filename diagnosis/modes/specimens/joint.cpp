@@ -19,7 +19,6 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr Index kShared = 0, kOwn = 1, kFirstSpread = 2;
-constexpr double kLeastVariance = 1e-12;  // of numbers that are known exactly: keeps K definite
 constexpr int kScoringSteps = 40;
 
 MatrixXd outer(const MatrixXd& columns) { return columns * columns.transpose(); }
@@ -50,7 +49,8 @@ MatrixXd in_one_group(const Series& series) {
 }
 
 MatrixXd known_part(const Series& series) {
-  MatrixXd known = (series.noise.array().square() + kLeastVariance).matrix().asDiagonal();
+  MatrixXd known =
+      (series.noise.array().square() + kSpecimens.least_variance).matrix().asDiagonal();
   const VectorXd each = VectorXd::Ones(series.body_count());
   for (const auto& one : series.constants) known += outer(one.width * (one.slope * each));
   for (const auto& one : series.entries) known += outer(one.stated.deviation * one.slope);

@@ -22,9 +22,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = CalibratedConstant::Kind;
 
-constexpr double kFarFromOthers = 0.1;  // [ln] of a constant, likewise
-constexpr double kApartAtAll = 0.01;    // weight of frequencies beside shapes
-
 bool is_of_sheet(const CalibratedConstant& one) {
   return one.effect == "mass" || one.effect.starts_with("length_along");
 }
@@ -86,7 +83,7 @@ std::vector<Index> numbered(const MatrixXd& shapes, const VectorXd& hz, DesignMo
   MatrixXd cost = 1.0 - (shapes.transpose() * design.shapes).array().square();
   for (Index k = 0; k < cost.rows(); ++k) {
     for (Index j = 0; j < known; ++j) {
-      cost(k, j) += kApartAtAll * std::pow(std::log(hz(k)) - design.ln_hz[at(j)], 2);
+      cost(k, j) += kSpecimens.apart_at_all * std::pow(std::log(hz(k)) - design.ln_hz[at(j)], 2);
     }
   }
   std::vector<Index> number(at(shapes.cols()), -1);
@@ -303,7 +300,7 @@ void SpecimenModels::start_from_the_others() {
     }
     const auto cost = [&](const ModesFit& fit) {
       return square_misfit(one->given.measured, fit.model, fit.matching) +
-             ((fit.constants - start.constants) / kFarFromOthers).squaredNorm();
+             ((fit.constants - start.constants) / kSpecimens.far_from_others).squaredNorm();
     };
     auto own = one->fit;
     if (!take_constants(*one, start.constants)) continue;

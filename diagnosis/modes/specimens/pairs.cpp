@@ -4,19 +4,16 @@
 #include <cmath>
 
 #include "base/index.h"
+#include "diagnosis/modes/specimens/specimen_constants.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
 
-constexpr double kPairError = 0.02;  // [ln f], usual of a pair
-constexpr double kPairAtMost = 4.0;  // of the squares of such an error
-constexpr double kUnseenMode = 1.0;  // of a simulated mode that was not measured, likewise
-constexpr Index kFewChannels = 2;    // shapes at so few tell no modes apart
-
 double pair_misfit(double measured_hz, double model_hz) {
-  return std::min(std::pow(std::log(measured_hz / model_hz) / kPairError, 2), kPairAtMost);
+  return std::min(std::pow(std::log(measured_hz / model_hz) / kSpecimens.pair_error, 2),
+                  kSpecimens.pair_at_most);
 }
 
 // Alignment of two ascending sequences: least(i, k) is the misfit of the first i and k of them.
@@ -26,12 +23,12 @@ class Alignment {
       : measured_(measured), model_(model) {
     const Index n = measured.count(), m = model.count();
     least_.setZero(n + 1, m + 1);
-    for (Index i = 1; i <= n; ++i) least_(i, 0) = static_cast<double>(i) * kPairAtMost;
+    for (Index i = 1; i <= n; ++i) least_(i, 0) = static_cast<double>(i) * kSpecimens.pair_at_most;
     for (Index k = 1; k <= m; ++k) least_(0, k) = least_(0, k - 1) + unseen(k);
     for (Index i = 1; i <= n; ++i) {
       for (Index k = 1; k <= m; ++k) {
-        least_(i, k) =
-            std::min({paired(i, k), least_(i - 1, k) + kPairAtMost, least_(i, k - 1) + unseen(k)});
+        least_(i, k) = std::min({paired(i, k), least_(i - 1, k) + kSpecimens.pair_at_most,
+                                 least_(i, k - 1) + unseen(k)});
       }
     }
   }
@@ -43,7 +40,7 @@ class Alignment {
     while (i > 0 && k > 0) {
       if (least_(i, k) == least_(i, k - 1) + unseen(k)) {
         --k;
-      } else if (least_(i, k) == least_(i - 1, k) + kPairAtMost) {
+      } else if (least_(i, k) == least_(i - 1, k) + kSpecimens.pair_at_most) {
         --i;
       } else {
         result.model[at(--i)] = --k;
@@ -63,7 +60,7 @@ class Alignment {
     const double hz = model_.frequency_hz(k - 1);
     const bool is_between = measured_.count() > 0 && hz > measured_.frequency_hz(0) &&
                             hz < measured_.frequency_hz(measured_.count() - 1);
-    return is_between ? kUnseenMode : 0.0;
+    return is_between ? kSpecimens.unseen_mode : 0.0;
   }
 
   const MeasuredModes& measured_;
@@ -78,7 +75,7 @@ double square_misfit(const MeasuredModes& measured, const RecordedModes& model,
   double sum = 0.0;
   for (std::size_t i = 0; i < matching.model.size(); ++i) {
     const Index k = matching.model[i];
-    sum += k < 0 ? kPairAtMost
+    sum += k < 0 ? kSpecimens.pair_at_most
                  : pair_misfit(measured.frequency_hz(static_cast<Index>(i)), model.frequency_hz(k));
   }
   return sum;
@@ -91,7 +88,7 @@ Matching pairs_in_order(const MeasuredModes& measured, const RecordedModes& mode
 Matching nearest_pairs(const ModesProblem& problem, const MeasuredModes& measured,
                        const RecordedModes& model) {
   const Index channels = measured.output_shapes.rows() + measured.input_shapes.rows();
-  if (channels <= kFewChannels) return pairs_in_order(measured, model);
+  if (channels <= kSpecimens.few_channels) return pairs_in_order(measured, model);
   const auto ways = problem.matchings(model);
   return *std::ranges::min_element(
       ways, {}, [&](const Matching& way) { return square_misfit(measured, model, way); });

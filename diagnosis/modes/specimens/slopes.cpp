@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/index.h"
+#include "diagnosis/modes/specimens/specimen_constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -12,8 +13,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kSlopeStep = 1e-4;  // of ln of a constant
 
 // d ln f of modes of unit modal mass, where stiffness and mass change by these.
 VectorXd change_of_frequencies(const RecordedModes& model, const MatrixXd& stiffness,
@@ -49,12 +48,12 @@ MatrixXd frequency_slopes(const ModesProblem& problem, const ModesFit& fit,
   const Index c = fit.constants.size();
   MatrixXd slopes(model.count(), c);
   for (Index i = 0; i < c; ++i) {
-    const VectorXd step = kSlopeStep * VectorXd::Unit(c, i);
+    const VectorXd step = kSpecimens.slope_step * VectorXd::Unit(c, i);
     const State more = with_constants(problem, fit.constants + step);
     const State less = with_constants(problem, fit.constants - step);
     slopes.col(i) =
         change_of_frequencies(model, more.stiffness - less.stiffness, more.mass - less.mass) /
-        (2.0 * kSlopeStep);
+        (2.0 * kSpecimens.slope_step);
   }
   return slopes;
 }

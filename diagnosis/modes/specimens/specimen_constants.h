@@ -43,6 +43,26 @@ struct SpecimenConstants {
   int carried = 4;
   /// [1] Linearisations. Chosen: the third one changes nothing.
   int rounds = 3;
+  /// [ln] Usual error of the frequency of a pair, where ways of pairing are compared. Chosen.
+  double pair_error = 0.02;
+  /// [1] Of the squares of such an error: a pair that is farther apart counts as a stray. Chosen.
+  double pair_at_most = 4.0;
+  /// [1] Of a simulated mode in the band that was not measured, likewise. Chosen.
+  double unseen_mode = 1.0;
+  /// [1] Shapes at so few channels tell no modes apart.
+  int few_channels = 2;
+  /// [ln] Of a constant, from the median of the others, where ways of pairing are compared. Chosen.
+  double far_from_others = 0.1;
+  /// [1] Weight of frequencies beside shapes where modes of specimens are numbered. Chosen.
+  double apart_at_all = 0.01;
+  /// [ln] Step of a constant in the slopes of frequencies. Chosen.
+  double slope_step = 1e-4;
+  /// [1] Variance of numbers that are known exactly: it keeps K definite. Chosen.
+  double least_variance = 1e-12;
+  /// [1] Probability of an entry that is told beside the best. Chosen.
+  double told_rival = 0.05;
+  /// [1] Worth of measuring an entry that the answer rests on: more than any other has. Chosen.
+  double named_first = 10.0;
   /// [1] Least likeness of the shapes of a mode in two specimens. As in comparisons.
   double same_mode = 0.3;
 };

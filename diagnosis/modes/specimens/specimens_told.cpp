@@ -19,9 +19,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 using Kind = CalibratedConstant::Kind;
 
-constexpr double kNamedFirst = 10.0;  // more than what is unknown of any entry for its cost
 constexpr std::size_t kMostRivals = 12;
-constexpr double kToldRival = 0.05;  // probability of an entry that is told beside the best
 
 // Everything that the parts of the answer look at.
 struct View {
@@ -221,7 +219,7 @@ std::vector<Proposal> proposals_of(const View& view, const SpecimensExplanation&
     const bool is_named = std::ranges::any_of(best.entries, [&](const OddEntry& other) {
       return other.specimen == odd.specimen && other.key == odd.key;
     });
-    const double worth = is_named ? kNamedFirst + p : unknown / one.cost;
+    const double worth = is_named ? kSpecimens.named_first + p : unknown / one.cost;
     if (one.evidence > one.cost) all.emplace_back(worth, one);
   }
   std::ranges::stable_sort(all, std::ranges::greater{}, &std::pair<double, Proposal>::first);
@@ -240,7 +238,7 @@ void note_what_is_alike(const View& view, SpecimensDiagnosis& result) {
   for (const auto& odd : result.entries) {
     const bool is_best = odd.specimen == result.best.entries.front().specimen &&
                          odd.key == result.best.entries.front().key;
-    if (!is_best && odd.probability >= kToldRival) {
+    if (!is_best && odd.probability >= kSpecimens.told_rival) {
       rivals.push_back(fmt::format("{} ({:.2f})", words_for(odd), odd.probability));
     }
   }
