@@ -94,6 +94,19 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   return modes;
 }
 
+MeasuredModes part(const MeasuredModes& all, const std::vector<Index>& modes) {
+  MeasuredModes result = all;
+  result.frequency_hz = all.frequency_hz(modes);
+  result.frequency_std = all.frequency_std(modes);
+  result.damping_ratio = all.damping_ratio(modes);
+  result.damping_std = all.damping_std(modes);
+  result.output_shapes = all.output_shapes(Eigen::all, modes);
+  result.output_std = all.output_std(Eigen::all, modes);
+  result.input_shapes = all.input_shapes(Eigen::all, modes);
+  result.input_std = all.input_std(Eigen::all, modes);
+  return result;
+}
+
 std::string mode_name(const MeasuredModes& modes, Eigen::Index i) {
   return fmt::format("the mode at {:.6g} Hz", modes.frequency_hz(i));
 }

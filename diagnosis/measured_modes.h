@@ -33,6 +33,9 @@ struct MeasuredModes {
 ///                       that do not ascend; a deviation that is negative
 void check(const MeasuredModes& modes);
 
+/// The modes of these numbers, in their order.
+[[nodiscard]] MeasuredModes part(const MeasuredModes& all, const std::vector<Eigen::Index>& modes);
+
 /// "the mode at 120.3 Hz".
 [[nodiscard]] std::string mode_name(const MeasuredModes& modes, Eigen::Index i);
 

@@ -4,8 +4,6 @@
 namespace chladni::diagnosis {
 namespace {
 
-std::vector<Parameter> no_sizes_of_sign(const Structure& /*structure*/) { return {}; }
-
 // One option per channel. A single response has one option only, for its sensor, because the sign
 // of the actuator has the same effect.
 template <Side side>
@@ -41,7 +39,7 @@ constinit const Effect sensor_sign{
     .summary = "a sensor is wired or mounted the wrong way round",
     .source = "a row of the responses turned",
     .confusable = "a gain of -200 %: the same",
-    .parameters = no_sizes_of_sign,
+    .parameters = no_sizes,
     .options = turnable<Side::sensors>,
     .channels = the_channel<Side::sensors>,
     .apply = turn<Side::sensors>,
@@ -53,7 +51,7 @@ constinit const Effect actuator_sign{
     .summary = "an actuator pushes the other way",
     .source = "a column of the responses turned",
     .confusable = "a gain of -200 %: the same",
-    .parameters = no_sizes_of_sign,
+    .parameters = no_sizes,
     .options = turnable<Side::actuators>,
     .channels = the_channel<Side::actuators>,
     .apply = turn<Side::actuators>,

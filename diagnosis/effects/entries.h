@@ -9,4 +9,7 @@ namespace chladni::diagnosis {
 #include "diagnosis/effects/entries.inc"
 #undef EFFECT
 
+/// The parameters of an effect that is only a choice.
+[[nodiscard]] inline std::vector<Parameter> no_sizes(const Structure& /*structure*/) { return {}; }
+
 }  // namespace chladni::diagnosis

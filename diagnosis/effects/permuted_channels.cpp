@@ -10,8 +10,6 @@ using Eigen::Index;
 // put right before any other cause is sought (modes/labels.h); responses alone are not asked.
 Index none_to_try(const Structure& /*structure*/) { return 0; }
 
-std::vector<Parameter> no_sizes_of_order(const Structure& /*structure*/) { return {}; }
-
 void nothing(State& /*state*/, const Structure& /*structure*/, Index /*option*/,
              const Eigen::VectorXd& /*x*/) {}
 
@@ -30,7 +28,7 @@ constinit const Effect permuted_sensors{
     .summary = "three or more sensors carry each other's names",
     .source = "assignment of the records' shapes to the sensors",
     .confusable = "a symmetry of the body, under which the shapes are the same",
-    .parameters = no_sizes_of_order,
+    .parameters = no_sizes,
     .options = none_to_try,
     .channels = no_channels,
     .apply = nothing,
@@ -42,7 +40,7 @@ constinit const Effect permuted_actuators{
     .summary = "three or more actuators carry each other's names",
     .source = "assignment of the records' shapes to the actuators",
     .confusable = "a symmetry of the body, under which the shapes are the same",
-    .parameters = no_sizes_of_order,
+    .parameters = no_sizes,
     .options = none_to_try,
     .channels = no_channels,
     .apply = nothing,

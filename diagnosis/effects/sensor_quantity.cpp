@@ -9,8 +9,6 @@ namespace {
 
 using Eigen::Index;
 
-std::vector<Parameter> no_sizes_of_quantity(const Structure& /*structure*/) { return {}; }
-
 // A wrong reading of a sensor's record, and its effect: a power of s, or a factor.
 struct Mistaken {
   std::string_view text;
@@ -116,7 +114,7 @@ constinit const Effect sensor_quantity{
     .summary = "velocity or acceleration called displacement, or the reverse",
     .source = "a row times a power of s",
     .confusable = "unit, low-pass",
-    .parameters = no_sizes_of_quantity,
+    .parameters = no_sizes,
     .options = choices<kPowers.size()>,
     .channels = whose<kPowers.size()>,
     .apply = differentiate,
@@ -130,7 +128,7 @@ constinit const Effect sensor_unit{
     .summary = "a unit taken for another: g for m/s^2, mm for m, inch for mm",
     .source = "a row times one of the factors between units",
     .confusable = "gain",
-    .parameters = no_sizes_of_quantity,
+    .parameters = no_sizes,
     .options = choices<kFactors.size()>,
     .channels = whose<kFactors.size()>,
     .apply = rescale,

@@ -8,8 +8,6 @@ namespace {
 
 using Eigen::Index;
 
-std::vector<Parameter> no_sizes_of_swap(const Structure& /*structure*/) { return {}; }
-
 template <Side side>
 Index pairs(const Structure& structure) {
   const Index n = channels_of<side>(structure).count();
@@ -54,7 +52,7 @@ constinit const Effect swapped_sensors{
     .summary = "two sensors carry each other's name",
     .source = "two rows of the responses exchanged",
     .confusable = "two wrong places at once",
-    .parameters = no_sizes_of_swap,
+    .parameters = no_sizes,
     .options = pairs<Side::sensors>,
     .channels = both<Side::sensors>,
     .apply = swap_labels<Side::sensors>,
@@ -66,7 +64,7 @@ constinit const Effect swapped_actuators{
     .summary = "two actuators carry each other's name",
     .source = "two columns of the responses exchanged",
     .confusable = "two wrong places at once",
-    .parameters = no_sizes_of_swap,
+    .parameters = no_sizes,
     .options = pairs<Side::actuators>,
     .channels = both<Side::actuators>,
     .apply = swap_labels<Side::actuators>,

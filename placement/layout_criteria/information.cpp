@@ -2,15 +2,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <cmath>
-#include <limits>
 
 #include "modal/mac.h"
 #include "placement/layout.h"
+#include "placement/layout_criteria/undefined.h"
 
 namespace chladni::placement {
 namespace {
-
-constexpr double kNoInformation = std::numeric_limits<double>::quiet_NaN();
 
 // Empty if there are fewer points than modes.
 Eigen::VectorXd singular_values(const LayoutView& view) {
@@ -21,22 +19,22 @@ Eigen::VectorXd singular_values(const LayoutView& view) {
 
 double log_determinant_of(const LayoutView& view) {
   const auto values = singular_values(view);
-  return values.size() == 0 ? kNoInformation : 2.0 * values.array().log().sum();
+  return values.size() == 0 ? kUndefined : 2.0 * values.array().log().sum();
 }
 
 double amplitude_deviation(const LayoutView& view) {
   const auto values = singular_values(view);
-  return values.size() == 0 ? kNoInformation : std::sqrt(values.array().square().inverse().mean());
+  return values.size() == 0 ? kUndefined : std::sqrt(values.array().square().inverse().mean());
 }
 
 double smallest_value(const LayoutView& view) {
   const auto values = singular_values(view);
-  return values.size() == 0 ? kNoInformation : values.minCoeff();
+  return values.size() == 0 ? kUndefined : values.minCoeff();
 }
 
 double condition_number(const LayoutView& view) {
   const auto values = singular_values(view);
-  return values.size() == 0 ? kNoInformation : values.maxCoeff() / values.minCoeff();
+  return values.size() == 0 ? kUndefined : values.maxCoeff() / values.minCoeff();
 }
 
 // Largest squared cosine of an angle between the spans of two groups.
@@ -46,7 +44,7 @@ double largest_mac(const LayoutView& view) {
   for (const auto& a : view.groups) {
     for (const auto& b : view.groups) {
       if (b.first <= a.first) continue;
-      if (seen.rows() < std::max(a.size, b.size)) return kNoInformation;
+      if (seen.rows() < std::max(a.size, b.size)) return kUndefined;
       const Eigen::MatrixXd one = seen.middleCols(a.first, a.size);
       const Eigen::MatrixXd two = seen.middleCols(b.first, b.size);
       if (one.jacobiSvd().singularValues().minCoeff() < 1e-9 ||
@@ -62,15 +60,15 @@ double largest_mac(const LayoutView& view) {
 // The least of diag Φ (ΦᵀΦ)⁻¹ Φᵀ: it is small for a point that the others make redundant.
 double least_independence(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
-  if (seen.rows() < seen.cols()) return kNoInformation;
+  if (seen.rows() < seen.cols()) return kUndefined;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(seen, Eigen::ComputeThinU);
-  if (svd.singularValues().minCoeff() < 1e-9) return kNoInformation;
+  if (svd.singularValues().minCoeff() < 1e-9) return kUndefined;
   return svd.matrixU().rowwise().squaredNorm().minCoeff();
 }
 
 double energy_share(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
-  return seen.rows() == 0 ? kNoInformation : seen.cwiseAbs2().mean();
+  return seen.rows() == 0 ? kUndefined : seen.cwiseAbs2().mean();
 }
 
 }  // namespace

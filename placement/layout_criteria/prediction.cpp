@@ -1,19 +1,17 @@
 // Predictions that a layout allows: the pair's gain, the shapes between the points, an FRF.
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "placement/constants.h"
 #include "placement/criteria.h"
 #include "placement/layout.h"
+#include "placement/layout_criteria/undefined.h"
 
 namespace chladni::placement {
 namespace {
 
-constexpr double kNoPrediction = std::numeric_limits<double>::quiet_NaN();
-
 double alpha_percent(const LayoutView& view) {
-  if (view.pairs.empty()) return kNoPrediction;
+  if (view.pairs.empty()) return kUndefined;
   PairView pairs;
   pairs.groups = view.groups;
   const auto count = static_cast<Eigen::Index>(view.pairs.size());
@@ -38,12 +36,12 @@ Eigen::VectorXd errors(const LayoutView& view) {
 
 double mean_error(const LayoutView& view) {
   const auto error = errors(view);
-  return error.size() == 0 ? kNoPrediction : error.mean();
+  return error.size() == 0 ? kUndefined : error.mean();
 }
 
 double worst_mode(const LayoutView& view) {
   const auto error = errors(view);
-  if (error.size() == 0) return kNoPrediction;
+  if (error.size() == 0) return kUndefined;
   double worst = 0.0;
   for (const auto& group : view.groups) {
     worst = std::max(worst, error.segment(group.first, group.size).mean());
@@ -54,7 +52,7 @@ double worst_mode(const LayoutView& view) {
 // Root mean square deviation over the wanted modes, at the place with the largest one.
 double worst_place(const LayoutView& view) {
   const auto all = samples(view);
-  if (all.rows.rows() == 0) return kNoPrediction;
+  if (all.rows.rows() == 0) return kUndefined;
   const Eigen::MatrixXd deviation =
       expected_deviation(view.prior, all.rows, all.noise, view.surface_all);
   return 100.0 * std::sqrt(deviation.cwiseAbs2().rowwise().mean().maxCoeff());
@@ -64,7 +62,7 @@ double worst_place(const LayoutView& view) {
 double frf_percent(const LayoutView& view) {
   const auto all = samples(view);
   if (view.interest_all.rows() == 0 || view.actuators.rows() == 0 || all.rows.rows() == 0) {
-    return kNoPrediction;
+    return kUndefined;
   }
   const Eigen::MatrixXd deviation =
       expected_deviation(view.prior, all.rows, all.noise, view.interest_all);
@@ -82,7 +80,7 @@ double frf_percent(const LayoutView& view) {
     missed += drive * scale * columns(deviation).squaredNorm();
     there += drive * columns(view.interest).squaredNorm();
   }
-  return there > 0.0 ? 100.0 * std::sqrt(missed / there) : kNoPrediction;
+  return there > 0.0 ? 100.0 * std::sqrt(missed / there) : kUndefined;
 }
 
 }  // namespace

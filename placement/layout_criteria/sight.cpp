@@ -5,11 +5,10 @@
 #include <numbers>
 
 #include "placement/layout.h"
+#include "placement/layout_criteria/undefined.h"
 
 namespace chladni::placement {
 namespace {
-
-constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
 
 // Smallest eigenvalue of ΦᵀΦ [1/kg] for one group at some channels. For lightly damped, separate
 // modes it equals that of the Gramian up to a factor of the mode.
@@ -21,7 +20,7 @@ double least(const Eigen::MatrixXd& shapes, const modal::ModeGroup& group) {
 }
 
 double weakest(const Eigen::MatrixXd& shapes, const LayoutView& view) {
-  if (shapes.rows() == 0) return kUnseen;
+  if (shapes.rows() == 0) return kUndefined;
   double weakest = std::numeric_limits<double>::infinity();
   for (const auto& group : view.groups) {
     const double average = static_cast<double>(shapes.rows()) * std::pow(view.rms(group.first), 2);
@@ -38,12 +37,12 @@ double driven(const LayoutView& view) { return weakest(view.actuators, view); }
 
 // Smallest Hankel singular value of a mode: half its peak of receptance, over all channels.
 double smallest_response(const LayoutView& view) {
-  if (view.sensors.rows() == 0 || view.actuators.rows() == 0) return kUnseen;
+  if (view.sensors.rows() == 0 || view.actuators.rows() == 0) return kUndefined;
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& group : view.groups) {
     const double omega = 2.0 * std::numbers::pi * view.frequency_hz(group.first);
     const double damping = view.damping_ratio(group.first);
-    if (!(damping > 0.0)) return kUnseen;
+    if (!(damping > 0.0)) return kUndefined;
     const double shapes = std::sqrt(least(view.sensors, group) * least(view.actuators, group));
     smallest = std::min(smallest, shapes / (4.0 * damping * omega * omega));
   }

@@ -56,6 +56,16 @@ std::string constants_text(const diagnosis::Diagnosis& result) {
   return text.empty() ? text : "calibrated:\n" + text;
 }
 
+io::JsonObject constant_json(const CalibratedNumber& number) {
+  return {{"key", number.name},
+          {"unit", number.unit},
+          {"of_study", number.of_study},
+          {"value", number.value},
+          {"std", number.std},
+          {"prior", number.prior},
+          {"determined", number.determined}};
+}
+
 io::JsonArray constants_json(const diagnosis::Diagnosis& result) {
   io::JsonArray array;
   for (const auto& one : result.constants) {
@@ -64,14 +74,9 @@ io::JsonArray constants_json(const diagnosis::Diagnosis& result) {
       if (pair.one == one.name) together.emplace_back(pair.other, pair.correlation);
       if (pair.other == one.name) together.emplace_back(pair.one, pair.correlation);
     }
-    array.emplace_back(io::JsonObject{{"key", one.name},
-                                      {"unit", one.unit},
-                                      {"of_study", one.of_study},
-                                      {"value", one.value},
-                                      {"std", one.std},
-                                      {"prior", one.prior},
-                                      {"determined", one.determined},
-                                      {"correlations", together}});
+    auto json = constant_json(one);
+    json.emplace_back("correlations", together);
+    array.emplace_back(std::move(json));
   }
   return array;
 }

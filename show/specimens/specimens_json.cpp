@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "show/diagnosis/constants_told.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/specimens.h"
 
@@ -42,15 +43,7 @@ io::JsonObject explanation_json(const SpecimensExplanation& one) {
 
 io::JsonArray numbers_json(const std::vector<diagnosis::CalibratedNumber>& numbers) {
   io::JsonArray array;
-  for (const auto& one : numbers) {
-    array.emplace_back(io::JsonObject{{"key", one.name},
-                                      {"unit", one.unit},
-                                      {"of_study", one.of_study},
-                                      {"value", one.value},
-                                      {"std", one.std},
-                                      {"prior", one.prior},
-                                      {"determined", one.determined}});
-  }
+  for (const auto& one : numbers) array.emplace_back(constant_json(one));
   return array;
 }
 

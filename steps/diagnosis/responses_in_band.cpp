@@ -107,16 +107,7 @@ diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all, stage:
     work.note(fmt::format("{} of {} identified modes are weak or damped as no other is: left out",
                           all.count() - static_cast<Index>(kept.size()), all.count()));
   }
-  auto clear = all;
-  clear.frequency_hz = all.frequency_hz(kept);
-  clear.frequency_std = all.frequency_std(kept);
-  clear.damping_ratio = all.damping_ratio(kept);
-  clear.damping_std = all.damping_std(kept);
-  clear.output_shapes = all.output_shapes(Eigen::all, kept);
-  clear.output_std = all.output_std(Eigen::all, kept);
-  clear.input_shapes = all.input_shapes(Eigen::all, kept);
-  clear.input_std = all.input_std(Eigen::all, kept);
-  return clear;
+  return diagnosis::part(all, kept);
 }
 
 }  // namespace chladni::steps

@@ -18,19 +18,6 @@ namespace {
 using diagnosis::MeasuredModes;
 using Eigen::Index;
 
-MeasuredModes chosen(const MeasuredModes& all, const std::vector<Index>& modes) {
-  MeasuredModes part = all;
-  part.frequency_hz = all.frequency_hz(modes);
-  part.frequency_std = all.frequency_std(modes);
-  part.damping_ratio = all.damping_ratio(modes);
-  part.damping_std = all.damping_std(modes);
-  part.output_shapes = all.output_shapes(Eigen::all, modes);
-  part.output_std = all.output_std(Eigen::all, modes);
-  part.input_shapes = all.input_shapes(Eigen::all, modes);
-  part.input_std = all.input_std(Eigen::all, modes);
-  return part;
-}
-
 // Ascending modes above 0 Hz within the band of the diagnosis.
 MeasuredModes within_band(const MeasuredModes& all, const study::Study& study, stage::Work& work) {
   const auto plan = study.diagnosis.value_or(study::DiagnosisPlan{});
@@ -51,7 +38,7 @@ MeasuredModes within_band(const MeasuredModes& all, const study::Study& study, s
   }
   std::ranges::stable_sort(
       kept, [&](Index a, Index b) { return all.frequency_hz(a) < all.frequency_hz(b); });
-  return chosen(all, kept);
+  return diagnosis::part(all, kept);
 }
 
 // Gives values without a deviation the study's noise.
@@ -111,7 +98,7 @@ MeasuredModes modes_below(double highest_hz, const MeasuredModes& all, const stu
                   file, all.count() - count, highest_hz));
   std::vector<Index> kept(static_cast<std::size_t>(count));
   std::iota(kept.begin(), kept.end(), Index{0});
-  return chosen(all, kept);
+  return diagnosis::part(all, kept);
 }
 
 MeasuredModes measured_modes(const study::Study& study, stage::Work& work) {

@@ -237,19 +237,6 @@ void keep_damping(Referred& result, const Anchors& anchors, const MeasuredModes&
   }
 }
 
-MeasuredModes with_modes(const MeasuredModes& all, const std::vector<Index>& modes) {
-  MeasuredModes part = all;
-  part.frequency_hz = all.frequency_hz(modes);
-  part.frequency_std = all.frequency_std(modes);
-  part.damping_ratio = all.damping_ratio(modes);
-  part.damping_std = all.damping_std(modes);
-  part.output_shapes = all.output_shapes(Eigen::all, modes);
-  part.output_std = all.output_std(Eigen::all, modes);
-  part.input_shapes = all.input_shapes(Eigen::all, modes);
-  part.input_std = all.input_std(Eigen::all, modes);
-  return part;
-}
-
 // All later modes; those that stay.
 std::vector<Index> refer_all(Referred& result, const ModesProblem& problem, const ModesFit& fit,
                              const Anchors& anchors, const std::vector<Index>& earlier) {
@@ -306,7 +293,7 @@ Referred referred(const Structure& structure, const MeasuredModes& later,
   note_lost(result, reference, earlier);
   require(!kept.empty(), "no mode of the study is among those before and after");
   keep_damping(result, anchors, reference, earlier);
-  result.measured = with_modes(result.measured, kept);
+  result.measured = part(result.measured, kept);
   result.reference_hz = VectorXd(result.reference_hz(kept));
   return result;
 }
