@@ -128,7 +128,8 @@ function(add_test_program room first)
   set(program ${room}_${stem})
   add_executable(${program} ${first} ${ARGN})
   target_link_libraries(${program} PRIVATE chladni::${room} ${T_LINK} chladni_warnings
-                                           chladni_test_workers GTest::gtest_main)
+                                           chladni_test_workers chladni_rotation
+                                           GTest::gtest_main)
   target_compile_definitions(${program} PRIVATE ${T_DEFINE}
     CHLADNI_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CHLADNI_BINARY_DIR="${PROJECT_BINARY_DIR}")
   optimise_tests(${program})

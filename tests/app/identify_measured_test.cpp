@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "io/json.h"
 #include "quiet_run.h"
+#include "rotation/turn.h"
 
 namespace chladni::app {
 namespace {
@@ -51,6 +52,7 @@ void expect_among(const std::vector<double>& found, double wanted, double within
 const fs::path kData = fs::path(CHLADNI_SOURCE_DIR) / "../shared/data";
 
 TEST_F(IdentifyMeasured, TheMeasuredBeamOfEindhoven) {
+  EVERY_FOURTH_LANDING();
   const auto file = fs::absolute(kData / "tue-beam-3x3/frf_3x3.csv").lexically_normal();
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
   const auto text =
@@ -119,6 +121,7 @@ band = ["65 Hz", "1000 Hz"]
 };
 
 TEST_F(FreeBar, HasTheModesThatAreAskedFor) {
+  EVERY_FOURTH_LANDING();
   if (!fs::exists(file())) GTEST_SKIP() << file() << " is not here";
   expect_the_four_modes(identified(study(R"(rigid_body_modes = 0
 modes = 4
@@ -129,6 +132,7 @@ cut_off_db = 60
 }
 
 TEST_F(FreeBar, HasFourModesThatAreFound) {
+  EVERY_FOURTH_LANDING();
   if (!fs::exists(file())) GTEST_SKIP() << file() << " is not here";
   const auto json = identified(study(""), file());
   expect_the_four_modes(json);

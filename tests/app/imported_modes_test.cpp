@@ -1,5 +1,6 @@
 // Frequencies of bodies that come as surfaces, at the default mesh, against exact ones.
 #include "io/json.h"
+#include "rotation/turn.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {
@@ -58,6 +59,7 @@ constexpr const char* kAluminium =
     "youngs_modulus = \"70 GPa\", poissons_ratio = 0.33, density = \"2700 kg/m^3\"";
 
 TEST_F(ImportedModes, TwentyOfAPlateAtTheDefault) {
+  EVERY_FOURTH_LANDING();
   write("body.stl", box_stl(600, 600, 20));
   expect_near(frequencies(kAluminium, 20),
               {178.9033,  264.0703,  334.3557,  463.3912,  463.3912,  828.3701,  828.3701,
@@ -67,6 +69,7 @@ TEST_F(ImportedModes, TwentyOfAPlateAtTheDefault) {
 }
 
 TEST_F(ImportedModes, TwelveOfAStripAtTheDefault) {
+  EVERY_FOURTH_LANDING();
   write("body.stl", box_stl(500, 20, 2));
   expect_near(
       frequencies("youngs_modulus = \"210 GPa\", poissons_ratio = 0.3, density = \"7850 kg/m^3\"",
@@ -78,6 +81,7 @@ TEST_F(ImportedModes, TwelveOfAStripAtTheDefault) {
 
 // The first, a twist of open ribs, converges slowly (their edges are singular): not compared here.
 TEST_F(ImportedModes, OfALightWeightedTable) {
+  EVERY_FOURTH_LANDING();
   if (!fs::exists(kTable)) GTEST_SKIP() << kTable << " is not here";
   fs::copy(kTable, folder_ / "body.stl");
   expect_near(

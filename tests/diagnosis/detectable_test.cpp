@@ -8,6 +8,7 @@
 
 #include "diagnosis/search/search.h"
 #include "diagnosis/small_plate.h"
+#include "rotation/turn.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {
@@ -215,12 +216,14 @@ class Searched : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(Searched, FindsWhatIsDetectable) {
+  EVERY_FOURTH_LANDING();
   EXPECT_EQ(found_at(1.5, Tolerances{}), std::vector<bool>(4, true));
 }
 
 // Damping as the study defines it: where the ratios are those of the modes with a spring, a free
 // body's suspension has a damping that tells of the spring, too, and less of it is found.
 TEST_P(Searched, FindsNoLess) {
+  EVERY_FOURTH_LANDING();
   Tolerances stated;
   stated.loaded_damping = 0.0;
   EXPECT_EQ(found_at(1.0 / 3.0, stated), std::vector<bool>(4, false));

@@ -11,6 +11,7 @@
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
 #include "diagnosis/small_plate.h"
+#include "rotation/turn.h"
 #include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
@@ -157,6 +158,7 @@ class LoadedTable : public testing::Test {
 };
 
 TEST_F(LoadedTable, HasAMassAndNoDamper) {
+  EVERY_FOURTH_LANDING();
   const auto diagnosis = told(1.0);
   EXPECT_EQ(diagnosis.verdict, Verdict::named) << diagnosis.best.excess;
   ASSERT_EQ(diagnosis.best.causes.size(), 1U) << diagnosis.best.causes.back().effect;
@@ -170,6 +172,7 @@ TEST_F(LoadedTable, HasAMassAndNoDamper) {
 
 // No matrix that damps the modes of the bare table one by one does that.
 TEST_F(LoadedTable, HasAMassAloneWhereEachLoadedModeHasARatioOfItsOwn) {
+  EVERY_FOURTH_LANDING();
   const auto diagnosis = told(1.0, 0.3);
   EXPECT_EQ(diagnosis.verdict, Verdict::named) << diagnosis.best.excess;
   ASSERT_EQ(diagnosis.best.causes.size(), 1U) << diagnosis.best.causes.back().effect;
@@ -178,6 +181,7 @@ TEST_F(LoadedTable, HasAMassAloneWhereEachLoadedModeHasARatioOfItsOwn) {
 
 // Where the ratios are held to be those of the bare table, something is left or damps it.
 TEST_F(LoadedTable, IsNotExplainedWhereItsRatiosAreTakenForThoseOfTheBareOne) {
+  EVERY_FOURTH_LANDING();
   const auto diagnosis = told(0.0);
   const auto& best = diagnosis.best;
   EXPECT_TRUE(best.causes.size() > 1 || best.excess > 3.2)

@@ -13,6 +13,7 @@
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/recorded_modes.h"
+#include "rotation/turn.h"
 #include "simulators/plates/ritz_structure.h"
 #include "simulators/portable_random.h"
 
@@ -179,6 +180,7 @@ class CalibratedConstants : public testing::Test {
 };
 
 TEST_F(CalibratedConstants, AModulusIsFoundAndNoCauseIs) {
+  EVERY_FOURTH_LANDING();
   for (const unsigned seed : {1U, 2U}) {
     for (const double factor : {1.12, 0.85}) {
       const auto found = diagnosed(study(), measured_on({.body = stiffer(factor)}, seed),
@@ -193,6 +195,7 @@ TEST_F(CalibratedConstants, AModulusIsFoundAndNoCauseIs) {
 }
 
 TEST_F(CalibratedConstants, FrequenciesAloneAreEnough) {
+  EVERY_FOURTH_LANDING();
   for (const double factor : {1.12, 1.7, 0.55}) {
     const auto found = diagnosed(study(), measured_on({.body = stiffer(factor)}, 3, false, false),
                                  with({constant("youngs_modulus", 0.0, Kind::unknown)}));
@@ -202,6 +205,7 @@ TEST_F(CalibratedConstants, FrequenciesAloneAreEnough) {
 }
 
 TEST_F(CalibratedConstants, AMassBesideIsStillNamed) {
+  EVERY_FOURTH_LANDING();
   const auto found = diagnosed(study(), measured_on({.body = stiffer(1.12), .mass = 0.8}, 1, true),
                                with({constant("youngs_modulus", 0.15)}));
   EXPECT_EQ(found.verdict, Verdict::named) << told(found);
@@ -211,6 +215,7 @@ TEST_F(CalibratedConstants, AMassBesideIsStillNamed) {
 }
 
 TEST_F(CalibratedConstants, ModulusAndDensityAreNotToldApartWithoutScale) {
+  EVERY_FOURTH_LANDING();
   const auto found = diagnosed(study(), measured_on({.body = stiffer(1.12)}, 1),
                                with({constant("youngs_modulus", 0.15), constant("density", 0.15)}));
   EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << told(found);
@@ -235,6 +240,7 @@ TEST_F(CalibratedConstants, AScaleTellsModulusAndDensityApart) {
 }
 
 TEST_F(CalibratedConstants, WhatIsKnownExactlyChangesNothing) {
+  EVERY_FOURTH_LANDING();
   for (const double mass : {0.0, 0.8}) {
     const auto measured = measured_on({.mass = mass}, 2, true);
     const auto before = diagnosed(study(), measured, with({}));
@@ -259,6 +265,7 @@ TEST_F(CalibratedConstants, WhatIsKnownExactlyChangesNothing) {
 }
 
 TEST_F(CalibratedConstants, ABlunderInWhatWasMeasuredIsACause) {
+  EVERY_FOURTH_LANDING();
   auto body = plate();
   body.thickness *= 1.08;
   const auto measured = measured_on({.body = body}, 1);
@@ -272,6 +279,7 @@ TEST_F(CalibratedConstants, ABlunderInWhatWasMeasuredIsACause) {
 }
 
 TEST_F(CalibratedConstants, DirectionsOfTheStiffnessAreFound) {
+  EVERY_FOURTH_LANDING();
   auto body = plate();
   auto& q = body.stiffness;
   q.q11 *= 1.3;

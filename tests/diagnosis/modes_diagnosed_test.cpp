@@ -13,6 +13,7 @@
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/recorded_modes.h"
+#include "rotation/turn.h"
 #include "simulators/plates/ritz_structure.h"
 #include "simulators/portable_random.h"
 
@@ -207,6 +208,7 @@ Hidden stiffer() { return {"youngs_modulus", 0, VectorXd::Constant(1, std::log(1
 
 // Residues tell the modulus from the density and the thickness.
 TEST_F(DiagnosedModes, NameTheModulusWhereResiduesAreKnown) {
+  EVERY_FOURTH_LANDING();
   const auto found =
       diagnosed(study(), scaled(measured_with({stiffer()}, 3), {stiffer()}), options());
   expect_named(found, "youngs_modulus", "relative", 0.12, 0.04);
@@ -214,6 +216,7 @@ TEST_F(DiagnosedModes, NameTheModulusWhereResiduesAreKnown) {
 
 // Nothing else does: all of them are told, and none is sure.
 TEST_F(DiagnosedModes, AreInDoubtAboutTheModulusBesideItsRivals) {
+  EVERY_FOURTH_LANDING();
   for (const bool shapes : {true, false}) {
     const auto measured = measured_with({stiffer()}, 3);
     const auto found = diagnosed(study(), shapes ? measured : without_shapes(measured), options());
@@ -246,6 +249,7 @@ TEST_F(DiagnosedModes, NameAMass) {
 }
 
 TEST_F(DiagnosedModes, NameASpring) {
+  EVERY_FOURTH_LANDING();
   const Vector2d place(-0.18, 0.11);
   const Hidden hidden{"ground_spring", 0, Vector3d(std::log(3e6), place(0), place(1))};
   const auto found = diagnosed(study(), measured_with({hidden}, 5), options());
@@ -254,6 +258,7 @@ TEST_F(DiagnosedModes, NameASpring) {
 }
 
 TEST_F(DiagnosedModes, NameAGain) {
+  EVERY_FOURTH_LANDING();
   const Hidden hidden{"sensor_gain", 4, VectorXd::Constant(1, std::log(1.3))};
   const auto found = diagnosed(study(), measured_with({hidden}, 6), options());
   expect_named(found, "sensor_gain", "relative", 0.3, 0.1);
@@ -261,18 +266,21 @@ TEST_F(DiagnosedModes, NameAGain) {
 }
 
 TEST_F(DiagnosedModes, NameASign) {
+  EVERY_FOURTH_LANDING();
   const auto found = diagnosed(study(), measured_with({{"sensor_sign", 7, {}}}, 7), options());
   expect_named(found, "sensor_sign", "", 0.0, 0.0);
   EXPECT_EQ(found.best.causes.front().channels, std::vector<std::string>{"s8"});
 }
 
 TEST_F(DiagnosedModes, NameSwappedSensors) {
+  EVERY_FOURTH_LANDING();
   const auto found = diagnosed(study(), measured_with({{"swapped_sensors", 14, {}}}, 8), options());
   expect_named(found, "swapped_sensors", "", 0.0, 0.0);
   EXPECT_EQ(found.best.causes.front().channels, effect("swapped_sensors").channels(study(), 14));
 }
 
 TEST_F(DiagnosedModes, NameAMovedSensor) {
+  EVERY_FOURTH_LANDING();
   const Hidden hidden{"sensor_position", 5, Vector2d(0.02, -0.012)};
   const auto found = diagnosed(study(), measured_with({hidden}, 9), options());
   expect_named(found, "sensor_position", "u", 0.02, 0.01);
@@ -283,6 +291,7 @@ TEST_F(DiagnosedModes, NameAMovedSensor) {
 
 // Levels that are known, and right.
 TEST_F(DiagnosedModes, WorkWithKnownLevels) {
+  EVERY_FOURTH_LANDING();
   auto with = options();
   with.levels = Levels::known;
   with.tolerances.frequency = kFrequencyError;
@@ -315,6 +324,7 @@ TEST_F(DiagnosedModes, LookOnlyForWhatIsAskedFor) {
 
 // Not one bit depends on the number of threads, nor on what was diagnosed before.
 TEST_F(DiagnosedModes, AreTheSameEachTime) {
+  EVERY_FOURTH_LANDING();
   auto with = options();
   with.most_causes = 2;
   with.only = {"point_mass", "youngs_modulus", "sensor_gain", "swapped_sensors", "ground_spring"};
@@ -370,6 +380,7 @@ TEST_F(DiagnosedModes, MayLackNumbers) {
 
 // Of few channels a bad one could be the scatter of all, which a fit without it takes it for.
 TEST_F(DiagnosedModes, NameTheBadOneOfFewChannels) {
+  EVERY_FOURTH_LANDING();
   auto measured = scaled(measured_with({{"sensor_gain", 2, VectorXd::Constant(1, -0.65)}}, 9), {});
   measured.outputs.resize(4);
   measured.output_shapes.conservativeResize(4, Eigen::NoChange);

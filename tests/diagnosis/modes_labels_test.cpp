@@ -12,6 +12,7 @@
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/labelled_rig.h"
 #include "diagnosis/modes/labels/label_orders.h"
+#include "rotation/turn.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -75,6 +76,7 @@ Case case_of(const std::string& body, const std::string& kind, Index count, unsi
 class MixedLabels : public testing::TestWithParam<std::tuple<const char*, int, unsigned>> {};
 
 TEST_P(MixedLabels, ArePutRight) {
+  EVERY_FOURTH_LANDING();
   const auto& [body, count, seed] = GetParam();
   const auto made = case_of(body, "none", count, seed);
   expect_right(labels_of(believed(body), made.mixed, {}), made.right, made.order);
@@ -88,6 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, MixedLabels,
 class RightLabels : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
 TEST_P(RightLabels, Stay) {
+  EVERY_FOURTH_LANDING();
   const auto& [body, kind] = GetParam();
   for (unsigned seed = 1; seed <= 2; ++seed) {
     simulators::RealRigOptions options;
@@ -107,6 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, RightLabels,
 
 // A complex factor of each mode, of either sign, is not known and changes nothing.
 TEST(Labels, DoNotDependOnFactorsOfModes) {
+  EVERY_FOURTH_LANDING();
   auto made = case_of("ell", "none", 5, 4);
   Dice dice(9);
   const auto turn = [&](MeasuredModes& modes, Index k, std::complex<double> factor) {
@@ -125,6 +129,7 @@ TEST(Labels, DoNotDependOnFactorsOfModes) {
 }
 
 TEST(Labels, MayLackValues) {
+  EVERY_FOURTH_LANDING();
   auto made = case_of("disc", "none", 5, 5);
   Dice dice(3);
   const auto& shapes = made.right.output_shapes;
@@ -139,6 +144,7 @@ TEST(Labels, MayLackValues) {
 
 // A turned record neither hinders nor is turned back: it is a cause of its own.
 TEST(Labels, AreRightBesideATurnedRecord) {
+  EVERY_FOURTH_LANDING();
   auto made = case_of("ell", "none", 4, 6);
   made.right.output_shapes.row(2) *= -1.0;
   made.mixed = mixed(made.right, made.order);
@@ -146,6 +152,7 @@ TEST(Labels, AreRightBesideATurnedRecord) {
 }
 
 TEST(Labels, OfTwoAreLeftToTheSwap) {
+  EVERY_FOURTH_LANDING();
   const auto made = case_of("ell", "none", 2, 7);
   const auto labels = labels_of(believed("ell"), made.mixed, {});
   EXPECT_TRUE(labels.causes.empty()) << told(labels);
@@ -201,6 +208,7 @@ TEST(LabelOrders, HaveThePriorOfTheirNumber) {
 // --- The whole diagnosis.
 
 TEST(DiagnosedLabels, AreACauseOfEachExplanation) {
+  EVERY_FOURTH_LANDING();
   const auto made = case_of("ell", "sensor_sign", 4, 11);
   DiagnosisOptions options;
   options.most_causes = 2;
@@ -218,6 +226,7 @@ TEST(DiagnosedLabels, AreACauseOfEachExplanation) {
 }
 
 TEST(DiagnosedLabels, AreNamedAloneWhereTheModelIsRight) {
+  EVERY_FOURTH_LANDING();
   const auto made = case_of("disc", "none", -1, 12);
   DiagnosisOptions options;
   options.most_causes = 1;

@@ -11,6 +11,7 @@
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/proposals/next_measurement.h"
+#include "rotation/turn.h"
 #include "simulators/portable_random.h"
 #include "small_plate.h"
 
@@ -182,6 +183,7 @@ TEST(NextMeasurement, IsNoneWhereNothingIsWrong) {
 }
 
 TEST(NextMeasurement, IsAlwaysToldWhereSomethingIsWrong) {
+  EVERY_FOURTH_LANDING();
   for (const std::string_view effect : {"point_mass", "youngs_modulus", "sensor_sign"}) {
     const auto& record = diagnosis::effect(effect);
     VectorXd x = VectorXd::Zero(static_cast<Index>(record.parameters(small_plate()).size()));

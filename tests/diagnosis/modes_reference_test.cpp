@@ -14,6 +14,7 @@
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/recorded_modes.h"
+#include "rotation/turn.h"
 #include "simulators/plates/ritz_structure.h"
 #include "simulators/portable_random.h"
 
@@ -157,6 +158,7 @@ class ModesReference : public testing::Test {
 };
 
 TEST_F(ModesReference, FindsNothingWhereNothingChanged) {
+  EVERY_FOURTH_LANDING();
   for (const double error : {0.0, 0.03, 0.05}) {
     const Rig rig{error, 7};
     const auto before = measured(rig, sound(), 1);
@@ -170,6 +172,7 @@ TEST_F(ModesReference, FindsNothingWhereNothingChanged) {
 }
 
 TEST_F(ModesReference, FindsAMassWhateverTheModelsError) {
+  EVERY_FOURTH_LANDING();
   const Vector2d place(0.21, 0.08);
   for (const double part : {2e-3, 1e-2}) {
     for (const double error : {0.0, 0.03, 0.05}) {

@@ -14,6 +14,7 @@
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/prepared.h"
+#include "rotation/turn.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "simulators/portable_random.h"
 
@@ -122,18 +123,21 @@ void expect_named(const Diagnosis& diagnosis, const std::vector<std::string>& ca
 }
 
 TEST(Readings, NameSignAndG) {
+  EVERY_FOURTH_LANDING();
   auto set = measured();
   spoil(set, {-kPerG}, 1);
   expect_named(diagnosed_with(plate(), set), {"sensor_sign s2", "sensor_unit s2"});
 }
 
 TEST(Readings, NameSignAndMillimetres) {
+  EVERY_FOURTH_LANDING();
   auto set = measured();
   spoil(set, {-1e3}, 0);
   expect_named(diagnosed_with(plate(), set), {"sensor_sign s1", "sensor_unit s1"});
 }
 
 TEST(Readings, NeedOneResponseOnly) {
+  EVERY_FOURTH_LANDING();
   auto turned = one_response(measured());
   spoil(turned, {-1.0}, 0);
   expect_named(diagnosed_with(plate(), turned), {"sensor_sign s1"});
@@ -143,6 +147,7 @@ TEST(Readings, NeedOneResponseOnly) {
 }
 
 TEST(Readings, NameSignAndUnitOfOneResponse) {
+  EVERY_FOURTH_LANDING();
   for (const double factor : {kPerG, 1e3}) {
     auto set = one_response(measured());
     spoil(set, {-factor}, 0);
@@ -151,12 +156,14 @@ TEST(Readings, NameSignAndUnitOfOneResponse) {
 }
 
 TEST(Readings, LeaveAMassBesideThem) {
+  EVERY_FOURTH_LANDING();
   auto set = measured({"point_mass"});
   spoil(set, {-kPerG}, 1);
   expect_named(diagnosed_with(plate(), set), {"point_mass", "sensor_sign s2", "sensor_unit s2"});
 }
 
 TEST(Readings, LeaveAModulusBesideThem) {
+  EVERY_FOURTH_LANDING();
   auto set = measured({"youngs_modulus"});
   spoil(set, {-kPerG}, 1);
   expect_named(diagnosed_with(plate(), set),
@@ -164,6 +171,7 @@ TEST(Readings, LeaveAModulusBesideThem) {
 }
 
 TEST(Readings, NameSignAndDelay) {
+  EVERY_FOURTH_LANDING();
   for (const double delay : {3e-4, 8e-4}) {
     auto set = measured();
     spoil(set, {-1.0, delay}, 1);
@@ -176,6 +184,7 @@ TEST(Readings, NameSignAndDelay) {
 }
 
 TEST(Readings, NameQuantityUnitAndDelay) {
+  EVERY_FOURTH_LANDING();
   auto set = measured();
   spoil(set, {kPerG, 2e-4, 1}, 1);
   expect_named(diagnosed_with(plate(), set),
@@ -183,6 +192,7 @@ TEST(Readings, NameQuantityUnitAndDelay) {
 }
 
 TEST(Readings, NameTwoChannels) {
+  EVERY_FOURTH_LANDING();
   auto set = measured();
   spoil(set, {-kPerG}, 0);
   spoil(set, {-1e3}, 2);
@@ -191,6 +201,7 @@ TEST(Readings, NameTwoChannels) {
 }
 
 TEST(Readings, NameASensorAndAnActuator) {
+  EVERY_FOURTH_LANDING();
   auto set = measured();
   spoil(set, {-kPerG}, 0);
   spoil(set, {-1.0, 3e-4}, -1, 0);
@@ -199,6 +210,7 @@ TEST(Readings, NameASensorAndAnActuator) {
 }
 
 TEST(Readings, AccuseNoSoundRig) {
+  EVERY_FOURTH_LANDING();
   const auto diagnosis = diagnosed_with(plate(), measured());
   EXPECT_EQ(diagnosis.verdict, Verdict::no_discrepancy) << told(diagnosis);
 }
@@ -228,6 +240,7 @@ TEST(Readings, AccuseNoRigWhoseModelIsOff) {
 }
 
 TEST(Readings, StandBesideAModelThatIsOff) {
+  EVERY_FOURTH_LANDING();
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     auto set = measured();
     spoil(set, {-kPerG}, 1);

@@ -9,6 +9,7 @@
 
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/factorization.h"
+#include "rotation/turn.h"
 
 namespace chladni::fem {
 namespace {
@@ -93,6 +94,7 @@ void count_one(unsigned seed, int n, int links, int tiny, Tally& tally) {
 }
 
 TEST(Inertia, ThatIsWrongIsNeverTrusted) {
+  EVERY_FOURTH_LANDING();
   Tally tally;
   for (unsigned seed = 1; seed <= 2500; ++seed) {
     count_one(seed, 20 + int(seed % 60), 40 + 4 * int(seed % 60), 1 + int(seed % 3), tally);

@@ -12,6 +12,7 @@
 #include "base/turn.h"
 #include "fem/assemble.h"
 #include "mesh/bodies.h"
+#include "rotation/turn.h"
 #include "tests/fem/random_body.h"
 
 namespace chladni::fem {
@@ -248,6 +249,7 @@ TEST(Modes, RefuseWhatDoesNotFitInMemoryBeforeTheyStart) {
 // springs and resonators. Every one must have as many modes as inertia counts (the solver throws
 // otherwise), and they must be those of a dense solver.
 TEST(Modes, OfRandomBodiesAreNeverLost) {
+  EVERY_FOURTH_LANDING();
   double worst = 0.0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const auto body = random_body(seed);

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "diagnosis/diagnosed.h"
-#include "hidden_effects/drawn_sample.h"
+#include "rotation/drawn_sample.h"
+#include "rotation/turn.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "simulators/hidden/hidden_score.h"
 #include "simulators/plates/ritz_structure.h"
@@ -65,14 +66,14 @@ void expect_sizes(const simulators::EffectScore& effect) {
   }
 }
 
-using hidden_effects::DrawnSample;
+using rotation::DrawnSample;
 
 // Each search takes some ten seconds: every fourth kind, unless all are asked for.
 const DrawnSample& sample() {
   static const auto drawn = [] {
     const char* asked = std::getenv("CHLADNI_STUDIES");
-    auto one = hidden_effects::drawn_sample(asked == nullptr ? "" : asked,
-                                            hidden_effects::tree_state(CHLADNI_SOURCE_DIR));
+    auto one = rotation::drawn_sample(asked == nullptr ? "" : asked,
+                                      rotation::tree_state(CHLADNI_SOURCE_DIR));
     fmt::print(
         "sample of {}: every fourth kind from the {}th, seed {}; CHLADNI_STUDIES={} repeats "
         "it\n",
@@ -138,6 +139,7 @@ INSTANTIATE_TEST_SUITE_P(BesideTheCatalogue, OutsideEffects,
                          testing::ValuesIn(simulators::outside_kinds()), kind_name);
 
 TEST(HiddenEffects, NothingIsCalledNothing) {
+  EVERY_FOURTH_LANDING();
   for (const unsigned seed : {1U, sample().seed() + 1U}) {
     const auto diagnosis = told(hidden({}, seed));
     EXPECT_EQ(diagnosis.verdict, Verdict::no_discrepancy) << seed;

@@ -10,6 +10,7 @@
 #include "general_case.h"
 #include "identification/modal_fit.h"
 #include "modal/state_space.h"
+#include "rotation/turn.h"
 #include "simulators/frf_cases.h"
 
 namespace chladni::identification {
@@ -93,6 +94,7 @@ TEST(GeneralDamping, IsExactWithoutNoiseInAnyUnits) {
 
 // T15: to the bound, where real modes are rejected.
 TEST(GeneralDamping, ReachesTheBoundWhereRealModesAreRejected) {
+  EVERY_FOURTH_LANDING();
   const auto first = with_dashpot(1.0);
   const auto truth = general_truth(first);
   const auto bounds = general_bounds(first, truth);
@@ -130,6 +132,7 @@ TEST(GeneralDamping, ReachesTheBoundWhereRealModesAreRejected) {
 
 // Every entry is compared: the phase between both sides is part of it.
 TEST(GeneralDamping, StatesTheDeviationsOfItsShapes) {
+  EVERY_FOURTH_LANDING();
   const auto truth = general_truth(with_dashpot(1.0));
   Eigen::ArrayXd square = Eigen::ArrayXd::Zero(4);
   constexpr int kSeeds = 150;

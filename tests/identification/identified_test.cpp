@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "fit_errors.h"
+#include "rotation/turn.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
 
@@ -44,6 +45,7 @@ void add(const FitErrors& errors, const simulators::FrfBounds& bounds, double sh
 
 // T2: 200 records of the beam at each level.
 TEST(Identified, ReachesTheBoundOnTheBeam) {
+  EVERY_FOURTH_LANDING();
   for (const double noise : {0.01, 0.1}) {
     constexpr unsigned kSeeds = 200;
     Statistics all;
@@ -179,6 +181,7 @@ TEST(Identified, RejectsRealModesWhereTheyAreComplex) {
 
 // As many complex ones are found, and fit to the noise; with a delay, that phases could be too.
 TEST(Identified, FindsComplexModesWhereTheyAre) {
+  EVERY_FOURTH_LANDING();
   for (const double samples : {0.0, 2.0}) {
     for (unsigned seed = 1; seed <= 10; ++seed) {
       FrfFaults faults;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "rotation/turn.h"
 #include "simulators/frf_cases.h"
 
 namespace chladni::identification {
@@ -49,6 +50,7 @@ std::string told(const Judgement& judgement) {
 
 // No sound record of many is refused, none has an outlying value.
 TEST(Trust, NeverDoubtsASoundFit) {
+  EVERY_FOURTH_LANDING();
   for (unsigned seed = 1; seed <= 40; ++seed) {
     FrfFaults faults;
     faults.seed = seed;
@@ -140,6 +142,7 @@ TEST(Trust, NamesAValueThatIsOffAndKeepsTheFit) {
 
 // A line whose values stand one column further on.
 TEST(Trust, NamesALineThatIsShifted) {
+  EVERY_FOURTH_LANDING();
   for (unsigned seed = 1; seed <= 4; ++seed) {
     for (const bool stated : {true, false}) {
       FrfFaults faults;

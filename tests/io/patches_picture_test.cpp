@@ -15,6 +15,7 @@
 #include "io/figure/colours.h"
 #include "io/figure/seen_parts.h"
 #include "mesh/bodies.h"
+#include "rotation/turn.h"
 
 namespace chladni::io {
 namespace {
@@ -109,6 +110,7 @@ TEST_F(PatchesPicture, ShowsEachPatchInAColourOfItsOwn) {
 }
 
 TEST_F(PatchesPicture, OfManyPatchesIsPaintedToo) {
+  EVERY_FOURTH_LANDING();
   auto mesh = mesh::layered(mesh::Plate{0.6, 0.4, 0.02}, 0.04, 1);
   mesh.patch_names.clear();
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {

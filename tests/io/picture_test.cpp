@@ -17,6 +17,7 @@
 #include "io/bytes/message.h"
 #include "io/figure/colours.h"
 #include "mesh/bodies.h"
+#include "rotation/turn.h"
 
 namespace chladni::io {
 namespace {
@@ -121,6 +122,7 @@ TEST_F(Picture, TheSameInputGivesTheSameBytes) {
 }
 
 TEST_F(Picture, AnyTitleAndAnyShapeOfBodyFit) {
+  EVERY_FOURTH_LANDING();
   const std::string title = "Prüfstand µ 平台 " + std::string(400, 'W');
   for (const mesh::Plate& body :
        {mesh::Plate{0.5, 0.02, 0.002}, mesh::Plate{0.1, 0.1, 0.3}, mesh::Plate{0.002, 0.5, 0.02}}) {
@@ -153,8 +155,7 @@ TEST_F(Picture, WithoutADisplayThePackageIsNamed) {
     draw_modes(png(), mesh_, modes_of(mesh_, {twist}), "");
     ADD_FAILURE();
   } catch (const WorkerDied& died) {
-    EXPECT_NE(std::string(died.what()).find("install the package xvfb"),
-              std::string::npos);
+    EXPECT_NE(std::string(died.what()).find("install the package xvfb"), std::string::npos);
   }
   ::setenv("PATH", path.c_str(), 1);
   if (display != nullptr) ::setenv("DISPLAY", shown.c_str(), 1);

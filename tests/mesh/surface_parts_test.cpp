@@ -14,6 +14,7 @@
 #include "mesh/remesh/restore_volumes.h"
 #include "mesh/remesh/smooth_parts.h"
 #include "mesh/tets/relax.h"
+#include "rotation/turn.h"
 #include "shapes.h"
 
 namespace chladni::mesh {
@@ -47,6 +48,7 @@ TEST(SmoothPartsOf, ABoxAreSixPlanes) {
 }
 
 TEST(SmoothPartsOf, ADrilledPlateKnowTheRadiusOfItsBore) {
+  EVERY_FOURTH_LANDING();
   for (const int sides : {24, 90, 2000}) {
     const SmoothParts parts = smooth_parts(plate_with_hole(0.03, sides), 0.01, 30.0);
     EXPECT_EQ(parts.radius.size(), 7U) << sides;
@@ -56,6 +58,7 @@ TEST(SmoothPartsOf, ADrilledPlateKnowTheRadiusOfItsBore) {
 }
 
 TEST(SmoothPartsOf, PlanesStayWholeWhereRoundingTiltsTheirSlivers) {
+  EVERY_FOURTH_LANDING();
   const Surface rounded = in_single_precision(
       shapes::moved(plate_with_hole(0.03, 1885), {1.0, 2.0, 3.0}));  // sides of 0.1 mm x 20 mm
   Surface body = rounded;

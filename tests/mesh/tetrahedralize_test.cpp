@@ -13,6 +13,7 @@
 #include "base/worker.h"
 #include "mesh/bodies.h"
 #include "mesh/mesher/wire.h"
+#include "rotation/turn.h"
 #include "said.h"
 #include "shapes.h"
 
@@ -91,6 +92,7 @@ TEST_F(Tetrahedralize, RepeatsItsBits) {
 }
 
 TEST_F(Tetrahedralize, IsBlindToTheUnitAndToDistance) {
+  EVERY_FOURTH_LANDING();
   const TetMesh metre = tetrahedralize(cube(), {});
   const TetMesh small = tetrahedralize(shapes::scaled(cube(), 0.0009765625), {});  // 2^-10: exact
   EXPECT_EQ(metre.tet_count(), small.tet_count());
@@ -247,6 +249,7 @@ Surface drilled_plate(double radius, int sides) {
 
 // The bores' strips are 2 mm, 0.1 mm and 0.04 mm wide and 20 mm long.
 TEST_F(Tetrahedralize, MeshesADrilledPlateWithSlivers) {
+  EVERY_FOURTH_LANDING();
   for (const Surface& drilled :
        {drilled_plate(0.03, 90), drilled_plate(0.03, 1885), drilled_plate(0.002, 300)}) {
     const TetMesh mesh = tetrahedralize(drilled, {});
@@ -259,6 +262,7 @@ TEST_F(Tetrahedralize, MeshesADrilledPlateWithSlivers) {
 }
 
 TEST_F(Tetrahedralize, KeepsTheSharpEdgesOfADrilledPlate) {
+  EVERY_FOURTH_LANDING();
   const Surface drilled = drilled_plate(0.03, 1885);
   const TetMesh mesh = tetrahedralize(drilled, {});
   for (int p = 0; p < 6; ++p) {  // a bore of fewer chords takes less of the faces it opens on
@@ -276,6 +280,7 @@ TEST_F(Tetrahedralize, KeepsTheSharpEdgesOfADrilledPlate) {
 }
 
 TEST_F(Tetrahedralize, MeshesWhatAFileInSinglePrecisionSays) {
+  EVERY_FOURTH_LANDING();
   Surface drilled = shapes::as_soup(shapes::moved(drilled_plate(0.03, 1885), {1.0, 2.0, 3.0}));
   drilled.points = drilled.points.cast<float>().cast<double>();
   const TetMesh mesh = tetrahedralize(drilled, {});

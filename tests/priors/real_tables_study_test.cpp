@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "priors/interpolator.h"
+#include "rotation/turn.h"
 #include "simulators/tables/plate_corrections.h"
 #include "simulators/tables/plate_study.h"
 #include "simulators/tables/real_tables.h"
@@ -59,6 +60,7 @@ class RealTables : public testing::Test {
 };
 
 TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
+  EVERY_FOURTH_LANDING();
   const auto ours = scores("dynamic_residual", "rings");
   const double first_nine = ours.error.leftCols(9).mean();
   EXPECT_LT(first_nine, 0.005);
@@ -69,6 +71,7 @@ TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
 }
 
 TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
+  EVERY_FOURTH_LANDING();
   for (const auto* layout : {"quincunx", "rand1"}) {
     const auto ours = scores("dynamic_residual", layout);
     const auto spline = scores("thin_plate_spline", layout);
@@ -80,6 +83,7 @@ TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
 
 // Each step pays: orthogonality, then corrections.
 TEST_F(RealTables, GainFromEveryStep) {
+  EVERY_FOURTH_LANDING();
   const double alone = scores("dynamic_residual_alone", "rings").error.mean();
   const double orthogonal = scores("dynamic_residual_orthogonal", "rings").error.mean();
   EXPECT_LT(orthogonal, 1.02 * alone);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "rotation/turn.h"
 #include "show/interpolation.h"
 #include "simulators/frf_cases.h"
 #include "steps/interpolation.h"
@@ -119,6 +120,7 @@ TEST(ComparisonPictures, LeaveWhatIsNotKnownEmpty) {
 }
 
 TEST(ComparisonPictures, AreThere) {
+  EVERY_FOURTH_LANDING();
   const app::TestFolder folder("comparison");
   const auto png = [&](const char* name) { return folder.path() / name; };
   show::draw_responses(png("responses.png"), table().measured, simulation(), table().exact);

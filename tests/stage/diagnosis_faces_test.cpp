@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "rotation/turn.h"
 #include "stage/diagnosis_structure.h"
 #include "stage/faces.h"
 #include "tests/app/quiet_run.h"
@@ -135,6 +136,7 @@ TEST(DiagnosisFaces, OfAStandingBeamAreItsTop) {
 
 // A wafer lies on the middle of the table: causes are sought on it too, unless patches are named.
 TEST(DiagnosisFaces, LeaveOutWhatIsNoneOfThem) {
+  EVERY_FOURTH_LANDING();
   auto table = solved_with(
       "[geometry.wafer_table]\nlength = \"200 mm\"\nwidth = \"200 mm\"\nheight = \"30 mm\"\n"
       "pockets = [0, 0]\nface_sheet = \"30 mm\"\n"

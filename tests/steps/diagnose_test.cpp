@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "base/error.h"
 #include "io/frf_file.h"
+#include "rotation/turn.h"
 #include "show/diagnosis.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "steps/diagnosis.h"
@@ -85,6 +86,7 @@ class Diagnose : public testing::Test {
 };
 
 TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
+  EVERY_FOURTH_LANDING();
   const auto one = diagnosed_from(measured_of({}, {0}, {5}));
   EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << show::verdict_text(one.result);
   EXPECT_FALSE(one.extended.has_value());
@@ -92,6 +94,7 @@ TEST_F(Diagnose, OneResponseOfASoundTableAccusesNothing) {
 
 // A sound table: what matters is what would have been seen.
 TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
+  EVERY_FOURTH_LANDING();
   const auto one = diagnosed_from(measured_of({}, {0, 2}, {4, 6, 9}),
                                   "effects = [\"point_mass\", \"sensor_gain\", \"sensor_sign\"]\n");
   const io::Json json = show::diagnosis_json(one);
@@ -111,6 +114,7 @@ TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
 
 // A soft patch may do the same to one response, or a mass elsewhere: then none is sure.
 TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
+  EVERY_FOURTH_LANDING();
   int named = 0;
   for (const unsigned seed : {3U, 4U}) {
     const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}, seed));
@@ -129,6 +133,7 @@ TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
 }
 
 TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
+  EVERY_FOURTH_LANDING();
   auto measured = measured_of({}, {0}, {5});
   for (auto& value : measured.value) value = -value;
   const auto one = diagnosed_from(measured);
@@ -153,6 +158,7 @@ TEST_F(Diagnose, AnotherTableIsNotExplained) {
 }
 
 TEST_F(Diagnose, NoiseThatIsNotStatedIsEstimatedAndSaid) {
+  EVERY_FOURTH_LANDING();
   auto measured = measured_of({}, {0, 1}, {3, 5});
   measured.variance.clear();
   const auto one = diagnosed_from(measured, "effects = [\"point_mass\", \"sensor_gain\"]\n");

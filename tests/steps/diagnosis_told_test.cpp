@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"
 #include "io/frf_file.h"
+#include "rotation/turn.h"
 #include "show/diagnosis.h"
 #include "stage/diagnosis_structure.h"
 #include "steps/diagnosis.h"
@@ -161,6 +162,7 @@ TEST_F(Told, TheVerdictStandsFirst) {
 }
 
 TEST_F(Told, AUnitIsSaidEverywhereAndTheExtendedStudyHasIt) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of({cause("sensor_unit", {"s2"}, {}, "g taken for m/s^2")},
                               "\"sensor_unit\", \"sensor_gain\", \"sensor_sign\"");
   const auto one = diagnosed_of(study);
@@ -183,6 +185,7 @@ TEST_F(Told, AUnitIsSaidEverywhereAndTheExtendedStudyHasIt) {
 
 // All records are accelerations: a property of the file, of the sensor that was held out, too.
 TEST_F(Told, AQuantityIsSaidEverywhereAndTheExtendedStudyAgrees) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of(
       {cause("sensor_quantity", {"s1", "s2", "s3"}, {}, "acceleration taken for displacement")},
       "\"sensor_quantity\", \"sensor_gain\"");
@@ -203,6 +206,7 @@ TEST_F(Told, AQuantityIsSaidEverywhereAndTheExtendedStudyAgrees) {
 }
 
 TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of({cause("sensor_crosstalk", {"s1", "s2"}, {{"share", 0.2}})},
                               "\"sensor_crosstalk\", \"sensor_gain\", \"sensor_position\"");
   app::QuietRun quiet(study, at("out"));
@@ -227,6 +231,7 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
 }
 
 TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
                               "\"point_mass\"");
   app::QuietRun quiet(study, at("out"));
@@ -245,6 +250,7 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
 }
 
 TEST_F(Told, WhatResponsesDoNotExplainIsAskedOfTheirModes) {
+  EVERY_FOURTH_LANDING();
   auto study =
       study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})}, "\"delay\"");
   const auto one = diagnosed_of(study);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
+#include "rotation/turn.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
 #include "tests/app/quiet_run.h"
@@ -235,6 +236,7 @@ TEST_F(MeasuredModes, AreRefusedByFileAndPlace) {
 }
 
 TEST_F(MeasuredModes, NameAMassThatTheStudyLacks) {
+  EVERY_FOURTH_LANDING();
   write_modes(study_of("modes.csv", kMass), 8, true);
   const auto one = diagnosed_of(study_of("modes.csv"));
   EXPECT_EQ(one.result.verdict, Verdict::named) << shown_;

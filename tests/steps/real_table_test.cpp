@@ -2,6 +2,7 @@
 // model. docs/reference/oat_interpolation.md shows the figures.
 #include <gtest/gtest.h>
 
+#include "rotation/turn.h"
 #include "steps/interpolation.h"
 #include "steps/priors.h"
 #include "tests/app/quiet_run.h"
@@ -46,6 +47,7 @@ TEST(RealTable, IsPredictedWhereItsOwnChannelsAreLeftOut) {
 // What the thesis saw fall, and what falls only there: the error of the most complex mode as more
 // samples are learned from; a simpler one rises meanwhile, along the same ridge.
 TEST(Figure512, IsWhereARidgeEndsAndNoMatterOfTheModel) {
+  EVERY_FOURTH_LANDING();
   const app::TestFolder folder("figure_5_12");
   const study::Study study =
       study::read_study(std::filesystem::path(CHLADNI_SOURCE_DIR) / "models" / "oat" /

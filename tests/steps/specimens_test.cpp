@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "rotation/turn.h"
 #include "show/specimens.h"
 #include "stage/solution.h"
 #include "steps/diagnosis.h"
@@ -120,6 +121,7 @@ const std::vector<Plate> kSound{{1.03, 1.01},  {0.97, 0.99},  {1.0, 1.012},
                                 {0.98, 1.006}, {1.04, 0.998}, {0.99, 1.015}};
 
 TEST_F(Specimens, FindTheSheetAndItsEntry) {
+  EVERY_FOURTH_LANDING();
   auto plates = kSound;
   plates[2].thickness = 0.86;
   write_series(plates);
@@ -140,6 +142,7 @@ TEST_F(Specimens, FindTheSheetAndItsEntry) {
 }
 
 TEST_F(Specimens, AccuseNoneOfASoundSeries) {
+  EVERY_FOURTH_LANDING();
   write_series(kSound);
   const auto result = found().result;
   EXPECT_EQ(result.verdict, diagnosis::Verdict::no_discrepancy) << shown_;

@@ -13,6 +13,7 @@
 #include "base/draw.h"
 #include "base/turn.h"
 #include "identification/closed_loop.h"
+#include "rotation/turn.h"
 #include "tests/identification/rigs.h"
 
 namespace chladni::identification {
@@ -187,6 +188,7 @@ TEST(ClosedLoopOfATable, HasASensitivityOfFortyDecibels) {
 }
 
 TEST_F(ClosedLoopLaw, TheBiasIsBelowATenthOfADeviation) {
+  EVERY_FOURTH_LANDING();
   for (std::size_t k = 0; k < kLines; ++k) EXPECT_LT(indirect.bias(k), 0.1) << k;
 }
 
@@ -205,6 +207,7 @@ void expect_true(const std::vector<Eigen::MatrixXd>& stated,
 }
 
 TEST_F(ClosedLoopLaw, TheVarianceIsThatOfTheErrors) {
+  EVERY_FOURTH_LANDING();
   expect_true(indirect.total, indirect.square, "of all");
   expect_true(indirect.of_noise, indirect.square, "of noise");
 }

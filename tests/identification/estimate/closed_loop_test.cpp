@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "modal/state_space.h"
+#include "rotation/turn.h"
 #include "tests/identification/rigs.h"
 
 namespace chladni::identification {
@@ -109,6 +110,7 @@ class Errors {
 
 // Noise on the forces of 0.7 of the excitation: in the loop it reaches the inputs too.
 TEST(ClosedLoop, TheIndirectEstimateIsUnbiasedWhereTheDirectOneIsNot) {
+  EVERY_FOURTH_LANDING();
   auto noisy = rig();
   noisy.process_noise = Eigen::Vector3d(0.7, 0.7, 0.7);
   auto plan = plan_of_1024(1);

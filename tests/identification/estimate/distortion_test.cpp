@@ -13,6 +13,7 @@
 #include "identification/fit_data.h"
 #include "identification/frf_estimate.h"
 #include "identification/modal_fit.h"
+#include "rotation/turn.h"
 #include "tests/identification/rigs.h"
 
 namespace chladni::identification {
@@ -143,6 +144,7 @@ double level(const modal::FrfSet& truth) {
 }
 
 TEST_F(Distortion, OfMinusFortyDecibelsIsFoundWithinADecibel) {
+  EVERY_FOURTH_LANDING();
   EXPECT_NEAR(level(truth), -40.0, 2.0);
   for (Eigen::Index i = 0; i < 2; ++i) {
     for (std::size_t third = 0; third < 3; ++third) {
@@ -189,6 +191,7 @@ double pole_errors(const std::vector<Eigen::Index>& outputs, const modal::FrfSet
 }
 
 TEST_F(Distortion, PolesOfTheBestLinearApproximationLieWithinTheirDeviations) {
+  EVERY_FOURTH_LANDING();
   for (const Eigen::Index output : {0, 1}) {
     EXPECT_NEAR(pole_errors({output}, truth, data), 1.0, 0.3) << output;
   }

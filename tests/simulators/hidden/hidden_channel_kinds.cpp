@@ -1,13 +1,12 @@
 #include <algorithm>
 
+#include "base/index.h"
 #include "simulators/hidden/hidden_recipe.h"
 
 namespace chladni::simulators {
 namespace {
 
 using Eigen::Index;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // The records, names and places of one side.
 struct Side {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "rotation/turn.h"
 #include "simulators/tables/rig.h"
 
 namespace chladni::simulators {
@@ -103,6 +104,7 @@ TEST(HiddenEffect, ATiltIsNearlyAPlace) {
 }
 
 TEST(HiddenEffect, EveryKindOfEveryRigShows) {
+  EVERY_FOURTH_LANDING();
   for (const auto* rig : {"table_few", "strip"}) {
     auto options = quick(1.0);
     options.rig = rig;
@@ -124,6 +126,7 @@ TEST(HiddenEffect, EveryKindOfEveryRigShows) {
 }
 
 TEST(HiddenEffect, EveryKindShowsAndGrows) {
+  EVERY_FOURTH_LANDING();
   auto all = hidden_kinds();
   all.insert(all.end(), outside_kinds().begin(), outside_kinds().end());
   const auto only_one_size = [](const std::string& kind) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/index.h"
 #include "simulators/hidden/hidden_recipe.h"
 
 namespace chladni::simulators {
@@ -8,8 +9,6 @@ namespace {
 
 using Eigen::Index;
 using std::numbers::pi;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 HiddenEffect notch(Recipe& recipe, Drawn& drawn) {
   const Index i = drawn.channel(recipe.channels.output_names);

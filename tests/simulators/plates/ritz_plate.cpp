@@ -377,4 +377,14 @@ RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places) {
           at.value * field(2)};
 }
 
+Eigen::MatrixX3d deflection_at(const RitzModes& modes, const Eigen::Vector2d& place) {
+  const auto at = products(modes.body, place.transpose());
+  const auto field = modes.coefficients.topRows(at.value.cols());
+  Eigen::MatrixX3d columns(modes.mode_count(), 3);
+  columns.col(0).noalias() = field.transpose() * at.value.row(0).transpose();
+  columns.col(1).noalias() = field.transpose() * at.by_x.row(0).transpose();
+  columns.col(2).noalias() = field.transpose() * at.by_y.row(0).transpose();
+  return columns;
+}
+
 }  // namespace chladni::simulators

@@ -102,6 +102,10 @@ struct RitzRows {
 /// The rows in terms of the modes: k×n [kg^-1/2], [kg^-1/2 m^-1].
 [[nodiscard]] RitzRows modal_rows(const RitzModes& modes, const Eigen::MatrixX2d& places);
 
+/// w, ∂w/∂x and ∂w/∂y of the modes at one place, as columns: n×3. The same numbers as
+/// `modal_rows` but for rounding, in a quarter of the time.
+[[nodiscard]] Eigen::MatrixX3d deflection_at(const RitzModes& modes, const Eigen::Vector2d& place);
+
 /// Parts of the stiffness. The parts sum to `all`.
 enum class StiffnessPart { all, along_x, along_y, across, shear };
 

@@ -271,6 +271,20 @@ TEST(RitzPlate, SlopesAreDerivatives) {
   EXPECT_LT((y - rows.slope_y.row(0)).norm(), 1e-6 * y.norm());
 }
 
+TEST(RitzPlate, MovesAtOnePlaceAsAmongMany) {
+  const auto modes = ritz_modes(aluminium_table(6));
+  Eigen::MatrixX2d places(3, 2);
+  places << 0.11, -0.07, -0.3, 0.02, 0.0, 0.1;
+  const auto rows = modal_rows(modes, places);
+  for (Eigen::Index i = 0; i < places.rows(); ++i) {
+    const auto at = deflection_at(modes, places.row(i).transpose());
+    ASSERT_EQ(at.rows(), modes.mode_count());
+    EXPECT_LT((at.col(0).transpose() - rows.deflection.row(i)).norm(), 1e-12 * at.col(0).norm());
+    EXPECT_LT((at.col(1).transpose() - rows.slope_x.row(i)).norm(), 1e-12 * at.col(1).norm());
+    EXPECT_LT((at.col(2).transpose() - rows.slope_y.row(i)).norm(), 1e-12 * at.col(2).norm());
+  }
+}
+
 TEST(RitzPlate, SaysWhatIsWrong) {
   auto body = aluminium_table(4);
   EXPECT_THROW((void)ritz_rows(body, Eigen::RowVector2d(0.301, 0.0)), InvalidInput);

@@ -72,18 +72,19 @@ diagnosis::Surface surface(const RitzModes& plate, Index r, int count) {
   seen->body = plate.body;
   seen->frequency_hz = plate.frequency_hz.head(kept);
   seen->coefficients = plate.coefficients.leftCols(kept);
-  top.at = [seen, r](const Eigen::Vector2d& place) -> std::optional<diagnosis::PointMotion> {
+  const auto slowness = std::make_shared<Eigen::VectorXd>(
+      (2.0 * pi * seen->frequency_hz.tail(kept - r)).cwiseInverse());
+  top.at = [seen, slowness,
+            r](const Eigen::Vector2d& place) -> std::optional<diagnosis::PointMotion> {
     if (std::abs(place.x()) > 0.5 * seen->body.length ||
         std::abs(place.y()) > 0.5 * seen->body.width) {
       return std::nullopt;
     }
-    const auto rows = modal_rows(*seen, place.transpose());
-    return diagnosis::PointMotion{rows.deflection.row(0).head(r),
-                                  rows.slope_x.row(0).head(r),
-                                  rows.slope_y.row(0).head(r),
-                                  upper_part(*seen, rows.deflection, r).row(0),
-                                  upper_part(*seen, rows.slope_x, r).row(0),
-                                  upper_part(*seen, rows.slope_y, r).row(0)};
+    const Eigen::MatrixX3d motion = deflection_at(*seen, place);
+    const Eigen::MatrixX3d upper = slowness->asDiagonal() * motion.bottomRows(slowness->size());
+    return diagnosis::PointMotion{motion.col(0).head(r), motion.col(1).head(r),
+                                  motion.col(2).head(r), upper.col(0),
+                                  upper.col(1),          upper.col(2)};
   };
   return top;
 }

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "diagnosis/body_fields.h"
+#include "rotation/turn.h"
 #include "simulators/plates/ritz_response.h"
 
 namespace chladni::simulators {
@@ -26,6 +27,7 @@ const diagnosis::Structure& structure() {
 }
 
 TEST(RitzStructure, IsWhole) {
+  EVERY_FOURTH_LANDING();
   EXPECT_NO_THROW(diagnosis::check(structure()));
   EXPECT_EQ(structure().mode_count(), 64);
   EXPECT_NEAR(structure().mass_kg, 19.44, 1e-12);

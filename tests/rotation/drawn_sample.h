@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace chladni::hidden_effects {
+namespace chladni::rotation {
 
 /// One number says all: its rest by four which kinds, the other part which seed.
 struct DrawnSample {
@@ -28,12 +28,12 @@ struct TreeState {
 [[nodiscard]] TreeState tree_state(const std::filesystem::path& source);
 
 /// The quarter of the kinds is the rest by four of the number of commits on the line of first
-/// parents: four merges (or commits) in a row hide every kind once. In a shallow clone, where nobody
-/// knows that number, the commit's hash gives it: a kind is then left out n times in a row with
-/// (3/4)^n. Without git: 2. The seed is 1: one draw in some twenty-five is missed by chance
+/// parents: four merges (or commits) in a row hide every kind once. In a shallow clone, where
+/// nobody knows that number, the commit's hash gives it: a kind is then left out n times in a row
+/// with (3/4)^n. Without git: 2. The seed is 1: one draw in some twenty-five is missed by chance
 /// (bench/README.md counts them), which says nothing of a commit. Numbers from 4 on ask for others.
 /// @param asked  CHLADNI_STUDIES: "all" (seed 1), or a number that repeats a sample; or empty
 /// @throws InvalidInput  another word
 [[nodiscard]] DrawnSample drawn_sample(const std::string& asked, const TreeState& tree);
 
-}  // namespace chladni::hidden_effects
+}  // namespace chladni::rotation

@@ -1,4 +1,4 @@
-#include "hidden_effects/drawn_sample.h"
+#include "rotation/drawn_sample.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace chladni::hidden_effects {
+namespace chladni::rotation {
 namespace {
 
 // The first word that git prints; empty where it fails.
@@ -60,4 +60,4 @@ DrawnSample drawn_sample(const std::string& asked, const TreeState& tree) {
   return sample;
 }
 
-}  // namespace chladni::hidden_effects
+}  // namespace chladni::rotation

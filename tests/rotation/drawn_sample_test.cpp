@@ -1,4 +1,4 @@
-#include "hidden_effects/drawn_sample.h"
+#include "rotation/drawn_sample.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace chladni::hidden_effects {
+namespace chladni::rotation {
 namespace {
 
 const TreeState kTree{"f231a40c5d1e0000000000000000000000000000", 320, false};
@@ -66,4 +66,4 @@ TEST(DrawnSample, HearsGit) {
 }
 
 }  // namespace
-}  // namespace chladni::hidden_effects
+}  // namespace chladni::rotation
