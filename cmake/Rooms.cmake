@@ -94,10 +94,12 @@ function(add_room name)
   unite(chladni_${name} 8 ${ROOM_SOURCES})
 endfunction()
 
-# add_room_tests(room [APART] [LABEL label] [TIMEOUT seconds] [LINK libraries...] [DEFINE macros...]
-#                [NEEDS targets...] FILES a_test.cpp ...): one program for up to six files, or APART.
+# add_room_tests(room [APART] [ONCE] [LABEL label] [TIMEOUT seconds] [LINK libraries...]
+#                [DEFINE macros...] [NEEDS targets...] FILES a_test.cpp ...): one program for up to
+# six files, or APART. Each test runs in a process of its own; with ONCE those of a program run in
+# one, for programs with many short tests on a body that takes seconds to make.
 function(add_room_tests room)
-  cmake_parse_arguments(T "APART" "LABEL;TIMEOUT" "FILES;LINK;DEFINE;NEEDS" ${ARGN})
+  cmake_parse_arguments(T "APART;ONCE" "LABEL;TIMEOUT" "FILES;LINK;DEFINE;NEEDS" ${ARGN})
   if(NOT T_LABEL)
     set(T_LABEL unit)
   endif()
@@ -143,6 +145,11 @@ function(add_test_program room first)
   endif()
   set_target_properties(${program} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/${room})
+  if(T_ONCE)
+    add_test(NAME ${room}.${stem} COMMAND ${program} --gtest_brief=1)
+    set_tests_properties(${room}.${stem} PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT})
+    return()
+  endif()
   gtest_discover_tests(${program} TEST_PREFIX ${room}. NO_PRETTY_VALUES
                        PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT} DISCOVERY_TIMEOUT 60)
 endfunction()

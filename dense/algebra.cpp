@@ -1,5 +1,7 @@
 #include "dense/algebra.h"
 
+#include <Eigen/QR>
+
 #include "dense/flush_to_zero.h"
 #include "dense/fortran.h"
 
@@ -57,6 +59,11 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c) {
   const int k = fortran_size(a.rows());
   const int stride = fortran_size(a.outerStride());
   dsyrk_("L", "T", &n, &k, &kOne, a.data(), &stride, &kOne, c.data(), &n);
+}
+
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& a) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(a).householderQ() *
+         Eigen::MatrixXd::Identity(a.rows(), a.cols());
 }
 
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c) {

@@ -21,6 +21,10 @@ void add_square(const Eigen::MatrixXd& a, double s, Eigen::MatrixXd& c);
 /// C := C + Aᵀ A, lower triangle only; A is r×n, C n×n.
 void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
 
+/// An orthonormal basis of the span of A (m×n, n ≤ m, of full rank): the first n columns of Q in
+/// A = QR by Householder's reflections. By Eigen, so that the bits are the same for every BLAS.
+[[nodiscard]] Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& a);
+
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
 

@@ -1,6 +1,5 @@
 #include "identification/fit_data.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dense/algebra.h"
 #include "identification/constants.h"
 
 namespace chladni::identification {
@@ -35,8 +35,7 @@ Eigen::MatrixXd differs_from_polynomial() {
     const double x = static_cast<double>(r - kReach) / kReach;
     for (int d = 0; d <= kDegree; ++d) basis(r, d) = std::pow(x, d);
   }
-  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() *
-                            Eigen::MatrixXd::Identity(n, kDegree + 1);
+  const Eigen::MatrixXd q = dense::orthonormal_basis(basis);
   return Eigen::MatrixXd::Identity(n, n) - q * q.transpose();
 }
 

@@ -1,9 +1,8 @@
 #include "identification/likelihood/block_fractions.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
 
+#include "base/decompositions.h"
 #include "base/finite.h"
 
 namespace chladni::identification {

@@ -1,7 +1,6 @@
 #include "identification/likelihood/compression.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -102,8 +101,7 @@ Eigen::MatrixXd random_basis(Eigen::Index rows, Eigen::Index columns, unsigned s
   Draw draw(seed);
   Eigen::MatrixXd all(rows, columns);
   for (double& value : all.reshaped()) value = draw.normal();
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(all).householderQ() *
-         Eigen::MatrixXd::Identity(rows, columns);
+  return dense::orthonormal_basis(all);
 }
 
 // leftᵀ G right of every line, as fit data with the weights of the lines.

@@ -1,7 +1,6 @@
 #include "identification/likelihood/covariance.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 #include <vector>
 
@@ -99,14 +98,11 @@ Covariance held_inverse(const BlockModel& model, const NormalEquations& normal,
   }
   a = scale.asDiagonal() * a * scale.asDiagonal();
   a.diagonal() += result.unknown.matrix().cast<double>();
-  const Eigen::MatrixXd q =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(size.asDiagonal() * idle).householderQ() *
-      Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  const Eigen::MatrixXd q = dense::orthonormal_basis(size.asDiagonal() * idle);
   a += q * q.transpose();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * inverse_of_told(a, result.unknown) * scale.asDiagonal();
-  const Eigen::MatrixXd own = Eigen::HouseholderQR<Eigen::MatrixXd>(idle).householderQ() *
-                              Eigen::MatrixXd::Identity(idle.rows(), idle.cols());
+  const Eigen::MatrixXd own = dense::orthonormal_basis(idle);
   const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
   result.matrix = half - (half * own) * own.transpose();
   for (Eigen::Index i = 0; i < a.rows(); ++i) {

@@ -1,6 +1,5 @@
 #include "identification/likelihood/equal_weights.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <vector>
 
@@ -62,8 +61,7 @@ Spanned spanned(Eigen::MatrixXd functions, Index size) {
   mix = norm.cwiseInverse().asDiagonal() * mix;
   Eigen::MatrixXd drawn = Eigen::MatrixXd::Zero(functions.rows(), columns);
   dense::add_product(functions, mix, 1.0, drawn);
-  const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(drawn).householderQ() *
-                                Eigen::MatrixXd::Identity(functions.rows(), columns);
+  const Eigen::MatrixXd basis = dense::orthonormal_basis(drawn);
   Eigen::MatrixXd coefficient = Eigen::MatrixXd::Zero(columns, count);
   dense::add_product(basis.transpose(), functions, 1.0, coefficient);
   return {basis, std::move(coefficient)};

@@ -128,8 +128,8 @@ TEST_F(SharedColumns, AreThoseOfTheBody) {
     };
     const bool has_mass = !mass.isZero(0.0);
     stiff += has_mass ? 0 : 1;
-    expect(3 * kChannels + kCommonGains + static_cast<Index>(b), change, 0.01, "body error " + std::to_string(b),
-           has_mass ? rigid_motions() : MatrixXd());
+    expect(3 * kChannels + kCommonGains + static_cast<Index>(b), change, 0.01,
+           "body error " + std::to_string(b), has_mass ? rigid_motions() : MatrixXd());
   }
   EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
 }

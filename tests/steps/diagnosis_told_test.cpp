@@ -23,7 +23,7 @@ namespace {
 using diagnosis::Cause;
 using diagnosis::Verdict;
 
-const std::string kStudy =
+const std::string kToldStudy =
     R"(geometry = { plate = { length = "600 mm", width = "400 mm", thickness = "10 mm" } }
 material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
 mesh = { edge_length = "60 mm", order = 2 }
@@ -78,7 +78,7 @@ class Told : public testing::Test {
  protected:
   // Writes study and data into the folder.
   study::Study study_of(const std::vector<Cause>& causes, const std::string& effects) {
-    std::string text = kStudy;
+    std::string text = kToldStudy;
     const std::string mark = "EFFECTS";
     text.replace(text.find(mark), mark.size(), effects);
     const auto file = folder_.path() / "study.toml";
