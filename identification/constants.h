@@ -170,6 +170,12 @@ struct Constants {
   static constexpr double good_level = 1.5;
   /// Level above which outliers may have distorted a fit [noise levels] (chosen, cc38859).
   static constexpr double bad_level = 10.0;
+  /// A mode so many times below the lowest line or above the highest is none of the data's [1]
+  /// (chosen).
+  static constexpr double far_beyond = 10.0;
+  /// What complex shapes leave over what real ones leave, below which they are proposed [1]
+  /// (chosen).
+  static constexpr double complex_pays = 0.3;
   /// Chance of noise alone to hold a value that is called outlying [per record] (chosen, cc38859).
   static constexpr double false_alarm = 1e-6;
   /// Residual of an outlying value over the median around it, at least [1] (chosen, cc38859).

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
 
 #include "base/error.h"
 #include "base/interrupt.h"
@@ -44,6 +47,35 @@ Eigen::Index flexible_count(const ModalFit& fit) {
   return fit.model.mode_count() - fit.model.rigid_count;
 }
 
+// Whether a pole lies so far beyond the lines that none sees its resonance.
+bool is_far(const FitData& data, const std::complex<double>& pole) {
+  const double own = std::abs(pole) / (2.0 * std::numbers::pi);
+  const auto& lines = data.frequency_hz;
+  const double lowest = lines(0) > 0.0 || lines.size() < 2 ? lines(0) : lines(1);
+  return own * Constants::far_beyond < lowest ||
+         own > Constants::far_beyond * lines(lines.size() - 1);
+}
+
+bool has_far_mode(const FitData& data, const ModalFit& fit) {
+  const auto poles = start_at(fit.model).pole;
+  return std::any_of(poles.begin(), poles.end(), [&](auto pole) { return is_far(data, pole); });
+}
+
+// Removes modes that left the lines during the fit. They stand for what real shapes cannot explain,
+// and their residues are not determined.
+void drop_far_modes(const FitData& data, const FitOptions& options, ModalFit& fit) {
+  auto start = start_at(fit.model);
+  std::vector<Eigen::Index> near;
+  for (Eigen::Index m = 0; m < start.pole.size(); ++m) {
+    // No fit starts from a pole without damping: its judgement refuses such a one.
+    if (!(start.pole(m).real() < 0.0 && start.pole(m).imag() > 0.0)) return;
+    if (!is_far(data, start.pole(m))) near.push_back(m);
+  }
+  if (near.empty() || std::ssize(near) == start.pole.size()) return;
+  start.pole = start.pole(near).eval();
+  fit = modal_fit(data, start, options);
+}
+
 // Removes a mode without worth once the poles are the most likely ones. Such a pole was never a
 // mode: it corrected errors that the vector fit had left in its neighbours.
 void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
@@ -82,7 +114,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     start.pole.conservativeResize(start.pole.size() + 1);
     start.pole(start.pole.size() - 1) = candidate.pole;
     auto fit = modal_fit(data, start, options.fit);
-    const bool taken = wanted || pays(data, result.fit, fit);
+    const bool taken = wanted || (pays(data, result.fit, fit) && !has_far_mode(data, fit));
     result.steps.push_back({flexible_count(fit), fit.cost, fit.excess(), taken});
     if (!taken) break;
     result.fit = std::move(fit);
@@ -123,6 +155,7 @@ Identified from_start(const FitData& data, const Start& start,
   FitOptions few = options.fit;
   if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
   result.fit = first_fit(data, start, twice, few);
+  if (options.modes == 0) drop_far_modes(data, few, result.fit);
   result.steps.push_back({flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
   if (data.noise_known && !result.fit.converged)

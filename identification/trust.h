@@ -31,6 +31,13 @@ struct DoubtfulMode {
   std::string why;
 };
 
+/// What complex shapes leave of data that real ones do not explain.
+struct ComplexAlternative {
+  double level = 1.0;        ///< noise_level of the fit with general damping
+  Eigen::Index modes = 0;    ///< its modes that are not rigid
+  Eigen::Index instead = 0;  ///< those of the fit with real shapes
+};
+
 struct Judgement {
   Trust trust = Trust::good;
   double level = 1.0;           ///< noise_level: squared residual over squared noise
@@ -40,6 +47,8 @@ struct Judgement {
   std::vector<OutlyingValue> outlying;
   std::vector<DoubtfulMode> doubtful;
   std::vector<std::string> reasons;  ///< why the fit is not to be trusted: one or more sentences
+  std::optional<ComplexAlternative> with_complex_shapes;  ///< where they explain the data with no
+                                                          ///< more modes
 };
 
 /// "down to the noise", "good", "systematic errors", "not to be trusted".
@@ -57,7 +66,10 @@ struct Judgement {
 /// relative to the response, and the change of Ĝ from line to line. Lines that carry a third of a
 /// mode's power are tried too. Where the fit leaves ten times the noise or a quarter of the power,
 /// values that jump beside their neighbours are also tried.
-/// Cost: little; one more identification where values may be outlying.
+/// Where more than noise is left of a fit with real shapes, one with complex shapes is tried: a
+/// dashpot at one place couples the modes, and real shapes then need modes that are not there.
+/// Cost: little; one more identification where values may be outlying, one where more than noise is
+/// left.
 /// @param data   the data that `found` was fitted to
 /// @param again  options for the identification without outlying values. Without them, or above 200
 ///               responses, the values are only named, from the fit itself, and decide nothing

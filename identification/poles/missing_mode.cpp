@@ -19,8 +19,8 @@ std::vector<double> damping_ratios(const ModalFit& fit) {
     known.push_back(fit.model.damping_ratio(m));
   }
   std::sort(known.begin(), known.end());
-  const double low = known.empty() ? 1e-3 : 0.25 * known.front();
   const double high = known.empty() ? 0.05 : std::min(0.2, 4.0 * known.back());
+  const double low = known.empty() ? 1e-3 : std::min(0.25 * known.front(), 0.25 * high);
   const int count = std::max(3, static_cast<int>(std::ceil(std::log2(high / low))));
   std::vector<double> ratios;
   for (int i = 0; i <= count; ++i) {

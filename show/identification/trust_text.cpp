@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "show/identification.h"
@@ -52,12 +53,28 @@ std::string left_text(const steps::IdentifiedModel& model) {
   return fmt::format("squares of what is left are {:.3g} times {}", judgement.level, against);
 }
 
+std::string complex_text(const identification::ComplexAlternative& complex) {
+  return fmt::format(
+      "complex shapes explain the data better: {:.3g} times with {} modes instead of {}; damping "
+      "couples the modes, set identification.damping = \"general\"",
+      complex.level, complex.modes, complex.instead);
+}
+
+io::Json complex_json(const std::optional<identification::ComplexAlternative>& complex) {
+  if (!complex) return {};
+  return io::JsonObject{{"noise_level", complex->level},
+                        {"modes", static_cast<long long>(complex->modes)},
+                        {"instead_of", static_cast<long long>(complex->instead)}};
+}
+
 }  // namespace
 
 std::string trust_text(const steps::IdentifiedModel& model) {
   const auto& judgement = model.judgement;
   std::string text = fmt::format("trust: {}; {}\n", word(judgement.trust), left_text(model));
   for (const auto& reason : judgement.reasons) text += "  " + reason + "\n";
+  if (judgement.with_complex_shapes)
+    text += "  " + complex_text(*judgement.with_complex_shapes) + "\n";
   for (const auto& one : judgement.doubtful) {
     text += fmt::format("  mode {} ({:.4f} Hz): {}\n", one.mode + 1,
                         model.found.fit.model.frequency_hz(one.mode), one.why);
@@ -90,7 +107,8 @@ io::Json trust_json(const steps::IdentifiedModel& model) {
                         {"unexplained", judgement.unexplained},
                         {"doubtful_part", judgement.doubtful_part},
                         {"doubtful_modes", doubtful},
-                        {"outlying", outlying}};
+                        {"outlying", outlying},
+                        {"with_complex_shapes", complex_json(judgement.with_complex_shapes)}};
 }
 
 }  // namespace chladni::show
