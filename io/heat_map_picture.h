@@ -1,11 +1,11 @@
 // Pictures of a surface coloured by the quality of its places.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/picture_file.h"
 #include "io/vtu.h"
 
 namespace chladni::io {
@@ -24,15 +24,15 @@ struct HeatMapPicture {
     Eigen::Vector3d position;
     std::string label;
   };
-  std::vector<Best> best;       ///< the best first
+  std::vector<Best> best;                                     ///< the best first
   std::string star = "best places of a pair, limiting mode";  ///< meaning of a star of `best`
-  std::vector<Marker> markers;  ///< channels
+  std::vector<Marker> markers;                                ///< channels
 };
 
 /// Draws the surface seen along its mean normal. PNG, 1000 px wide; the same input gives the same
 /// bytes.
 /// @throws WorkerDied  as draw_modes
-void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& picture);
+void draw_heat_map(const PictureFile& png, const HeatMapPicture& picture);
 
 /// Several layouts on the same surface.
 struct LayoutsPicture {
@@ -49,6 +49,6 @@ struct LayoutsPicture {
 
 /// Draws panels beside each other, each with its channels. PNG, 1000 px wide.
 /// @throws WorkerDied  as draw_modes
-void draw_layouts(const std::filesystem::path& png, const LayoutsPicture& picture);
+void draw_layouts(const PictureFile& png, const LayoutsPicture& picture);
 
 }  // namespace chladni::io

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "io/picture_file.h"
 
 namespace chladni::io {
 
@@ -20,6 +21,6 @@ struct MatrixPicture {
 /// PNG, 1000 px wide or 1400 for more than 24 columns; the same input gives the same bytes.
 /// @throws InvalidInput  names and values differ in number, no value, more than 200 rows or columns
 /// @throws WorkerDied    as draw_modes
-void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture);
+void draw_matrix(const PictureFile& png, const MatrixPicture& picture);
 
 }  // namespace chladni::io

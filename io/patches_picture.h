@@ -1,9 +1,9 @@
 // A picture of the patches of a body. A study names them in `on`, `keep_out` and supports.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
+#include "io/picture_file.h"
 #include "mesh/tet_mesh.h"
 
 namespace chladni::io {
@@ -14,7 +14,6 @@ namespace chladni::io {
 /// 120 largest patches at most. PNG, 1400 px wide; the same input gives the same bytes. About 1 s.
 /// @throws InvalidInput  the mesh has no boundary, or it has no patches
 /// @throws WorkerDied    as draw_modes
-void draw_patches(const std::filesystem::path& png, const mesh::TetMesh& mesh,
-                  const std::string& title);
+void draw_patches(const PictureFile& png, const mesh::TetMesh& mesh, const std::string& title);
 
 }  // namespace chladni::io

@@ -1,11 +1,11 @@
 // Pictures of mode shapes, painted by VTK in a separate program (on its own Xvfb).
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "fem/modes.h"
+#include "io/picture_file.h"
 #include "io/vtu.h"
 #include "mesh/tet_mesh.h"
 #include "modal/modes.h"
@@ -20,9 +20,8 @@ namespace chladni::io {
 /// @param clusters  repeated modes, marked "pair"
 /// @throws InvalidInput  there is no flexible mode, or the shapes do not fit the mesh
 /// @throws WorkerDied    the painter or Xvfb is missing or died (says which package)
-void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
-                const modal::Modes& modes, const std::string& title,
-                const std::vector<Marker>& markers = {}, int count = 9,
+void draw_modes(const PictureFile& png, const mesh::TetMesh& mesh, const modal::Modes& modes,
+                const std::string& title, const std::vector<Marker>& markers = {}, int count = 9,
                 const std::vector<fem::Cluster>& clusters = {});
 
 }  // namespace chladni::io

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "io/picture_file.h"
 
 namespace chladni::io {
 
@@ -47,6 +48,6 @@ struct Plot {
 /// @throws InvalidInput  a series has arrays of different lengths, there is no panel, or there are
 ///                       more than 64
 /// @throws WorkerDied    as draw_modes
-void draw_plot(const std::filesystem::path& png, const Plot& plot);
+void draw_plot(const PictureFile& png, const Plot& plot);
 
 }  // namespace chladni::io

@@ -1,7 +1,6 @@
 // Errors of a simulation as text, pictures and JSON.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "diagnosis/compare.h"
 #include "io/json.h"
 #include "io/matrix_picture.h"
+#include "io/picture_file.h"
 
 namespace chladni::show {
 
@@ -26,17 +26,17 @@ namespace chladni::show {
 /// simulation. At most 24, those with the largest errors, in their original order.
 /// @param before, after  [k], each p×q: arranged as measured.value; `after` may be empty
 /// @param seen           true if a fit used the response of output i and input j; none: all
-void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measured,
+void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
                     const std::vector<Eigen::MatrixXcd>& before,
                     const std::vector<Eigen::MatrixXcd>& after = {},
                     const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
 
 /// The MAC of simulated against measured modes. Nothing if no mode was compared.
-void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
+void draw_mac(const io::PictureFile& png, const diagnosis::Comparison& comparison);
 
 /// Error of each response: sensors × actuators. A response that was not measured has an empty
 /// square; the largest known error is the darkest.
 [[nodiscard]] io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison);
-void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison);
+void draw_errors(const io::PictureFile& png, const diagnosis::Comparison& comparison);
 
 }  // namespace chladni::show

@@ -1,6 +1,7 @@
 // An identified model as text, JSON, pictures and files.
 #pragma once
 
+#include "io/picture_file.h"
 #include "io/result_table.h"
 #include "show/run.h"
 #include "steps/identification.h"
@@ -18,9 +19,9 @@ namespace chladni::show {
 [[nodiscard]] io::JsonObject identified_json(const steps::IdentifiedModel& model);
 
 /// Magnitudes of at most 24 responses: measured, fitted and residual.
-void draw_fit(const steps::IdentifiedModel& model, const std::filesystem::path& png);
+void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
-void draw_stabilisation(const steps::IdentifiedModel& model, const std::filesystem::path& png);
+void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
 /// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was
 /// asked for, stabilisation.png

@@ -1,6 +1,7 @@
 // Interpolated shapes and predicted responses as text, JSON, pictures and files.
 #pragma once
 
+#include "io/picture_file.h"
 #include "show/run.h"
 #include "steps/interpolation.h"
 
@@ -9,7 +10,7 @@ namespace chladni::show {
 /// At most 24 predicted responses, over the measured ones.
 /// @param predicted  with variances
 void draw_predictions(const steps::IdentifiedModel& model, const modal::FrfSet& predicted,
-                      const std::filesystem::path& png);
+                      const io::PictureFile& png);
 
 /// Name of the picture: predicted.png for predicted.csv.
 [[nodiscard]] std::string predictions_picture(const std::string& file);

@@ -202,6 +202,7 @@ bool is_filled_exactly(const study::Geometry& geometry) {
 
 void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
                   Run& run) {
+  run.finish_pictures();
   const auto& model = solution.model;
   io::Report report;
   report.title = study.title;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <ostream>
 #include <system_error>
 
@@ -92,20 +93,26 @@ study::Origin Run::origin(bool measured) {
 }
 
 void Run::paint(const std::string& file,
-                const std::function<void(const std::filesystem::path& png)>& draw) {
-  if (!options_.pictures) return;
-  try {
-    draw(*this / file);
-    painted_.insert(file);
-  } catch (const WorkerDied& fault) {
-    std::error_code ignored;
-    std::filesystem::remove(*this / file, ignored);
-    const bool again = last_fault_ == fault.what();
-    talk_.warn(again ? file + " is not painted either"
-                     : fmt::format("{} is not painted: {}; everything else is there; "
-                                   "--no-pictures paints nothing",
-                                   file, fault.what()));
-    last_fault_ = fault.what();
+                const std::function<void(const io::PictureFile& png)>& draw) {
+  if (options_.pictures) draw({*this / file, &pictures_});
+}
+
+void Run::finish_pictures() {
+  for (const auto& picture : pictures_.finish()) {
+    const std::string file = picture.png.filename().string();
+    try {
+      if (picture.failure) std::rethrow_exception(picture.failure);
+      painted_.insert(file);
+    } catch (const WorkerDied& fault) {
+      std::error_code ignored;
+      std::filesystem::remove(picture.png, ignored);
+      const bool again = last_fault_ == fault.what();
+      talk_.warn(again ? file + " is not painted either"
+                       : fmt::format("{} is not painted: {}; everything else is there; "
+                                     "--no-pictures paints nothing",
+                                     file, fault.what()));
+      last_fault_ = fault.what();
+    }
   }
 }
 

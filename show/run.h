@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/json.h"
+#include "io/picture_file.h"
 #include "show/run/output_folder.h"
 #include "show/run/terminal.h"
 #include "stage/work.h"
@@ -61,11 +62,13 @@ class Run : public stage::Work {
   /// `--json` prints only the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
 
-  /// Lets `draw` paint the picture `file`, unless pictures are switched off. A failure is a
-  /// warning, and an older picture of that name is removed.
-  void paint(const std::string& file,
-             const std::function<void(const std::filesystem::path& png)>& draw);
-  /// True if this run painted it.
+  /// Lets `draw` paint the picture `file`, unless pictures are switched off. The program goes on
+  /// meanwhile. A painter's failure is a warning, and an older picture of that name is removed.
+  void paint(const std::string& file, const std::function<void(const io::PictureFile& png)>& draw);
+  /// Waits until all pictures are there.
+  /// @throws what prevented one, but for a failure of the painter
+  void finish_pictures();
+  /// True if this run painted it, once finish_pictures() has returned.
   [[nodiscard]] bool has_painted(const std::string& file) const { return painted_.contains(file); }
   /// The fingerprints in the results of this run: of the study, of the body's file and, with
   /// `measured`, of the measurement's files. Each file is read once.
@@ -80,6 +83,7 @@ class Run : public stage::Work {
   Talk& talk_;
   OutputFolder folder_;
   std::map<std::filesystem::path, std::string> fingerprint_;
+  io::PaintQueue pictures_;
   std::set<std::string> painted_;
   std::string last_fault_;  // of a picture
   bool has_left_ = false;

@@ -1,8 +1,8 @@
 #include "io/heat_map_picture.h"
 
 #include <Eigen/Geometry>
+#include <utility>
 
-#include "base/atomic_file.h"
 #include "io/bytes/message.h"
 #include "io/figure/painted.h"
 #include "io/figure/view.h"
@@ -64,7 +64,7 @@ Json marker_json(const Marker& marker) {
 
 }  // namespace
 
-void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& picture) {
+void draw_heat_map(const PictureFile& png, const HeatMapPicture& picture) {
   const Eigen::Matrix3d frame = paper_frame(picture.points, picture.triangles);
   Message request;
   request.doubles["points"] = picture.points * frame.transpose();
@@ -89,10 +89,10 @@ void draw_heat_map(const std::filesystem::path& png, const HeatMapPicture& pictu
       {"kind", "heat_map"},       {"title", picture.title},     {"scale", picture.scale},
       {"lowest", picture.lowest}, {"highest", picture.highest}, {"lines", std::move(lines)},
       {"best", std::move(best)},  {"star", picture.star},       {"markers", std::move(markers)}};
-  write_atomically(png, painted(request));
+  png.paint([request = std::move(request)] { return painted(request); });
 }
 
-void draw_layouts(const std::filesystem::path& png, const LayoutsPicture& picture) {
+void draw_layouts(const PictureFile& png, const LayoutsPicture& picture) {
   const Eigen::Matrix3d frame = paper_frame(picture.points, picture.triangles);
   Message request;
   request.doubles["points"] = picture.points * frame.transpose();
@@ -112,7 +112,7 @@ void draw_layouts(const std::filesystem::path& png, const LayoutsPicture& pictur
   request.head = JsonObject{{"kind", "layouts"},          {"title", picture.title},
                             {"scale", picture.scale},     {"lightest", picture.lightest},
                             {"darkest", picture.darkest}, {"panels", std::move(panels)}};
-  write_atomically(png, painted(request));
+  png.paint([request = std::move(request)] { return painted(request); });
 }
 
 }  // namespace chladni::io

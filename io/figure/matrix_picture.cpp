@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/figure/drawing.h"
 #include "io/figure/painted.h"
@@ -119,7 +118,7 @@ void paint_names(Drawing& drawing, const MatrixPicture& of, const MatrixSheet& s
 
 }  // namespace
 
-void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture) {
+void draw_matrix(const PictureFile& png, const MatrixPicture& picture) {
   check(picture);
   const MatrixSheet sheet = matrix_sheet(picture);
   Drawing drawing(sheet.width, sheet.height);
@@ -129,7 +128,7 @@ void draw_matrix(const std::filesystem::path& png, const MatrixPicture& picture)
   drawing.text({kMatrixMargin, 40.0}, picture.title, size, kMatrixInk, Drawing::Align::left, true);
   paint_squares(drawing, picture, sheet);
   paint_names(drawing, picture, sheet);
-  write_atomically(png, painted(drawing.request()));
+  png.paint([request = drawing.request()] { return painted(request); });
 }
 
 }  // namespace chladni::io

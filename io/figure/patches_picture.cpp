@@ -6,8 +6,8 @@
 #include <array>
 #include <numeric>
 #include <set>
+#include <utility>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/message.h"
 #include "io/figure/colours.h"
@@ -135,8 +135,7 @@ JsonArray table_of(const mesh::TetMesh& mesh, const std::vector<int>& colours) {
 
 }  // namespace
 
-void draw_patches(const std::filesystem::path& png, const mesh::TetMesh& mesh,
-                  const std::string& title) {
+void draw_patches(const PictureFile& png, const mesh::TetMesh& mesh, const std::string& title) {
   const auto& names = mesh.patch_names;
   require(mesh.faces.rows() > 0 && mesh.face_patch.size() == mesh.faces.rows() && !names.empty(),
           "picture of the patches: the mesh's boundary has none");
@@ -164,7 +163,7 @@ void draw_patches(const std::filesystem::path& png, const mesh::TetMesh& mesh,
       JsonObject{{"kind", "patches"},     {"title", title},           {"panels", std::move(panels)},
                  {"panel_width", kPanel}, {"panel_height", kHighest}, {"rows", rows},
                  {"more", more}};
-  write_atomically(png, painted(request));
+  png.paint([request = std::move(request)] { return painted(request); });
 }
 
 }  // namespace chladni::io

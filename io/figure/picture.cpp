@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/message.h"
 #include "io/figure/painted.h"
@@ -81,9 +81,8 @@ void add_panels(Message& request, const Skin& skin, const Points& at, const moda
 
 }  // namespace
 
-void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
-                const modal::Modes& modes, const std::string& title,
-                const std::vector<Marker>& markers, int count,
+void draw_modes(const PictureFile& png, const mesh::TetMesh& mesh, const modal::Modes& modes,
+                const std::string& title, const std::vector<Marker>& markers, int count,
                 const std::vector<fem::Cluster>& clusters) {
   require(modes.shapes.rows() == 3 * mesh.node_count(),
           fmt::format("the modes have {} rows, expected 3 per node of the mesh: {}",
@@ -111,7 +110,7 @@ void draw_modes(const std::filesystem::path& png, const mesh::TetMesh& mesh,
   head.emplace_back("markers", std::move(kinds));
   head.emplace_back("deformation", kDeformation);
   request.head = Json(std::move(head));
-  write_atomically(png, painted(request));
+  png.paint([request = std::move(request)] { return painted(request); });
 }
 
 }  // namespace chladni::io

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <set>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/figure/drawing.h"
 #include "io/figure/painted.h"
@@ -311,7 +310,7 @@ void paint_labels(Drawing& drawing, const Plot& plot, const Sheet& sheet, int p)
 
 }  // namespace
 
-void draw_plot(const std::filesystem::path& png, const Plot& plot) {
+void draw_plot(const PictureFile& png, const Plot& plot) {
   check(plot);
   const double head = plot.title.empty() ? 16.0 : 60.0;
   const auto legend = legend_of(plot, head + 20.0, width_of(plot));
@@ -335,7 +334,7 @@ void draw_plot(const std::filesystem::path& png, const Plot& plot) {
     paint_panel(drawing, plot.panels[static_cast<std::size_t>(p)], frame);
     paint_labels(drawing, plot, sheet, p);
   }
-  write_atomically(png, painted(drawing.request()));
+  png.paint([request = drawing.request()] { return painted(request); });
 }
 
 }  // namespace chladni::io

@@ -175,7 +175,7 @@ std::string Canvas::png() {
   grab->Update();
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(averaged(grab->GetOutput(), width_, height_));
-  writer->SetCompressionLevel(9);
+  writer->SetCompressionLevel(6);
   writer->WriteToMemoryOn();
   writer->Write();
   vtkUnsignedCharArray* bytes = writer->GetResult();

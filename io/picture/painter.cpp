@@ -26,6 +26,7 @@ const std::map<std::string, Picture> kPictures{{"contact_sheet", chladni::pictur
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::ios::sync_with_stdio(false);  // reads blocks, not bytes
   try {
     const std::string bytes{std::istreambuf_iterator<char>(std::cin), {}};
     const chladni::io::Message request = chladni::io::message(bytes);

@@ -93,7 +93,7 @@ std::string response_label(const modal::MeasuredChannel& output) {
 
 }  // namespace
 
-void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measured,
+void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
                     const std::vector<Eigen::MatrixXcd>& before,
                     const std::vector<Eigen::MatrixXcd>& after,
                     const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen) {
@@ -124,7 +124,7 @@ void draw_responses(const std::filesystem::path& png, const modal::FrfSet& measu
   io::draw_plot(png, plot);
 }
 
-void draw_mac(const std::filesystem::path& png, const diagnosis::Comparison& comparison) {
+void draw_mac(const io::PictureFile& png, const diagnosis::Comparison& comparison) {
   const auto& modes = comparison.modes;
   if (modes.mac.size() == 0) return;
   io::draw_matrix(png, {.title = "MAC of simulated and measured modes, each shape by itself",
@@ -154,7 +154,7 @@ io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison) {
           .decimals = largest < 10.0 ? 1 : 0};
 }
 
-void draw_errors(const std::filesystem::path& png, const diagnosis::Comparison& comparison) {
+void draw_errors(const io::PictureFile& png, const diagnosis::Comparison& comparison) {
   io::draw_matrix(png, errors_picture(comparison));
 }
 

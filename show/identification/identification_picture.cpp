@@ -90,7 +90,7 @@ io::PlotPanel stabilisation_panel(const steps::IdentifiedModel& model) {
 
 }  // namespace
 
-void draw_fit(const steps::IdentifiedModel& model, const std::filesystem::path& png) {
+void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
   io::Plot plot{.title = "Measured and fitted responses", .panels = {}, .columns = 0};
@@ -107,7 +107,7 @@ void draw_fit(const steps::IdentifiedModel& model, const std::filesystem::path& 
   io::draw_plot(png, plot);
 }
 
-void draw_stabilisation(const steps::IdentifiedModel& model, const std::filesystem::path& png) {
+void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png) {
   io::draw_plot(png, {.title = "Stabilisation diagram",
                       .panels = {stabilisation_panel(model)},
                       .columns = 1,

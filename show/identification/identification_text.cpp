@@ -154,11 +154,11 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
   io::JsonArray array;
   for (const auto& point : points) {
     array.push_back(io::JsonObject{{"order", static_cast<long long>(point.order)},
-                                    {"frequency_hz", point.frequency_hz},
-                                    {"damping_ratio", point.damping_ratio},
-                                    {"stable_frequency", point.stable_frequency},
-                                    {"stable_damping", point.stable_damping},
-                                    {"stable_shape", point.stable_shape}});
+                                   {"frequency_hz", point.frequency_hz},
+                                   {"damping_ratio", point.damping_ratio},
+                                   {"stable_frequency", point.stable_frequency},
+                                   {"stable_damping", point.stable_damping},
+                                   {"stable_shape", point.stable_shape}});
   }
   return array;
 }

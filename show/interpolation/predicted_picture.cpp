@@ -70,7 +70,7 @@ std::string predictions_picture(const std::string& file) {
 }
 
 void draw_predictions(const steps::IdentifiedModel& model, const modal::FrfSet& predicted,
-                      const std::filesystem::path& png) {
+                      const io::PictureFile& png) {
   const auto& lines = predicted.frequency_hz;
   std::vector<Eigen::Index> rows(model.measured.all.outputs.size());
   std::iota(rows.begin(), rows.end(), 0);

@@ -1,0 +1,45 @@
+#include "io/picture_file.h"
+
+#include <string>
+#include <utility>
+
+#include "base/atomic_file.h"
+
+namespace chladni::io {
+
+void PaintQueue::add(std::filesystem::path png, Picture picture) {
+  std::shared_future<void> before;
+  if (!jobs_.empty()) before = jobs_.back().done;
+  auto done = std::async(std::launch::async, [before, png, picture = std::move(picture)] {
+    if (before.valid()) before.wait();
+    write_atomically(png, picture());
+  });
+  jobs_.push_back({std::move(png), done.share()});
+}
+
+std::vector<PaintQueue::Painted> PaintQueue::finish() {
+  std::vector<Painted> all;
+  for (const auto& job : std::exchange(jobs_, {})) {
+    Painted painted{job.png, nullptr};
+    try {
+      job.done.get();
+    } catch (...) {
+      painted.failure = std::current_exception();
+    }
+    all.push_back(std::move(painted));
+  }
+  return all;
+}
+
+PictureFile::PictureFile(std::filesystem::path png, PaintQueue* queue)
+    : png_(std::move(png)), queue_(queue) {}
+
+void PictureFile::paint(Picture picture) const {
+  if (queue_ != nullptr) {
+    queue_->add(png_, std::move(picture));
+  } else {
+    write_atomically(png_, picture());
+  }
+}
+
+}  // namespace chladni::io

@@ -1,0 +1,49 @@
+// Where a picture goes, and whether the program waits until it is painted.
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <vector>
+
+namespace chladni::io {
+
+/// Gives the bytes of a PNG.
+using Picture = std::function<std::string()>;
+
+/// Paints pictures one after the other while the program goes on. The destructor waits for them.
+class PaintQueue {
+ public:
+  struct Painted {
+    std::filesystem::path png;
+    std::exception_ptr failure;  ///< null if the file is there
+  };
+
+  void add(std::filesystem::path png, Picture picture);
+  /// Waits for all pictures, and tells each once, in the order of add().
+  [[nodiscard]] std::vector<Painted> finish();
+
+ private:
+  struct Job {
+    std::filesystem::path png;
+    std::shared_future<void> done;
+  };
+  std::vector<Job> jobs_;
+};
+
+/// A file for one picture. Without a queue the picture is there when it was drawn, with one when
+/// the queue has finished.
+class PictureFile {
+ public:
+  PictureFile(std::filesystem::path png, PaintQueue* queue = nullptr);
+
+  /// @throws what `picture` throws, if there is no queue
+  void paint(Picture picture) const;
+
+ private:
+  std::filesystem::path png_;
+  PaintQueue* queue_;
+};
+
+}  // namespace chladni::io
