@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "app/command.h"
+#include "app/sweep.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
@@ -96,6 +97,7 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
     show::Run run(study, std::move(options), std::cout, talk);
     try {
       command.run(study, run);
+      run.finish_pictures();
     } catch (const chladni::InvalidInput& e) {
       throw chladni::InvalidInput(with_file(file, e.what()));
     }
@@ -171,6 +173,37 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
   doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
 }
 
+void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, int& status) {
+  auto* run = cli.add_subcommand("sweep", "many studies: a base and axes along which they differ");
+  auto* gather = cli.add_subcommand("gather", "the results of a sweep in one table");
+  for (auto* verb : {run, gather}) {
+    verb->add_option("PLAN", sweep.plan, "the plan, a .toml file")->required();
+    verb->add_option("-o,--output", sweep.folder, "folder of the sweep [out/<plan name>]");
+    verb->add_option("--allow-outside", sweep.allowed,
+                     "absolute folder from which the variants may read files")
+        ->check(CLI::ExistingDirectory);
+    verb->add_flag("--json", sweep.json, "the result as JSON on the standard output");
+    verb->add_flag("!--no-pictures", sweep.pictures, "paint nothing");
+  }
+  run->add_flag("--list", sweep.list, "the variants and whether they are done; runs none");
+  run->add_option("--run", sweep.run, "one variant, 3, or every tenth from the third on, 3/10");
+  run->add_flag("--scripts", sweep.scripts, "a SLURM job array and a Makefile; runs none");
+  run->add_flag("--retry", sweep.retry, "also what failed");
+  run->add_option("--jobs", sweep.jobs, "variants at a time [cores / threads]")
+      ->check(CLI::Range(1, 1024));
+  run->add_option("--threads", sweep.threads, "threads of each variant [1]")
+      ->check(CLI::Range(1, 1024));
+  run->callback([&] {
+    status = guarded(talk, [&] {
+      sweep.program = std::filesystem::read_symlink("/proc/self/exe");
+      const int code = app::sweep(sweep, std::cout, std::cerr, talk.progress());
+      talk.clear_progress();
+      return code;
+    });
+  });
+  gather->callback([&] { status = guarded(talk, [&] { return app::gather(sweep, std::cout); }); });
+}
+
 /// Reads the command line `argv` and runs its verb.
 int answer(int argc, char** argv, show::Talk& talk) {
   CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
@@ -180,12 +213,14 @@ int answer(int argc, char** argv, show::Talk& talk) {
   std::filesystem::path file;
   show::Options options;
   OtherVerbs other;
+  app::SweepCommand sweep;
   int status = kDone;
   for (const auto* command : kCommands) {
     auto* verb = cli.add_subcommand(std::string(command->name), std::string(command->summary));
     add_options(*verb, *command, file, options);
     verb->callback([&, command] { status = run(*command, file, options); });
   }
+  add_sweep_verbs(cli, sweep, talk, status);
   add_other_verbs(cli, other, talk, status);
   try {
     cli.parse(argc, argv);

@@ -330,6 +330,16 @@ WorkerResult run_worker(const fs::path& program, const std::vector<std::string>&
   return std::move(ended.result);
 }
 
+WorkerResult run_program(const fs::path& program, const std::vector<std::string>& arguments,
+                         int& status, const WorkerLimits& limits) {
+  Ended ended = ended_worker(program, arguments, "", limits);
+  if (!WIFEXITED(ended.status)) {
+    refuse_bad_end(program.filename().string(), ended.status, ended.result.errors);
+  }
+  status = WEXITSTATUS(ended.status);
+  return std::move(ended.result);
+}
+
 void try_worker(const fs::path& program) {
   const Ended ended = ended_worker(program, {}, "", {.time = std::chrono::seconds(10)});
   const bool answered = WIFEXITED(ended.status) && WEXITSTATUS(ended.status) != kLibrariesMissing;

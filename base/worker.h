@@ -45,6 +45,11 @@ struct WorkerResult {
                                       const std::vector<std::string>& arguments,
                                       std::string_view input, const WorkerLimits& limits = {});
 
+/// As run_worker, but an exit status other than 0 is an answer too. It is put into `status`.
+[[nodiscard]] WorkerResult run_program(const std::filesystem::path& program,
+                                       const std::vector<std::string>& arguments, int& status,
+                                       const WorkerLimits& limits = {});
+
 /// Returns read(), which reads the reply of `worker`.
 /// @throws UnusableReply  `read` refuses the reply (InvalidInput or another logic error); says why
 template <class Read>

@@ -23,8 +23,10 @@ MAY_INCLUDE = {
     "stage": "base dense mesh modal fem priors placement identification diagnosis io study",
     "steps": "base dense mesh modal fem priors placement identification diagnosis io study stage",
     "show": "base dense mesh modal fem priors placement identification diagnosis io study stage steps",
+    "sweep": "base dense mesh modal fem priors placement identification diagnosis io study stage steps "
+             "show",
     "app": "base dense mesh modal fem priors placement identification diagnosis io study stage steps "
-           "show",
+           "show sweep",
     "python": "base dense mesh modal fem priors placement identification diagnosis io study stage "
               "steps show",
 }

@@ -127,6 +127,10 @@ std::string place_of(const fs::path& file, const TomlNode& node) {
 
 }  // namespace
 
+void merge(TomlNode& base, const TomlNode& own, const std::string& file) {
+  Merge(file).tables(base, own);
+}
+
 WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& read) {
   WholeDocument whole{std::move(own), {}};
   const auto folder = fs::absolute(file).parent_path();
@@ -150,7 +154,7 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
     });
     lead_files(base, fs::absolute(base_file).parent_path().lexically_relative(folder));
     put_at(base, *extends);
-    Merge(file.string()).tables(base, whole.tree);
+    merge(base, whole.tree, file.string());
     whole.tree = std::move(base);
   }
   return whole;

@@ -35,6 +35,10 @@ struct WholeDocument {
 [[nodiscard]] WholeDocument with_bases(TomlNode own, const std::filesystem::path& file,
                                        const BaseReader& read);
 
+/// Merges `own` into `base` by the rules above.
+/// @param file  of `own`, for messages. @throws InvalidInput  a name that is removed but not there
+void merge(TomlNode& base, const TomlNode& own, const std::string& file);
+
 /// The texts of a study's document that name a file from the study's folder.
 template <typename Node>
 [[nodiscard]] std::vector<Node*> relative_files(Node& document) {

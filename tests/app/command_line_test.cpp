@@ -294,7 +294,8 @@ TEST_F(CommandLine, ListsWhatThereIs) {
 std::vector<std::string> model_studies() {
   std::vector<std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(CHLADNI_SOURCE_DIR "/models")) {
-    const bool is_study = entry.path().filename() != "tolerances.toml";
+    const auto name = entry.path().filename();
+    const bool is_study = name != "tolerances.toml" && name != "plan.toml";
     if (is_study && entry.path().extension() == ".toml") files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());

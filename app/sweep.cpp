@@ -1,0 +1,172 @@
+// chladni sweep PLAN, chladni gather PLAN: many studies by one command.
+#include "app/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <filesystem>
+#include <mutex>
+#include <ostream>
+#include <vector>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "study/sweep_plan.h"
+#include "sweep/gathered.h"
+#include "sweep/scripts.h"
+#include "sweep/sweep.h"
+
+namespace chladni::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFailed = 4, kNoResources = 5, kDied = 6, kInterrupted = 130;  // as in main.cpp
+
+fs::path folder_of(const SweepCommand& command) {
+  return command.folder.empty() ? fs::path("out") / command.plan.stem() : command.folder;
+}
+
+sweep::SweepOptions options_of(const SweepCommand& command) {
+  return {.folder = folder_of(command),
+          .program = command.program,
+          .allowed = command.allowed,
+          .threads = command.threads,
+          .passing = {kNoResources, kDied, kInterrupted}};
+}
+
+int whole_number(std::string_view text, const std::string& all) {
+  int value = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  require(fault == std::errc() && end == text.data() + text.size() && value >= 1,
+          "--run is \"" + all +
+              "\", expected a variant such as 3, or 3/10 for every tenth from the "
+              "third on");
+  return value;
+}
+
+// The variants that are meant, counted from 0.
+std::vector<long long> wanted(const SweepCommand& command, long long size) {
+  long long first = 1;
+  long long step = 1;
+  if (!command.run.empty()) {
+    const auto slash = command.run.find('/');
+    first = whole_number(std::string_view(command.run).substr(0, slash), command.run);
+    step = slash == std::string::npos
+               ? size
+               : whole_number(std::string_view(command.run).substr(slash + 1), command.run);
+    require(first <= size,
+            fmt::format("--run is {}, but there are {} variants", command.run, size));
+  }
+  std::vector<long long> list;
+  for (auto i = first - 1; i < size; i += step) list.push_back(i);
+  return list;
+}
+
+void show_list(const sweep::Sweep& sweep, std::ostream& results) {
+  for (long long i = 0; i < sweep.size(); ++i) {
+    const auto entry = sweep.entry(i);
+    const char* state = !entry.record ? "open" : entry.record->exit == 0 ? "done" : "failed";
+    results << fmt::format("{:>6} {} {:<6} {}\n", i + 1, entry.hash, state,
+                           fmt::join(entry.labels, ", "));
+  }
+}
+
+void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results) {
+  const auto folder = folder_of(command);
+  fs::create_directories(folder);
+  const sweep::ScriptPlan plan{.name = sweep.plan().name,
+                               .program = command.program,
+                               .plan = command.plan,
+                               .folder = folder,
+                               .allowed = command.allowed,
+                               .variants = sweep.size(),
+                               .threads = command.threads};
+  write_atomically(folder / "sweep.sbatch", sweep::slurm_script(plan));
+  write_atomically(folder / "sweep.mk", sweep::makefile(plan));
+  results << fmt::format("{} variants\nsbatch {}\nmake -k -j 8 -f {}\nchladni gather {} -o {}\n",
+                         sweep.size(), (folder / "sweep.sbatch").string(),
+                         (folder / "sweep.mk").string(), command.plan.string(), folder.string());
+}
+
+struct Tally {
+  std::atomic<long long> ended = 0, failed = 0, passing = 0, elsewhere = 0;
+};
+
+// Runs the variants, several at a time; each is a process of its own.
+void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
+             const std::vector<long long>& list, Tally& tally, std::ostream& said,
+             const Progress& progress) {
+  const int cores = thread_count();
+  set_thread_count(std::max(1, command.jobs > 0 ? command.jobs : cores / command.threads));
+  std::mutex speaking;
+  const auto tell_failure = [&](long long index, const std::string& what) {
+    const std::scoped_lock lock(speaking);
+    said << fmt::format("variant {}: {}\n", index + 1, what);
+  };
+  parallel_tasks(list.size(), [&](std::size_t i) {
+    std::string why;
+    const auto outcome = sweep.run(list[i], &why);
+    if (outcome == sweep::Outcome::elsewhere) ++tally.elsewhere;
+    if (outcome == sweep::Outcome::passing) {
+      ++tally.passing;
+      tell_failure(list[i], why + "; it is tried again next time");
+    } else if (const auto entry = sweep.entry(list[i]); entry.record && entry.record->exit != 0) {
+      ++tally.failed;
+      if (outcome == sweep::Outcome::ran) tell_failure(list[i], entry.record->error);
+    }
+    const auto ended = static_cast<double>(++tally.ended);
+    const std::scoped_lock lock(speaking);
+    tell(progress, "sweeping", ended / static_cast<double>(list.size()));
+  });
+  set_thread_count(cores);
+}
+
+}  // namespace
+
+int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
+          const Progress& progress) {
+  const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
+  if (command.list) {
+    show_list(sweep, results);
+    return 0;
+  }
+  const auto list = wanted(command, sweep.size());
+  if (command.run.empty()) sweep.check();  // before the first one is solved
+  if (command.scripts) {
+    leave_scripts(command, sweep, results);
+    return 0;
+  }
+  for (const auto index : list) {
+    const auto entry = sweep.entry(index);
+    if (command.retry && entry.record && entry.record->exit != 0) sweep.forget(entry);
+  }
+  Tally tally;
+  run_all(command, sweep, list, tally, said, progress);
+  const bool well = tally.failed == 0 && tally.passing == 0;
+  if (!command.run.empty()) return well ? 0 : kFailed;
+  if (tally.elsewhere > 0) {
+    said << fmt::format("{} variants are run by another sweep; gather again when it has ended\n",
+                        tally.elsewhere.load());
+  }
+  static_cast<void>(gather(command, results));
+  return well ? 0 : kFailed;
+}
+
+int gather(const SweepCommand& command, std::ostream& results) {
+  const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
+  const auto all = sweep::gathered(sweep);
+  sweep::leave(sweep, all, folder_of(command), command.pictures);
+  if (command.json) {
+    results << io::text(sweep::json(sweep, all));
+  } else {
+    results << sweep::text(sweep, all)
+            << fmt::format("\n{}\n", (folder_of(command) / "table.csv").string());
+  }
+  return 0;
+}
+
+}  // namespace chladni::app

@@ -1,0 +1,30 @@
+// The verbs of many studies.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+
+namespace chladni::app {
+
+/// What the command line says of a sweep.
+struct SweepCommand {
+  std::filesystem::path plan, folder;          ///< folder empty: out/<plan's name>
+  std::filesystem::path program;               ///< chladni itself
+  std::vector<std::filesystem::path> allowed;  ///< --allow-outside
+  int threads = 1, jobs = 0;  ///< of a variant; variants at a time, 0: cores / threads
+  std::string run;            ///< "3" or "3/10": these variants alone
+  bool list = false, scripts = false, retry = false, json = false, pictures = true;
+};
+
+/// Runs the variants that have not run, then gathers. Returns the exit code: 4 where one failed.
+/// @param said  progress and warnings
+[[nodiscard]] int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
+                        const Progress& progress);
+/// Joins what there is.
+[[nodiscard]] int gather(const SweepCommand& command, std::ostream& results);
+
+}  // namespace chladni::app

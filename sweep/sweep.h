@@ -1,0 +1,84 @@
+// Many studies by one command: each variant of a plan is solved once, in a folder of its own that
+// is named by the hash of what it depends on.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "io/json.h"
+#include "study/sweep_plan.h"
+#include "study/sweep_variants.h"
+
+namespace chladni::sweep {
+
+struct SweepOptions {
+  std::filesystem::path folder;                ///< of the sweep
+  std::filesystem::path program;               ///< chladni
+  std::vector<std::filesystem::path> allowed;  ///< --allow-outside of the variants
+  int threads = 1;                             ///< of each variant
+  std::set<int> passing;  ///< exit codes that say nothing of the variant: no memory, Ctrl-C
+};
+
+/// What is left of a variant that has run: its file variant.json.
+struct Record {
+  int exit = 0;       ///< exit code of the verb
+  std::string error;  ///< last line that it said, where the code is not 0
+  double seconds = 0.0;
+};
+
+/// One variant, and where it stands.
+struct Entry {
+  long long index = 0;  ///< from 0
+  std::vector<std::string> labels;
+  std::string text;              ///< its study
+  std::string hash;              ///< 16 hexadecimal digits
+  std::filesystem::path folder;  ///< of its results
+  std::optional<Record> record;  ///< none: it has not run
+};
+
+/// How one variant was met.
+enum class Outcome {
+  found,      ///< it had run before
+  ran,        ///< it ran now, well or badly
+  elsewhere,  ///< another process runs it
+  passing,  ///< it could not run now: its process died or lacked memory, and it is tried next time
+};
+
+class Sweep {
+ public:
+  /// @throws InvalidInput  too many variants
+  Sweep(study::SweepPlan plan, SweepOptions options);
+  ~Sweep() = default;
+  Sweep(const Sweep&) = delete;
+  Sweep& operator=(const Sweep&) = delete;
+  Sweep(Sweep&&) = delete;
+  Sweep& operator=(Sweep&&) = delete;
+
+  [[nodiscard]] const study::SweepPlan& plan() const { return plan_; }
+  [[nodiscard]] long long size() const { return variants_.size(); }
+  /// Cost: the base is read.
+  /// @throws InvalidInput  the variant is no study
+  [[nodiscard]] Entry entry(long long index) const;
+  /// Reads every variant. @throws InvalidInput  the first that is no study
+  void check() const;
+  /// Runs a variant that has not run. Its results appear in its folder whole or not at all.
+  /// @param said  what a variant said that could not run
+  /// @throws OutOfResources  the disk is full
+  /// @throws Interrupted     Ctrl-C
+  Outcome run(long long index, std::string* said = nullptr) const;
+  /// Forgets a variant that failed, so that it runs again.
+  void forget(const Entry& entry) const;
+
+ private:
+  [[nodiscard]] std::vector<std::string> arguments(const std::filesystem::path& folder) const;
+
+  study::SweepPlan plan_;
+  SweepOptions options_;
+  study::Variants variants_;
+};
+
+}  // namespace chladni::sweep

@@ -1,0 +1,106 @@
+// chladni sweep and gather as processes.
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "io/json.h"
+#include "tests/app/program.h"
+
+namespace chladni::app {
+namespace {
+
+class SweepVerbs : public CommandLine {
+ protected:
+  // A plan over thicknesses of the small plate.
+  fs::path plan(const std::string& values) const {
+    write("base.toml", app::kPlate);  // not that of a neighbour
+    return write("plan.toml",
+                 "title = \"plates\"\nbase = \"base.toml\"\n[[axis]]\n"
+                 "key = \"geometry.plate.thickness\"\nvalues = [" +
+                     values +
+                     "]\n[[result]]\nname = \"first\"\nfile = \"modes.json\"\n"
+                     "at = \"frequency_hz.6\"\nbetter = \"more\"\n");
+  }
+  std::vector<double> firsts() const {
+    const auto json = io::parse_json(whole(folder_ / "out" / "sweep.json"));
+    std::vector<double> all;
+    for (const auto& variant : json.at("variants").array()) {
+      all.push_back(variant.at("results").at("first").number());
+    }
+    return all;
+  }
+};
+
+// A plate's first frequency goes with its thickness.
+TEST_F(SweepVerbs, SolveEachVariantOnceAndGather) {
+  const auto file = plan("\"4 mm\", \"5 mm\", \"6 mm\"").string();
+  const auto first = run({"sweep", file, "-o", "out", "--no-pictures"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_TRUE(says(first.out, "3 variants: 3 done, 0 failed, 0 open"));
+  const auto hz = firsts();
+  ASSERT_EQ(hz.size(), 3U);
+  EXPECT_NEAR(hz[0] / hz[1], 4.0 / 5.0, 0.02);
+  EXPECT_NEAR(hz[2] / hz[1], 6.0 / 5.0, 0.02);
+  const auto table = whole(folder_ / "out" / "table.csv");
+  const auto begin = std::chrono::steady_clock::now();
+  const auto again = run({"sweep", file, "-o", "out", "--no-pictures"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(whole(folder_ / "out" / "table.csv"), table);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_TRUE(says(run({"sweep", file, "-o", "out", "--list"}).out, "done   5 mm"));
+  const auto gathered = run({"gather", file, "-o", "out", "--json", "--no-pictures"});
+  EXPECT_EQ(io::parse_json(gathered.out).at("done").number(), 3.0);
+}
+
+TEST_F(SweepVerbs, OneVariantOrEveryOther) {
+  const auto file = plan("\"4 mm\", \"5 mm\", \"6 mm\"").string();
+  EXPECT_EQ(run({"sweep", file, "-o", "out", "--run", "1/2"}).status, 0);
+  const auto list = run({"sweep", file, "-o", "out", "--list"}).out;
+  EXPECT_TRUE(says(list, "done   4 mm"));
+  EXPECT_TRUE(says(list, "open   5 mm"));
+  EXPECT_TRUE(says(list, "done   6 mm"));
+  EXPECT_EQ(run({"sweep", file, "-o", "out", "--run", "4"}).status, 3);
+  EXPECT_EQ(run({"sweep", file, "-o", "out", "--run", "0"}).status, 3);
+  EXPECT_EQ(run({"sweep", file, "-o", "out", "--run", "1/x"}).status, 3);
+}
+
+// A sensor that is off the body is no fault of the file: it shows when the variant is solved.
+TEST_F(SweepVerbs, AVariantThatFailsIsToldAndTheOthersGoOn) {
+  const auto file = plan("\"5 mm\"").string();
+  write("plan.toml", whole(file) +
+                         "[[axis]]\nname = \"place\"\nkey = \"sensor[s1].at\"\n"
+                         "values = [[\"-40 mm\", \"20 mm\"], [\"90 mm\", \"0 mm\"]]\n");
+  const auto swept = run({"sweep", file, "-o", "out", "--no-pictures"});
+  EXPECT_EQ(swept.status, 4) << swept.err;
+  EXPECT_TRUE(says(swept.out, "1 done, 1 failed, 0 open"));
+  EXPECT_TRUE(says(swept.err, "variant 2: "));
+  EXPECT_TRUE(says(swept.out, "s1")) << swept.out;
+}
+
+TEST_F(SweepVerbs, AWrongPlanIsToldBeforeAnythingRuns) {
+  const auto file = plan("\"5 mm\", \"5 kg\"").string();
+  const auto swept = run({"sweep", file, "-o", "out"});
+  EXPECT_EQ(swept.status, 3);
+  EXPECT_TRUE(says(swept.err, "variant 2 (5 kg)"));
+  EXPECT_TRUE(left("out").empty());
+  EXPECT_EQ(run({"sweep", "nowhere.toml"}).status, 3);
+}
+
+TEST_F(SweepVerbs, CtrlCLeavesNoVariantHalf) {
+  const auto file = plan("\"4 mm\", \"5 mm\"").string();
+  std::string text = app::kPlate;
+  text.replace(text.find("\"10 mm\", order = 2"), 18, "\"3 mm\", order = 3");
+  write("base.toml", text);
+  const pid_t child = started({"sweep", file, "-o", "out"});
+  for (int i = 0; i < 1500 && left("out/variants").size() < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(child, SIGINT);
+  EXPECT_EQ(ended(child).status, 130);
+  for (const auto& name : left("out/variants")) {
+    EXPECT_TRUE(name == ".locks" || name.ends_with(".part")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace chladni::app
