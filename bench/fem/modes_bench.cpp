@@ -7,15 +7,13 @@
 #include <map>
 #include <numbers>
 
+#include "bench/peers/cholmod.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/error_estimate.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
-#ifdef CHLADNI_PEER_CHOLMOD
-#include "bench/peers/cholmod.h"
-#endif
 
 namespace chladni {
 namespace {
@@ -91,7 +89,7 @@ void estimate_error(benchmark::State& state) {
   describe(state, p);
 }
 
-#ifdef CHLADNI_PEER_CHOLMOD
+// CHOLMOD as it is: its own order, its own OpenMP threads.
 void peer_cholmod(benchmark::State& state) {
   const auto& p = plate(state.range(0));
   double entries = 0.0;
@@ -107,7 +105,6 @@ BENCHMARK(peer_cholmod)
     ->Arg(72)
     ->Unit(benchmark::kSecond)
     ->MeasureProcessCPUTime();
-#endif
 
 #define CHLADNI_SIZES Arg(22)->Arg(40)->Arg(72)->Unit(benchmark::kSecond)->MeasureProcessCPUTime()
 BENCHMARK(assemble)->CHLADNI_SIZES;

@@ -21,7 +21,8 @@ struct Supernode {
   std::int32_t parent = -1;        ///< −1: a root
   std::vector<std::int32_t> rows;  ///< below the columns, ascending, in the order of elimination
   std::vector<std::int32_t> children;
-  std::int64_t place = 0;  ///< where its panel starts in the factor's storage
+  std::int64_t place = 0;  ///< where its panel starts in the storage of its part of the factor
+  std::int32_t part = 0;
   std::int8_t parity = 0;  ///< its depth below its root, modulo 2
   bool detached = false;   ///< root of a subtree that has a parent: its update block waits
                            ///< outside the stacks
@@ -29,26 +30,38 @@ struct Supernode {
   double subtree_flops = 0.0;
 };
 
-/// Size of a node's panel in doubles. The panel holds strips of the node's columns; each strip
-/// starts at its own diagonal.
+/// Size of a node's panel in doubles while eigenvalues are counted. The panel holds strips of the
+/// node's columns; each strip starts at its own diagonal.
 [[nodiscard]] std::int64_t panel_size(const Supernode& node);
+
+/// A part of the tree that CHOLMOD factorises in one call: a subtree, or all nodes above the
+/// subtrees. The panels of its nodes lie in one storage, each with all its rows.
+struct Part {
+  std::vector<std::int32_t> nodes;
+  std::int32_t columns = 0;
+  std::vector<std::int32_t> border;  ///< rows of other parts that it reaches, ascending, in the
+                                     ///< order of elimination
+  std::int64_t panels = 0;           ///< doubles
+};
 
 struct Symbolic::Tree {
   std::vector<std::int32_t> order;      ///< new -> old degree of freedom
   std::vector<std::int32_t> position;   ///< old -> new
   std::vector<Supernode> nodes;         ///< children before parents
-  std::int64_t factor_size = 0;         ///< doubles
+  std::int64_t factor_size = 0;         ///< doubles of all parts
   std::int64_t largest_panel = 0;       ///< doubles
   std::int64_t tallest_front = 0;       ///< rows
   std::int64_t stack_size[2] = {0, 0};  ///< doubles of waiting update blocks per thread, at most,
                                         ///< by the parity of their depth
   std::int64_t detached_size = 0;       ///< doubles of the update blocks outside the stacks
   double flops = 0.0;
-  double entries = 0.0;  ///< of the pattern
-  int threads = 1;       ///< number of threads that the subtrees were chosen for
+  double entries = 0.0;            ///< of the pattern
+  double entries_of_factor = 0.0;  ///< on and below the diagonal
+  int threads = 1;                 ///< number of threads that the subtrees were chosen for
   std::vector<std::int32_t>
       subtrees;  ///< roots of subtrees that threads can work on at once, heaviest first
   std::vector<std::int32_t> top;  ///< the nodes above them, children before parents
+  std::vector<Part> parts;        ///< the subtrees, then the nodes above where there are any
 };
 
 /// The first node of the subtree of `root`. The nodes from this one to `root` are the subtree.

@@ -9,9 +9,9 @@ namespace chladni::fem {
 
 /// Operations and memory that a factorisation will need, from the pattern alone.
 struct FactorForecast {
-  double entries = 0.0;  ///< stored entries of L
+  double entries = 0.0;  ///< stored entries of L on and below the diagonal
   double flops = 0.0;
-  double factor_bytes = 0.0;  ///< L itself
+  double factor_bytes = 0.0;  ///< L itself, with the corners above the diagonal that CHOLMOD stores
   double work_bytes = 0.0;    ///< largest memory besides L at one time
 };
 

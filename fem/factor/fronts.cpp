@@ -124,7 +124,7 @@ void each_row_block(Team team, Block below, const Work& work) {
 }
 
 // Subtracts the contribution of strip p from the later strips and from the update block. `left` is
-// `below` itself (Cholesky) or `below` times D (LDLᵀ).
+// `below` times D.
 void spread_strip(const Supernode& node, double* panel, long p, Block left, Block below,
                   Block update, Team team) {
   constexpr long kColumns = 192;
@@ -170,11 +170,12 @@ void note_spread(const Supernode& node, Block own, long row, std::vector<double>
 
 }  // namespace
 
-Permuted permuted(const Tree& tree, const SparseMatrix& a, double s, const SparseMatrix* b) {
+Permuted permuted(const Tree& tree, const SparseMatrix& a, double s, const SparseMatrix* b,
+                  std::size_t spare) {
   Permuted p{std::vector<std::int64_t>(tree.order.size() + 1, 0), {}, {}};
   each_entry(tree, a, s, b, [&](auto column, auto, double) { ++p.start[at(column) + 1]; });
   for (std::size_t i = 0; i < tree.order.size(); ++i) p.start[i + 1] += p.start[i];
-  p.row.resize(at(p.start.back()));
+  p.row.resize(at(p.start.back()) + spare);
   p.value.resize(p.row.size());
   auto next = p.start;
   each_entry(tree, a, s, b, [&](auto column, auto row, double value) {
@@ -248,18 +249,6 @@ Block Fronts::assemble(std::int32_t s, double* panel, Worker& worker) {
     give_back(*child, worker);
   }
   return update;
-}
-
-bool eliminate(const Supernode& node, double* panel, Block update, Team team) {
-  for (long p = 0; p < strip_count(node); ++p) {
-    const Block own = strip(node, panel, p);
-    const Block top = own.part(0, 0, own.columns, own.columns);
-    const Block below = own.part(own.columns, 0, own.rows - own.columns, own.columns);
-    if (!dense::cholesky(top)) return false;
-    each_row_block(team, below, [&](Block rows, long) { dense::solve_right(top, rows, false); });
-    spread_strip(node, panel, p, below, below, update, team);
-  }
-  return true;
 }
 
 bool eliminate_indefinite(const Supernode& node, double* panel, Block update, double* scaled,

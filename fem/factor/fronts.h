@@ -1,4 +1,5 @@
-// The dense fronts of the multifrontal method: storage, assembly and elimination.
+// The dense fronts of the multifrontal method, with which eigenvalues are counted: storage,
+// assembly and elimination.
 #pragma once
 
 #include <vector>
@@ -10,7 +11,7 @@
 namespace chladni::fem {
 
 /// A + s B in the order of elimination. Each column holds its entries on and below the diagonal,
-/// unsorted.
+/// unsorted. `spare` more entries at the end are free.
 struct Permuted {
   std::vector<std::int64_t> start;
   std::vector<std::int32_t> row;
@@ -18,7 +19,7 @@ struct Permuted {
 };
 /// @param b  may be null. Cost: linear, twice over the entries.
 [[nodiscard]] Permuted permuted(const Symbolic::Tree& tree, const SparseMatrix& a, double s,
-                                const SparseMatrix* b);
+                                const SparseMatrix* b, std::size_t spare = 0);
 
 /// Strip `p` of the columns that a node eliminates, with the rows from the strip's diagonal down.
 /// Strips follow each other in storage, so that little of the upper triangle is stored.
@@ -61,12 +62,6 @@ enum class Team {
   one,  ///< this thread
   all   ///< all threads; the blocks do not depend on the number of threads
 };
-
-/// Eliminates the node's columns by Cholesky. `panel` becomes the columns of L. `update` becomes
-/// the update block for the parent. False where a pivot is not positive. Ctrl-C is answered between
-/// blocks.
-/// @throws Interrupted
-[[nodiscard]] bool eliminate(const Supernode& node, double* panel, dense::Block update, Team team);
 
 /// The pivots of LDLᵀ, by rows in the order of elimination.
 struct Pivots {

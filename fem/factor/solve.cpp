@@ -1,11 +1,10 @@
-// Solves with the factor, all right-hand sides at once: up the tree for L y = b, then down the tree
-// for L^T x = y.
+// Solves with the factor that CHOLMOD made, all right-hand sides at once: up the tree for L y = b,
+// then down the tree for L^T x = y.
 #include <algorithm>
 
 #include "base/index.h"
 #include "dense/panel_kernels.h"
-#include "fem/factor/fronts.h"
-#include "fem/factor/multifrontal.h"
+#include "fem/factor/parts.h"
 
 namespace chladni::fem {
 namespace {
@@ -43,28 +42,14 @@ void scatter_own(const Supernode& node, Block front, Rows& x) {
   }
 }
 
-void solve_up(const Supernode& node, double* panel, Block front) {
-  for (long p = 0; p < strip_count(node); ++p) {
-    const Block own = strip(node, panel, p);
-    dense::sweep_up(own, front.part(p * kStripWidth, 0, own.rows, front.columns));
-  }
-}
-
-void solve_down(const Supernode& node, double* panel, Block front) {
-  for (long p = strip_count(node); p-- > 0;) {
-    const Block own = strip(node, panel, p);
-    dense::sweep_down(own, front.part(p * kStripWidth, 0, own.rows, front.columns));
-  }
-}
-
 // Goes up through one node. Rows up to `last` are changed in x. Later rows (of ancestors) are
 // changed in `outer`, where row i of the order of elimination is row local[i].
-void step_up(const Supernode& node, double* panel, Block front, Rows& x, std::int32_t last,
+void step_up(const Supernode& node, Block panel, Block front, Rows& x, std::int32_t last,
              Rows& outer, const std::vector<std::int32_t>& local) {
   gather_own(node, x, front);
   const auto rows = static_cast<long>(node.rows.size());
   for (long c = 0; c < front.columns; ++c) std::fill_n(&front(node.width, c), rows, 0.0);
-  solve_up(node, panel, front);
+  dense::sweep_up(panel, front);
   scatter_own(node, front, x);
   for (long i = 0; i < rows; ++i) {
     const auto row = node.rows[at(i)];
@@ -73,13 +58,13 @@ void step_up(const Supernode& node, double* panel, Block front, Rows& x, std::in
   }
 }
 
-void step_down(const Supernode& node, double* panel, Block front, Rows& x) {
+void step_down(const Supernode& node, Block panel, Block front, Rows& x) {
   gather_own(node, x, front);
   for (std::size_t i = 0; i < node.rows.size(); ++i) {
     const double* from = &x(node.rows[i], 0);
     for (long c = 0; c < front.columns; ++c) front(node.width + long(i), c) = from[c];
   }
-  solve_down(node, panel, front);
+  dense::sweep_down(panel, front);
   scatter_own(node, front, x);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <string>
@@ -34,6 +35,15 @@ Storage::Storage(std::int64_t doubles, bool resident)
 
 Storage::~Storage() {
   if (data_ != nullptr) munmap(data_, bytes_);
+}
+
+void Storage::shrink(std::int64_t doubles) {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const auto wanted = std::max<std::size_t>(static_cast<std::size_t>(doubles) * sizeof(double), 1);
+  const auto kept = (wanted + page - 1) / page * page;
+  if (kept >= bytes_) return;
+  munmap(reinterpret_cast<char*>(data_) + kept, bytes_ - kept);
+  bytes_ = kept;
 }
 
 void Storage::swap(Storage& other) {

@@ -25,6 +25,8 @@ class Storage {
     return *this;
   }
   [[nodiscard]] double* data() const { return data_; }
+  /// Gives back to the system what lies behind the first `doubles`.
+  void shrink(std::int64_t doubles);
 
  private:
   void swap(Storage& other);

@@ -1,19 +1,18 @@
-// Multifrontal factorisation (Duff and Reid 1983) on the elimination tree. Each supernode assembles
-// a dense front from the matrix and its children's update blocks, eliminates its columns with BLAS,
-// and passes its own update block to its parent. First the cores work on different subtrees; then
-// all cores work on the blocks of one front at a time. BLAS itself stays on one thread. Sums are in
-// a fixed order, so the bits do not depend on which core does what.
-#include "fem/factor/multifrontal.h"
+// Counts eigenvalues by multifrontal LDLᵀ (Duff and Reid 1983) on the tree of supernodes. Each
+// supernode assembles a dense front from the matrix and its children's update blocks, eliminates
+// its columns with BLAS, and passes its own update block to its parent. First the cores work on
+// different subtrees; then all cores work on the blocks of one front at a time. BLAS itself stays
+// on one thread. Sums are in a fixed order, so the bits do not depend on which core does what.
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
 #include "dense/blas.h"
 #include "fem/factor/fronts.h"
+#include "fem/factor/parts.h"
 
 namespace chladni::fem {
 namespace {
@@ -82,35 +81,6 @@ Inertia told_by(const Pivots& pivots, const std::vector<std::vector<double>>& sp
 }
 
 }  // namespace
-
-void Factorization::Numeric::factorize(const SparseMatrix& a, double s, const SparseMatrix* b) {
-  const auto matrix = permuted(tree, a, s, b);
-  Fronts fronts(tree, matrix);
-  auto workers = workers_for(tree);
-  std::atomic<bool> definite{true};
-  walk_up(tree, [&](std::int32_t k, std::size_t thread, Team team) {
-    if (!definite) return;
-    const auto& node = tree.nodes[at(k)];
-    const auto update = fronts.assemble(k, panel(node), workers[thread]);
-    if (!eliminate(node, panel(node), update, team)) definite = false;
-  });
-  if (!definite) throw NumericalFailure("factorization: the matrix is not positive definite");
-}
-
-Factorization::Factorization(const SparseMatrix& matrix)
-    : numeric_(std::make_unique<Numeric>(matrix)) {
-  numeric_->factorize(matrix, 0.0, nullptr);
-}
-
-Factorization::Factorization(const Symbolic& symbolic, const SparseMatrix& a, double s,
-                             const SparseMatrix& b)
-    : numeric_(std::make_unique<Numeric>(symbolic.tree())) {
-  numeric_->factorize(a, s, &b);
-}
-
-Factorization::~Factorization() = default;
-Factorization::Factorization(Factorization&&) noexcept = default;
-Factorization& Factorization::operator=(Factorization&&) noexcept = default;
 
 Inertia inertia(const Symbolic& symbolic, const SparseMatrix& a, double s, const SparseMatrix& b) {
   const auto& tree = symbolic.tree();
