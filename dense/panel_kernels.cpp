@@ -1,8 +1,10 @@
 #include "dense/panel_kernels.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "base/cpu_clones.h"
+#include "base/parallel.h"
 
 namespace chladni::dense {
 namespace {
@@ -163,27 +165,52 @@ void sweep_down(Block strip, Block front) {
   }
 }
 
+namespace {
+
+// Calls work(first row, rows, first column, their block of V) for blocks of the rows [from, to).
+template <typename Work>
+void each_block_of(Block v, long from, long to, const Work& work) {
+  constexpr long kRows = 512;
+  for (long i = from; i < to; i += kRows) {
+    const long rows = std::min(kRows, to - i);
+    for (long k = 0, step = 0; k < v.columns; k += step) {
+      step = together(k, v.columns);
+      work(i, rows, k, v.part(i, k, rows, step));
+    }
+  }
+}
+
+}  // namespace
+
 Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
                          Eigen::MatrixXd& w) {
-  constexpr long kRows = 512;
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(v.cols(), x.cols());
+  constexpr long kWorthThreads = 500'000;  // entries; a thread costs about 30 µs to start
+  const long ranges = std::clamp(v.size() / kWorthThreads, 1L, static_cast<long>(thread_count()));
   const Block basis = block(v);
   const Block left = block(x);
   const Block changed = block(w);
-  const auto each = [&](const auto& work) {
-    for (long i = 0; i < basis.rows; i += kRows) {
-      const long rows = std::min(kRows, basis.rows - i);
-      for (long k = 0, step = 0; k < basis.columns; k += step) {
-        step = together(k, basis.columns);
-        work(i, rows, k, basis.part(i, k, rows, step));
+  const auto each = [&](const auto& work) {  // range of rows, on the threads
+    parallel_ranges(static_cast<std::size_t>(ranges), [&](std::size_t begin, std::size_t end) {
+      for (auto k = begin; k < end; ++k) {
+        const auto range = static_cast<long>(k);
+        work(k, basis.rows * range / ranges, basis.rows * (range + 1) / ranges);
       }
-    }
+    });
   };
-  each([&](long i, long rows, long k, Block part) {
-    dot_columns(part, left.part(i, 0, rows, left.columns), 1.0, &h(k, 0), h.rows());
+  std::vector<Eigen::MatrixXd> sums(static_cast<std::size_t>(ranges),
+                                    Eigen::MatrixXd::Zero(v.cols(), x.cols()));
+  each([&](std::size_t range, long from, long to) {
+    auto& h = sums[range];
+    each_block_of(basis, from, to, [&](long i, long rows, long k, Block part) {
+      dot_columns(part, left.part(i, 0, rows, left.columns), 1.0, &h(k, 0), h.rows());
+    });
   });
-  each([&](long i, long rows, long k, Block part) {
-    subtract_columns(part, &h(k, 0), h.rows(), changed.part(i, 0, rows, changed.columns));
+  auto& h = sums.front();
+  for (std::size_t k = 1; k < sums.size(); ++k) h += sums[k];
+  each([&](std::size_t, long from, long to) {
+    each_block_of(basis, from, to, [&](long i, long rows, long k, Block part) {
+      subtract_columns(part, &h(k, 0), h.rows(), changed.part(i, 0, rows, changed.columns));
+    });
   });
   return h;
 }

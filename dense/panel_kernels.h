@@ -14,7 +14,8 @@ void sweep_up(Block strip, Block front);
 /// X := L⁻ᵀ (X − Bᵀ Y), with the same strip and front as above.
 void sweep_down(Block strip, Block front);
 
-/// W := W − V H with H = Vᵀ X; returns H. V, X and W have the same number of rows.
+/// W := W − V H with H = Vᵀ X; returns H. V, X and W have the same number of rows. The bits are the
+/// same on every run with the same number of threads.
 Eigen::MatrixXd take_out(const Eigen::Ref<const Eigen::MatrixXd>& v, const Eigen::MatrixXd& x,
                          Eigen::MatrixXd& w);
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/turn.h"
 #include "fem/eigen/canonical.h"
 #include "fem/eigen/certificate.h"
@@ -76,10 +77,11 @@ struct Need {
 Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOptions& options) {
   const auto forecast = symbolic.forecast();
   const auto n = static_cast<double>(system.mass.rows());
-  // The basis, the current block with its images, the work space of a solve, and three copies of
-  // the shapes.
+  // The basis, the current block with its images, the work space of a solve, three copies of the
+  // shapes, and what each thread sums of a product.
   const double columns = lanczos_basis_size(options.count, options.block) + 8.0 * options.block +
-                         3.0 * (options.count + static_cast<double>(system.rigid.cols()));
+                         3.0 * (options.count + static_cast<double>(system.rigid.cols())) +
+                         8.0 * thread_count();
   return {forecast.factor_bytes, forecast.work_bytes, 8.0 * n * columns};
 }
 

@@ -24,7 +24,9 @@ using Matrix = Eigen::MatrixXd;
 // Vectors v and their products M v.
 struct Block {
   Matrix v, mv;
+  bool image_fits = false;  // mv is M v but for a share kImageFits of v along the basis
 };
+constexpr double kImageFits = 1e-13;
 
 // X := X T, in place.
 void multiply_right(Matrix& x, const Matrix& t) {
@@ -68,18 +70,27 @@ class Basis {
   }
 
   // Removes from w its part in the span of `known` and the basis; returns the part along the basis.
+  // The product of a block lies, but for rounding, along the last two blocks and what is new. So
+  // the first pass takes out these two, and the second one all. Further passes follow where the
+  // last one has removed more than rounding.
   Matrix orthogonalise(Block& w) {
+    constexpr int kMostPasses = 4;
+    constexpr double kOnlyRounding = 1e-8;
     Matrix along = Matrix::Zero(size_, w.v.cols());
-    for (int pass = 0; pass < 2; ++pass) {
-      update_image(w);
-      if (known_.cols() > 0) dense::take_out(known_, w.mv, w.v);
-      Eigen::Index row = 0;
-      for (const auto& part : parts_) {
-        if (part.size > 0) {
-          along.middleRows(row, part.size) += dense::take_out(part.used(), w.mv, w.v);
-        }
-        row += part.size;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      if (!w.image_fits) update_image(w);
+      const Eigen::RowVectorXd before = w.v.cwiseProduct(w.mv).colwise().sum();
+      Eigen::RowVectorXd removed = Eigen::RowVectorXd::Zero(w.v.cols());
+      if (known_.cols() > 0) {
+        removed += dense::take_out(known_, w.mv, w.v).colwise().squaredNorm();
       }
+      const Matrix part = take_out_from(pass == 0 ? size_ - recent_ : 0, w);
+      along.bottomRows(part.rows()) += part;
+      removed += part.colwise().squaredNorm();
+      const double share = std::sqrt((removed.array() / before.array()).maxCoeff());
+      // M w is wrong by this share along the basis, to which w is orthogonal.
+      w.image_fits = share < kImageFits;
+      if (pass > 0 && share < kOnlyRounding) break;
     }
     return along;
   }
@@ -90,7 +101,7 @@ class Basis {
   Matrix normalise(Block& w, double scale) {
     Matrix r = Matrix::Identity(w.v.cols(), w.v.cols());
     for (int pass = 0; pass < 2; ++pass) {
-      update_image(w);
+      if (pass > 0 || !w.image_fits) update_image(w);
       const Matrix gram = w.v.transpose() * w.mv;
       const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (gram + gram.transpose()));
       const Eigen::VectorXd& d = solver.eigenvalues();
@@ -118,12 +129,30 @@ class Basis {
     part.vectors.middleCols(part.size, block.cols()) = block;
     part.size += block.cols();
     size_ += block.cols();
+    recent_ = last_ + block.cols();
+    last_ = block.cols();
   }
 
  private:
   void update_image(Block& w) {
     w.mv.resize(w.v.rows(), w.v.cols());
     mass_.apply(w.v, w.mv);
+    w.image_fits = true;
+  }
+
+  // Takes the part along column `first` of the basis and later ones out of w.
+  Matrix take_out_from(Eigen::Index first, Block& w) {
+    Matrix along = Matrix::Zero(size_ - first, w.v.cols());
+    Eigen::Index row = 0;  // first column of the part
+    for (const auto& part : parts_) {
+      const auto from = std::max<Eigen::Index>(first - row, 0);
+      if (from < part.size) {
+        const auto columns = part.vectors.middleCols(from, part.size - from);
+        along.middleRows(row + from - first, columns.cols()) = dense::take_out(columns, w.mv, w.v);
+      }
+      row += part.size;
+    }
+    return along;
   }
 
   // Adds room beyond the forecast (lanczos_basis_size). The memory is checked first.
@@ -145,6 +174,7 @@ class Basis {
   Eigen::Index rows_;
   std::vector<Part> parts_;
   Eigen::Index size_ = 0;
+  Eigen::Index last_ = 0, recent_ = 0;  // columns of the last block, and of the last two
 };
 
 Matrix random_block(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
@@ -214,11 +244,13 @@ Matrix purified(Basis& basis, const Ritz& r, const Matrix& next, const Matrix& l
 // A random block, M-orthonormal and free of `known`.
 Block start_block(Basis& basis, const Factorization& factor, Eigen::Index rows,
                   Eigen::Index columns, unsigned seed) {
-  Block q{random_block(rows, columns, seed), {}};
+  Block q;
+  q.v = random_block(rows, columns, seed);
   q.mv = basis.mass() * q.v;
   // The operator is applied once first: the start block's part in the highest modes only costs
   // accuracy.
   q.v = factor.solve(q.mv);
+  q.image_fits = false;
   basis.orthogonalise(q);
   basis.normalise(q, 0.0);
   return q;
@@ -248,6 +280,7 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
     const Eigen::Index before = basis.size();
     basis.append(q.v);
     next.v = factor.solve(q.mv);
+    next.image_fits = false;
     result.solves += static_cast<int>(q.v.cols());
     ++result.block_steps;
     const double scale = next.v.norm();

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "fem/eigen/symmetric_product.h"
 
 namespace chladni::fem {
 namespace {
@@ -29,7 +30,7 @@ std::string largest_motion(const System& system, const Eigen::VectorXd& shape) {
 
 Matrix without(const System& system, const Matrix& known, const Matrix& shapes) {
   if (known.cols() == 0) return shapes;
-  const Matrix inertia = system.mass.selfadjointView<Eigen::Lower>() * known;
+  const Matrix inertia = SymmetricProduct(system.mass) * known;
   return shapes - known * (inertia.transpose() * shapes);
 }
 
@@ -55,7 +56,7 @@ Eight absolute_energy(const SparseMatrix& a, const Rows& rows) {
 // this energy is only rounding.
 Eigen::VectorXd strains(const System& system, double first) {
   constexpr double kSafe = 100.0;
-  const Matrix forces = system.stiffness.selfadjointView<Eigen::Lower>() * system.rigid;
+  const Matrix forces = SymmetricProduct(system.stiffness) * system.rigid;
   const Eigen::VectorXd energy =
       system.rigid.cwiseProduct(forces).colwise().sum().transpose().cwiseAbs();
   const Eigen::VectorXd rounding =

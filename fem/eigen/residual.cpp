@@ -8,6 +8,7 @@
 
 #include "base/interrupt.h"
 #include "base/parallel.h"
+#include "fem/eigen/symmetric_product.h"
 
 namespace chladni::fem {
 namespace {
@@ -51,7 +52,7 @@ Matrix long_products(const SparseMatrix& a, const Matrix& x) {
 Matrix stiffness_times(const System& system, const Matrix& shapes) {
   if (system.suspended.cols() == 0) return long_products(system.stiffness, shapes);
   const auto& r = system.suspended;
-  const Matrix mr = system.mass.selfadjointView<Eigen::Lower>() * r;
+  const Matrix mr = SymmetricProduct(system.mass) * r;
   Matrix whole = mr.transpose() * shapes;
   Matrix bent = shapes - r * whole;
   const Matrix more = mr.transpose() * bent;
@@ -74,7 +75,7 @@ struct Correction {
 Correction correction(const System& system, const Factorization& factor, double s,
                       const Matrix& known, const Eigen::VectorXd& lambda, const Matrix& shapes,
                       const Matrix& stiffness_product) {
-  const auto mass = system.mass.selfadjointView<Eigen::Lower>();
+  SymmetricProduct mass(system.mass);
   const Matrix known_inertia = mass * known;
   Correction result{Matrix(shapes.rows(), shapes.cols()), Eigen::VectorXd(lambda.size())};
   constexpr Eigen::Index at_once = 8;
@@ -137,7 +138,7 @@ Eigenpairs graded_eigenpairs(const Matrix& matrix) {
 Eigen::VectorXd residuals(const System& system, const Factorization& factor, double s,
                           const Matrix& known, const Eigen::VectorXd& lambda,
                           const Matrix& shapes) {
-  const Matrix product = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+  const Matrix product = SymmetricProduct(system.stiffness) * shapes;
   return correction(system, factor, s, known, lambda, shapes, product).residual;
 }
 
@@ -147,10 +148,10 @@ Eigen::VectorXd polished(const System& system, const Factorization& factor, doub
   {
     const Matrix step = correction(system, factor, s, known, lambda, shapes, product).shapes;
     shapes -= step;
-    product -= system.stiffness.selfadjointView<Eigen::Lower>() * step;
+    product -= SymmetricProduct(system.stiffness) * step;
   }
   const Matrix energy = shapes.transpose() * product;
-  const Matrix gram = shapes.transpose() * (system.mass.selfadjointView<Eigen::Lower>() * shapes);
+  const Matrix gram = shapes.transpose() * (SymmetricProduct(system.mass) * shapes);
   const Matrix to_orthonormal = Eigen::LLT<Matrix>(0.5 * (gram + gram.transpose()))
                                     .matrixU()
                                     .solve(Matrix::Identity(gram.rows(), gram.cols()));
@@ -167,7 +168,7 @@ Eigen::VectorXd rigid_residuals(const System& system, const Matrix& shapes) {
   for (Eigen::Index i = 0; i < system.stiffness.cols(); ++i) {
     norm = std::max(norm, system.stiffness.coeff(i, i));
   }
-  const Matrix k = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+  const Matrix k = SymmetricProduct(system.stiffness) * shapes;
   return (k.colwise().norm().array() / (norm * shapes.colwise().norm().array())).transpose();
 }
 

@@ -8,8 +8,9 @@
 namespace chladni::fem {
 
 /// Y := A X for a matrix A that stores its lower triangle. The object keeps room for eight columns
-/// of X and Y, so that repeated products allocate nothing. The bits are the same on every run.
-/// Cost: eight columns take hardly longer than one, since the matrix is read once for all of them.
+/// of X and Y, so that repeated products allocate nothing. The bits are the same on every run with
+/// the same number of threads. Cost: eight columns take hardly longer than one, since the matrix is
+/// read once for all of them.
 class SymmetricProduct {
  public:
   /// @param lower  n×n; kept by reference

@@ -122,11 +122,20 @@ void go_down(const Factorization::Numeric& factor, Rows& x) {
 Eigen::MatrixXd Factorization::solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const {
   const auto& order = numeric_->tree.order;
   Rows x(b.rows(), b.cols());
-  for (Eigen::Index i = 0; i < b.rows(); ++i) x.row(i) = b.row(order[at(i)]);
+  const auto each_row = [&](const auto& work) {
+    constexpr std::size_t kWorthThreads = 50'000;
+    if (order.size() < kWorthThreads) return work(0, order.size());
+    parallel_ranges(order.size(), work);
+  };
+  each_row([&](std::size_t begin, std::size_t end) {
+    for (auto i = begin; i < end; ++i) x.row(static_cast<Eigen::Index>(i)) = b.row(order[i]);
+  });
   go_up(*numeric_, x);
   go_down(*numeric_, x);
   Eigen::MatrixXd result(b.rows(), b.cols());
-  for (Eigen::Index i = 0; i < b.rows(); ++i) result.row(order[at(i)]) = x.row(i);
+  each_row([&](std::size_t begin, std::size_t end) {
+    for (auto i = begin; i < end; ++i) result.row(order[i]) = x.row(static_cast<Eigen::Index>(i));
+  });
   return result;
 }
 
