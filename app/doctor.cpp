@@ -17,6 +17,7 @@
 #include "base/worker.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
+#include "fem/factor_check.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
 #include "show/version.h"
@@ -94,6 +95,19 @@ Finding modes_of_a_plate() {
                   modes.rigid_count, first, summary.text, system.dofs.free_count, took.count())};
 }
 
+// Our count of eigenvalues and CHOLMOD's own, which share no code.
+Finding factorisation() {
+  const mesh::Plate plate{.length = 0.6, .width = 0.6, .thickness = 0.02};
+  const auto body = with_order(layered(plate, 0.15, 1), 2);
+  constexpr double hz = 1500.0;
+  const auto check =
+      fem::factor_check(fem::assemble(body, {fem::isotropic(70e9, 0.33, 2700.0)}), hz);
+  return {
+      check.good(), "factorisation",
+      fmt::format("{} modes below {} Hz by our count, {} by CHOLMOD's LDLᵀ; a solve leaves {:.1g}",
+                  check.counted, hz, check.counted_by_cholmod, check.residual)};
+}
+
 Finding memory() {
   const double free = static_cast<double>(available_memory());
   return {free > 1e9, "memory", fmt::format("{:.1f} GB free", 1e-9 * free)};
@@ -107,7 +121,7 @@ int doctor(std::ostream& results) {
                                    {true, "threads", std::to_string(thread_count())},
                                    memory()};
   for (const auto& worker : kWorkers) findings.push_back(found(worker));
-  findings.insert(findings.end(), {display(), units(), modes_of_a_plate()});
+  findings.insert(findings.end(), {display(), units(), factorisation(), modes_of_a_plate()});
   bool good = true;
   for (const auto& finding : findings) {
     good = good && finding.good;

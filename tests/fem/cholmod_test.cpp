@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "fem/assemble.h"
+#include "fem/factor_check.h"
 #include "mesh/bodies.h"
 #include "random_body.h"
 
@@ -199,6 +200,18 @@ TEST(Cholmod, CountsWithItsOwnLdltWhatWeCount) {
     ++counted;
   }
   EXPECT_GE(counted, 150);
+}
+
+TEST(FactorCheck, AgreesOnSoundBodiesAndNotOnOthers) {
+  const auto system = random_body(5).system;
+  const auto check = factor_check(system, 20000.0);
+  EXPECT_TRUE(check.good());
+  EXPECT_GT(check.counted, system.rigid.cols());
+  EXPECT_LT(check.residual, 1e-14);
+  EXPECT_FALSE((FactorCheck{.counted = 8, .counted_by_cholmod = 9, .trusted = true}.good()));
+  EXPECT_FALSE(
+      (FactorCheck{.counted = 8, .counted_by_cholmod = 8, .trusted = true, .residual = 1e-9}
+           .good()));
 }
 
 TEST(Cholmod, LeavesOpenMpAsItWas) {
