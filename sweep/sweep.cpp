@@ -111,17 +111,10 @@ std::vector<std::string> Sweep::arguments(const fs::path& folder) const {
   return words;
 }
 
-Outcome Sweep::run(long long index, std::string* said) const {
-  const auto entry = this->entry(index);
-  if (entry.record) return Outcome::found;
-  make_folder(options_.folder / "variants" / ".locks");
-  const VariantLock lock(options_.folder / "variants" / ".locks" / entry.hash);
-  if (!lock.is_held()) return Outcome::elsewhere;
-  if (record_in(entry.folder)) return Outcome::found;  // it ended while we looked
-  auto part = entry.folder;
-  part += ".part";
-  std::error_code fault;
-  fs::remove_all(part, fault);
+std::optional<Record> Sweep::called(const Entry& entry, const fs::path& part,
+                                    std::string& why) const {
+  std::error_code ignored;
+  fs::remove_all(part, ignored);  // of a run that was cut off
   make_folder(part);
   write_atomically(part / "study.toml", entry.text);
   Record record;
@@ -132,27 +125,44 @@ Outcome Sweep::run(long long index, std::string* said) const {
                     {.time = kLongest, .memory_bytes = 0, .output_bytes = std::size_t{64} << 20U});
     if (record.exit != 0) record.error = last_line(answer.errors);
   } catch (const WorkerDied& e) {
-    if (said != nullptr) *said = e.what();
-    return Outcome::passing;
+    why = e.what();
+    return std::nullopt;
   }
   record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (options_.passing.contains(record.exit)) {
-    if (said != nullptr) *said = record.error;
+  if (!options_.passing.contains(record.exit)) return record;
+  why = record.error;
+  return std::nullopt;
+}
+
+Outcome Sweep::run(long long index, std::string* said) const {
+  const auto entry = this->entry(index);
+  if (entry.record) return Outcome::found;
+  make_folder(options_.folder / "variants" / ".locks");
+  const VariantLock lock(options_.folder / "variants" / ".locks" / entry.hash);
+  if (!lock.is_held()) return Outcome::elsewhere;
+  if (record_in(entry.folder)) return Outcome::found;  // it ended while we looked
+  auto part = entry.folder;
+  part += ".part";
+  std::string why;
+  const auto record = called(entry, part, why);
+  if (!record) {
+    if (said != nullptr) *said = why;
     return Outcome::passing;
   }
+  io::write_json(part / "variant.json", json_of(entry, *record));
+  fs::rename(part, entry.folder);
+  return Outcome::ran;
+}
+
+io::Json Sweep::json_of(const Entry& entry, const Record& record) const {
   io::JsonObject axes;
   for (std::size_t a = 0; a < plan_.axes.size(); ++a) {
     axes.emplace_back(plan_.axes[a].name, entry.labels[a]);
   }
-  io::write_json(part / "variant.json", io::JsonObject{{"chladni", show::version()},
-                                                       {"hash", entry.hash},
-                                                       {"verb", plan_.verb},
-                                                       {"axes", axes},
-                                                       {"exit", record.exit},
-                                                       {"error", record.error},
-                                                       {"seconds", record.seconds}});
-  fs::rename(part, entry.folder);
-  return Outcome::ran;
+  return io::JsonObject{{"chladni", show::version()}, {"hash", entry.hash},
+                        {"verb", plan_.verb},         {"axes", axes},
+                        {"exit", record.exit},        {"error", record.error},
+                        {"seconds", record.seconds}};
 }
 
 void Sweep::forget(const Entry& entry) const {

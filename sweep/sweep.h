@@ -75,6 +75,10 @@ class Sweep {
 
  private:
   [[nodiscard]] std::vector<std::string> arguments(const std::filesystem::path& folder) const;
+  /// Runs the program in the folder `part`. None if it could not run now; `why` says why.
+  [[nodiscard]] std::optional<Record> called(const Entry& entry, const std::filesystem::path& part,
+                                             std::string& why) const;
+  [[nodiscard]] io::Json json_of(const Entry& entry, const Record& record) const;
 
   study::SweepPlan plan_;
   SweepOptions options_;
