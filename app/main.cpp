@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/sweep.h"
 #include "base/error.h"
 #include "base/interrupt.h"
@@ -22,22 +23,15 @@ namespace app = chladni::app;
 namespace show = chladni::show;
 namespace study = chladni::study;
 
+using enum app::ExitCode;
+using app::ExitCode;
+
 // In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
     &app::check_command,    &app::mesh_command,        &app::modes_command,
     &app::place_command,    &app::priors_command,      &app::simulate_command,
     &app::identify_command, &app::interpolate_command, &app::diagnose_command,
     &app::study_command,
-};
-
-enum ExitCode {
-  kDone = 0,
-  kUsage = 2,
-  kInvalidInput = 3,
-  kNumericalFailure = 4,
-  kOutOfResources = 5,
-  kWorkerDied = 6,
-  kInterrupted = 130
 };
 
 /// Runs `work` and turns any exception into a message and an exit code.

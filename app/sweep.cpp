@@ -11,6 +11,7 @@
 #include <ostream>
 #include <vector>
 
+#include "app/exit_code.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -24,8 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFailed = 4, kNoResources = 5, kDied = 6, kInterrupted = 130;  // as in main.cpp
-
 fs::path folder_of(const SweepCommand& command) {
   return command.folder.empty() ? fs::path("out") / command.plan.stem() : command.folder;
 }
@@ -35,7 +34,7 @@ sweep::SweepOptions options_of(const SweepCommand& command) {
           .program = command.program,
           .allowed = command.allowed,
           .threads = command.threads,
-          .passing = {kNoResources, kDied, kInterrupted}};
+          .passing = {kOutOfResources, kWorkerDied, kInterrupted}};
 }
 
 int whole_number(std::string_view text, const std::string& all) {
@@ -69,8 +68,7 @@ std::vector<long long> wanted(const SweepCommand& command, long long size) {
 void show_list(const sweep::Sweep& sweep, std::ostream& results) {
   for (long long i = 0; i < sweep.size(); ++i) {
     const auto entry = sweep.entry(i);
-    const char* state = !entry.record ? "open" : entry.record->exit == 0 ? "done" : "failed";
-    results << fmt::format("{:>6} {} {:<6} {}\n", i + 1, entry.hash, state,
+    results << fmt::format("{:>6} {} {:<6} {}\n", i + 1, entry.hash, sweep::state(entry.record),
                            fmt::join(entry.labels, ", "));
   }
 }
@@ -108,21 +106,31 @@ void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
     said << fmt::format("variant {}: {}\n", index + 1, what);
   };
   parallel_tasks(list.size(), [&](std::size_t i) {
-    std::string why;
-    const auto outcome = sweep.run(list[i], &why);
-    if (outcome == sweep::Outcome::elsewhere) ++tally.elsewhere;
-    if (outcome == sweep::Outcome::passing) {
+    const auto met = sweep.run(list[i], command.retry);
+    if (met.outcome == sweep::Outcome::elsewhere) ++tally.elsewhere;
+    if (met.outcome == sweep::Outcome::passing) {
       ++tally.passing;
-      tell_failure(list[i], why + "; it is tried again next time");
-    } else if (const auto entry = sweep.entry(list[i]); entry.record && entry.record->exit != 0) {
+      tell_failure(list[i], met.why + "; it is tried again next time");
+    } else if (met.record && met.record->exit != 0) {
       ++tally.failed;
-      if (outcome == sweep::Outcome::ran) tell_failure(list[i], entry.record->error);
+      if (met.outcome == sweep::Outcome::ran) tell_failure(list[i], met.record->error);
     }
     const auto ended = static_cast<double>(++tally.ended);
     const std::scoped_lock lock(speaking);
     tell(progress, "sweeping", ended / static_cast<double>(list.size()));
   });
   set_thread_count(cores);
+}
+
+void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results) {
+  const auto all = sweep::gathered(sweep);
+  sweep::leave(sweep, all, folder_of(command), command.pictures);
+  if (command.json) {
+    results << io::text(sweep::json(sweep, all));
+  } else {
+    results << sweep::text(sweep, all)
+            << fmt::format("\n{}\n", (folder_of(command) / "table.csv").string());
+  }
 }
 
 }  // namespace
@@ -140,33 +148,21 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
     leave_scripts(command, sweep, results);
     return 0;
   }
-  for (const auto index : list) {
-    const auto entry = sweep.entry(index);
-    if (command.retry && entry.record && entry.record->exit != 0) sweep.forget(entry);
-  }
   Tally tally;
   run_all(command, sweep, list, tally, said, progress);
   const bool well = tally.failed == 0 && tally.passing == 0;
-  if (!command.run.empty()) return well ? 0 : kFailed;
+  if (!command.run.empty()) return well ? 0 : kNumericalFailure;
   if (tally.elsewhere > 0) {
     said << fmt::format("{} variants are run by another sweep; gather again when it has ended\n",
                         tally.elsewhere.load());
   }
-  static_cast<void>(gather(command, results));
-  return well ? 0 : kFailed;
+  leave_gathered(command, sweep, results);
+  return well ? 0 : kNumericalFailure;
 }
 
 int gather(const SweepCommand& command, std::ostream& results) {
-  const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
-  const auto all = sweep::gathered(sweep);
-  sweep::leave(sweep, all, folder_of(command), command.pictures);
-  if (command.json) {
-    results << io::text(sweep::json(sweep, all));
-  } else {
-    results << sweep::text(sweep, all)
-            << fmt::format("\n{}\n", (folder_of(command) / "table.csv").string());
-  }
-  return 0;
+  leave_gathered(command, {study::read_sweep(command.plan), options_of(command)}, results);
+  return kDone;
 }
 
 }  // namespace chladni::app

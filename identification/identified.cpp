@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <vector>
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/turn.h"
 #include "identification/constants.h"
 #include "identification/delay_scan.h"
 #include "identification/likelihood/compression.h"
@@ -43,13 +43,9 @@ ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Ei
   return pays(data, once, fit) ? fit : once;
 }
 
-Eigen::Index flexible_count(const ModalFit& fit) {
-  return fit.model.mode_count() - fit.model.rigid_count;
-}
-
 // Whether a pole lies so far beyond the lines that none sees its resonance.
 bool is_far(const FitData& data, const std::complex<double>& pole) {
-  const double own = std::abs(pole) / (2.0 * std::numbers::pi);
+  const double own = std::abs(pole) / kTwoPi;
   const auto& lines = data.frequency_hz;
   const double lowest = lines(0) > 0.0 || lines.size() < 2 ? lines(0) : lines(1);
   return own * Constants::far_beyond < lowest ||
@@ -79,7 +75,7 @@ void drop_far_modes(const FitData& data, const FitOptions& options, ModalFit& fi
 // Removes a mode without worth once the poles are the most likely ones. Such a pole was never a
 // mode: it corrected errors that the vector fit had left in its neighbours.
 void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
-  while (flexible_count(result.fit) > 1) {
+  while (result.fit.flexible_count() > 1) {
     const auto start = start_at(result.fit.model);
     const auto residues =
         ResidueProblem(data, start.pole, start.rigid_count > 0, options.damping).residues();
@@ -92,7 +88,7 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
     less.pole.conservativeResize(start.pole.size() - 1);
     auto fit = modal_fit(data, less, options);
     const bool taken = !pays(data, fit, result.fit);
-    result.steps.push_back({flexible_count(fit), fit.cost, fit.excess(), taken});
+    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
     if (!taken) return;
     result.fit = std::move(fit);
   }
@@ -104,9 +100,9 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   const auto of_mode = options.fit.damping == Damping::general ? 2 * channels : channels + 1;
   const auto room = data.measured_count() / (2 * of_mode);
   const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
-  while (flexible_count(result.fit) < most) {
+  while (result.fit.flexible_count() < most) {
     if (options.fit.keep_best && interrupted()) break;
-    const bool wanted = options.modes > flexible_count(result.fit);
+    const bool wanted = options.modes > result.fit.flexible_count();
     if (!wanted && data.noise_known && result.fit.excess() < Constants::enough_excess) break;
     auto start = start_at(result.fit.model);
     const auto candidate = missing_mode(data, result.fit);
@@ -115,7 +111,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     start.pole(start.pole.size() - 1) = candidate.pole;
     auto fit = modal_fit(data, start, options.fit);
     const bool taken = wanted || (pays(data, result.fit, fit) && !has_far_mode(data, fit));
-    result.steps.push_back({flexible_count(fit), fit.cost, fit.excess(), taken});
+    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
     if (!taken) break;
     result.fit = std::move(fit);
   }
@@ -156,7 +152,7 @@ Identified from_start(const FitData& data, const Start& start,
   if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
   result.fit = first_fit(data, start, twice, few);
   if (options.modes == 0) drop_far_modes(data, few, result.fit);
-  result.steps.push_back({flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
+  result.steps.push_back({result.fit.flexible_count(), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
   if (data.noise_known && !result.fit.converged)
     result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
@@ -235,7 +231,7 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
     const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;
     result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
     result.steps.push_back(
-        {flexible_count(result.fit), result.fit.cost, result.fit.excess(), true});
+        {result.fit.flexible_count(), result.fit.cost, result.fit.excess(), true});
     add_missing_modes(data, options, result);
     result.fit.delay_s += delay;
   }

@@ -60,6 +60,9 @@ struct ModalFit {
   bool converged = false;
   std::vector<std::string> notes;
 
+  [[nodiscard]] Eigen::Index flexible_count() const {
+    return model.mode_count() - model.rigid_count;
+  }
   /// Distance of the cost above what noise leaves, in deviations.
   [[nodiscard]] double excess() const { return (cost - expected_cost) / cost_deviation; }
   [[nodiscard]] Damping damping() const { return complex ? Damping::general : Damping::modal; }

@@ -69,10 +69,6 @@ void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& j
   }
 }
 
-Eigen::Index flexible(const ModalFit& fit) {
-  return fit.model.mode_count() - fit.model.rigid_count;
-}
-
 // Tries complex shapes where real ones leave more than noise.
 void look_at_complex_shapes(const Identified& found, const FitData& data,
                             const std::optional<IdentificationOptions>& again,
@@ -85,8 +81,8 @@ void look_at_complex_shapes(const Identified& found, const FitData& data,
   options.fit.damping = Damping::general;
   try {
     const auto other = identified(data, options);
-    const ComplexAlternative complex{noise_level(other.fit, data), flexible(other.fit),
-                                     flexible(found.fit)};
+    const ComplexAlternative complex{noise_level(other.fit, data), other.fit.flexible_count(),
+                                     found.fit.flexible_count()};
     if (complex.modes <= complex.instead &&
         complex.level < Constants::complex_pays * judgement.level) {
       judgement.with_complex_shapes = complex;

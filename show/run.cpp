@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "show/run.h"
 #include "show/version.h"
-#include "study/sha256.h"
 
 namespace chladni::show {
 namespace {
@@ -84,10 +83,7 @@ void Run::put_outdated_aside() {
 study::Origin Run::origin(bool measured) {
   study::Origin origin{study_.sha256, {}};
   for (const auto& [name, file] : study::named_files(study_, measured)) {
-    auto known = fingerprint_.find(file);
-    if (known == fingerprint_.end())
-      known = fingerprint_.emplace(file, study::sha256_of_file(file)).first;
-    origin.inputs[name] = known->second;
+    origin.inputs[name] = fingerprints_.of(file);
   }
   return origin;
 }

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -82,7 +81,7 @@ class Run : public stage::Work {
   std::ostream& results_;
   Talk& talk_;
   OutputFolder folder_;
-  std::map<std::filesystem::path, std::string> fingerprint_;
+  study::Fingerprints fingerprints_;
   io::PaintQueue pictures_;
   std::set<std::string> painted_;
   std::string last_fault_;  // of a picture

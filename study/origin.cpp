@@ -7,6 +7,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "io/json.h"
+#include "study/sha256.h"
 
 namespace chladni::study {
 namespace {
@@ -67,6 +68,13 @@ std::optional<Origin> origin_in_page(std::string_view page) {
 }
 
 }  // namespace
+
+std::string Fingerprints::of(const fs::path& file) {
+  const std::scoped_lock lock(mutex_);
+  auto known = known_.find(file);
+  if (known == known_.end()) known = known_.emplace(file, sha256_of_file(file)).first;
+  return known->second;
+}
 
 std::vector<NamedFile> named_files(const Study& study, bool measured) {
   std::vector<NamedFile> files;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,17 @@ struct NamedFile {
 /// The file of the body. With `measured` also the files of the measurement: responses, recordings,
 /// shapes, tolerances, the truth and its files. Only files that exist.
 [[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
+
+/// The sha256 of files, each of which is read once. Safe to share between threads.
+class Fingerprints {
+ public:
+  /// @throws InvalidInput  the file cannot be read
+  [[nodiscard]] std::string of(const std::filesystem::path& file);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::filesystem::path, std::string> known_;
+};
 
 /// The fingerprints in a result: of the study, and of the files that it uses.
 struct Origin {

@@ -21,6 +21,8 @@ using Kind = TomlNode::Kind;
 
 constexpr std::size_t kLargestPlan = std::size_t{4} << 20U;
 constexpr int kMostPoints = 10'000;
+const std::vector<std::string> kVerbs{"modes",       "place",    "priors", "identify",
+                                      "interpolate", "diagnose", "study"};
 
 TomlNode text_node(std::string text, Kind kind = Kind::text) {
   TomlNode node;
@@ -197,12 +199,6 @@ TomlNode value_on(const AxisRange& range, double share) {
   return number_node(value, range.unit);
 }
 
-const std::vector<std::string>& sweep_verbs() {
-  static const std::vector<std::string> verbs{"modes",       "place",    "priors", "identify",
-                                              "interpolate", "diagnose", "study"};
-  return verbs;
-}
-
 TomlNode document_with(std::string_view key, const TomlNode& value) {
   const auto dot = key.find('.');
   std::string first(key.substr(0, dot));
@@ -235,7 +231,7 @@ SweepPlan read_sweep(const fs::path& file) {
   plan.name = file.stem().string();
   plan.title = root.text("title").value_or(plan.name);
   plan.base = fs::absolute(file).parent_path() / root.required_text("base");
-  plan.verb = root.choice("verb", sweep_verbs()).value_or("modes");
+  plan.verb = root.choice("verb", kVerbs).value_or("modes");
   for (auto& table : root.tables("axis")) plan.axes.push_back(axis_of(table));
   for (auto& table : root.tables("result")) plan.results.push_back(result_of(table));
   if (plan.axes.empty()) root.missing("axis", "[[axis]], at least one");

@@ -55,9 +55,6 @@ struct SweepPlan {
   unsigned seed = 1;           ///< of the sample
 };
 
-/// The verbs that a sweep may run.
-[[nodiscard]] const std::vector<std::string>& sweep_verbs();
-
 /// A document in which `key` alone stands: "geometry.plate.thickness", "sensor[s1].at".
 /// @throws InvalidInput  not such a key
 [[nodiscard]] TomlNode document_with(std::string_view key, const TomlNode& value);

@@ -24,11 +24,6 @@ constexpr std::size_t kMostShown = 12;  // rows of the front on a terminal
 constexpr std::size_t kMostPanels = 24;
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
-std::string state_of(const Entry& entry) {
-  if (!entry.record) return "open";
-  return entry.record->exit == 0 ? "done" : "failed";
-}
-
 std::string head_of(const study::SweepResult& result) {
   return result.unit.empty() ? result.name : result.name + " [" + result.unit + "]";
 }
@@ -259,7 +254,7 @@ io::Json json(const Sweep& sweep, const Gathered& gathered) {
     }
     variants.emplace_back(io::JsonObject{
         {"variant", row.entry.index + 1},
-        {"state", state_of(row.entry)},
+        {"state", state(row.entry.record)},
         {"axes", axes},
         {"results", results},
         {"on_front", row.on_front},
@@ -280,7 +275,7 @@ std::string csv(const Sweep& sweep, const Gathered& gathered) {
   for (const auto& result : plan.results) out += "," + quoted_cell(head_of(result));
   out += ",on_front,folder\n";
   for (const auto& row : gathered.rows) {
-    out += fmt::format("{},{}", row.entry.index + 1, state_of(row.entry));
+    out += fmt::format("{},{}", row.entry.index + 1, state(row.entry.record));
     for (const auto& label : row.entry.labels) out += "," + quoted_cell(label);
     for (const double value : row.results) {
       out += std::isfinite(value) ? fmt::format(",{}", value) : std::string(",");

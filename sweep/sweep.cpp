@@ -26,10 +26,11 @@ constexpr auto kLongest = std::chrono::hours(24 * 365);
 
 // What the results depend on: keys, verb, program and the files that the study names. The title and
 // the place of the folder are not among it.
-std::string hash_of(const study::Study& read, const std::string& verb) {
+std::string hash_of(const study::Study& read, const std::string& verb,
+                    study::Fingerprints& fingerprints) {
   std::string all = read.text + "\n" + verb + "\n" + show::version();
   for (const auto& [name, file] : study::named_files(read, true)) {
-    all += "\n" + name + " " + study::sha256_of_file(file);
+    all += "\n" + name + " " + fingerprints.of(file);
   }
   return study::sha256(all).substr(0, kHashDigits);
 }
@@ -69,6 +70,11 @@ std::string seen_from(const fs::path& folder, const fs::path& base) {
 
 }  // namespace
 
+const char* state(const std::optional<Record>& record) {
+  if (!record) return "open";
+  return record->exit == 0 ? "done" : "failed";
+}
+
 Sweep::Sweep(study::SweepPlan plan, SweepOptions options)
     : plan_(std::move(plan)), options_(std::move(options)), variants_(plan_) {}
 
@@ -82,7 +88,7 @@ Entry Sweep::entry(long long index) const {
   try {
     const auto read =
         study::parse_study(beside, plan_.base.parent_path() / "variant.toml", options_.allowed);
-    entry.hash = hash_of(read, plan_.verb);
+    entry.hash = hash_of(read, plan_.verb, fingerprints_);
   } catch (const InvalidInput& e) {
     throw InvalidInput(fmt::format("{}: variant {} ({}): {}", plan_.file.string(), index + 1,
                                    fmt::join(entry.labels, ", "), e.what()));
@@ -134,24 +140,26 @@ std::optional<Record> Sweep::called(const Entry& entry, const fs::path& part,
   return std::nullopt;
 }
 
-Outcome Sweep::run(long long index, std::string* said) const {
+Met Sweep::run(long long index, bool again) const {
   const auto entry = this->entry(index);
-  if (entry.record) return Outcome::found;
+  if (entry.record && !(again && entry.record->exit != 0))
+    return {Outcome::found, entry.record, {}};
   make_folder(options_.folder / "variants" / ".locks");
   const VariantLock lock(options_.folder / "variants" / ".locks" / entry.hash);
-  if (!lock.is_held()) return Outcome::elsewhere;
-  if (record_in(entry.folder)) return Outcome::found;  // it ended while we looked
+  if (!lock.is_held()) return {Outcome::elsewhere, {}, {}};
+  if (!entry.record) {
+    if (const auto ended = record_in(entry.folder)) return {Outcome::found, ended, {}};
+  }
   auto part = entry.folder;
   part += ".part";
   std::string why;
   const auto record = called(entry, part, why);
-  if (!record) {
-    if (said != nullptr) *said = why;
-    return Outcome::passing;
-  }
+  if (!record) return {Outcome::passing, {}, why};
   io::write_json(part / "variant.json", json_of(entry, *record));
+  std::error_code ignored;
+  fs::remove_all(entry.folder, ignored);  // what failed before
   fs::rename(part, entry.folder);
-  return Outcome::ran;
+  return {Outcome::ran, record, {}};
 }
 
 io::Json Sweep::json_of(const Entry& entry, const Record& record) const {
@@ -163,11 +171,6 @@ io::Json Sweep::json_of(const Entry& entry, const Record& record) const {
                         {"verb", plan_.verb},         {"axes", axes},
                         {"exit", record.exit},        {"error", record.error},
                         {"seconds", record.seconds}};
-}
-
-void Sweep::forget(const Entry& entry) const {
-  std::error_code ignored;
-  fs::remove_all(entry.folder, ignored);
 }
 
 }  // namespace chladni::sweep

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/json.h"
+#include "study/origin.h"
 #include "study/sweep_plan.h"
 #include "study/sweep_variants.h"
 
@@ -30,6 +31,9 @@ struct Record {
   double seconds = 0.0;
 };
 
+/// "open", "done" or "failed".
+[[nodiscard]] const char* state(const std::optional<Record>& record);
+
 /// One variant, and where it stands.
 struct Entry {
   long long index = 0;  ///< from 0
@@ -46,6 +50,12 @@ enum class Outcome {
   ran,        ///< it ran now, well or badly
   elsewhere,  ///< another process runs it
   passing,  ///< it could not run now: its process died or lacked memory, and it is tried next time
+};
+
+struct Met {
+  Outcome outcome = Outcome::found;
+  std::optional<Record> record;  ///< of a variant that has run
+  std::string why;               ///< it could not run now
 };
 
 class Sweep {
@@ -66,12 +76,10 @@ class Sweep {
   /// Reads every variant. @throws InvalidInput  the first that is no study
   void check() const;
   /// Runs a variant that has not run. Its results appear in its folder whole or not at all.
-  /// @param said  what a variant said that could not run
+  /// @param again  also one that failed
   /// @throws OutOfResources  the disk is full
   /// @throws Interrupted     Ctrl-C
-  Outcome run(long long index, std::string* said = nullptr) const;
-  /// Forgets a variant that failed, so that it runs again.
-  void forget(const Entry& entry) const;
+  [[nodiscard]] Met run(long long index, bool again = false) const;
 
  private:
   [[nodiscard]] std::vector<std::string> arguments(const std::filesystem::path& folder) const;
@@ -83,6 +91,7 @@ class Sweep {
   study::SweepPlan plan_;
   SweepOptions options_;
   study::Variants variants_;
+  mutable study::Fingerprints fingerprints_;
 };
 
 }  // namespace chladni::sweep

@@ -115,8 +115,7 @@ cholmod_sparse view(std::size_t size, int* start, int* row, double* value, int s
   return m;
 }
 
-template <typename T>
-std::vector<T> copied(const void* data, std::size_t size) {
+std::vector<std::int32_t> copied(const void* data, std::size_t size) {
   const auto* from = static_cast<const int*>(data);
   return {from, from + size};
 }
@@ -134,8 +133,7 @@ void choose_joining(const QuotientGraph& graph, cholmod_common& common) {
   }
 }
 
-// The supernode of each column and of each row of the border, and the largest update that one
-// supernode makes to another.
+// The most doubles and the most rows of an update that one supernode makes to another.
 struct Updates {
   std::int64_t largest = 1, tallest = 1;
 };
@@ -284,8 +282,8 @@ GroupSupernodes supernodes(const QuotientGraph& graph, const std::vector<std::in
                           session.common);
   session.check("analyse");
   const auto& f = *owned.factor;
-  return {copied<std::int32_t>(f.Perm, f.n), copied<std::int32_t>(f.super, f.nsuper + 1),
-          copied<std::int32_t>(f.pi, f.nsuper + 1), copied<std::int32_t>(f.s, f.ssize)};
+  return {copied(f.Perm, f.n), copied(f.super, f.nsuper + 1), copied(f.pi, f.nsuper + 1),
+          copied(f.s, f.ssize)};
 }
 
 std::int64_t work_size(const PartShape& shape) { return updates_of(shape).largest; }

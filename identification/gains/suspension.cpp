@@ -69,7 +69,7 @@ Suspension suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
 
 Suspension stated_suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
                              const Eigen::MatrixXd& inputs, Eigen::Index count) {
-  const auto flexible = fit.model.mode_count() - fit.model.rigid_count;
+  const auto flexible = fit.flexible_count();
   require(count >= 0 && count <= std::min(flexible, outputs.cols()),
           std::to_string(count) + " suspended modes of " + std::to_string(flexible) +
               " above 0 Hz and " + std::to_string(outputs.cols()) +

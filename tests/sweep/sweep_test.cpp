@@ -31,9 +31,9 @@ SweepOptions options_of(const SweepFolder& folder, const std::string& out = "out
 TEST(Sweep, RunsEachVariantOnceAndKeepsWhatFailed) {
   const SweepFolder folder("once");
   const Sweep sweep(folder.plan(), options_of(folder));
-  for (long long i = 0; i < sweep.size(); ++i) EXPECT_EQ(sweep.run(i), Outcome::ran) << i;
+  for (long long i = 0; i < sweep.size(); ++i) EXPECT_EQ(sweep.run(i).outcome, Outcome::ran) << i;
   EXPECT_EQ(folder.calls(), 6);
-  for (long long i = 0; i < sweep.size(); ++i) EXPECT_EQ(sweep.run(i), Outcome::found) << i;
+  for (long long i = 0; i < sweep.size(); ++i) EXPECT_EQ(sweep.run(i).outcome, Outcome::found) << i;
   EXPECT_EQ(folder.calls(), 6);
   const auto all = gathered(sweep);
   EXPECT_EQ(all.done, 4);
@@ -51,9 +51,8 @@ TEST(Sweep, RunsEachVariantOnceAndKeepsWhatFailed) {
 TEST(Sweep, WhatFailedRunsAgainOnRequest) {
   const SweepFolder folder("again");
   const Sweep sweep(folder.plan(), options_of(folder));
-  EXPECT_EQ(sweep.run(5), Outcome::ran);
-  sweep.forget(sweep.entry(5));
-  EXPECT_EQ(sweep.run(5), Outcome::ran);
+  EXPECT_EQ(sweep.run(5).outcome, Outcome::ran);
+  EXPECT_EQ(sweep.run(5, true).outcome, Outcome::ran);
   EXPECT_EQ(folder.calls(), 2);
 }
 
@@ -63,13 +62,13 @@ TEST(Sweep, AVariantThatIsKilledIsTriedAgain) {
   text.replace(text.find("16 mm"), 5, "99 mm");
   const SweepFolder folder("killed", text);
   const Sweep sweep(folder.plan(), options_of(folder));
-  std::string said;
-  EXPECT_EQ(sweep.run(0, &said), Outcome::passing);
-  EXPECT_NE(said.find("signal 9"), std::string::npos) << said;
+  const auto met = sweep.run(0);
+  EXPECT_EQ(met.outcome, Outcome::passing);
+  EXPECT_NE(met.why.find("signal 9"), std::string::npos) << met.why;
   EXPECT_FALSE(sweep.entry(0).record);
   EXPECT_FALSE(fs::exists(sweep.entry(0).folder));
   write(folder.path() / "mended", "");
-  EXPECT_EQ(sweep.run(0), Outcome::ran);
+  EXPECT_EQ(sweep.run(0).outcome, Outcome::ran);
   EXPECT_EQ(sweep.entry(0).record->exit, 0);
 }
 
@@ -81,7 +80,7 @@ TEST(Sweep, ARunThatWasCutOffIsDoneAfresh) {
   fs::create_directories(part);
   write(part / "modes.json", "{ half of");
   write(part / "left_over.json", "{}");
-  EXPECT_EQ(sweep.run(1), Outcome::ran);
+  EXPECT_EQ(sweep.run(1).outcome, Outcome::ran);
   EXPECT_FALSE(fs::exists(part));
   EXPECT_FALSE(fs::exists(sweep.entry(1).folder / "left_over.json"));
   EXPECT_EQ(gathered(sweep).rows[1].results(0), 160.0);
@@ -96,10 +95,10 @@ TEST(Sweep, AVariantThatAnotherProcessRunsIsLeftToIt) {
     const VariantLock other(locks / sweep.entry(2).hash);
     ASSERT_TRUE(other.is_held());
     EXPECT_FALSE(VariantLock(locks / sweep.entry(2).hash).is_held());
-    EXPECT_EQ(sweep.run(2), Outcome::elsewhere);
+    EXPECT_EQ(sweep.run(2).outcome, Outcome::elsewhere);
     EXPECT_EQ(folder.calls(), 0);
   }
-  EXPECT_EQ(sweep.run(2), Outcome::ran);
+  EXPECT_EQ(sweep.run(2).outcome, Outcome::ran);
 }
 
 // The hash is that of what the results depend on: not of the title, the order of the axes or the
