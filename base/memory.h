@@ -10,4 +10,8 @@ namespace chladni {
 /// read, it is all the physical memory.
 [[nodiscard]] std::size_t available_memory();
 
+/// Gives memory that was freed back to the system, where the C library (glibc) holds it for later.
+/// Costs some milliseconds; for use before an allocation that is as large as all before.
+void release_freed_memory();
+
 }  // namespace chladni

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "base/error.h"
@@ -28,6 +29,8 @@ namespace {
 // slender body.
 constexpr double kWorthPolishing = 1e-9;
 constexpr int kPolishingSteps = 3;
+// A factor that takes more of the memory than this share is not kept for `reduced`.
+constexpr double kShareToKeep = 0.2;
 constexpr int kRestarts = 4;  // new start blocks at most, where the count says modes are missing
 
 using Clock = std::chrono::steady_clock;
@@ -67,14 +70,18 @@ double shift(const System& system, const ModesOptions& options) {
   return 1e-5 * system.stiffness.diagonal().sum() / system.mass.diagonal().sum();
 }
 
-// Bytes beside K and M: the factor plus the larger of the fronts (first) and the vectors of the
-// iteration (later).
+// Bytes beside K and M: the analysis; the factor with what makes it, then with the vectors of the
+// iteration; then the count beside the shapes, and beside the factor where it is kept.
 struct Need {
-  double factor = 0.0, fronts = 0.0, vectors = 0.0;
-  [[nodiscard]] double total() const { return factor + std::max(fronts, vectors); }
+  double analysis = 0.0, factor = 0.0, work = 0.0, vectors = 0.0, count = 0.0;
+  bool kept = true;
+  [[nodiscard]] double total() const {
+    return analysis + std::max(factor + std::max(work, vectors), count + (kept ? factor : 0.0));
+  }
 };
 
-Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOptions& options) {
+Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOptions& options,
+                   double keep_bytes) {
   const auto forecast = symbolic.forecast();
   const auto n = static_cast<double>(system.mass.rows());
   // The basis, the current block with its images, the work space of a solve, three copies of the
@@ -82,22 +89,31 @@ Need memory_needed(const Symbolic& symbolic, const System& system, const ModesOp
   const double columns = lanczos_basis_size(options.count, options.block) + 8.0 * options.block +
                          3.0 * (options.count + static_cast<double>(system.rigid.cols())) +
                          8.0 * thread_count();
-  return {forecast.factor_bytes, forecast.work_bytes, 8.0 * n * columns};
+  const double shapes = options.count + static_cast<double>(system.rigid.cols());
+  return {.analysis = forecast.analysis_bytes,
+          .factor = forecast.factor_bytes,
+          .work = forecast.work_bytes,
+          .vectors = 8.0 * n * columns,
+          .count = options.certificate ? forecast.count_bytes + 8.0 * n * shapes : 0.0,
+          .kept = forecast.factor_bytes <= keep_bytes};
+}
+
+double memory_there(const ModesOptions& options) {
+  return static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes
+                                                            : available_memory());
 }
 
 void refuse_what_does_not_fit(const Need& needed, const System& system,
                               const ModesOptions& options) {
   const double need = needed.total();
-  const double have = options.memory_limit_bytes > 0
-                          ? static_cast<double>(options.memory_limit_bytes)
-                          : static_cast<double>(available_memory());
+  const double have = memory_there(options);
   if (need <= have) return;
   const auto gib = [](double bytes) { return fmt::format("{:.3g} GiB", bytes / (1 << 30)); };
   throw OutOfResources(
-      fmt::format("modes: {} degrees of freedom need {} (factor {}, and work {} or vectors {}) and "
-                  "there is {}; use a coarser mesh: edge_length times {:.2f}",
-                  system.mass.rows(), gib(need), gib(needed.factor), gib(needed.fronts),
-                  gib(needed.vectors), gib(have), std::sqrt(need / have)));
+      fmt::format("modes: {} degrees of freedom need {} (factor {}, and work {} or vectors {}; "
+                  "count {}) and there is {}; use a coarser mesh: edge_length times {:.2f}",
+                  system.mass.rows(), gib(need), gib(needed.factor), gib(needed.work),
+                  gib(needed.vectors), gib(needed.count), gib(have), std::sqrt(need / have)));
 }
 
 // `count`, raised so that the cluster of the last mode is not cut.
@@ -137,30 +153,32 @@ struct Search {
   const ModesOptions& options;
   const Progress& progress;
   ModesSummary& summary;
+  double keep_bytes = 0.0;
+  std::shared_ptr<const Factorization> factor = {};  // serves the restarts too where it is kept
 
-  Found find(const Symbolic& symbolic, double s, const Eigen::MatrixXd& known, int wanted,
-             unsigned seed) {
+  Found find(double s, const Eigen::MatrixXd& known, int wanted, unsigned seed) {
     auto start = Clock::now();
-    tell(progress, "factorise");
-    const auto factor = factorized(symbolic, s);
+    if (!factor) tell(progress, "factorise");
+    if (!factor) factor = factorized(s);
     summary.factor_seconds += seconds_since(start);
     start = Clock::now();
     auto found = lanczos(
-        system, factor, s, known,
+        system, *factor, s, known,
         {.wanted = wanted, .block = options.block, .tolerance = options.tolerance, .seed = seed},
         progress);
     summary.block_steps += found.block_steps;
     summary.solves += found.solves;
     Found result{std::move(found.lambda), {}, std::move(found.shapes)};
-    result.residual = residuals(system, factor, s, known, result.lambda, result.shapes);
+    result.residual = residuals(system, *factor, s, known, result.lambda, result.shapes);
     const int least = system.suspended.cols() > 0 ? 1 : 0;
     const auto rough = [&] { return !(result.residual.array() <= kWorthPolishing).all(); };
     for (int step = 0; step < least || (step < kPolishingSteps && rough()); ++step) {
-      result.residual = polished(system, factor, s, known, result.lambda, result.shapes);
+      result.residual = polished(system, *factor, s, known, result.lambda, result.shapes);
     }
     require_energy(system, result.lambda, result.shapes);
     settle(system, result);
     summary.iterate_seconds += seconds_since(start);
+    if (summary.factor_bytes > keep_bytes) factor = {};  // the count then has its memory
     return result;
   }
 
@@ -169,6 +187,7 @@ struct Search {
   bool is_complete(const Symbolic& symbolic, const Found& found, Eigen::Index kept) {
     const auto start = Clock::now();
     tell(progress, "certify");
+    release_freed_memory();  // of the basis
     const double last = found.lambda(kept - 1);
     const double next = kept < found.lambda.size() ? found.lambda(kept) : 1.02 * last;
     const auto count = counted(symbolic, last, std::min(next, 1.02 * last));
@@ -183,9 +202,9 @@ struct Search {
   }
 
  private:
-  [[nodiscard]] Factorization factorized(const Symbolic& symbolic, double s) const {
+  [[nodiscard]] std::shared_ptr<const Factorization> factorized(double s) const {
     try {
-      return {symbolic, system.stiffness, s, system.mass};
+      return system.kept_factor->factor(system.stiffness, s, system.mass, keep_bytes);
     } catch (const OutOfResources&) {
       throw;
     } catch (const NumericalFailure& failure) {
@@ -264,24 +283,27 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   ModesSummary summary;
   const auto start = Clock::now();
   tell(progress, "order");
-  const Symbolic symbolic(system.stiffness, system.mass);
-  const auto needed = memory_needed(symbolic, system, options);
+  const auto analysis = system.kept_factor->symbolic(system.stiffness, system.mass);
+  release_freed_memory();  // of the graph and of METIS
+  const auto& symbolic = *analysis;
+  const double keep_bytes = kShareToKeep * memory_there(options);
+  const auto needed = memory_needed(symbolic, system, options, keep_bytes);
   refuse_what_does_not_fit(needed, system, options);
   summary.forecast_bytes = needed.total();
   summary.factor_bytes = symbolic.forecast().factor_bytes;
   summary.factor_seconds = seconds_since(start);
 
-  Search search{system, options, progress, summary};
+  Search search{system, options, progress, summary, keep_bytes};
   const double s = shift(system, options);
   const auto rigid = static_cast<int>(system.rigid.cols());
-  auto found = search.find(symbolic, s, rigid_motions(system), options.count, options.seed);
+  auto found = search.find(s, rigid_motions(system), options.count, options.seed);
   auto kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
   while (options.certificate && !search.is_complete(symbolic, found, kept) &&
          summary.restarts < kRestarts) {
     const int missing = std::max(summary.counted - summary.found, 1);
     const auto seed = options.seed + 1U + static_cast<unsigned>(summary.restarts++);
     merge(system, found,
-          search.find(symbolic, s, beside(rigid_motions(system), found.shapes), missing, seed));
+          search.find(s, beside(rigid_motions(system), found.shapes), missing, seed));
     kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));
   }
   if (options.certificate && !summary.complete) {

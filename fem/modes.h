@@ -62,9 +62,9 @@ struct ModesResult {
 ///                           energy and is not among system.rigid (a mechanism); a residual is 1e-4
 ///                           or more; the eigenvalues cannot be counted; modes are still missing
 ///                           after the restarts
-/// @throws Interrupted       within about a second; later while CHOLMOD factorises a part of a large
-///                           system (a subtree per core, then what is above), and where METIS finds
-///                           the order and the program chladni-order is not installed
+/// @throws Interrupted       within about a second; later while CHOLMOD factorises a part of a
+///                           large system (a subtree per core, then what is above), and where METIS
+///                           finds the order and the program chladni-order is not installed
 [[nodiscard]] ModesResult modes(const System& system, const ModesOptions& options = {},
                                 const Progress& progress = {});
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <string>
 
@@ -47,6 +48,21 @@ double shift(const System& system, const modal::Modes& modes) {
     if (k > 0.0) least = std::min(least, k / system.mass.coeff(i, i));
   }
   return 1e-3 * least;
+}
+
+// The factor that `modes` has left, where its shift is well below the omitted modes, or a new one.
+std::shared_ptr<const Factorization> factor_for(const System& system, const modal::Modes& modes) {
+  constexpr double kWellBelow = 0.1;  // each step then leaves less than a tenth of the error
+  const double s = shift(system, modes);
+  const double last = modes.mode_count() > modes.rigid_count
+                          ? std::pow(2.0 * std::numbers::pi * modes.frequency_hz.tail<1>()(0), 2)
+                          : 0.0;
+  const auto there =
+      system.kept_factor->kept(system.stiffness, system.mass, 0.1 * s, kWellBelow * last);
+  if (there.factor) return there.factor;
+  return std::make_shared<const Factorization>(
+      system.kept_factor->symbolic(system.stiffness, system.mass), system.stiffness, s,
+      system.mass);
 }
 
 // One step of the pivoted Cholesky factorisation: the column of the largest diagonal entry left.
@@ -132,8 +148,8 @@ Eigen::MatrixXd residual_flexibility(const System& system, const modal::Modes& m
   };
   const Eigen::MatrixXd load =
       Eigen::MatrixXd(forces) - mass_shapes * (modes.shapes.transpose() * forces);
-  const Symbolic symbolic(system.stiffness, system.mass);
-  const Factorization factor(symbolic, system.stiffness, shift(system, modes), system.mass);
+  const auto kept = factor_for(system, modes);
+  const Factorization& factor = *kept;
   Eigen::MatrixXd x = in_the_modes_left_out(factor.solve(load));
   double change = std::numeric_limits<double>::infinity();
   for (int step = 0; step < 200; ++step) {

@@ -12,7 +12,9 @@ struct FactorForecast {
   double entries = 0.0;  ///< stored entries of L on and below the diagonal
   double flops = 0.0;
   double factor_bytes = 0.0;  ///< L itself, with the corners above the diagonal that CHOLMOD stores
-  double work_bytes = 0.0;    ///< largest memory besides L at one time
+  double work_bytes = 0.0;    ///< largest memory besides L at one time, while L is made
+  double count_bytes = 0.0;   ///< largest memory of a count (`inertia`), which keeps no L
+  double analysis_bytes = 0.0;  ///< of the order and the tree themselves
 };
 
 /// A fill-reducing order and the tree of supernodes that follows from the order. All matrices of
@@ -28,6 +30,8 @@ class Symbolic {
   Symbolic& operator=(Symbolic&&) noexcept;
 
   [[nodiscard]] FactorForecast forecast() const;
+  /// Number of threads that it was made for.
+  [[nodiscard]] int threads() const;
 
   struct Tree;
   [[nodiscard]] const Tree& tree() const { return *tree_; }
@@ -41,7 +45,10 @@ class Factorization {
  public:
   /// @throws NumericalFailure  the matrix is not positive definite
   explicit Factorization(const SparseMatrix& matrix);
+  /// The analysis must outlive the factor here; a shared one is kept.
   Factorization(const Symbolic& symbolic, const SparseMatrix& a, double s, const SparseMatrix& b);
+  Factorization(std::shared_ptr<const Symbolic> symbolic, const SparseMatrix& a, double s,
+                const SparseMatrix& b);
   ~Factorization();
   Factorization(Factorization&&) noexcept;
   Factorization& operator=(Factorization&&) noexcept;

@@ -246,6 +246,12 @@ Factorization::Factorization(const Symbolic& symbolic, const SparseMatrix& a, do
   numeric_->factorize(a, s, &b);
 }
 
+Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, const SparseMatrix& a,
+                             double s, const SparseMatrix& b)
+    : numeric_(std::make_unique<Numeric>(std::move(symbolic))) {
+  numeric_->factorize(a, s, &b);
+}
+
 Factorization::~Factorization() = default;
 Factorization::Factorization(Factorization&&) noexcept = default;
 Factorization& Factorization::operator=(Factorization&&) noexcept = default;

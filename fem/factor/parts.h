@@ -3,7 +3,8 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -22,7 +23,9 @@ void choose_parts(Symbolic::Tree& tree);
 
 struct Factorization::Numeric {
   explicit Numeric(const SparseMatrix& own_pattern)
-      : own(std::in_place, own_pattern), tree(own->tree()), parts(tree.parts.size()) {}
+      : Numeric(std::make_shared<const Symbolic>(own_pattern)) {}
+  explicit Numeric(std::shared_ptr<const Symbolic> kept)
+      : own(std::move(kept)), tree(own->tree()), parts(tree.parts.size()) {}
   explicit Numeric(const Symbolic::Tree& shared) : tree(shared), parts(tree.parts.size()) {}
 
   void factorize(const SparseMatrix& a, double s, const SparseMatrix* b);
@@ -33,7 +36,7 @@ struct Factorization::Numeric {
     return {parts[static_cast<std::size_t>(node.part)].data() + node.place, rows, node.width, rows};
   }
 
-  std::optional<Symbolic> own;
+  std::shared_ptr<const Symbolic> own;  ///< null: the tree is somebody else's
   const Symbolic::Tree& tree;
   std::vector<Storage> parts;
 };

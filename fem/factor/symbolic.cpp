@@ -120,12 +120,17 @@ void expand(const GroupSupernodes& found, const QuotientGraph& graph, Symbolic::
     auto& node = tree.nodes[s];
     node.first = place[at(found.first[s])];
     node.width = place[at(found.first[s + 1])] - node.first;
-    for (auto k = found.start[s]; k < found.start[s + 1]; ++k) {
-      const Index group = found.rows[at(k)];
-      if (group < found.first[s + 1]) continue;
-      for (Index dof = place[at(group)]; dof < place[at(group) + 1]; ++dof)
-        node.rows.push_back(dof);
-    }
+    const auto each_row = [&](auto&& visit) {
+      for (auto k = found.start[s]; k < found.start[s + 1]; ++k) {
+        const Index group = found.rows[at(k)];
+        if (group < found.first[s + 1]) continue;
+        for (Index dof = place[at(group)]; dof < place[at(group) + 1]; ++dof) visit(dof);
+      }
+    };
+    std::size_t rows = 0;
+    each_row([&](Index) { ++rows; });
+    node.rows.reserve(rows);
+    each_row([&](Index dof) { node.rows.push_back(dof); });
   }
 }
 
@@ -195,16 +200,44 @@ Symbolic::~Symbolic() = default;
 Symbolic::Symbolic(Symbolic&&) noexcept = default;
 Symbolic& Symbolic::operator=(Symbolic&&) noexcept = default;
 
+int Symbolic::threads() const { return tree_->threads; }
+
+namespace {
+
+double analysis_bytes(const Symbolic::Tree& tree) {
+  double numbers = static_cast<double>(tree.order.size() + tree.position.size());
+  for (const auto& node : tree.nodes) {
+    numbers += static_cast<double>(node.rows.capacity() + node.children.capacity());
+  }
+  for (const auto& part : tree.parts) {
+    numbers += static_cast<double>(part.nodes.capacity() + part.border.capacity());
+  }
+  return 4.0 * numbers + static_cast<double>(sizeof(Supernode) * tree.nodes.size());
+}
+
+// Doubles of a count: the waiting update blocks, and for each thread one front's panel, a strip of
+// it and the rows' places; pivots with what they are judged by.
+double size_of_count(const Symbolic::Tree& tree) {
+  const auto n = static_cast<double>(tree.order.size());
+  const auto each_thread =
+      static_cast<double>(tree.stack_size[0] + tree.stack_size[1] + tree.largest_panel +
+                          tree.tallest_front * kStripWidth) +
+      1.5 * n;
+  return tree.threads * each_thread + static_cast<double>(tree.detached_size) + 3.0 * n;
+}
+
+}  // namespace
+
 FactorForecast Symbolic::forecast() const {
   const auto& tree = *tree_;
   const auto n = static_cast<double>(tree.order.size());
-  const auto stacks = static_cast<double>(tree.stack_size[0] + tree.stack_size[1]);
   const double matrix = 1.5 * tree.entries + n;
-  const double count = tree.threads * stacks + static_cast<double>(tree.detached_size);
   return {.entries = tree.entries_of_factor,
           .flops = tree.flops,
           .factor_bytes = 8.0 * static_cast<double>(tree.factor_size),
-          .work_bytes = 8.0 * (matrix + std::max(count, static_cast<double>(work_of_parts(tree))))};
+          .work_bytes = 8.0 * (matrix + static_cast<double>(work_of_parts(tree))),
+          .count_bytes = 8.0 * (matrix + size_of_count(tree)),
+          .analysis_bytes = analysis_bytes(tree)};
 }
 
 }  // namespace chladni::fem
