@@ -146,8 +146,14 @@ class Descent {
   }
 
   void learn() {
-    fit_.levels = updated(fit_.levels, problem_.prior(), likelihood_->evidence());
+    fit_.levels = updated(fit_.levels, problem_.prior(), evidence());
     take({likelihood_->errors(), fit_.levels});
+  }
+
+  // Levels alone, beside sizes that stay where they are.
+  void settle(int rounds) {
+    if (prior_.centre.size() > 0) slope_ = slopes();
+    for (int round = 0; round < rounds; ++round) learn();
   }
 
   // Pairs the modes in the most probable way.
@@ -158,15 +164,17 @@ class Descent {
       LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
       if (!(other.negative_log() - prior < fit_.objective)) continue;
       fit_.matching = matching;
+      slope_.resize(0, 0);
       take(std::move(other));
     }
   }
 
+  // After `settle`.
   [[nodiscard]] ModesFit taken() {
-    const auto evidence = likelihood_->evidence();
-    fit_.determined = evidence.determined;
-    const double levels = negative_log_prior(fit_.levels, problem_.prior(), evidence);
-    const MatrixXd hessian = prior_.centre.size() > 0 ? curvature(slopes()) : MatrixXd();
+    const auto known = evidence();
+    fit_.determined = known.determined;
+    const double levels = negative_log_prior(fit_.levels, problem_.prior(), known);
+    const MatrixXd hessian = prior_.centre.size() > 0 ? curvature(slope_) : MatrixXd();
     const Index n = hessian.rows();
     double volume = 0.0;
     if (n > 0) {
@@ -181,7 +189,12 @@ class Descent {
     return std::move(fit_);
   }
 
-  [[nodiscard]] double value() const { return fit_.objective; }
+  // −ln of the density of the errors at the present levels, whatever the sizes are.
+  [[nodiscard]] double value() const {
+    if (slope_.rows() != own_.size() || slope_.cols() == 0) return fit_.objective;
+    const MatrixXd lower = curvature(slope_).llt().matrixL();
+    return fit_.objective + lower.diagonal().array().log().sum();
+  }
 
  private:
   [[nodiscard]] Index held() const { return static_cast<Index>(problem_.constants().size()); }
@@ -204,6 +217,29 @@ class Descent {
     likelihood_ = std::move(likelihood);
     own_ = stacked(likelihood_->errors());
     fit_.objective = likelihood_->negative_log() - log_prior_of(all_);
+  }
+
+  // What the data say of the levels, whatever the sizes are: sizes that fit the errors take as many
+  // of them away as they have coordinates. To first order they are errors that all modes share.
+  [[nodiscard]] LevelLikelihood::Evidence evidence() const {
+    if (slope_.rows() != own_.size() || slope_.cols() == 0) return likelihood_->evidence();
+    ModeErrors errors = likelihood_->errors();
+    const VectorXd off = coordinates(all_) - prior_.centre;
+    const VectorXd width = prior_.precision.cwiseSqrt().cwiseInverse();
+    const Index n = slope_.cols();
+    errors.shared_of.insert(errors.shared_of.end(), at(n), -1);
+    Index first = 0;
+    for (auto& block : errors.blocks) {
+      const auto slope = slope_.middleRows(first, block.count());
+      const Index before = block.shared.cols();
+      block.shared.conservativeResize(Eigen::NoChange, before + n);
+      block.shared.rightCols(n) = slope * width.asDiagonal();
+      for (Index c = 0; c < n; ++c) {
+        if (!prior_.is_place[at(c)]) block.error -= slope.col(c) * off(c);
+      }
+      first += block.count();
+    }
+    return LevelLikelihood(std::move(errors), fit_.levels).evidence();
   }
 
   // The change that each cause makes to a state.
@@ -278,9 +314,9 @@ class Descent {
   }
 
   void step() {
-    const MatrixXd slope = slopes();
-    const MatrixXd hessian = curvature(slope);
-    const VectorXd gradient = likelihood_->product(slope, own_) + prior_.slope(coordinates(all_));
+    slope_ = slopes();
+    const MatrixXd hessian = curvature(slope_);
+    const VectorXd gradient = likelihood_->product(slope_, own_) + prior_.slope(coordinates(all_));
     for (int attempt = 0; attempt < 5; ++attempt) {
       MatrixXd damped = hessian;
       damped.diagonal() *= 1.0 + damping_;
@@ -311,6 +347,7 @@ class Descent {
       const LevelLikelihood other(problem_.errors(fit_, *model, matching), fit_.levels);
       if (!(other.negative_log() - prior < fit_.objective)) return false;
       fit_.matching = matching;
+      slope_.resize(0, 0);
     }
     all_ = std::move(causes);
     put_back();
@@ -326,6 +363,7 @@ class Descent {
   std::optional<LevelLikelihood> likelihood_;
   Changes changes_;  // of the present causes
   VectorXd own_;     // errors at the present sizes
+  MatrixXd slope_;   // of the errors in the coordinates, about there; empty: not known
   double damping_ = 1e-3;
 };
 
@@ -346,7 +384,7 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
     if (round > 1 && before - descent.value() < kConstants.enough_fall) break;
     before = descent.value();
   }
-  for (int round = 0; round < std::min(rounds, kLevelRounds); ++round) descent.learn();
+  descent.settle(std::min(rounds, kLevelRounds));
   return descent.taken();
 }
 

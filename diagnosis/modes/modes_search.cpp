@@ -4,11 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "base/error.h"
 #include "base/index.h"
 #include "base/parallel.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/modes/calibration/calibration.h"
+#include "diagnosis/modes/modes_look.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -16,6 +15,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
+constexpr std::size_t kMoved = 2;      // starts of one effect that are moved, per choice of levels
 constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
 constexpr std::size_t kInFull = 8;     // of these, fitted in full
 constexpr int kQuickRounds = 2;        // of such a first fit
@@ -27,127 +27,13 @@ struct Candidate {
   double objective = 0.0;
 };
 
-// A quick look at hypotheses beside one fit at given levels: its covariance where the same modes
-// have partners.
-class Look {
- public:
-  Look(const ModesProblem& problem, const ModesFit& base, const PerClass& levels)
-      : problem_(problem),
-        base_(base),
-        levels_(levels),
-        columns_(problem, base),
-        likelihood_(columns_.added(problem.errors(base, base.model, base.matching)), levels),
-        own_(stacked(likelihood_.errors())),
-        state_(problem.with(base)) {
-    const auto model = problem.modes(state_, true);
-    if (!model) return;
-    quick_hz_ = model->frequency_hz;
-    const auto matchings = problem.matchings(*model);
-    pairs_may_be_wrong_ = matchings.size() > 1;
-    quick_matching_ = matchings.front();
-    for (const auto& matching : matchings) {
-      if (matching.model == base.matching.model) quick_matching_ = matching;
-    }
-    here_ = shifted(*model, quick_matching_);
-  }
-
-  /// The objective with one more cause, less its prior's share; infinite if it is impossible or
-  /// changes nothing.
-  [[nodiscard]] double operator()(const Supposed& cause) const {
-    const double prior = log_prior(cause, problem_.structure());
-    if (!std::isfinite(prior)) return HUGE_VAL;
-    const auto model = with(cause);
-    if (!model) return HUGE_VAL;
-    if (model->frequency_hz.size() == quick_hz_.size() && model->frequency_hz == quick_hz_) {
-      const double there = objective(*model, quick_matching_);
-      if (there == HUGE_VAL || !pairs_may_be_wrong_) return there - prior;
-    }
-    double least = HUGE_VAL;
-    for (const auto& matching : problem_.matchings(*model)) {
-      least = std::min(least, objective(*model, matching));
-    }
-    return least - prior;
-  }
-
-  [[nodiscard]] const PerClass& levels() const { return levels_; }
-
- private:
-  // −ln likelihood; infinite where no number changes.
-  [[nodiscard]] double objective(const RecordedModes& model, const Matching& matching) const {
-    if (same_partners(matching)) {
-      const Eigen::VectorXd there = shifted(model, matching);
-      if (there.size() == here_.size()) {
-        const Eigen::VectorXd change = there - here_;
-        if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return HUGE_VAL;
-        return likelihood_.negative_log(own_ + change);
-      }
-    }
-    return LevelLikelihood(columns_.added(problem_.errors(base_, model, matching)), levels_)
-        .negative_log();
-  }
-  [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model,
-                                        const Matching& matching) const {
-    return stacked(problem_.errors(base_, model, matching, false));
-  }
-  [[nodiscard]] bool same_partners(const Matching& matching) const {
-    for (std::size_t i = 0; i < matching.model.size(); ++i) {
-      if ((matching.model[i] < 0) != (base_.matching.model[i] < 0)) return false;
-    }
-    return true;
-  }
-
-  [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const {
-    try {
-      State state = state_;
-      cause.effect->apply(state, problem_.structure(), cause.option, cause.x);
-      return problem_.modes(state, true);
-    } catch (const NumericalFailure&) {
-      return std::nullopt;
-    }
-  }
-
-  const ModesProblem& problem_;
-  const ModesFit& base_;
-  PerClass levels_;
-  ConstantColumns columns_;
-  LevelLikelihood likelihood_;
-  Eigen::VectorXd own_;  // errors of the base
-  State state_;
-  Eigen::VectorXd here_, quick_hz_;
-  Matching quick_matching_;
-  bool pairs_may_be_wrong_ = false;
-};
-
-// The levels at which candidates are looked at: those of the fit, and where the gains or places of
-// its channels scatter more than usual, those with less scatter. One bad channel is a scatter of
-// all to a fit that does not know it, and nothing is left for it to explain.
-std::vector<PerClass> levels_to_look_at(const ModesProblem& problem, const ModesFit& base) {
-  std::vector<PerClass> all{base.levels};
-  PerClass other = base.levels;
-  for (const auto of : {ErrorClass::gain, ErrorClass::place}) {
-    const auto i = static_cast<Index>(of);
-    other(i) = std::max(other(i) / kConstants.scattered, problem.prior().usual(i));
-  }
-  other = other.min(base.levels);
-  if ((other < base.levels).any()) all.push_back(other);
-  return all;
-}
-
-// The best starts of one effect, at places and choices of their own.
-std::vector<Candidate> best_of(const std::vector<Look>& looks, const ModesProblem& problem,
-                               const Effect& effect) {
-  const auto& hz = problem.measured().frequency_hz;
-  std::vector<Candidate> all;
-  for (const auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
-    for (const auto& look : looks) {
-      const double objective = look(start);
-      if (std::isfinite(objective)) all.push_back({start, look.levels(), objective});
-    }
-  }
+// The best of them, each of another choice or place.
+std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candidate> all,
+                                std::size_t most) {
   std::ranges::stable_sort(all, {}, &Candidate::objective);
   std::vector<Candidate> best;
   for (auto& candidate : all) {
-    if (best.size() == kPerEffect) break;
+    if (best.size() == most) break;
     const bool is_new = std::ranges::none_of(best, [&](const Candidate& other) {
       return alike(problem.structure(), candidate.cause, other.cause);
     });
@@ -156,16 +42,39 @@ std::vector<Candidate> best_of(const std::vector<Look>& looks, const ModesProble
   return best;
 }
 
+// The best starts of one effect, at places and choices of their own. Where the levels are less than
+// those of the fit, the best of the grid are moved first.
+std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& problem,
+                               const Effect& effect) {
+  const auto& hz = problem.measured().frequency_hz;
+  const auto& levels = look.levels();
+  std::vector<std::vector<Candidate>> at_level(levels.size());
+  for (const auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
+    const auto objectives = look(start);
+    for (std::size_t i = 0; i < objectives.size(); ++i) {
+      if (std::isfinite(objectives[i])) {
+        at_level[i].push_back({start, levels[i], objectives[i]});
+      }
+    }
+  }
+  std::vector<Candidate> all = std::move(at_level.front());
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    for (auto& one : first_of(problem, std::move(at_level[i]), kMoved)) {
+      auto moved = look.moved(one.cause, i);
+      if (!std::isfinite(moved.objective)) continue;
+      all.push_back({std::move(moved.cause), levels[i], moved.objective});
+    }
+  }
+  return first_of(problem, std::move(all), kPerEffect);
+}
+
 // The best starts of all effects; each effect keeps its best one.
 std::vector<Candidate> candidates(const ModesProblem& problem, const ModesFit& base,
                                   const std::vector<const Effect*>& catalogue, double& effects) {
-  std::vector<Look> looks;
-  for (const auto& levels : levels_to_look_at(problem, base)) {
-    looks.emplace_back(problem, base, levels);
-  }
+  const ModesLook look(problem, base, levels_to_look_at(problem, base));
   std::vector<std::vector<Candidate>> best(catalogue.size());
   parallel_tasks(catalogue.size(),
-                 [&](std::size_t e) { best[e] = best_of(looks, problem, *catalogue[e]); });
+                 [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e]); });
   std::vector<Candidate> first, more;
   for (auto& of_effect : best) {
     for (std::size_t i = 0; i < of_effect.size(); ++i) {

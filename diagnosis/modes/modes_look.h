@@ -1,0 +1,60 @@
+// A quick look at many causes beside one fit of modal data.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/modes/calibration/calibration.h"
+#include "diagnosis/modes/modes_fit.h"
+
+namespace chladni::diagnosis {
+
+/// The levels at which causes are looked at: those of the fit, and where the frequencies of its
+/// modes, or gains or places of its channels, scatter more than usual, those with less scatter, by
+/// Constants::scattered and by its square. One bad channel, or one mode that a spring has moved, is
+/// a scatter of all to a fit that does not know it, and nothing is left for a cause to explain.
+[[nodiscard]] std::vector<PerClass> levels_to_look_at(const ModesProblem& problem,
+                                                      const ModesFit& base);
+
+/// One more cause beside a fit, at given levels: covariances of the fit where the same modes have
+/// partners. Modes and errors of a cause are computed once for all levels.
+class ModesLook {
+ public:
+  /// Problem and fit must outlive it.
+  ModesLook(const ModesProblem& problem, const ModesFit& base, std::vector<PerClass> levels);
+
+  /// For each of the levels the objective with one more cause; infinite if it is impossible or
+  /// changes nothing.
+  [[nodiscard]] std::vector<double> operator()(const Supposed& cause) const;
+  [[nodiscard]] const std::vector<PerClass>& levels() const { return levels_; }
+  /// The cause after a few steps of Gauss and Newton at one of the levels, and its objective there.
+  /// A grid that is wider than the level sees a cause too far from its size to know it.
+  struct Moved {
+    Supposed cause;
+    double objective = 0.0;
+  };
+  [[nodiscard]] Moved moved(const Supposed& cause, std::size_t level) const;
+
+ private:
+  // A cause with its modes, paired in the likeliest way.
+  struct Placed;
+  [[nodiscard]] std::optional<Placed> placed(const Supposed& cause, std::size_t level) const;
+  [[nodiscard]] Eigen::MatrixXd slopes(const Placed& at, const Eigen::VectorXd& steps) const;
+  [[nodiscard]] std::vector<double> objectives(const RecordedModes& model,
+                                               const Matching& matching) const;
+  [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model, const Matching& matching) const;
+  [[nodiscard]] bool same_partners(const Matching& matching) const;
+  [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const;
+
+  const ModesProblem& problem_;
+  const ModesFit& base_;
+  std::vector<PerClass> levels_;
+  ConstantColumns columns_;
+  std::vector<LevelLikelihood> likelihoods_;  // of the base, for each of the levels
+  Eigen::VectorXd own_;                       // errors of the base
+  State state_;
+  Eigen::VectorXd here_, quick_hz_;
+  Matching quick_matching_;
+  bool pairs_may_be_wrong_ = false;
+};
+
+}  // namespace chladni::diagnosis
