@@ -1,7 +1,7 @@
 // real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
 //   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
 //   [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X]
-//   [--unscaled] [--reference] [--rivals] [--truth]
+//   [--unscaled] [--reference] [--rivals] [--truth-fit] [--truth]
 #include <fmt/format.h>
 
 #include <chrono>
@@ -24,7 +24,7 @@ constexpr const char* kHelp =
     R"(real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
   [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X] [--unscaled]
-  [--reference] [--rivals] [--truth]
+  [--reference] [--rivals] [--truth-fit] [--truth]
 
 Hides effects in measurements of real rigs, which deviate from every model by what is not announced,
 and diagnoses them from the structure that the program makes of a study (tetrahedra). Two kinds
@@ -42,6 +42,7 @@ each probability are true.
 --mass: of a point mass, over that of the body.
 --reference: the modes are compared with those of the same rig, measured before anything was hidden.
 --rivals: also the explanations of each case.
+--truth-fit: also the ln evidence of the truth, fitted from its true sizes.
 --truth: no diagnosis; what is hidden, and how clear it is.
 )";
 
@@ -88,6 +89,10 @@ RealDone done(const RealTrial& trial, const RealArguments& wanted) {
   one.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print_case(one);
   if (wanted.rivals) print_rivals(told);
+  if (wanted.truth_fit) {
+    const auto& [structure, diagnosis_options] = structure_of(rig.body, wanted.edge_length);
+    print_truth_fit(structure, rig, diagnosis_options);
+  }
   return one;
 }
 

@@ -168,6 +168,10 @@ RealArguments real_arguments(int count, char** values) {
       all.truth = true;
       continue;
     }
+    if (word == "--truth-fit") {
+      all.truth_fit = true;
+      continue;
+    }
     if (word == "--rivals") {
       all.rivals = true;
       continue;

@@ -15,6 +15,7 @@ struct RealArguments {
   bool modes = true;             ///< else responses
   bool truth = false;            ///< without a diagnosis
   bool rivals = false;           ///< also print the explanations and levels of each case
+  bool truth_fit = false;        ///< also the evidence of the truth
   bool reference = false;        ///< beside the modes of the rig with nothing hidden
   double edge_length = 0.0;      ///< of the mesh [m]; 0: left to the program
   simulators::RealRigOptions options;
@@ -41,6 +42,9 @@ void print_truth(const RealTrial& trial, const simulators::RealRigCase& rig);
 void print_case(const RealDone& done);
 /// The explanations with their probabilities and ln evidence, and the levels that the best leaves.
 void print_rivals(const diagnosis::Diagnosis& told);
+/// The ln evidence of the truth over that of nothing hidden, fitted from its true sizes.
+void print_truth_fit(const diagnosis::Structure& structure, const simulators::RealRigCase& rig,
+                     const diagnosis::DiagnosisOptions& options);
 /// Totals by body and kind, and the truth of statements by their probability.
 void print_totals(const std::vector<RealDone>& all);
 

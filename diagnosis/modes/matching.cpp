@@ -35,4 +35,16 @@ Matching matched(const MeasuredModes& measured, const RecordedModes& model, cons
   return result;
 }
 
+Matching matching_of(const MeasuredModes& measured, const RecordedModes& model,
+                     const std::vector<Index>& partners) {
+  Matching result{partners, {}};
+  result.span.resize(partners.size());
+  for (std::size_t i = 0; i < partners.size(); ++i) {
+    if (partners[i] >= model.count()) result.model[i] = -1;
+    if (result.model[i] < 0) continue;
+    result.span[i] = span_of(measured, model, static_cast<Index>(i), result.model[i]);
+  }
+  return result;
+}
+
 }  // namespace chladni::diagnosis

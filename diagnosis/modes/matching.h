@@ -19,5 +19,8 @@ struct Matching {
 /// Constants::apart. Without shapes the frequency alone decides.
 [[nodiscard]] Matching matched(const MeasuredModes& measured, const RecordedModes& model,
                                const ShapeUnits& units, PairBy by = PairBy::shape);
+/// Given partners, with the spans that they have in this model. A mode that it lacks is none.
+[[nodiscard]] Matching matching_of(const MeasuredModes& measured, const RecordedModes& model,
+                                   const std::vector<Eigen::Index>& partners);
 
 }  // namespace chladni::diagnosis

@@ -30,13 +30,16 @@ std::vector<Index> spread(const Eigen::MatrixX2d& places, Index count) {
 
 using Values = std::vector<double>;
 
+// A stiffness or a mass that is large for its prior is not rare where the first mode of the
+// structure is one of its suspension, far below those that were measured.
 Values sizes_of(const Parameter& parameter, bool few) {
   Values values;
   const Values parts =
       parameter.is_about_zero()
           ? (few ? Values{-1.0, -0.1, 0.1, 1.0}
                  : Values{-2.0, -1.0, -0.3, -0.1, -0.03, 0.03, 0.1, 0.3, 1.0, 2.0})
-          : (few ? Values{-1.0, 0.0, 1.0} : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5});
+          : (few ? Values{-1.0, 0.0, 1.0, 2.0, 3.0}
+                 : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5});
   for (const double part : parts) values.push_back(parameter.centre + part * parameter.width);
   return values;
 }
@@ -67,15 +70,15 @@ class Grid {
  public:
   Grid(const Structure& structure, const Effect& effect, double low_hz, double high_hz)
       : structure_(structure), parameters_(effect.parameters(structure)) {
-    bool has_place = false, has_more = false;
+    bool has_place = false, has_more = false, has_frequency = false;
     for (const auto& parameter : parameters_) {
       has_place = has_place || parameter.is_place();
-      has_more = has_more || parameter.role == Parameter::Role::frequency ||
-                 parameter.role == Parameter::Role::extent;
+      has_frequency = has_frequency || parameter.role == Parameter::Role::frequency;
+      has_more = has_more || has_frequency || parameter.role == Parameter::Role::extent;
     }
     for (const auto& parameter : parameters_) {
       values_.push_back(parameter.role == Parameter::Role::strength
-                            ? sizes_of(parameter, has_place && has_more)
+                            ? sizes_of(parameter, has_place && has_frequency)
                             : values_of(parameter, low_hz, high_hz));
     }
     if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);

@@ -1,7 +1,9 @@
 #include "diagnosis/modes/modes_look.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/error.h"
@@ -12,17 +14,46 @@ namespace chladni::diagnosis {
 
 using Eigen::Index;
 
+namespace {
+
+constexpr double kLeastPrecision = 1e-12;  // of a coordinate
+// A start is too small if its changes over their deviations have a smaller sum of squares.
+constexpr double kSeen = 1.0;
+constexpr double kHardlyLess = 0.7;  // of levels: they are not looked at by themselves
+
+// Classes that one cause raises together.
+const std::vector<std::vector<ErrorClass>>& raised_together() {
+  using enum ErrorClass;
+  static const std::vector<std::vector<ErrorClass>> groups{
+      {frequency}, {gain, place}, {shape, smooth_shape}, {residue}, {field}};
+  return groups;
+}
+
+// −ln of the prior density of the levels, less that of others.
+double less_probable(const PerClass& levels, const PerClass& than, const LevelPrior& prior) {
+  if (prior.width <= 0.0) return 0.0;
+  const auto square = [&](const PerClass& of) { return (of / prior.usual).log().square().sum(); };
+  return 0.5 * (square(levels) - square(than)) / (prior.width * prior.width);
+}
+
+}  // namespace
+
 std::vector<PerClass> levels_to_look_at(const ModesProblem& problem, const ModesFit& base) {
   std::vector<PerClass> all{base.levels};
-  if (problem.prior().width <= 0.0) return all;
-  for (const double times : {kConstants.scattered, kConstants.scattered * kConstants.scattered}) {
-    PerClass other = base.levels;
-    for (const auto of : {ErrorClass::frequency, ErrorClass::gain, ErrorClass::place}) {
-      const auto i = static_cast<Index>(of);
-      other(i) = std::max(other(i) / times, problem.prior().usual(i));
+  const auto& prior = problem.prior();
+  if (prior.width <= 0.0) return all;
+  for (const auto& group : raised_together()) {
+    PerClass last = base.levels;
+    for (const double times : {kConstants.scattered, kConstants.scattered * kConstants.scattered}) {
+      PerClass other = base.levels;
+      for (const auto of : group) {
+        const auto i = static_cast<Index>(of);
+        other(i) = std::min(base.levels(i), std::max(base.levels(i) / times, prior.usual(i)));
+      }
+      if (!(other < kHardlyLess * last).any()) continue;
+      all.push_back(other);
+      last = other;
     }
-    other = other.min(base.levels);
-    if ((other < all.back()).any()) all.push_back(other);
   }
   return all;
 }
@@ -35,17 +66,18 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
       columns_(problem, base),
       state_(problem.with(base)) {
   const auto errors = columns_.added(problem.errors(base, base.model, base.matching));
-  for (const auto& one : levels_) likelihoods_.emplace_back(errors, one);
+  for (const auto& one : levels_) {
+    likelihoods_.emplace_back(errors, one);
+    base_objective_.push_back(likelihoods_.back().negative_log());
+    less_probable_.push_back(less_probable(one, base.levels, problem.prior()));
+  }
   own_ = stacked(errors);
   const auto model = problem.modes(state_, true);
   if (!model) return;
   quick_hz_ = model->frequency_hz;
-  const auto matchings = problem.matchings(*model);
+  const auto matchings = this->matchings(*model);
   pairs_may_be_wrong_ = matchings.size() > 1;
   quick_matching_ = matchings.front();
-  for (const auto& matching : matchings) {
-    if (matching.model == base.matching.model) quick_matching_ = matching;
-  }
   here_ = shifted(*model, quick_matching_);
 }
 
@@ -58,14 +90,14 @@ std::vector<double> ModesLook::operator()(const Supposed& cause) const {
   const auto take = [&](const Matching& matching) {
     const auto there = objectives(*model, matching);
     for (std::size_t i = 0; i < least.size(); ++i) {
-      least[i] = std::min(least[i], there[i] - prior);
+      least[i] = std::min(least[i], there[i] - prior + less_probable_[i]);
     }
   };
   if (model->frequency_hz.size() == quick_hz_.size() && model->frequency_hz == quick_hz_) {
     take(quick_matching_);
     if (least.front() == HUGE_VAL || !pairs_may_be_wrong_) return least;
   }
-  for (const auto& matching : problem_.matchings(*model)) take(matching);
+  for (const auto& matching : matchings(*model)) take(matching);
   return least;
 }
 
@@ -83,10 +115,10 @@ std::optional<ModesLook::Placed> ModesLook::placed(const Supposed& cause, std::s
   auto model = with(cause);
   if (!model) return std::nullopt;
   std::optional<Placed> best;
-  for (const auto& matching : problem_.matchings(*model)) {
+  for (const auto& matching : matchings(*model)) {
     LevelLikelihood likelihood(columns_.added(problem_.errors(base_, *model, matching)),
                                levels_[level]);
-    const double objective = likelihood.negative_log() - prior;
+    const double objective = likelihood.negative_log() - prior + less_probable_[level];
     if (best && !(objective < best->objective)) continue;
     best = Placed{cause, *model, matching, std::move(likelihood), objective};
   }
@@ -114,14 +146,18 @@ Eigen::MatrixXd ModesLook::slopes(const Placed& at, const Eigen::VectorXd& steps
 
 ModesLook::Moved ModesLook::moved(const Supposed& cause, std::size_t level) const {
   auto now = placed(cause, level);
-  if (!now) return {cause, HUGE_VAL};
+  if (!now) return {cause, -HUGE_VAL};
   const auto prior = prior_of(problem_.structure(), {}, {cause});
+  double volume = 0.0;
   for (int round = 0; round < 4 && cause.x.size() > 0; ++round) {
     const Eigen::MatrixXd slope = slopes(*now, prior.step);
     const Eigen::VectorXd error = stacked(now->likelihood.errors());
     Eigen::MatrixXd hessian = now->likelihood.product(slope, slope);
     hessian.diagonal() += prior.precision;
-    const Eigen::VectorXd by = -hessian.ldlt().solve(
+    const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
+    volume = 0.5 * (static_cast<double>(slope.cols()) * std::log(2.0 * std::numbers::pi) -
+                    factor.vectorD().array().max(kLeastPrecision).log().sum());
+    const Eigen::VectorXd by = -factor.solve(
         Eigen::VectorXd(now->likelihood.product(slope, error) + prior.slope(now->cause.x)));
     if (!by.allFinite()) break;
     const double before = now->objective;
@@ -136,7 +172,7 @@ ModesLook::Moved ModesLook::moved(const Supposed& cause, std::size_t level) cons
     }
     if (before - now->objective < kConstants.start_fall) break;
   }
-  return {now->cause, now->objective};
+  return {now->cause, volume - now->objective};
 }
 
 // −ln likelihoods; infinite where no number changes.
@@ -149,7 +185,10 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
       const Eigen::VectorXd change = there - here_;
       if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
       for (std::size_t i = 0; i < all.size(); ++i) {
-        all[i] = likelihoods_[i].negative_log(own_ + change);
+        const double there_now = likelihoods_[i].negative_log(own_ + change);
+        const double square =
+            there_now + likelihoods_[i].negative_log(own_ - change) - 2.0 * base_objective_[i];
+        if (square >= kSeen) all[i] = there_now;
       }
       return all;
     }
@@ -163,6 +202,18 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
 
 Eigen::VectorXd ModesLook::shifted(const RecordedModes& model, const Matching& matching) const {
   return stacked(problem_.errors(base_, model, matching, false));
+}
+
+// The pairs of the base first, then those of the problem.
+std::vector<Matching> ModesLook::matchings(const RecordedModes& model) const {
+  std::vector<Matching> all{matching_of(problem_.measured(), model, base_.matching.model)};
+  if (all.front().model != base_.matching.model) all.clear();
+  for (auto& matching : problem_.matchings(model)) {
+    const bool is_known = std::ranges::any_of(
+        all, [&](const Matching& other) { return other.model == matching.model; });
+    if (!is_known) all.push_back(std::move(matching));
+  }
+  return all;
 }
 
 bool ModesLook::same_partners(const Matching& matching) const {

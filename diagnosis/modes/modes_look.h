@@ -8,10 +8,12 @@
 
 namespace chladni::diagnosis {
 
-/// The levels at which causes are looked at: those of the fit, and where the frequencies of its
-/// modes, or gains or places of its channels, scatter more than usual, those with less scatter, by
-/// Constants::scattered and by its square. One bad channel, or one mode that a spring has moved, is
-/// a scatter of all to a fit that does not know it, and nothing is left for a cause to explain.
+/// The levels at which causes are looked at: those of the fit, and those where one group of classes
+/// (frequencies; gains and places; shapes; residues; fields) scatters less, by Constants::scattered
+/// and by its square, but not less than usual. One bad channel, or one mode that a spring has
+/// moved, is a scatter of all to a fit that does not know it, and nothing is left for a cause to
+/// explain. The other classes keep their levels: what scatters for other reasons would speak
+/// against any cause.
 [[nodiscard]] std::vector<PerClass> levels_to_look_at(const ModesProblem& problem,
                                                       const ModesFit& base);
 
@@ -22,15 +24,18 @@ class ModesLook {
   /// Problem and fit must outlive it.
   ModesLook(const ModesProblem& problem, const ModesFit& base, std::vector<PerClass> levels);
 
-  /// For each of the levels the objective with one more cause; infinite if it is impossible or
-  /// changes nothing.
+  /// For each of the levels the objective with one more cause, less ln of the prior density of
+  /// these levels over that of the fit's; infinite if it is impossible, or changes less than the
+  /// errors at these levels hide.
   [[nodiscard]] std::vector<double> operator()(const Supposed& cause) const;
   [[nodiscard]] const std::vector<PerClass>& levels() const { return levels_; }
-  /// The cause after a few steps of Gauss and Newton at one of the levels, and its objective there.
-  /// A grid that is wider than the level sees a cause too far from its size to know it.
+  /// The cause after a few steps of Gauss and Newton at one of the levels, and about its ln
+  /// evidence there (Laplace; the volume is that of the last step): of two causes with one
+  /// objective the one with fewer sizes is the more probable. A grid that is wider than the level
+  /// sees a cause too far from its size to know it.
   struct Moved {
     Supposed cause;
-    double objective = 0.0;
+    double log_evidence = 0.0;
   };
   [[nodiscard]] Moved moved(const Supposed& cause, std::size_t level) const;
 
@@ -42,6 +47,7 @@ class ModesLook {
   [[nodiscard]] std::vector<double> objectives(const RecordedModes& model,
                                                const Matching& matching) const;
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model, const Matching& matching) const;
+  [[nodiscard]] std::vector<Matching> matchings(const RecordedModes& model) const;
   [[nodiscard]] bool same_partners(const Matching& matching) const;
   [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const;
 
@@ -50,6 +56,8 @@ class ModesLook {
   std::vector<PerClass> levels_;
   ConstantColumns columns_;
   std::vector<LevelLikelihood> likelihoods_;  // of the base, for each of the levels
+  std::vector<double> base_objective_;        // of the base, likewise
+  std::vector<double> less_probable_;         // −ln prior of the levels, less the fit's
   Eigen::VectorXd own_;                       // errors of the base
   State state_;
   Eigen::VectorXd here_, quick_hz_;

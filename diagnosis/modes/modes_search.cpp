@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
-constexpr std::size_t kMoved = 2;      // starts of one effect that are moved, per choice of levels
+constexpr std::size_t kMoved = 3;      // starts of one effect, and of other sizes, that are moved
 constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
 constexpr std::size_t kInFull = 8;     // of these, fitted in full
 constexpr int kQuickRounds = 2;        // of such a first fit
@@ -24,7 +24,7 @@ constexpr std::size_t kBeam = 2;       // fits from which a further cause is sou
 struct Candidate {
   Supposed cause;
   PerClass levels = PerClass::Zero();
-  double objective = 0.0;
+  double objective = 0.0;  // after a move −ln evidence
 };
 
 // The best of them, each of another choice or place.
@@ -42,8 +42,37 @@ std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candida
   return best;
 }
 
-// The best starts of one effect, at places and choices of their own. Where the levels are less than
-// those of the fit, the best of the grid are moved first.
+// The coordinates of a cause without its place.
+Eigen::VectorXd coordinates_without_place(const ModesProblem& problem, const Supposed& cause) {
+  Eigen::VectorXd x = cause.x;
+  const auto parameters = cause.effect->parameters(problem.structure());
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].is_place()) x(static_cast<Index>(i)) = 0.0;
+  }
+  return x;
+}
+
+// The starts of one effect that are moved at a choice of levels: the best at places and choices of
+// their own, and the best of other sizes. On a coarse grid a small size often looks better than one
+// near the truth at a place nearby, and does not lead there.
+std::vector<Candidate> to_move(const ModesProblem& problem, std::vector<Candidate> all,
+                               std::size_t places, std::size_t sizes) {
+  auto some = first_of(problem, all, places);
+  const std::size_t most = some.size() + sizes;
+  std::ranges::stable_sort(all, {}, &Candidate::objective);
+  for (const auto& candidate : all) {
+    if (some.size() == most) break;
+    const auto x = coordinates_without_place(problem, candidate.cause);
+    const bool is_new = std::ranges::none_of(some, [&](const Candidate& other) {
+      return coordinates_without_place(problem, other.cause) == x;
+    });
+    if (is_new) some.push_back(candidate);
+  }
+  return some;
+}
+
+// The best starts of one effect, at places and choices of their own. The best of the grid at each
+// of the levels are moved first: neighbours on it may differ by more than the errors are.
 std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& problem,
                                const Effect& effect) {
   const auto& hz = problem.measured().frequency_hz;
@@ -57,12 +86,13 @@ std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& proble
       }
     }
   }
-  std::vector<Candidate> all = std::move(at_level.front());
-  for (std::size_t i = 1; i < levels.size(); ++i) {
-    for (auto& one : first_of(problem, std::move(at_level[i]), kMoved)) {
+  std::vector<Candidate> all;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const std::size_t most = i == 0 ? kMoved : 1;
+    for (auto& one : to_move(problem, std::move(at_level[i]), most, most)) {
       auto moved = look.moved(one.cause, i);
-      if (!std::isfinite(moved.objective)) continue;
-      all.push_back({std::move(moved.cause), levels[i], moved.objective});
+      if (!std::isfinite(moved.log_evidence)) continue;
+      all.push_back({std::move(moved.cause), levels[i], -moved.log_evidence});
     }
   }
   return first_of(problem, std::move(all), kPerEffect);
