@@ -136,7 +136,9 @@ class Descent {
     if (!model || !std::isfinite(log_prior_of(all_))) return false;
     fit_.model = std::move(*model);
     fit_.objective = kInfinite;
+    const auto given = fit_.matching.model;
     pair_again();
+    if (!given.empty()) pair_as(matching_of(problem_.measured(), fit_.model, given));
     return std::isfinite(fit_.objective);
   }
 
@@ -158,15 +160,7 @@ class Descent {
 
   // Pairs the modes in the most probable way.
   void pair_again() {
-    const double prior = log_prior_of(all_);
-    for (const auto& matching : problem_.matchings(fit_.model)) {
-      if (likelihood_ && matching.model == fit_.matching.model) continue;
-      LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
-      if (!(other.negative_log() - prior < fit_.objective)) continue;
-      fit_.matching = matching;
-      slope_.resize(0, 0);
-      take(std::move(other));
-    }
+    for (const auto& matching : problem_.matchings(fit_.model)) pair_as(matching);
   }
 
   // After `settle`.
@@ -197,6 +191,15 @@ class Descent {
   }
 
  private:
+  // If these pairs are more probable.
+  void pair_as(const Matching& matching) {
+    if (likelihood_ && matching.model == fit_.matching.model) return;
+    LevelLikelihood other(problem_.errors(fit_, fit_.model, matching), fit_.levels);
+    if (!(other.negative_log() - log_prior_of(all_) < fit_.objective)) return;
+    fit_.matching = matching;
+    slope_.resize(0, 0);
+    take(std::move(other));
+  }
   [[nodiscard]] Index held() const { return static_cast<Index>(problem_.constants().size()); }
   [[nodiscard]] double log_prior_of(const std::vector<Supposed>& all) const {
     return log_prior(problem_.structure(), problem_.constants(), all);

@@ -66,16 +66,19 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
       columns_(problem, base),
       state_(problem.with(base)) {
   const auto errors = columns_.added(problem.errors(base, base.model, base.matching));
+  own_ = stacked(errors);
   for (const auto& one : levels_) {
     likelihoods_.emplace_back(errors, one);
-    base_objective_.push_back(likelihoods_.back().negative_log());
+    at_zero_.push_back(likelihoods_.back().negative_log(Eigen::VectorXd::Zero(own_.size())));
     less_probable_.push_back(less_probable(one, base.levels, problem.prior()));
   }
-  own_ = stacked(errors);
   const auto model = problem.modes(state_, true);
   if (!model) return;
   quick_hz_ = model->frequency_hz;
   const auto matchings = this->matchings(*model);
+  for (const auto& matching : matchings) {
+    without_cause_.emplace_back(matching.model, shifted(*model, matching));
+  }
   pairs_may_be_wrong_ = matchings.size() > 1;
   quick_matching_ = matchings.front();
   here_ = shifted(*model, quick_matching_);
@@ -184,11 +187,11 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
     if (there.size() == here_.size()) {
       const Eigen::VectorXd change = there - here_;
       if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
+      const auto* own = without_cause(matching, there.size());
       for (std::size_t i = 0; i < all.size(); ++i) {
-        const double there_now = likelihoods_[i].negative_log(own_ + change);
-        const double square =
-            there_now + likelihoods_[i].negative_log(own_ - change) - 2.0 * base_objective_[i];
-        if (square >= kSeen) all[i] = there_now;
+        if (own && 2.0 * (likelihoods_[i].negative_log(there - *own) - at_zero_[i]) < kSeen)
+          continue;
+        all[i] = likelihoods_[i].negative_log(own_ + change);
       }
       return all;
     }
@@ -214,6 +217,14 @@ std::vector<Matching> ModesLook::matchings(const RecordedModes& model) const {
     if (!is_known) all.push_back(std::move(matching));
   }
   return all;
+}
+
+// The errors of the base with the same pairs; none if it cannot have them.
+const Eigen::VectorXd* ModesLook::without_cause(const Matching& matching, Index count) const {
+  for (const auto& [partners, errors] : without_cause_) {
+    if (partners == matching.model && errors.size() == count) return &errors;
+  }
+  return nullptr;
 }
 
 bool ModesLook::same_partners(const Matching& matching) const {

@@ -1,6 +1,7 @@
 // A quick look at many causes beside one fit of modal data.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "diagnosis/modes/calibration/calibration.h"
@@ -48,6 +49,8 @@ class ModesLook {
                                                const Matching& matching) const;
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model, const Matching& matching) const;
   [[nodiscard]] std::vector<Matching> matchings(const RecordedModes& model) const;
+  [[nodiscard]] const Eigen::VectorXd* without_cause(const Matching& matching,
+                                                     Eigen::Index count) const;
   [[nodiscard]] bool same_partners(const Matching& matching) const;
   [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const;
 
@@ -56,12 +59,14 @@ class ModesLook {
   std::vector<PerClass> levels_;
   ConstantColumns columns_;
   std::vector<LevelLikelihood> likelihoods_;  // of the base, for each of the levels
-  std::vector<double> base_objective_;        // of the base, likewise
+  std::vector<double> at_zero_;               // −ln of their densities of no error
   std::vector<double> less_probable_;         // −ln prior of the levels, less the fit's
   Eigen::VectorXd own_;                       // errors of the base
   State state_;
   Eigen::VectorXd here_, quick_hz_;
   Matching quick_matching_;
+  // Of the base, with each of its pairings.
+  std::vector<std::pair<std::vector<Eigen::Index>, Eigen::VectorXd>> without_cause_;
   bool pairs_may_be_wrong_ = false;
 };
 

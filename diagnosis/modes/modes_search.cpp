@@ -217,6 +217,24 @@ bool are_significant(const ModesProblem& problem, const ModesFit& fit) {
   return true;
 }
 
+// The fit without a cause, with the pairs of any of the fits if they are more probable there: a
+// small cause may have let the modes be paired anew, and is not what explains them.
+ModesFit paired_as(const ModesProblem& problem, ModesFit nothing,
+                   const std::vector<ModesFit>& fits) {
+  std::vector<std::vector<Index>> tried{nothing.matching.model};
+  for (const auto& fit : fits) {
+    if (fit.model.count() != nothing.model.count()) continue;
+    if (std::ranges::find(tried, fit.matching.model) != tried.end()) continue;
+    tried.push_back(fit.matching.model);
+    ModesFit start = nothing;
+    start.matching = fit.matching;
+    start.levels = fit.levels;
+    auto other = problem.fitted(start);
+    if (other.log_evidence > nothing.log_evidence) nothing = std::move(other);
+  }
+  return nothing;
+}
+
 }  // namespace
 
 ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*>& catalogue,
@@ -233,6 +251,7 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
       const auto starts = candidates(problem, base, catalogue, effects);
       if (level == 0) found.effects = effects;
       auto fits = fitted_with(problem, base, starts);
+      if (level == 0) found.nothing = paired_as(problem, found.nothing, fits);
       std::erase_if(fits, [&](const ModesFit& fit) { return !are_significant(problem, fit); });
       std::ranges::move(fits, std::back_inserter(next));
     }
@@ -248,6 +267,8 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
     const double gain = next.front().log_evidence - beam.front().log_evidence;
     if (gain < more) break;
     next.resize(std::min(next.size(), kBeam));
+    const double least = next.front().log_evidence - kConstants.beam_within;
+    std::erase_if(next, [&](const ModesFit& fit) { return fit.log_evidence < least; });
     beam = std::move(next);
   }
   sort(found.fits);

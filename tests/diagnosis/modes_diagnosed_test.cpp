@@ -228,6 +228,22 @@ TEST_F(DiagnosedModes, NameASpring) {
   expect_place(found, place);
 }
 
+// On soft strings the first mode is that of a rigid body, and springs that change the others are
+// thousands of times stiffer than what would change it.
+TEST_F(DiagnosedModes, NameASpringThatIsStiffBesideASuspension) {
+  EVERY_FOURTH_LANDING();
+  Structure hung = study();
+  hung.frequency_hz.head(hung.rigid_count).setConstant(5.0);
+  hung.rigid_count = 0;
+  const Vector2d place(-0.18, 0.11);
+  const Hidden hidden{"ground_spring", 0, Vector3d(std::log(3e6), place(0), place(1))};
+  auto with = options();
+  with.only = {"ground_spring", "point_mass", "youngs_modulus", "sensor_gain"};
+  const auto found = diagnosed(hung, measured_with({hidden}, 5), with);
+  expect_named(found, "ground_spring", "stiffness", 3e6, 3e6);
+  expect_place(found, place);
+}
+
 TEST_F(DiagnosedModes, NameAGain) {
   EVERY_FOURTH_LANDING();
   const Hidden hidden{"sensor_gain", 4, VectorXd::Constant(1, std::log(1.3))};
