@@ -195,6 +195,33 @@ double clearness(const RigModes& before, const RigModes& after, const RealRigCas
   return std::log10(std::max(0.5 * sum, 1e-3));
 }
 
+// Gains of one side that are further than this from the side's median: four times what gains have.
+void add_outlying_gains(const Eigen::VectorXd& gain, const std::vector<std::string>& names,
+                        const std::string& kind, std::vector<HiddenEffect>& to) {
+  constexpr double kOutlying = 0.08;
+  Eigen::VectorXd sorted = gain;
+  std::ranges::sort(sorted);
+  const double median = 0.5 * (sorted(sorted.size() / 2) + sorted((sorted.size() - 1) / 2));
+  for (Index i = 0; i < gain.size(); ++i) {
+    const double off = gain(i) / median - 1.0;
+    if (std::abs(off) < kOutlying) continue;
+    to.push_back({kind, {{"relative", off}}, {}, {names[static_cast<std::size_t>(i)]}});
+  }
+}
+
+// What the rig has by itself and a catalogue names.
+std::vector<HiddenEffect> present(const RigRecipe& own) {
+  std::vector<HiddenEffect> all;
+  for (const auto& one : own.resonators) {
+    all.push_back(
+        {"resonator", {{"mass", one.mass}, {"frequency", one.frequency_hz}}, one.place, {}});
+  }
+  const auto& channels = own.body.rig.channels;
+  add_outlying_gains(own.output_gain, channels.output_names, "sensor_gain", all);
+  add_outlying_gains(own.input_gain, channels.input_names, "actuator_gain", all);
+  return all;
+}
+
 }  // namespace
 
 const std::vector<std::string>& real_kinds() {
@@ -231,10 +258,7 @@ RealRigCase real_rig_case(const std::string& body, const std::string& kind, unsi
   made.frequency_error = recipe.error.frequency;
   made.shape_error = recipe.error.shape;
   const auto own = recipe;
-  for (const auto& one : own.resonators) {
-    made.present.push_back(
-        {"resonator", {{"mass", one.mass}, {"frequency", one.frequency_hz}}, one.place, {}});
-  }
+  made.present = present(own);
   hide(recipe, made, kind, seed_of(body + kind, seed), options);
   const auto modes = rig_modes(recipe, bare_modes(recipe.plate, made.body.outline));
   const auto& rig = made.body.rig;

@@ -143,6 +143,17 @@ TEST(RealRig, GainsFollowNoNormalLaw) {
   EXPECT_GT(four / (two * two), 4.5);  // a normal law has 3
 }
 
+// One gain of the table of seed 202 is 13.7 % too low without anything hidden.
+TEST(RealRig, TellsGainsThatAreOffByThemselves) {
+  auto options = RealRigOptions{};
+  options.lines = 2;
+  const auto made = real_rig_case("table", "none", 202, options);
+  const auto gain = std::ranges::find(made.present, "actuator_gain", &HiddenEffect::kind);
+  ASSERT_NE(gain, made.present.end());
+  EXPECT_NEAR(gain->size.at("relative"), -0.13, 0.02);
+  EXPECT_EQ(gain->channels.front(), made.measured.inputs[2].name);
+}
+
 class RealKinds : public testing::TestWithParam<std::string> {};
 
 TEST_P(RealKinds, ChangesTheModes) {

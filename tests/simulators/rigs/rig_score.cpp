@@ -43,14 +43,18 @@ bool is(const Cause& cause, const HiddenEffect& effect, const RealRigCase& rig) 
   return told == hidden;
 }
 
-// Whether the cause is a resonator that the rig has at this frequency.
+// Whether the cause is what the rig has: a resonator of this frequency, or a gain of this channel
+// within three stated deviations.
 bool is_present(const Cause& cause, const HiddenEffect& effect) {
   constexpr double kSameFrequency = 0.05;
-  if (cause.effect != effect.kind) return false;
-  const auto told =
-      std::ranges::find(cause.parameters, "frequency", &diagnosis::CauseParameter::name);
-  return told != cause.parameters.end() &&
-         std::abs(told->value / effect.size.at("frequency") - 1.0) < kSameFrequency;
+  constexpr double kSameSize = 3.0;
+  if (cause.effect != effect.kind || cause.channels != effect.channels) return false;
+  const std::string size = effect.size.contains("frequency") ? "frequency" : "relative";
+  const auto told = std::ranges::find(cause.parameters, size, &diagnosis::CauseParameter::name);
+  if (told == cause.parameters.end()) return false;
+  const double within =
+      size == "frequency" ? kSameFrequency * effect.size.at(size) : kSameSize * told->std;
+  return std::abs(told->value - effect.size.at(size)) < within;
 }
 
 // The coordinates of a place; of a slender body only that along it.

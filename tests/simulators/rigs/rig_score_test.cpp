@@ -117,6 +117,20 @@ TEST(RigScore, DoesNotBlameTheStringThatIsThere) {
   EXPECT_EQ(scored(rig, telling({string})).verdict, RigVerdict::wrong_sure);
 }
 
+TEST(RigScore, DoesNotBlameAGainThatIsThere) {
+  auto rig = hiding({});
+  rig.present = {{"actuator_gain", {{"relative", -0.137}}, {}, {"f3"}}};
+  auto gain = cause("actuator_gain", 0.99);
+  gain.channels = {"f3"};
+  gain.parameters = {{"relative", "", -0.146, 0.02, diagnosis::Parameter::Role::strength}};
+  EXPECT_EQ(scored(rig, telling({gain})).verdict, RigVerdict::right);
+  gain.parameters.front().value = -0.22;
+  EXPECT_EQ(scored(rig, telling({gain})).verdict, RigVerdict::wrong_sure);
+  gain.parameters.front().value = -0.146;
+  gain.channels = {"f2"};
+  EXPECT_EQ(scored(rig, telling({gain})).verdict, RigVerdict::wrong_sure);
+}
+
 TEST(RigScore, ExpectsNoNameForKindsOutside) {
   auto rig = hiding({{"line_crack", {}, {}, {}}});
   rig.outside = true;
