@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -15,11 +16,6 @@ namespace chladni::diagnosis {
 using Eigen::Index;
 
 namespace {
-
-constexpr double kLeastPrecision = 1e-12;  // of a coordinate
-// A start is too small if its changes over their deviations have a smaller sum of squares.
-constexpr double kSeen = 1.0;
-constexpr double kHardlyLess = 0.7;  // of levels: they are not looked at by themselves
 
 // Classes that one cause raises together.
 const std::vector<std::vector<ErrorClass>>& raised_together() {
@@ -50,7 +46,7 @@ std::vector<PerClass> levels_to_look_at(const ModesProblem& problem, const Modes
         const auto i = static_cast<Index>(of);
         other(i) = std::min(base.levels(i), std::max(base.levels(i) / times, prior.usual(i)));
       }
-      if (!(other < kHardlyLess * last).any()) continue;
+      if (!(other < kConstants.levels_alike * last).any()) continue;
       all.push_back(other);
       last = other;
     }
@@ -158,8 +154,9 @@ ModesLook::Moved ModesLook::moved(const Supposed& cause, std::size_t level) cons
     Eigen::MatrixXd hessian = now->likelihood.product(slope, slope);
     hessian.diagonal() += prior.precision;
     const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
-    volume = 0.5 * (static_cast<double>(slope.cols()) * std::log(2.0 * std::numbers::pi) -
-                    factor.vectorD().array().max(kLeastPrecision).log().sum());
+    volume =
+        0.5 * (static_cast<double>(slope.cols()) * std::log(2.0 * std::numbers::pi) -
+               factor.vectorD().array().max(std::numeric_limits<double>::epsilon()).log().sum());
     const Eigen::VectorXd by = -factor.solve(
         Eigen::VectorXd(now->likelihood.product(slope, error) + prior.slope(now->cause.x)));
     if (!by.allFinite()) break;
@@ -189,7 +186,8 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
       if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
       const auto* own = without_cause(matching, there.size());
       for (std::size_t i = 0; i < all.size(); ++i) {
-        if (own && 2.0 * (likelihoods_[i].negative_log(there - *own) - at_zero_[i]) < kSeen)
+        if (own && 2.0 * (likelihoods_[i].negative_log(there - *own) - at_zero_[i]) <
+                       kConstants.start_seen)
           continue;
         all[i] = likelihoods_[i].negative_log(own_ + change);
       }

@@ -65,7 +65,7 @@ class ModesLook {
   State state_;
   Eigen::VectorXd here_, quick_hz_;
   Matching quick_matching_;
-  // Of the base, with each of its pairings.
+  // The pairings of the base, each with its errors.
   std::vector<std::pair<std::vector<Eigen::Index>, Eigen::VectorXd>> without_cause_;
   bool pairs_may_be_wrong_ = false;
 };

@@ -112,6 +112,29 @@ TEST_F(LooksBeside, ABadGainIsClearestBesideLessScatterOfGains) {
   EXPECT_LT(levels[best](gain), nothing_.levels(gain));
 }
 
+// Where levels are known a full fit learns none, and its ln evidence is that of the look but for what
+// all causes share; half a unit is what the last step changes.
+TEST(ModesLook, RanksCausesAsTheFullFitDoesWhereLevelsAreKnown) {
+  State state = state_of(small_plate());
+  effect("sensor_gain").apply(state, small_plate(), kSensor, VectorXd::Constant(1, 0.1));
+  auto measured = measured_of(modes_of(state), 0.02);
+  measured.scaled = true;
+  const ModesProblem known(small_plate(), measured, Tolerances{}, false);
+  const auto nothing = known.nothing();
+  const ModesLook look(known, nothing, levels_to_look_at(known, nothing));
+  const auto difference = [&](const char* name, Index option, const VectorXd& x) {
+    const Supposed cause{&effect(name), option, x};
+    ModesFit start = nothing;
+    start.causes.push_back(cause);
+    return look.moved(cause, 0).log_evidence - known.fitted(start).log_evidence;
+  };
+  const double of_gain = difference("sensor_gain", kSensor, VectorXd::Constant(1, 0.05));
+  EXPECT_NEAR(difference("sensor_gain", 0, VectorXd::Constant(1, 0.05)), of_gain, 0.5);
+  EXPECT_NEAR(difference("youngs_modulus", 0, VectorXd::Constant(1, 0.02)), of_gain, 0.5);
+  EXPECT_NEAR(difference("density", 0, VectorXd::Constant(1, 0.02)), of_gain, 0.5);
+  EXPECT_NEAR(difference("thickness", 0, VectorXd::Constant(1, 0.02)), of_gain, 0.5);
+}
+
 // A strip among whose five sensors one reads half of what it should, whose frequencies are 1.4 %
 // and shapes 7 % off: the truth has neither the model nor the errors of this room. The cause has 14
 // more ln evidence than scatter of all gains, and was not looked at.
