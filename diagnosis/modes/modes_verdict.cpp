@@ -275,12 +275,18 @@ std::vector<Proposal> proposals_of(const ModesProblem& problem, const Weighed& a
   return next_measurements(problem, first, costs);
 }
 
-std::string next_in_words(const ModesFit& best, const std::vector<Proposal>& proposals) {
+std::string next_in_words(const ModesFit& best, Verdict verdict,
+                          const std::vector<Proposal>& proposals) {
   if (has_few_partners(best)) {
     return "make sure that the study and the modes are of one structure: most measured modes have "
            "no partner";
   }
   if (!proposals.empty()) return in_words(proposals.front());
+  if (verdict == Verdict::named) {
+    return "nothing is left to tell apart: mend what is named, in the study or on the structure, "
+           "and "
+           "compare again";
+  }
   return "nothing here tells the explanations apart: no sensor, no known mass, no weighing, no "
          "dimension";
 }
@@ -308,7 +314,7 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   diagnosis.modes = modes_of(problem, as_stated(problem, found.nothing), best);
   if (diagnosis.verdict != Verdict::no_discrepancy) {
     diagnosis.proposals = proposals_of(problem, all, options.costs);
-    diagnosis.measure_next = next_in_words(best, diagnosis.proposals);
+    diagnosis.measure_next = next_in_words(best, diagnosis.verdict, diagnosis.proposals);
   }
   tell_constants(problem, best, diagnosis);
   return diagnosis;

@@ -209,6 +209,21 @@ std::optional<Proposal> another(What what, const Question& question,
   return best;
 }
 
+// Where no measurement tells the explanations apart: what the first one blames, exchanged or
+// measured again. That confirms it against the structure as it is.
+std::vector<Proposal> confirmation(const Question& question, const std::vector<Explained>& all,
+                                   const MeasurementCosts& costs) {
+  const auto& fit = *all.front().weighed.fit;
+  const bool is_mode = fit.disturbed.what == Disturbed::What::mode;
+  std::vector<Proposal> proposals;
+  for (const auto& name : blamed(question.problem, fit)) {
+    proposals.push_back({is_mode ? What::repetition : What::exchange, name, std::nullopt, 0.0,
+                         fit.log_evidence - least_evidence(all),
+                         is_mode ? costs.repetition : costs.exchange});
+  }
+  return proposals;
+}
+
 double worth(const Proposal& one) {
   return std::min(one.evidence, kConstants.next_enough) - one.cost;
 }
@@ -232,6 +247,7 @@ std::vector<Proposal> next_measurements(const ModesProblem& problem,
   for (const auto& one : candidates) {
     if (one && one->evidence >= kConstants.next_evidence) proposals.push_back(*one);
   }
+  if (proposals.empty()) return confirmation(question, all, costs);
   std::ranges::stable_sort(proposals, std::ranges::greater{}, worth);
   return proposals;
 }

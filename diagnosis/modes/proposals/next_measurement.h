@@ -11,7 +11,8 @@ namespace chladni::diagnosis {
 /// The measurements that tell the first explanation from the others, best first by
 /// min(evidence, Constants::next_enough) less cost: a sensor or a known mass at places of the
 /// surface, the total mass, a dimension, a channel exchanged or a mode measured again. At most one
-/// of each kind; none that brings less than Constants::next_evidence.
+/// of each kind; none that brings less than Constants::next_evidence. If none is left, what
+/// confirms the first explanation, where it blames a channel or a mode.
 ///
 /// The evidence is −ln Σ v exp(−separation) over the rivals with their shares v: it says how much
 /// the likeliest of those that would remain loses. A sensor reads each mode's shape over its root
