@@ -63,7 +63,13 @@ Oscillator oscillator(const Eigen::VectorXd& x) {
 }
 
 double first_omega(const Structure& structure) {
-  return 2.0 * std::numbers::pi * structure.frequency_hz(structure.rigid_count);
+  constexpr double kMostInSprings = 0.5;  // of a mode's energy
+  const auto& springs = structure.springs;
+  for (Eigen::Index i = structure.rigid_count; i < structure.mode_count(); ++i) {
+    const double omega = 2.0 * std::numbers::pi * structure.frequency_hz(i);
+    if (springs.size() == 0 || springs(i, i) < kMostInSprings * omega * omega) return omega;
+  }
+  return 2.0 * std::numbers::pi * structure.frequency_hz(structure.mode_count() - 1);
 }
 
 std::vector<EffectStart> at_peaks(const Scene& scene, const std::vector<Eigen::VectorXd>& sizes,

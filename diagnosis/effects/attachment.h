@@ -31,7 +31,8 @@ struct Oscillator {
 /// priors; `width` is that of ln frequency.
 [[nodiscard]] std::vector<Parameter> oscillator_parameters(double mass_kg, double frequency_hz,
                                                            double width);
-/// ω₁ [rad/s] of the first flexible mode.
+/// ω₁ [rad/s] of the first mode in which the body bends: known springs hold less than half of its
+/// energy, so that a body on its suspension has about the scale that it has when it is free.
 [[nodiscard]] double first_omega(const Structure& structure);
 /// Starts: each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.
 [[nodiscard]] std::vector<EffectStart> at_peaks(const Scene& scene,

@@ -37,6 +37,21 @@ double apart(const Structure& plate, const MatrixXcd& a, const MatrixXcd& b) {
   return (a - b).norm() / (a - responses(state_of(plate), some_lines())).norm();
 }
 
+// What a body may stand on has the scale of the body, not that of what it stands on already.
+TEST(ElasticPad, HasThePriorOfTheFreePlateBesideASoftSuspension) {
+  auto held = small_plate();
+  const auto first = held.rigid_count;
+  held.springs = Eigen::MatrixXd::Zero(held.mode_count(), held.mode_count());
+  const double suspended = 2.0 * std::numbers::pi * held.frequency_hz(first);
+  held.springs(first, first) = 0.99 * suspended * suspended;
+  const double bends = 2.0 * std::numbers::pi * held.frequency_hz(first + 1);
+  for (const char* name : {"elastic_pad", "ground_spring"}) {
+    EXPECT_NEAR(effect(name).parameters(held).front().centre,
+                std::log(0.01 * held.mass_kg * bends * bends), 1e-12)
+        << name;
+  }
+}
+
 TEST(ElasticPad, IsASpringWhereItIsSmall) {
   const auto& plate = small_plate();
   const auto spring = with_springs(plate, Eigen::RowVector2d(0.083, -0.127));
