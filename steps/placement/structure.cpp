@@ -43,13 +43,17 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   return sampler.at(points).shapes;
 }
 
-// Number of sites: one per point of the study's channels, minus those that stay; 0 if none is left.
+// Number of sites: one for each point of the study's channels where no channel stays; 0 if none is
+// left. A collocated pair is one point.
 int sites_wanted(const study::PlacementPlan& plan, const placement::Structure& structure) {
   if (plan.sites > 0) return plan.sites;
-  const auto pairs = placement::collocated_pairs(structure.sensors.lines, structure.actuators.lines,
-                                                 structure.size);
-  const auto points = structure.sensors.count() + structure.actuators.count() - std::ssize(pairs) -
-                      std::ssize(plan.there);
+  const auto& sensors = structure.sensors;
+  const auto& actuators = structure.actuators;
+  auto points = sensors.count() + actuators.count() - std::ssize(plan.there);
+  for (const auto& [sensor, actuator] :
+       placement::collocated_pairs(sensors.lines, actuators.lines, structure.size)) {
+    if (!sensors.keeps(sensor) || !actuators.keeps(actuator)) --points;
+  }
   return static_cast<int>(std::max<Eigen::Index>(0, points));
 }
 

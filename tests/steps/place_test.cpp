@@ -113,6 +113,15 @@ TEST_F(Place, LeavesTheKeysOfTheContract) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / "heat_map.vtu"));
 }
 
+// s3 and a1 are one point of five.
+TEST_F(Place, APairThatStaysTakesOneSite) {
+  for (const auto* there : {"[\"s3\", \"a1\"]", "[\"s3\"]", "[\"s1\"]"}) {
+    const auto placed = placed_with(std::string("modes = 3\nthere = ") + there);
+    ASSERT_FALSE(placed.optima.empty());
+    EXPECT_EQ(placed.optima[0].sites.rows(), 4) << there;
+  }
+}
+
 TEST_F(Place, APairOfModesIsLookedAtWhole) {
   const auto placed = placed_with("modes = [4]");
   EXPECT_EQ(placed.wanted.columns.size(), 2U);
