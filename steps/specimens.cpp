@@ -39,8 +39,19 @@ auto of_specimen(const std::string& name, Step step) {
   }
 }
 
+// A mass is compared with the sheet only by the deviation that it states.
+void warn_of_unused_mass(const std::string& name, const study::Study& one, stage::Work& work) {
+  const bool is_compared =
+      std::ranges::any_of(one.sheet, [](const auto& entry) { return entry.effect == "mass"; });
+  if (!(one.measurement->mass > 0.0) || is_compared) return;
+  work.warn(
+      fmt::format("{}: {}: [measurement] mass is not compared, since it states no deviation; "
+                  "write mass = {{ value = \"{:.4g} g\", measured = \"0.3 %\" }}",
+                  name, one.file.string(), 1e3 * one.measurement->mass));
+}
+
 study::Study read_one(const study::Study& study, const study::SpecimenPlan& plan,
-                      const stage::Work& work) {
+                      stage::Work& work) {
   return of_specimen(plan.name, [&] {
     auto one = study::read_study(plan.file, folders_for(study, work));
     require(one.specimens.empty(), one.file.string() + " has specimens of its own");
@@ -49,6 +60,7 @@ study::Study read_one(const study::Study& study, const study::SpecimenPlan& plan
             one.file.string() +
                 ": no constant states how well it is known; expected some, such as youngs_modulus "
                 "= { value = \"70 GPa\", within = \"10 %\" }");
+    warn_of_unused_mass(plan.name, one, work);
     return one;
   });
 }

@@ -157,6 +157,28 @@ TEST_F(Specimens, AreReadBeforeAnythingIsSolved) {
   EXPECT_NE(refusal(kDesign).find("measurement"), std::string::npos) << refusal(kDesign);
 }
 
+TEST_F(Specimens, SayThatAMassWithoutADeviationIsNotCompared) {
+  struct Heard : stage::Work {
+    void warn(std::string_view message) override { text += message; }
+    std::string text;
+  } work;
+  const auto with_mass = [](const std::string& mass) {
+    return "extends = \"design.toml\"\n[measurement]\nmodes = \"p.csv\"\nmass = " + mass + "\n";
+  };
+  write("p.csv", "frequency_hz\n100\n200\n");
+  write("p1.toml", with_mass("\"2430 g\""));
+  write("p2.toml", "extends = \"design.toml\"\n");  // refused before anything is solved
+  write("design.toml", kDesign);
+  const auto study = study::read_study(folder_.path() / "design.toml");
+  EXPECT_THROW((void)diagnosed_specimens(study, work), InvalidInput);
+  EXPECT_NE(work.text.find("p1"), std::string::npos) << work.text;
+  EXPECT_NE(work.text.find("mass = { value = \"2430 g\""), std::string::npos) << work.text;
+  work.text.clear();
+  write("p1.toml", with_mass("{ value = \"2430 g\", measured = \"0.3 %\" }"));
+  EXPECT_THROW((void)diagnosed_specimens(study, work), InvalidInput);
+  EXPECT_EQ(work.text, "");
+}
+
 TEST_F(Specimens, NeedNamesThatDifferAndSpecimensThatAreThere) {
   const std::string twice = kDesign + "[[specimen]]\nname = \"p1\"\nstudy = \"p1.toml\"\n";
   EXPECT_NE(refusal(twice).find("p1"), std::string::npos) << refusal(twice);
