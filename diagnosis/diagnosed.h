@@ -30,7 +30,7 @@ struct CauseParameter {
 struct Cause {
   std::string effect;                 ///< as effects() names it
   std::vector<std::string> channels;  ///< where it acts; empty for the body
-  /// Of permuted channels, one for each of `channels`: the channel that its record is; or empty.
+  /// The channel that each record of `channels` really is, where channels are permuted; or empty.
   std::vector<std::string> truly;
   std::string option;  ///< Choice::text: "g taken for m/s^2"; or empty
   std::vector<CauseParameter> parameters;

@@ -23,4 +23,13 @@ struct Readable {
   return factor ? Readable{1.0, ""} : Readable{100.0, "%"};
 }
 
+/// The same for a constant of a study: GPa, mm, g or kg.
+/// @param size  the SI value that decides between g and kg
+[[nodiscard]] inline Readable readable_constant(std::string_view unit, double size = 0.0) {
+  if (unit == "Pa") return {1e-9, "GPa"};
+  if (unit == "m") return {1e3, "mm"};
+  if (unit == "kg" && std::abs(size) < 1.0) return {1e3, "g"};
+  return {1.0, unit == "1" ? "" : std::string(unit)};
+}
+
 }  // namespace chladni::show

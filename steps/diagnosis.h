@@ -18,8 +18,8 @@
 
 namespace chladni::steps {
 
-/// Of measured modes alone, `measured`, `seen`, `comparison`, `detectable`, `predictions` and
-/// `gain` are empty.
+/// A step's result. Where modes alone were measured, `measured`, `seen`, `comparison`,
+/// `detectable`, `predictions` and `gain` are empty.
 struct Diagnosed {
   MeasuredFrfs measured;   ///< receptances within the band, all channels of the study
   modal::FrfSet seen;      ///< without the held-out channels and lines

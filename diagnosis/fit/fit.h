@@ -71,7 +71,7 @@ struct Fit {
 
 struct FitLimits {
   int iterations = kConstants.fit_iterations;
-  /// Of the objective, which is the logarithm of a probability.
+  /// The fit stops when the objective, the logarithm of a probability, changes by less.
   double tolerance = kConstants.fit_tolerance;
   /// The fit stops if the remaining iterations, each as good as the last, cannot reach this
   /// objective.

@@ -308,7 +308,7 @@ class Descent {
     return result;
   }
 
-  // Of the objective in x, with positive diagonal.
+  // The second derivative of the objective in x, with a positive diagonal.
   [[nodiscard]] MatrixXd curvature(const MatrixXd& slope) const {
     MatrixXd hessian = likelihood_->product(slope, slope);
     hessian.diagonal() += prior_.precision;

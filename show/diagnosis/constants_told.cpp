@@ -5,30 +5,22 @@
 #include <cmath>
 #include <utility>
 
+#include "show/readable.h"
+
 namespace chladni::show {
 namespace {
 
 using diagnosis::CalibratedNumber;
 
-struct Unit {
-  double factor = 1.0;
-  std::string name;
-};
-Unit readable_unit(const CalibratedNumber& one) {
-  if (one.unit == "Pa") return {1e-9, " GPa"};
-  if (one.unit == "m") return {1e3, " mm"};
-  return {1.0, one.unit == "1" ? "" : " " + one.unit};
-}
-
 std::string value(const CalibratedNumber& one, double number) {
-  const auto unit = readable_unit(one);
-  return fmt::format("{:.4g}{}", unit.factor * number, unit.name);
+  const auto [scale, unit] = readable_constant(one.unit, one.of_study);
+  return fmt::format("{:.4g}{}{}", scale * number, unit.empty() ? "" : " ", unit);
 }
 
 std::string value_and_std(const CalibratedNumber& one) {
-  const auto unit = readable_unit(one);
-  return fmt::format("{:.4g} \u00b1 {:.2g}{}", unit.factor * one.value, unit.factor * one.std,
-                     unit.name);
+  const auto [scale, unit] = readable_constant(one.unit, one.of_study);
+  return fmt::format("{:.4g} \u00b1 {:.2g}{}{}", scale * one.value, scale * one.std,
+                     unit.empty() ? "" : " ", unit);
 }
 
 // "+12.1 %", or that the data do not say.

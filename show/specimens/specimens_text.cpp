@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "show/readable.h"
 #include "show/specimens.h"
 
 namespace chladni::show {
@@ -16,17 +17,6 @@ using diagnosis::SpecimensDiagnosis;
 
 constexpr std::size_t kRivalsTold = 5;
 constexpr double kRivalTold = 0.005;  // probability
-
-struct UnitShown {
-  double factor = 1.0;
-  std::string name;
-};
-UnitShown shown_unit(const std::string& unit) {
-  if (unit == "Pa") return {1e-9, "GPa"};
-  if (unit == "m") return {1e3, "mm"};
-  if (unit == "kg") return {1e3, "g"};
-  return {1.0, unit == "1" ? "" : unit};
-}
 
 // Enough digits to show the deviation to two of its own.
 std::string with_deviation(double value, double std, const std::string& between) {
@@ -51,7 +41,7 @@ std::string told_explanation(const diagnosis::SpecimensExplanation& one) {
 std::string population_text(const SpecimensDiagnosis& result) {
   std::string text = "population:\n";
   for (const auto& one : result.population) {
-    const auto [factor, unit] = shown_unit(one.unit);
+    const auto [factor, unit] = readable_constant(one.unit);
     text += fmt::format("  {}: mean {}{}{}, specimens scatter {:.2g} %", one.name,
                         with_deviation(factor * one.mean, factor * one.std, " +- "),
                         unit.empty() ? "" : " ", unit, 100.0 * one.spread);
@@ -74,7 +64,7 @@ std::string cell(const SpecimensDiagnosis& result, const diagnosis::SpecimenTold
   const bool is_odd = std::ranges::any_of(result.best.entries, [&](const OddEntry& one) {
     return one.specimen == specimen.name && one.key == number.name;
   });
-  const double factor = shown_unit(number.unit).factor;
+  const double factor = readable_constant(number.unit).scale;
   return with_deviation(factor * number.value, factor * number.std, "+-") + (is_odd ? "!" : "");
 }
 
@@ -82,7 +72,7 @@ std::string table_of_specimens(const SpecimensDiagnosis& result) {
   std::vector<std::pair<std::string, std::string>> keys;  // with their units
   for (const auto& specimen : result.specimens) {
     for (const auto& one : specimen.constants) {
-      const std::pair key(one.name, shown_unit(one.unit).name);
+      const std::pair key(one.name, readable_constant(one.unit).unit);
       if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
     }
   }
@@ -119,7 +109,7 @@ std::string rivals_text(const SpecimensDiagnosis& result) {
 }  // namespace
 
 std::string entry_text(const OddEntry& one) {
-  const auto [factor, unit] = shown_unit(one.unit);
+  const auto [factor, unit] = readable_constant(one.unit);
   return fmt::format("{}: {}{}{}, written {:.4g} ({:+.1f} %)", name_of(one),
                      with_deviation(factor * one.value, factor * one.std, " +- "),
                      unit.empty() ? "" : " ", unit, factor * one.of_study, 100.0 * one.change());

@@ -136,7 +136,7 @@ double thickness_of(const Geometry& geometry) {
   return 0.0;
 }
 
-/// Of a plate or beam, whose length lies along x.
+/// The constant that this key has in a plate or beam, whose length lies along x.
 std::optional<Constant> of_sheet(const Study& study, const std::string& key) {
   if (key == "measurement.mass" && study.measurement) {
     return Constant{"kg", "mass", study.measurement->mass};

@@ -214,7 +214,7 @@ Index put_shape(Rows& rows, const PartnerSide& side, bool is_sensor) {
   return first;
 }
 
-// Of ln of the least-squares factor, from the values' deviations.
+// The deviation of ln of the least-squares factor, from the values' deviations.
 double factor_noise(const PartnerSide& side) {
   const double squares = side.model.cwiseAbs2().dot(side.noise.cwiseAbs2());
   return std::sqrt(squares) / square_of(side);

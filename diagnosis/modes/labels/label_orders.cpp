@@ -239,7 +239,7 @@ class Turns {
     }
     return order;
   }
-  // Of record i as a channel. @param sign  0: of sizes
+  // The misfit of record i as a channel. @param sign  0: of sizes alone
   [[nodiscard]] double misfit(Index i, const Eigen::RowVectorXd& channel, double width,
                               double sign) const {
     double sum = 0.0;
@@ -281,7 +281,7 @@ LabelOrder settled(const LabelScene& scene, const MatrixXd& records, Pairs pairs
 
 // Values that the misfit of an order counts, and whether it explains them.
 bool explains(const LabelOrder& order, const MatrixXd& records) {
-  const double count = records.array().isFinite().count();
+  const auto count = static_cast<double>(records.array().isFinite().count());
   const double error = kConstants.explained_by_labels / kConstants.label_error;
   return order.misfit < 0.5 * count * std::log1p(error * error);
 }

@@ -109,7 +109,7 @@ class Judge {
 
   [[nodiscard]] const Judged& best() const { return all_[best_index()]; }
   [[nodiscard]] const Judged& as_they_are() const { return all_.front(); }
-  // Of the best order among all that were looked at.
+  // The probability of the best order among all that were looked at.
   [[nodiscard]] double probability() const {
     double sum = 0.0;
     for (const auto& one : all_) sum += std::exp(one.weight - best().weight);
@@ -191,7 +191,7 @@ void tell_before(const Structure& structure, const MeasuredModes& measured,
   labels.modes_before = told.modes;
 }
 
-// Of relabelled data, beside labels that are sure. A level at its limit leaves nothing believed; a
+// The verdict of relabelled data, beside labels that are sure. A level at its limit leaves nothing believed; a
 // mode or a channel that is not believed leaves the labels sure.
 Verdict with_labels(const Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
