@@ -202,6 +202,13 @@ MatrixXcd Body::right(const State& state) const { return channels(state.inputs, 
 
 namespace {
 
+template <typename Work>
+void each_line(Index lines, const Work& work) {
+  parallel_ranges(at(lines), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) work(static_cast<Index>(k));
+  });
+}
+
 // Responses of a body that is the same in all experiments.
 Solved steady(const State& state, const Body& body) {
   const Index lines = body.omega().size();
@@ -218,23 +225,25 @@ Solved steady(const State& state, const Body& body) {
   const MatrixXcd w = body.solve(attachments.shapes);
   result.to_outputs.resize(p, d * lines);
   result.to_inputs.resize(q, d * lines);
-  const auto solve_line = [&](Index k) {
-    const Complex s(0.0, body.omega()(k));
+  std::vector<MatrixXcd> attached(at(d > 0 ? lines : 0));
+  const auto attach = [&](Index k) {
     auto left = result.left_columns.middleCols(p * k, p);
     auto right = result.right_columns.middleCols(q * k, q);
+    const Complex s(0.0, body.omega()(k));
+    auto coupled = couple(attachments, state, s, w.middleCols(d * k, d), left, right);
+    attached[at(k)] = std::move(coupled.direct);
+    result.to_outputs.middleCols(d * k, d) = coupled.to_outputs;
+    result.to_inputs.middleCols(d * k, d) = coupled.to_inputs;
+  };
+  each_line(d > 0 ? lines : 0, attach);
+  const MatrixXcd of_modes = product(state.inputs.transpose(), result.left_columns);  // q×pK
+  each_line(lines, [&](Index k) {
+    const Complex s(0.0, body.omega()(k));
     MatrixXcd structure = state.residual.cast<Complex>() + frame_responses(state, s);
-    if (d > 0) {
-      auto coupled = couple(attachments, state, s, w.middleCols(d * k, d), left, right);
-      structure += coupled.direct;
-      result.to_outputs.middleCols(d * k, d) = coupled.to_outputs;
-      result.to_inputs.middleCols(d * k, d) = coupled.to_inputs;
-    }
-    structure.noalias() += left.transpose() * state.inputs.cast<Complex>();
+    if (d > 0) structure += attached[at(k)];
+    structure += of_modes.middleCols(p * k, p).transpose();
     result.structure.row(k) = structure.reshaped().transpose();
     result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
-  };
-  parallel_ranges(at(lines), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) solve_line(static_cast<Index>(k));
   });
   return result;
 }

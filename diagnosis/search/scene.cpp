@@ -47,13 +47,23 @@ PlaceScan place_scan(const Structure& structure, const Observed& observed, const
   if (places == 0) return scan;
   const Index p = state.output_count();
   const Index q = state.input_count();
-  const MatrixXcd shapes = structure.surface.shapes.transpose().cast<Complex>();  // r×n
+  const MatrixXd& shapes = structure.surface.shapes;  // n×r
+  constexpr Index kBlock = 16;                        // lines at once
+  MatrixXcd to_outputs, from_inputs;                  // of a block, n rows
   for (Index k = 0; k < observed.line_count(); ++k) {
+    const Index in_block = k % kBlock;
+    if (in_block == 0) {
+      const Index lines = std::min(kBlock, observed.line_count() - k);
+      to_outputs = product(shapes, now.left_columns.middleCols(p * k, p * lines));
+      from_inputs = product(shapes, now.right_columns.middleCols(q * k, q * lines));
+    }
     const Complex s(0.0, observed.omega(k));
-    const MatrixXcd to = factors(state.output_paths, s).asDiagonal() *
-                         (now.left(k) * shapes)(state.output_of, Eigen::all);
-    const MatrixXcd from = (factors(state.input_paths, s).asDiagonal() *
-                            (now.right(k).transpose() * shapes)(state.input_of, Eigen::all));
+    const MatrixXcd to =
+        factors(state.output_paths, s).asDiagonal() *
+        to_outputs.middleCols(p * in_block, p).transpose()(state.output_of, Eigen::all);
+    const MatrixXcd from =
+        factors(state.input_paths, s).asDiagonal() *
+        from_inputs.middleCols(q * in_block, q).transpose()(state.input_of, Eigen::all);
     const MatrixXcd error = (observed.value.row(k) - now.value.row(k)).reshaped(p, q);
     const MatrixXd w2 = observed.weight.row(k).array().square().matrix().reshaped(p, q);
     const MatrixXcd weighted = error.cwiseProduct(w2.cast<Complex>());
