@@ -13,14 +13,12 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/turn.h"
-#include "fem/eigen/canonical.h"
 #include "fem/eigen/certificate.h"
+#include "fem/eigen/found_modes.h"
 #include "fem/eigen/lanczos.h"
 #include "fem/eigen/mode_checks.h"
 #include "fem/eigen/residual.h"
-#include "fem/eigen/symmetric_product.h"
 #include "fem/factor/factorization.h"
-#include "modal/repeated.h"
 
 namespace chladni::fem {
 namespace {
@@ -59,15 +57,6 @@ void check_input(const System& system, const ModesOptions& options) {
                              ")");
     }
   }
-}
-
-// The shift s of K + s M: (2π shift_hz)², or the square of about twice the first flexible
-// frequency, which conditions the factor well. Any value from a tenth to a hundred times that
-// serves.
-double shift(const System& system, const ModesOptions& options) {
-  double hz = options.shift_hz > 0.0 ? options.shift_hz : 2.0 * system.frequency_scale_hz;
-  if (hz > 0.0) return std::pow(kTwoPi * hz, 2);
-  return 1e-5 * system.stiffness.diagonal().sum() / system.mass.diagonal().sum();
 }
 
 // Bytes beside K and M: the analysis; the factor with what makes it, then with the vectors of the
@@ -114,38 +103,6 @@ void refuse_what_does_not_fit(const Need& needed, const System& system,
                   "count {}) and there is {}; use a coarser mesh: edge_length times {:.2f}",
                   system.mass.rows(), gib(need), gib(needed.factor), gib(needed.work),
                   gib(needed.vectors), gib(needed.count), gib(have), std::sqrt(need / have)));
-}
-
-// `count`, raised so that the cluster of the last mode is not cut.
-Eigen::Index uncut(const Eigen::VectorXd& lambda, Eigen::Index count) {
-  while (count < lambda.size() &&
-         lambda(count) - lambda(count - 1) < 2.0 * modal::kSplitByMesh * lambda(count)) {
-    ++count;
-  }
-  return count;
-}
-
-// Flexible modes with their residuals, in canonical orientation.
-struct Found {
-  Eigen::VectorXd lambda, residual;
-  Eigen::MatrixXd shapes;
-};
-
-// Orients repeated modes. Each mode of a cluster then gets the combined residual of the cluster.
-void settle(const System& system, Found& found) {
-  const Eigen::VectorXd before = found.lambda;
-  for (const auto& cluster : orient(system, found.lambda, found.shapes, 0)) {
-    auto part = found.residual.segment(cluster.first, cluster.size);
-    const double turned = found.lambda(cluster.first);
-    const double off =
-        (before.segment(cluster.first, cluster.size).array() / turned - 1.0).abs().maxCoeff();
-    part.setConstant(part.norm() + off);
-  }
-}
-
-// The rigid-body motions, n×r. In a system without any, system.rigid may be 0×0.
-Eigen::MatrixXd rigid_motions(const System& system) {
-  return system.rigid.cols() > 0 ? system.rigid : Eigen::MatrixXd(system.mass.rows(), 0);
 }
 
 struct Search {
@@ -241,41 +198,6 @@ void merge(const System& system, Found& into, const Found& more) {
   settle(system, into);
 }
 
-Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
-  Eigen::MatrixXd both(left.rows(), left.cols() + right.cols());
-  both << left, right;
-  return both;
-}
-
-ModesResult assembled(const System& system, const Found& found, Eigen::Index kept,
-                      ModesSummary summary) {
-  const auto rigid = system.rigid.cols();
-  ModesResult result;
-  result.summary = std::move(summary);
-  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(rigid + kept);
-  lambda.tail(kept) = found.lambda.head(kept);
-  result.modes.rigid_count = rigid;
-  result.modes.shapes = beside(rigid_motions(system), found.shapes.leftCols(kept));
-  result.summary.clusters = clusters(lambda, rigid);
-  result.modes.frequency_hz = lambda.cwiseMax(0.0).cwiseSqrt() / kTwoPi;
-  result.modes.damping_ratio = Eigen::VectorXd::Zero(lambda.size());
-  result.summary.residual.resize(rigid + kept);
-  result.summary.residual << rigid_residuals(system, result.modes.shapes.leftCols(rigid)),
-      found.residual.head(kept);
-  result.summary.warnings = judged(system, found.lambda.head(kept), found.residual.head(kept));
-  const Eigen::MatrixXd gram =
-      result.modes.shapes.transpose() * (SymmetricProduct(system.mass) * result.modes.shapes);
-  result.summary.orthogonality =
-      (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
-  if (!(result.summary.orthogonality < 1e-8)) {
-    throw NumericalFailure(
-        fmt::format("modes: the shapes lost their orthogonality: max |ΦᵀMΦ − I| = {:.2g}, expected "
-                    "less than 1e-8",
-                    result.summary.orthogonality));
-  }
-  return result;
-}
-
 }  // namespace
 
 ModesResult modes(const System& system, const ModesOptions& options, const Progress& progress) {
@@ -294,7 +216,7 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   summary.factor_seconds = seconds_since(start);
 
   Search search{system, options, progress, summary, keep_bytes};
-  const double s = shift(system, options);
+  const double s = inverted_shift(system, options.shift_hz);
   const auto rigid = static_cast<int>(system.rigid.cols());
   auto found = search.find(s, rigid_motions(system), options.count, options.seed);
   auto kept = uncut(found.lambda, std::min<Eigen::Index>(options.count, found.lambda.size()));

@@ -47,24 +47,6 @@ Matrix long_products(const SparseMatrix& a, const Matrix& x) {
   return product;
 }
 
-// K Φ. Write Φ = R A + Ψ, where R are the suspended motions and F the forces of their springs. Then
-// K Φ = F A + K Ψ, and the part of K Ψ along R is FᵀΨ.
-Matrix stiffness_times(const System& system, const Matrix& shapes) {
-  if (system.suspended.cols() == 0) return long_products(system.stiffness, shapes);
-  const auto& r = system.suspended;
-  const Matrix mr = SymmetricProduct(system.mass) * r;
-  Matrix whole = mr.transpose() * shapes;
-  Matrix bent = shapes - r * whole;
-  const Matrix more = mr.transpose() * bent;
-  bent.noalias() -= r * more;
-  whole += more;
-  Matrix product = long_products(system.stiffness, bent);
-  const Matrix along = system.suspension_force.transpose() * bent - r.transpose() * product;
-  product.noalias() += mr * along;
-  product.noalias() += system.suspension_force * whole;
-  return product;
-}
-
 // (K + sM)⁻¹(KΦ − MΦΛ) and its norms relative to λ. Its part along the known modes is only rounding
 // and is removed. The columns are computed a few at a time.
 struct Correction {
@@ -135,11 +117,44 @@ Eigenpairs graded_eigenpairs(const Matrix& matrix) {
 
 }  // namespace
 
+// Write Φ = R A + Ψ, where R are the suspended motions and F the forces of their springs. Then
+// K Φ = F A + K Ψ, and the part of K Ψ along R is FᵀΨ.
+Eigen::MatrixXd stiffness_times(const System& system, const Matrix& shapes) {
+  if (system.suspended.cols() == 0) return long_products(system.stiffness, shapes);
+  const auto& r = system.suspended;
+  const Matrix mr = SymmetricProduct(system.mass) * r;
+  Matrix whole = mr.transpose() * shapes;
+  Matrix bent = shapes - r * whole;
+  const Matrix more = mr.transpose() * bent;
+  bent.noalias() -= r * more;
+  whole += more;
+  Matrix product = long_products(system.stiffness, bent);
+  const Matrix along = system.suspension_force.transpose() * bent - r.transpose() * product;
+  product.noalias() += mr * along;
+  product.noalias() += system.suspension_force * whole;
+  return product;
+}
+
 Eigen::VectorXd residuals(const System& system, const Factorization& factor, double s,
                           const Matrix& known, const Eigen::VectorXd& lambda,
                           const Matrix& shapes) {
   const Matrix product = SymmetricProduct(system.stiffness) * shapes;
   return correction(system, factor, s, known, lambda, shapes, product).residual;
+}
+
+Matrix ritz(const System& system, Eigen::VectorXd& lambda, Matrix& shapes, Matrix& product) {
+  const Matrix energy = shapes.transpose() * product;
+  const Matrix gram = shapes.transpose() * (SymmetricProduct(system.mass) * shapes);
+  const Matrix to_orthonormal = Eigen::LLT<Matrix>(0.5 * (gram + gram.transpose()))
+                                    .matrixU()
+                                    .solve(Matrix::Identity(gram.rows(), gram.cols()));
+  const auto [values, vectors] =
+      graded_eigenpairs(to_orthonormal.transpose() * energy * to_orthonormal);
+  lambda = values;
+  Matrix turn = to_orthonormal * vectors;
+  shapes = (shapes * turn).eval();
+  product = (product * turn).eval();
+  return turn;
 }
 
 Eigen::VectorXd polished(const System& system, const Factorization& factor, double s,
@@ -150,16 +165,7 @@ Eigen::VectorXd polished(const System& system, const Factorization& factor, doub
     shapes -= step;
     product -= SymmetricProduct(system.stiffness) * step;
   }
-  const Matrix energy = shapes.transpose() * product;
-  const Matrix gram = shapes.transpose() * (SymmetricProduct(system.mass) * shapes);
-  const Matrix to_orthonormal = Eigen::LLT<Matrix>(0.5 * (gram + gram.transpose()))
-                                    .matrixU()
-                                    .solve(Matrix::Identity(gram.rows(), gram.cols()));
-  const auto [values, vectors] =
-      graded_eigenpairs(to_orthonormal.transpose() * energy * to_orthonormal);
-  lambda = values;
-  shapes = (shapes * (to_orthonormal * vectors)).eval();
-  product = (product * (to_orthonormal * vectors)).eval();
+  ritz(system, lambda, shapes, product);
   return correction(system, factor, s, known, lambda, shapes, product).residual;
 }
 

@@ -29,6 +29,18 @@ namespace chladni::fem {
                                         const Eigen::MatrixXd& known, const Eigen::VectorXd& lambda,
                                         const Eigen::MatrixXd& shapes);
 
+/// KΦ, n×m, in extended precision. The suspended motions (system.suspended) are given the force of
+/// their springs instead of their product with K. Cost: about ten products with K.
+[[nodiscard]] Eigen::MatrixXd stiffness_times(const System& system, const Eigen::MatrixXd& shapes);
+
+/// Rayleigh-Ritz in the span of Φ: each value is accurate to its own last digits.
+/// @param lambda   m, after it: ascending
+/// @param shapes   n×m, independent; after it M-orthonormal
+/// @param product  n×m, KΦ before and after
+/// @return  m×m, T of Φ T: the shapes after it by those before
+Eigen::MatrixXd ritz(const System& system, Eigen::VectorXd& lambda, Eigen::MatrixXd& shapes,
+                     Eigen::MatrixXd& product);
+
 /// One step of iterative refinement: Φ − (K + sM)⁻¹(KΦ − MΦΛ), then Rayleigh-Ritz in its span, with
 /// KΦ in extended precision. On slender bodies K's highest eigenvalue is 10¹² times the lowest, and
 /// double precision leaves relative errors of 10⁻⁶ to 10⁻⁸.
