@@ -1,6 +1,5 @@
 // chladni doctor: checks the installation and estimates its speed.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -53,22 +52,10 @@ Finding found(const Worker& worker) {
   }
 }
 
-bool on_path(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::string_view rest = path == nullptr ? "" : path;
-  while (!rest.empty()) {
-    const auto end = rest.find(':');
-    const auto candidate = std::string(rest.substr(0, end)) + "/" + program;
-    if (access(candidate.c_str(), X_OK) == 0) return true;
-    rest = end == std::string_view::npos ? "" : rest.substr(end + 1);
-  }
-  return false;
-}
-
 Finding display() {
   const char* name = std::getenv("DISPLAY");
   if (name != nullptr && *name != '\0') return {true, "display", name};
-  if (on_path("Xvfb")) return {true, "display", "none; pictures are painted on an Xvfb"};
+  if (program_on_path("Xvfb")) return {true, "display", "none; pictures are painted on an Xvfb"};
   return {false, "display", "none, and no Xvfb: no pictures; apt-get install xvfb"};
 }
 

@@ -99,7 +99,8 @@ constexpr bool kSanitized = false;
 class Worker {
  public:
   Worker(const fs::path& program, const std::vector<std::string>& arguments, Pipes& pipes,
-         const WorkerLimits& limits) {
+         const WorkerLimits& limits)
+      : grace_(limits.grace) {
     std::string name = program.string();
     std::vector<std::string> copies = arguments;
     std::vector<char*> pointers = {name.data()};
@@ -120,6 +121,8 @@ class Worker {
   }
   ~Worker() {
     if (status_) return;
+    if (grace_.count() > 0) wait_for_own_end();
+    if (status_) return;
     kill(-process_, SIGKILL);
     waitpid(process_, nullptr, 0);
   }
@@ -139,6 +142,14 @@ class Worker {
   }
 
  private:
+  void wait_for_own_end() {
+    kill(-process_, SIGTERM);
+    for (const auto end = Clock::now() + grace_; !status() && Clock::now() < end;) {
+      usleep(10'000);
+    }
+  }
+
+  std::chrono::milliseconds grace_;
   pid_t process_ = -1;
   std::optional<int> status_;
 };
@@ -344,6 +355,25 @@ void try_worker(const fs::path& program) {
   const Ended ended = ended_worker(program, {}, "", {.time = std::chrono::seconds(10)});
   const bool answered = WIFEXITED(ended.status) && WEXITSTATUS(ended.status) != kLibrariesMissing;
   if (!answered) refuse_bad_end(program.filename().string(), ended.status, ended.result.errors);
+}
+
+std::optional<fs::path> program_on_path(const std::string& name) {
+  const auto runs = [](const fs::path& file) {
+    std::error_code ignored;
+    return fs::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0;
+  };
+  if (name.find('/') != std::string::npos) {
+    return runs(name) ? std::optional<fs::path>(name) : std::nullopt;
+  }
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path == nullptr ? "" : path;
+  while (!rest.empty() && !name.empty()) {
+    const auto end = rest.find(':');
+    const auto candidate = fs::path(rest.substr(0, end)) / name;
+    if (runs(candidate)) return candidate;
+    rest = end == std::string_view::npos ? "" : rest.substr(end + 1);
+  }
+  return std::nullopt;
 }
 
 void add_worker_folder(const fs::path& folder) { added_folders().push_back(folder); }

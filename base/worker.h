@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -19,6 +20,8 @@ struct WorkerLimits {
   /// Limit of the worker's stdout, or a quarter of the available memory where that is less; a
   /// worker that writes more is killed with SIGKILL.
   std::size_t output_bytes = std::size_t{4} << 30U;
+  /// SIGTERM comes so long before SIGKILL, for a program that has others to end. 0: none comes.
+  std::chrono::milliseconds grace{0};
 };
 
 /// The worker's answer is not that of a worker of this build. So the cause is not an input file.
@@ -73,6 +76,10 @@ void try_worker(const std::filesystem::path& program);
 /// tree's libexec/chladni.
 /// @throws WorkerDied  none of the folders has such a file (lists the folders)
 [[nodiscard]] std::filesystem::path worker_path(std::string_view name);
+
+/// The program of that name in the folders of $PATH, or the path itself where it has a slash.
+/// Nothing where there is no such program.
+[[nodiscard]] std::optional<std::filesystem::path> program_on_path(const std::string& name);
 
 /// Adds a folder to the search of `worker_path`. This is for a library that another program, such
 /// as Python, has loaded. Do not call it while another thread calls `worker_path`.
