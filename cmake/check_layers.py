@@ -19,14 +19,15 @@ MAY_INCLUDE = {
     "identification": "base dense mesh modal priors",
     "diagnosis": "base dense mesh modal fem priors identification",
     "io": "base dense mesh modal fem priors placement identification diagnosis",
+    "cluster": "base dense mesh modal fem io",
     "study": "base dense mesh modal fem priors placement identification diagnosis io",
-    "stage": "base dense mesh modal fem priors placement identification diagnosis io study",
-    "steps": "base dense mesh modal fem priors placement identification diagnosis io study stage",
-    "show": "base dense mesh modal fem priors placement identification diagnosis io study stage steps",
-    "sweep": "base dense mesh modal fem priors placement identification diagnosis io study stage steps "
-             "show",
-    "app": "base dense mesh modal fem priors placement identification diagnosis io study stage steps "
-           "show sweep",
+    "stage": "base dense mesh modal fem priors placement identification diagnosis io cluster study",
+    "steps": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage",
+    "show": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage steps",
+    "sweep": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage "
+             "steps show",
+    "app": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage "
+           "steps show sweep",
     "python": "base dense mesh modal fem priors placement identification diagnosis io study stage "
               "steps show",
 }
@@ -39,6 +40,7 @@ DOORS = {
     r".*mumps|Eigen/CholmodSupport": ["bench/peers/*.cpp"],
     r"cholmod|SuiteSparse": ["fem/factor/cholmod.cpp", "bench/peers/*.cpp"],
     r"cblas|openblas": ["dense/blas.cpp"],
+    r"petsc|slepc|mpi\.h": ["cluster/worker/slepc_worker.cpp"],
     r"vtk": ["io/cells/vtu*.cpp", "io/picture/*.cpp", "io/picture/*.h"],
     r"nlohmann/": ["io/bytes/json.cpp"],
     r"matio": ["io/matlab/mat.cpp", "io/matlab/mat_worker.cpp"],
