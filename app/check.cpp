@@ -62,7 +62,7 @@ void run_check(const study::Study& study, show::Run& run) {
   if (!run.options().expect) forecast_from_mesh(study, introduction, run);
   run.show(introduction.cost.line() + "\n");
   run.leave("study.json", show::study_json(study, introduction), !run.options().expect);
-  stage::refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+  stage::refuse_what_cannot_fit(study, introduction, run);
   if (run.options().expect)
     steps::judge(study, stage::solved(study, std::move(introduction), run), run);
 }

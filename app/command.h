@@ -20,6 +20,7 @@ struct Command {
 extern const Command check_command;
 extern const Command mesh_command;
 extern const Command modes_command;
+extern const Command export_command;
 extern const Command place_command;
 extern const Command priors_command;
 extern const Command simulate_command;

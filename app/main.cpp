@@ -28,10 +28,10 @@ using app::ExitCode;
 
 // In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
-    &app::check_command,    &app::mesh_command,        &app::modes_command,
-    &app::place_command,    &app::priors_command,      &app::simulate_command,
-    &app::identify_command, &app::interpolate_command, &app::diagnose_command,
-    &app::study_command,
+    &app::check_command,    &app::mesh_command,     &app::modes_command,
+    &app::export_command,   &app::place_command,    &app::priors_command,
+    &app::simulate_command, &app::identify_command, &app::interpolate_command,
+    &app::diagnose_command, &app::study_command,
 };
 
 /// Runs `work` and turns any exception into a message and an exit code.
@@ -122,7 +122,12 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   if (command.name != "check") {
     verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
   }
-  if (command.name == "mesh") return;
+  if (command.name == "mesh" || command.name == "export") return;
+  verb.add_option("--engine", options.engine,
+                  "what starts the ranks that find the modes: \"mpiexec -n 4\"");
+  verb.add_option("--memory-limit", options.memory_limit_gb,
+                  "[GB] of a solution in this process [what is free]")
+      ->check(CLI::PositiveNumber);
   verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
   if (command.name == "check") {
     verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");

@@ -26,6 +26,8 @@ stage::WorkOptions work_options(const study::Study& study, const Options& option
           .certificate = options.certificate,
           .keep_best = options.keep_best,
           .keep_times = !options.reproducible,
+          .engine = options.engine,
+          .memory_limit_bytes = static_cast<std::size_t>(1e9 * options.memory_limit_gb),
           .allowed = options.allowed,
           .folder = folder_of(study, options)};
 }

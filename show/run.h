@@ -23,6 +23,8 @@ namespace chladni::show {
 struct Options {
   std::filesystem::path folder;                ///< -o; empty: out/<study name>
   std::vector<std::filesystem::path> allowed;  ///< --allow-outside
+  std::string engine;                          ///< --engine; empty: the study's
+  double memory_limit_gb = 0.0;                ///< 0: what there is
   int threads = 0;                             ///< 0: number of physical cores
   long long seed = -1;                         ///< −1: that of the study, or 1
   bool quiet = false, json = false;

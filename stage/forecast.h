@@ -19,9 +19,15 @@ namespace chladni::stage {
 [[nodiscard]] Cost forecast(const study::Study& study, const mesh::TetMesh& mesh,
                             const Understood& body);
 
+/// Frequency below which about `flexible` modes of a free body lie: the inverse of modes_below.
+[[nodiscard]] double frequency_of(double flexible, const Understood& body,
+                                  const fem::Material& material);
+
+/// @param have_bytes  the memory that there is; 0: what is available now
 /// @throws InvalidInput    more modes below a frequency than the mesh can have
 /// @throws OutOfResources  more memory than there is; an estimate without a mesh is reduced first,
 ///                         because it is right only to a third
-void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost);
+void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost,
+                            std::size_t have_bytes = 0);
 
 }  // namespace chladni::stage

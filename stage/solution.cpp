@@ -54,6 +54,7 @@ fem::ModesOptions modes_options(const study::Study& study, const Work& work) {
   options.count = wanted_count(study);
   options.certificate = work.choices().certificate;
   options.seed = work.seed();
+  options.memory_limit_bytes = work.choices().memory_limit_bytes;
   return options;
 }
 
@@ -75,14 +76,33 @@ fem::ModesResult modes_beyond(const fem::System& system, double up_to_hz, fem::M
   return result;
 }
 
-fem::ModesResult modes_of(const study::Study& study, const fem::System& system, int flexible,
-                          Work& work) {
+/// By the ranks of MPI.
+fem::ModesResult modes_elsewhere(const study::Study& study, int count, Solution& solution,
+                                 Work& work) {
+  constexpr double kMore = 1.3;  // a forecast of their number is right within a factor of 1.5
+  auto result =
+      cluster::modes_by_ranks(*solution.system,
+                              {.launcher = engine_of(study, work),
+                               .count = count,
+                               .up_to_hz = study.modes.up_to_hz,
+                               .guess_hz = frequency_of(kMore * count, solution.introduction.body,
+                                                        study.materials.front().material),
+                               .folder = work.choices().folder},
+                              work.progress());
+  work.note(result.ranks.line());
+  solution.ranks = std::move(result.ranks);
+  return std::move(result.modes);
+}
+
+fem::ModesResult modes_of(const study::Study& study, Solution& solution, int flexible, Work& work) {
   auto options = modes_options(study, work);
   options.count = std::max(options.count, flexible);
   const auto progress = work.progress();
-  auto result = study.modes.up_to_hz > 0.0
-                    ? modes_beyond(system, study.modes.up_to_hz, options, progress)
-                    : fem::modes(system, options, progress);
+  auto result = !engine_of(study, work).empty()
+                    ? modes_elsewhere(study, options.count, solution, work)
+                : study.modes.up_to_hz > 0.0
+                    ? modes_beyond(*solution.system, study.modes.up_to_hz, options, progress)
+                    : fem::modes(*solution.system, options, progress);
   result.modes.damping_ratio.tail(result.modes.mode_count() - result.modes.rigid_count)
       .setConstant(study.modes.damping_ratio);
   return result;
@@ -139,19 +159,21 @@ void forecast_again(const study::Study& study, const mesh::TetMesh& body, Soluti
   if (introduction.cost.exact) return;
   introduction.cost = forecast(study, body, introduction.body);
   work.note("with the mesh: " + introduction.cost.line());
-  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+  refuse_what_cannot_fit(study, introduction, work);
 }
 
 /// Everything before the modes.
-Solution placed_and_assembled(const study::Study& study, Introduction introduction, Work& work) {
+/// @param judged  what is too expensive to solve is refused
+Solution placed_and_assembled(const study::Study& study, Introduction introduction, Work& work,
+                              bool judged) {
   const auto progress = work.progress();
   throw_if_interrupted();
-  refuse_what_cannot_fit(study, introduction.body, introduction.cost);
+  if (judged) refuse_what_cannot_fit(study, introduction, work);
   Solution solution;
   solution.introduction = std::move(introduction);
   const auto& outline = solution.introduction.outline;
   auto body = work.timed("mesh", [&] { return body_of(study, outline, progress); });
-  forecast_again(study, body, solution, work);
+  if (judged) forecast_again(study, body, solution, work);
   solution.model = work.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) work.note(note);
   warn(solution.model.warnings, solution, work);
@@ -190,6 +212,17 @@ void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
 
 }  // namespace
 
+std::string engine_of(const study::Study& study, const Work& work) {
+  return work.choices().engine.empty() ? study.modes.engine : work.choices().engine;
+}
+
+void refuse_what_cannot_fit(const study::Study& study, const Introduction& introduction,
+                            const Work& work) {
+  auto cost = introduction.cost;
+  if (!engine_of(study, work).empty()) cost.memory_bytes = cost.memory_beside_ranks_bytes;
+  refuse_what_cannot_fit(study, introduction.body, cost, work.choices().memory_limit_bytes);
+}
+
 Introduction introduced(const study::Study& study, Work& work) {
   require_modes(study);
   Introduction introduction;
@@ -208,6 +241,11 @@ Introduction introduced(const study::Study& study, Work& work) {
   return introduction;
 }
 
+Solution assembled(const study::Study& study, Work& work) {
+  auto introduction = work.timed("geometry", [&] { return introduced(study, work); });
+  return placed_and_assembled(study, std::move(introduction), work, false);
+}
+
 Solution solved(const study::Study& study, Work& work) {
   auto introduction = work.timed("geometry", [&] { return introduced(study, work); });
   work.note(introduction.cost.line());
@@ -215,8 +253,8 @@ Solution solved(const study::Study& study, Work& work) {
 }
 
 Solution solved(const study::Study& study, Introduction introduction, Work& work) {
-  Solution solution = placed_and_assembled(study, std::move(introduction), work);
-  auto result = work.timed("modes", [&] { return modes_of(study, *solution.system, 0, work); });
+  Solution solution = placed_and_assembled(study, std::move(introduction), work, true);
+  auto result = work.timed("modes", [&] { return modes_of(study, solution, 0, work); });
   if (study.modes.up_to_hz > 0.0) {
     keep_first(own_count(study, result.modes, result.summary.clusters), result.modes,
                result.summary);
@@ -233,8 +271,8 @@ TwoSolutions solved_with_more(const study::Study& study, int flexible, Work& wor
   introduction.cost = forecast(larger, introduction.outline);
   work.note(introduction.cost.line());
   TwoSolutions both;
-  both.with_more = placed_and_assembled(larger, std::move(introduction), work);
-  take(work.timed("modes", [&] { return modes_of(study, *both.with_more.system, flexible, work); }),
+  both.with_more = placed_and_assembled(larger, std::move(introduction), work, true);
+  take(work.timed("modes", [&] { return modes_of(study, both.with_more, flexible, work); }),
        both.with_more, work);
   const auto& modes = both.with_more.modes;
   const auto& clusters = both.with_more.summary.clusters;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
+#include "cluster/ranks.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "stage/estimates/estimate.h"
@@ -27,8 +29,22 @@ struct Solution {
   Eigen::MatrixXd extra_shapes;               ///< for the degrees of freedom that attachments add
   Eigen::VectorXd frequency_error;            ///< per mode, relative; 0 for rigid-body modes
   fem::ModesSummary summary;
-  Eigen::Index degrees_of_freedom = 0;  ///< free ones
+  std::optional<cluster::RanksSummary> ranks;  ///< where ranks of MPI found the modes
+  Eigen::Index degrees_of_freedom = 0;         ///< free ones
 };
+
+/// What starts the ranks that find the modes: the user's choice, or the study's. Empty: none.
+[[nodiscard]] std::string engine_of(const study::Study& study, const Work& work);
+
+/// Refuses what does not fit in this process, alone or beside the ranks that find the modes.
+/// @throws as refuse_what_cannot_fit of stage/forecast.h
+void refuse_what_cannot_fit(const study::Study& study, const Introduction& introduction,
+                            const Work& work);
+
+/// Everything before the modes: geometry, mesh, places, K and M. The memory that a solution would
+/// need is not asked for.
+/// @throws as its steps
+[[nodiscard]] Solution assembled(const study::Study& study, Work& work);
 
 /// Geometry, mesh, assembly and modes. Prints the first line, the forecast and the progress.
 /// @throws as its steps

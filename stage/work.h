@@ -19,6 +19,8 @@ struct WorkOptions {
   bool certificate = true;  ///< count the modes by inertia
   bool keep_best = false;   ///< an interrupt ends a fit with the best one so far
   bool keep_times = true;   ///< of the steps
+  std::string engine;       ///< what starts the ranks that find the modes; empty: the study's
+  std::size_t memory_limit_bytes = 0;  ///< of a solution in this process; 0: what there is
   std::vector<std::filesystem::path>
       allowed;                   ///< folders outside the study's from which it may read
   std::filesystem::path folder;  ///< where the results will stand

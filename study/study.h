@@ -54,6 +54,8 @@ struct ModesPlan {
   int count = 20;              ///< flexible modes
   double up_to_hz = 0.0;       ///< all modes below this instead; 0: use `count`
   double damping_ratio = 0.0;  ///< of every flexible mode
+  std::string
+      engine;  ///< what starts the ranks that find them: "mpiexec -n 4"; empty: this process
 };
 
 /// Attachments of fem/attachment.h before their places on the body are found.

@@ -51,6 +51,14 @@ io::Json clusters_json(const fem::ModesSummary& summary) {
   return clusters;
 }
 
+// Without their times: they are among "seconds".
+io::Json ranks_json(const cluster::RanksSummary& ranks) {
+  io::JsonArray peaks;
+  for (const double bytes : ranks.peak_bytes) peaks.emplace_back(bytes);
+  return io::JsonObject{
+      {"engine", ranks.launcher}, {"shifts", ranks.shifts}, {"peak_memory_bytes", peaks}};
+}
+
 Eigen::VectorXd error_hz(const stage::Solution& solution) {
   return solution.frequency_error.cwiseProduct(solution.modes.frequency_hz);
 }
@@ -87,30 +95,33 @@ io::JsonObject modes_json(const study::Study& study, const stage::Solution& solu
   const auto& summary = solution.summary;
   io::JsonArray texts;
   for (const auto& line : solution.introduction.warnings) texts.emplace_back(line);
-  return {{"rigid_body_modes", static_cast<long long>(modes.rigid_count)},
-          {"frequency_hz", io::Json(modes.frequency_hz)},
-          {"frequency_error_hz", io::Json(error_hz(solution))},
-          {"damping_ratio", io::Json(modes.damping_ratio)},
-          {"residual", io::Json(summary.residual)},
-          {"orthogonality", summary.orthogonality},
-          {"clusters", clusters_json(summary)},
-          {"complete", summary.complete},
-          {"certificate", io::JsonObject{{"below_hz", summary.counted_below_hz},
-                                         {"found", summary.found},
-                                         {"counted", summary.counted}}},
-          {"degrees_of_freedom", static_cast<long long>(solution.degrees_of_freedom)},
-          {"nodes", static_cast<long long>(model.body.node_count())},
-          {"tetrahedra", static_cast<long long>(model.body.tet_count())},
-          {"order", model.body.order()},
-          {"mass_kg", model.mass.mass_kg},
-          {"centre_of_mass_m", io::Json(Eigen::VectorXd(model.mass.centre_m))},
-          {"inertia_kg_m2", io::Json::rows(Eigen::MatrixXd(model.mass.inertia_kg_m2))},
-          {"blas_kernel", dense::blas_kernel()},
-          {"sensors",
-           channel_json(study.sensors, stage::shapes_at(study.sensors, model.sensors, modes))},
-          {"actuators", channel_json(study.actuators,
-                                     stage::shapes_at(study.actuators, model.actuators, modes))},
-          {"warnings", texts}};
+  io::JsonObject json = {
+      {"rigid_body_modes", static_cast<long long>(modes.rigid_count)},
+      {"frequency_hz", io::Json(modes.frequency_hz)},
+      {"frequency_error_hz", io::Json(error_hz(solution))},
+      {"damping_ratio", io::Json(modes.damping_ratio)},
+      {"residual", io::Json(summary.residual)},
+      {"orthogonality", summary.orthogonality},
+      {"clusters", clusters_json(summary)},
+      {"complete", summary.complete},
+      {"certificate", io::JsonObject{{"below_hz", summary.counted_below_hz},
+                                     {"found", summary.found},
+                                     {"counted", summary.counted}}},
+      {"degrees_of_freedom", static_cast<long long>(solution.degrees_of_freedom)},
+      {"nodes", static_cast<long long>(model.body.node_count())},
+      {"tetrahedra", static_cast<long long>(model.body.tet_count())},
+      {"order", model.body.order()},
+      {"mass_kg", model.mass.mass_kg},
+      {"centre_of_mass_m", io::Json(Eigen::VectorXd(model.mass.centre_m))},
+      {"inertia_kg_m2", io::Json::rows(Eigen::MatrixXd(model.mass.inertia_kg_m2))},
+      {"blas_kernel", dense::blas_kernel()},
+      {"sensors",
+       channel_json(study.sensors, stage::shapes_at(study.sensors, model.sensors, modes))},
+      {"actuators",
+       channel_json(study.actuators, stage::shapes_at(study.actuators, model.actuators, modes))},
+      {"warnings", texts}};
+  if (solution.ranks) json.emplace_back("ranks", ranks_json(*solution.ranks));
+  return json;
 }
 
 std::vector<io::CsvColumn> modes_columns(const stage::Solution& solution) {

@@ -24,6 +24,7 @@ constexpr double kFreeRim = 1.75;        // share of a free rim in the modes of 
 constexpr double kFittedModes = 26.0;    // modes in the runs that the forecast is fitted to
 constexpr double kVectorsPerMode = 5.5;  // shapes and the iteration: 20 and 200 modes of a plate
 constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of freedom, order 2
+constexpr double kCopiesOfShapes = 4.0;  // while modes from elsewhere are checked
 constexpr double kTimePerMode = 0.02;    // part of the total time, per mode beyond kFittedModes
 constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
 constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
@@ -149,6 +150,7 @@ Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
   const double estimating = kSystemBytes * cost.degrees_of_freedom + 2.0 * modes * vector +
                             fem::frequency_error_bytes(tets);
   cost.memory_bytes = 50e6 + std::max(solving, estimating);
+  cost.memory_beside_ranks_bytes = 50e6 + estimating + kCopiesOfShapes * modes * vector;
   cost.seconds = 7.8 * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
   return cost;
 }
@@ -242,7 +244,19 @@ Cost forecast(const study::Study& study, const mesh::TetMesh& mesh, const Unders
                  mesh.order(), modes_wanted(study, body), true);
 }
 
-void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost) {
+double frequency_of(double flexible, const Understood& body, const fem::Material& material) {
+  double low = 0.0;
+  double high = body.first_frequency_hz;
+  while (modes_below(body, material, high) < kRigid + flexible) high *= 2.0;
+  for (int halving = 0; halving < 20; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (modes_below(body, material, middle) < kRigid + flexible ? low : high) = middle;
+  }
+  return high;
+}
+
+void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost,
+                            std::size_t have_bytes) {
   const double up_to = study.modes.up_to_hz;
   const double modes = modes_wanted(study, body);
   const double most = kModesPerFreedom * cost.degrees_of_freedom;
@@ -255,11 +269,13 @@ void refuse_what_cannot_fit(const study::Study& study, const Understood& body, c
                     study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
                     up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
   }
-  const double have = static_cast<double>(available_memory());
+  const double have = static_cast<double>(have_bytes > 0 ? have_bytes : available_memory());
   if ((cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have) return;
   throw OutOfResources(fmt::format(
       "{}: {:.0f} degrees of freedom and {:.0f} modes are forecast to need {:.1f} GB of memory and "
-      "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer modes",
+      "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer "
+      "modes, "
+      "or the ranks of a cluster (--engine \"mpiexec -n 4\")",
       study.file.string(), cost.degrees_of_freedom, modes, 1e-9 * cost.memory_bytes, 1e-9 * have,
       std::pow(cost.memory_bytes / have, 0.4)));
 }

@@ -1,5 +1,6 @@
 // Modes and layouts of a study, and the names of its channels.
 #include <algorithm>
+#include <regex>
 
 #include "study/schemas.h"
 #include "study/tables/rows.h"
@@ -33,6 +34,15 @@ void refuse_strangers(TableReader& table, std::string_view key, const std::strin
   }
 }
 
+// A study is data: of the programs that start ranks it may name three, with a number of ranks.
+// Whatever else a launcher takes could start any program, and is for --engine.
+bool is_plain_engine(const std::string& engine) {
+  static const std::regex plain(
+      "(mpiexec|mpirun|srun)( +(-n|-np|-N|--ntasks|--nodes) +[0-9]{1,7}"
+      "| +--(oversubscribe|allow-run-as-root))*");
+  return std::regex_match(engine, plain);
+}
+
 void read_modes_part(TableReader& root, Study& study) {
   auto table = root.table("modes");
   if (!table) return;
@@ -43,6 +53,13 @@ void read_modes_part(TableReader& root, Study& study) {
   if (study.modes.damping_ratio >= 1.0) {
     table->wrong(*table->find("damping_ratio"),
                  "modes.damping_ratio must be below 1 (a fraction of critical; 0.5 % is 0.005)");
+  }
+  if (table->has("engine") && !is_plain_engine(study.modes.engine)) {
+    table->wrong(
+        *table->find("engine"),
+        "modes.engine must be mpiexec, mpirun or srun with -n, -np, -N, --ntasks or --nodes "
+        "and a number, --oversubscribe or --allow-run-as-root; other words are for the "
+        "option --engine");
   }
   table->refuse_unknown();
 }

@@ -84,7 +84,10 @@ const Schema<ModesPlan>& modes_schema() {
        quantity("up_to", "Hz", Sign::positive, &P::up_to_hz,
                 "all modes below this, instead of count", "none"),
        quantity("damping_ratio", "1", Sign::not_negative, &P::damping_ratio,
-                "of every flexible mode, below 1")}};
+                "of every flexible mode, below 1"),
+       text("engine", &P::engine,
+            "\"mpiexec -n 4\": ranks of MPI find the modes; `--engine` overrules it",
+            "this process")}};
   return schema;
 }
 
