@@ -1,14 +1,12 @@
-// The program chladni-slepc: the modes of K φ = λ M φ below a bound, on all ranks of MPI. K and M
-// are read from the folder that is its first argument (stiffness.petsc, mass.petsc), and the modes
-// are left there (cluster/reply.h). It alone links PETSc, SLEPc and MPI.
-//
-// SLEPc slices the spectrum: block-free Krylov-Schur about several shifts, where at each shift
+// The program chladni-slepc: the modes of K φ = λ M φ below a bound, on all ranks of MPI. It alone
+// links PETSc, SLEPc and MPI. SLEPc slices the spectrum: Krylov-Schur about some shifts, where
 // MUMPS counts the eigenvalues below by the signs of the pivots of K − σM (Campos and Roman 2012,
 // Numer. Algorithms 60, 279-295). A factor of K + sM then refines the shapes.
 //
-// chladni-slepc FOLDER WANTED SHIFT BOUND: WANTED eigenvalues at least, BOUND [s^-2] is raised
-// until they lie below it; WANTED 0: BOUND stays. The exit status is 0, 3 (arguments), 4 (PETSc,
-// SLEPc or MUMPS gave up) or 5 (memory); the reason is the line that begins with "chladni-slepc:".
+// chladni-slepc FOLDER WANTED SHIFT BOUND: K and M are in the folder (stiffness.petsc, mass.petsc),
+// the modes are left there (cluster/reply.h). BOUND [s^-2] is raised until WANTED eigenvalues lie
+// below it. The exit status is 0, 3 (arguments), 4 (PETSc, SLEPc or MUMPS gave up) or 5 (memory);
+// the reason is the line that begins with "chladni-slepc:".
 #include <slepceps.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -27,9 +25,8 @@
 
 namespace {
 
-constexpr int kRaises = 12;           // of the bound
-constexpr int kRefinements = 1;       // of the shapes
-constexpr double kTolerance = 1e-10;  // of SLEPc
+constexpr int kRaises = 20;           // of the bound
+constexpr double kTolerance = 1e-12;  // of SLEPc
 
 struct Task {
   std::string folder;
@@ -149,26 +146,37 @@ PetscErrorCode take_counts(EPS solver, Modes* modes) {
   PetscFunctionReturn(0);
 }
 
-// The number below the highest shift less that below the lowest.
-PetscInt between(const Modes& modes) { return modes.below.back() - modes.below.front(); }
+struct Bracket {
+  double low = 0.0, high = 0.0;  // bounds with too few and too many below; 0: none
+};
+
+// The bound after the task's, below which `counted` lie; the same where the number is right. It is
+// raised by more each time, and lowered only after that.
+double next_bound(PetscInt counted, const Task& task, Bracket* tried, int raise) {
+  const bool too_few = counted < task.wanted;
+  if (!too_few && !(tried->low > 0.0 && counted > 3 * task.wanted + 30)) return task.bound;
+  (too_few ? tried->low : tried->high) = task.bound;
+  if (tried->high > 0.0) return std::sqrt(tried->low * tried->high);
+  const double lack = static_cast<double>(task.wanted) / static_cast<double>(counted + 1);
+  return task.bound * std::max(std::pow(std::min(1.2 * lack, 10.0), 2), std::pow(2.0, raise + 1));
+}
 
 // Slices up to a bound with the wanted number of eigenvalues below it: counted, not yet found.
 PetscErrorCode counted_slices(const Problem& problem, Task* task, EPS* solver, Modes* modes) {
   PetscFunctionBeginUser;
+  Bracket tried;
   for (int raise = 0;; ++raise) {
     PetscCall(new_slices(problem, -task->shift, task->bound, solver));
     PetscCall(EPSSetUp(*solver));
     PetscCall(take_counts(*solver, modes));
-    modes->counted = between(*modes);
-    if (modes->counted >= task->wanted) break;
+    modes->counted = modes->below.back() - modes->below.front();
+    const double next = next_bound(modes->counted, *task, &tried, raise);
+    if (next == task->bound) break;
     PetscCheck(raise < kRaises, PETSC_COMM_WORLD, PETSC_ERR_CONV_FAILED,
                "%" PetscInt_FMT " eigenvalues lie below %g s^-2, and %" PetscInt_FMT " are wanted",
                modes->counted, task->bound, task->wanted);
     PetscCall(EPSDestroy(solver));
-    // Modes of a plate go with the frequency, those of a solid with its cube.
-    const double lack = static_cast<double>(task->wanted) /
-                        static_cast<double>(std::max<PetscInt>(modes->counted, 1));
-    task->bound *= std::pow(std::min(1.15 * lack, 10.0), 2);
+    task->bound = next;
   }
   PetscFunctionReturn(0);
 }
@@ -229,11 +237,6 @@ PetscErrorCode solve_corrections(const Problem& problem, Mat factor, Mat right, 
   PetscFunctionReturn(0);
 }
 
-// A motion of the whole body: nothing to refine.
-bool is_whole(const Modes& modes, std::size_t i, double shift) {
-  return modes.lambda[i] < 1e-9 * shift;
-}
-
 PetscErrorCode new_inverse(const Problem& problem, double shift, KSP* inverse) {
   PetscFunctionBeginUser;
   Mat shifted = nullptr;
@@ -262,7 +265,7 @@ PetscErrorCode new_block(const Problem& problem, std::size_t columns, Mat* block
 }
 
 // One step of inverse iteration, φ − x. The x of what it gives stays beside it.
-PetscErrorCode refine_with(const Problem& problem, const Task& task, Mat factor, Modes* modes) {
+PetscErrorCode refine_with(const Problem& problem, double shift, Mat factor, Modes* modes) {
   PetscFunctionBeginUser;
   Mat right = nullptr;
   Mat corrections = nullptr;
@@ -270,14 +273,12 @@ PetscErrorCode refine_with(const Problem& problem, const Task& task, Mat factor,
   PetscCall(new_block(problem, modes->shapes.size(), &right));
   PetscCall(new_block(problem, modes->shapes.size(), &corrections));
   PetscCall(MatCreateVecs(problem.stiffness, &work, nullptr));
-  for (int step = 0;; ++step) {
-    PetscCall(solve_corrections(problem, factor, right, work, modes, corrections));
-    if (step == kRefinements) break;
-    for (std::size_t i = 0; i < modes->shapes.size(); ++i) {
-      if (is_whole(*modes, i, task.shift)) continue;
-      PetscCall(VecAXPY(modes->shapes[i], -1.0, modes->corrections[i]));
-    }
+  PetscCall(solve_corrections(problem, factor, right, work, modes, corrections));
+  for (std::size_t i = 0; i < modes->shapes.size(); ++i) {
+    if (modes->lambda[i] < 1e-9 * shift) continue;  // a motion of the whole body
+    PetscCall(VecAXPY(modes->shapes[i], -1.0, modes->corrections[i]));
   }
+  PetscCall(solve_corrections(problem, factor, right, work, modes, corrections));
   PetscCall(VecDestroy(&work));
   PetscCall(MatDestroy(&right));
   PetscCall(MatDestroy(&corrections));
@@ -297,7 +298,7 @@ PetscErrorCode refine(const Problem& problem, const Task& task, Modes* modes) {
   PetscCall(new_inverse(problem, task.shift, &inverse));
   PetscCall(KSPGetPC(inverse, &preconditioner));
   PetscCall(PCFactorGetMatrix(preconditioner, &factor));
-  PetscCall(refine_with(problem, task, factor, modes));
+  PetscCall(refine_with(problem, task.shift, factor, modes));
   PetscCall(KSPDestroy(&inverse));
   PetscFunctionReturn(0);
 }

@@ -25,10 +25,10 @@ struct Understood {
 
 struct Cost {
   double degrees_of_freedom = 0.0;
-  double memory_bytes = 0.0;  ///< at the peak
+  double memory_bytes = 0.0;               ///< at the peak
   double memory_beside_ranks_bytes = 0.0;  ///< of this process where ranks find the modes
-  double seconds = 0.0;       ///< of one present-day core
-  bool exact = false;         ///< the mesh is known, not estimated from volume and edge length
+  double seconds = 0.0;                    ///< of one present-day core
+  bool exact = false;  ///< the mesh is known, not estimated from volume and edge length
   [[nodiscard]] std::string line() const;
 };
 

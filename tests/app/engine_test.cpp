@@ -47,10 +47,10 @@ TEST_F(EngineOfModes, GivesWhatThisProcessGives) {
 TEST_F(EngineOfModes, SolvesWhatThisProcessRefuses) {
   if (const auto why = no_ranks(); !why.empty()) GTEST_SKIP() << why;
   auto text = std::string(kPlate);
-  text.replace(text.find("10 mm"), 5, "4 mm");
+  text.replace(text.find("10 mm"), 5, "6 mm");
   const auto study = write("study.toml", text).string();
   const std::vector<std::string> few = {"modes",          study,  "-o", "out", "--no-pictures",
-                                        "--memory-limit", "0.115"};
+                                        "--memory-limit", "0.065"};
   const auto refused = run(few);
   EXPECT_EQ(refused.status, 5) << refused.err;
   EXPECT_TRUE(says(refused.err, "--engine"));

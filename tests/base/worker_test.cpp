@@ -67,6 +67,30 @@ TEST(Worker, IsStoppedAfterItsTimeWithAllItStarted) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(5));
 }
 
+// What has others to end is asked first, and killed where it does not end.
+TEST(Worker, MayBeAskedToEndBeforeItIsKilled) {
+  const auto mark =
+      std::filesystem::temp_directory_path() / ("chladni_asked_" + std::to_string(getpid()));
+  const auto script =
+      "trap 'echo yes > " + mark.string() + "; exit 1' TERM; " + "while :; do sleep 0.05; done";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(death({"-c", script}, {.time = seconds(1)}), "");
+  EXPECT_FALSE(std::filesystem::exists(mark));
+  EXPECT_NE(death({"-c", script}, {.time = seconds(1), .grace = seconds(10)}), "");
+  EXPECT_TRUE(std::filesystem::remove(mark));
+  const std::string deaf = "trap '' TERM; while :; do sleep 0.05; done";
+  EXPECT_NE(death({"-c", deaf}, {.time = seconds(1), .grace = seconds(1)}), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(15));
+}
+
+TEST(Worker, ProgramsAreFoundOnThePath) {
+  EXPECT_EQ(program_on_path("sh")->filename(), "sh");
+  EXPECT_EQ(program_on_path("/bin/sh"), std::filesystem::path("/bin/sh"));
+  for (const auto* name : {"", "no-such-program", "/bin/no-such-program", "/bin", "/etc/passwd"}) {
+    EXPECT_FALSE(program_on_path(name)) << name;
+  }
+}
+
 TEST(Worker, IsHeldToItsMemory) {
   const auto script = "x=0123456789abcdef; while :; do x=$x$x; done";
   EXPECT_NE(death({"-c", script}, {.time = seconds(20), .memory_bytes = 64U << 20U}), "");
