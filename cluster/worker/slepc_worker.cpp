@@ -97,7 +97,6 @@ PetscErrorCode load(const std::string& file, Mat* matrix) {
   PetscCall(MatLoad(*matrix, viewer));
   PetscCall(PetscViewerDestroy(&viewer));
   PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
-  PetscCall(MatSetOption(*matrix, MAT_HERMITIAN, PETSC_TRUE));
   PetscCall(MatSetOption(*matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
