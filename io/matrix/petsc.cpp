@@ -57,16 +57,14 @@ void for_row(const Rows& rows, const SparseMatrix& lower, Eigen::Index i, Take t
   }
 }
 
-std::int64_t diagonal_entries(const SparseMatrix& lower) {
+std::int64_t entries_of_both(const SparseMatrix& lower) {
   std::int64_t count = 0;
   for (Eigen::Index i = 0; i < lower.cols(); ++i) {
-    for (SparseMatrix::InnerIterator entry(lower, i); entry; ++entry) count += entry.row() == i;
+    for (SparseMatrix::InnerIterator entry(lower, i); entry; ++entry) {
+      if (entry.row() >= i) count += entry.row() == i ? 1 : 2;
+    }
   }
   return count;
-}
-
-std::int64_t entries_of_both(const SparseMatrix& lower) {
-  return 2 * std::int64_t{lower.nonZeros()} - diagonal_entries(lower);
 }
 
 template <typename Index>
