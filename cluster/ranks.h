@@ -12,11 +12,12 @@
 namespace chladni::cluster {
 
 struct RanksOptions {
-  std::string launcher;   ///< what starts the ranks: "mpiexec -n 4", "srun -N 8"
-  int count = 20;         ///< flexible modes; a cluster is never cut
+  std::string launcher = {};  ///< what starts the ranks: "mpiexec -n 4", "srun -N 8"
+  int count = 20;             ///< flexible modes; a cluster is never cut
   double up_to_hz = 0.0;  ///< all modes below this, and at least one flexible one; 0: use `count`
   double guess_hz = 0.0;  ///< about `count` modes lie below this; 0: from the system
-  std::filesystem::path folder;  ///< it exists and all ranks see it; empty: that of temporary files
+  /// It exists and all ranks see it; empty: that of temporary files.
+  std::filesystem::path folder = {};
 };
 
 /// What the ranks tell of themselves.

@@ -56,7 +56,9 @@ class PetscReader {
     std::size_t next = 0;
     for (std::int64_t i = 0; i < rows; ++i) {
       for (std::int64_t k = 0; k < lengths[static_cast<std::size_t>(i)]; ++k, ++next) {
-        if (k > 0) EXPECT_LT(at[next - 1], at[next]);
+        if (k > 0) {
+          EXPECT_LT(at[next - 1], at[next]);
+        }
         dense(i, at[next]) = number();
       }
     }
