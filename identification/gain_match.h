@@ -78,6 +78,9 @@ struct ModeMatch {
   Eigen::Index freedoms = 0;  ///< its degrees of freedom
 };
 
+/// True if the pairs (or places) of the mode contradict each other beyond what the fit's noise allows.
+[[nodiscard]] bool contradicted(const ModeMatch& mode);
+
 /// Gain of the sensor over the gain of the actuator, up to one factor for all pairs
 /// (their mean ln is 0).
 struct PairGain {

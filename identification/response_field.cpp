@@ -10,6 +10,7 @@
 namespace chladni::identification {
 namespace {
 
+constexpr double kContradicted = 0.7;  // deviation of ln α where the pairs contradict each other
 constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
 constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
 
@@ -39,6 +40,21 @@ Eigen::VectorXd pair_disagreement(const modal::ReducedModel& fit, const ChannelG
     result(m) = std::sqrt(square / static_cast<double>(gains.pairs.size()));
   }
   return result;
+}
+
+// The rows as sides of a modal model. Where the pairs contradict each other the scale between both
+// sides is not what they say on average.
+priors::BothSides both_sides(const GainMatch& match, const std::vector<Eigen::Index>& modes) {
+  priors::BothSides sides{{}, Eigen::VectorXd(std::ssize(modes)), match.deviation(Eigen::all, modes)};
+  for (const auto& row : match.rows) sides.actuator.push_back(row.actuator);
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const auto& mode = match.modes[static_cast<std::size_t>(modes[k])];
+    double deviation = mode.alpha_std / mode.alpha;
+    if (!std::isfinite(deviation)) deviation = kContradicted;
+    if (contradicted(mode)) deviation = std::max(deviation, kContradicted);
+    sides.log_deviation(static_cast<Eigen::Index>(k)) = deviation;
+  }
+  return sides;
 }
 
 // Static flexibility of the simulation's modes above the band, places × actuators.
@@ -112,7 +128,8 @@ priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& 
   const Eigen::VectorXd doubt = pair_disagreement(fit.model, gains)(modes);
   const Eigen::MatrixXd deviation = gains.match.deviation(Eigen::all, modes);
   return {rows, fit.model.frequency_hz(modes), gains.match.shapes(Eigen::all, modes),
-          (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt()};
+          (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt(),
+          both_sides(gains.match, modes)};
 }
 
 std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
@@ -196,7 +213,8 @@ ResponseField response_field(const modal::FrfSet& responses, const priors::Simul
   result.shapes_ = measured_shapes(result.fit_, result.gains_, rows);
   const auto& method = priors::interpolator(plan.method);
   result.field_ = priors::mode_field(method, result.shapes_, simulation);
-  if (const auto off = with_scale_off(result.gains_.match, result.modes_, result.shapes_)) {
+  const auto off = with_scale_off(result.gains_.match, result.modes_, result.shapes_);
+  if (off && !result.field_->summary().includes_scale) {
     result.field_with_scale_off_ = priors::mode_field(method, *off, simulation);
   }
   return result;

@@ -100,6 +100,18 @@ struct Constants {
   /// Intervals of this scan [1] (chosen, c369a77).
   static constexpr int gain_intervals = 66;
 
+  // One scale.
+  /// Deviation of a shape's mean square at few places from the one scale of all modes [ln a²]
+  /// (chosen, one_scale).
+  static constexpr double amplitude_spread = 0.4;
+  /// Plausible deviation of a value at a place from the shape of the structure [root mean squares]
+  /// (chosen, one_scale).
+  static constexpr double place_deviation = 0.05;
+  /// Deviation of the same [ln] (chosen, one_scale).
+  static constexpr double place_spread = 1.5;
+  /// Deviation of the one scale from the size of the values [ln] (chosen, one_scale).
+  static constexpr double scale_spread = 1.0;
+
   // Orthogonal shapes.
   /// Plausible product of two unit shapes [1] (chosen, 3142b42).
   static constexpr double middle_product = 0.1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,6 +53,15 @@ struct Simulation {
   [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }
 };
 
+/// The two sides of a modal model: sensors and, by reciprocity, actuators. With the true shape φ and
+/// an error δ of the scale between both sides, the value is φ e^δ at a sensor and φ e^−δ at an
+/// actuator. The shapes of all modes are mass-normalised up to one common factor.
+struct BothSides {
+  std::vector<bool> actuator;     ///< s
+  Eigen::VectorXd log_deviation;  ///< m: prior standard deviation of δ
+  Eigen::MatrixXd noise;          ///< s×m: standard deviations, without the error of the scale
+};
+
 /// m shapes measured at s places. All values of a shape have one unit, which is free; it is kg^-1/2
 /// if the shapes are mass-normalised.
 struct MeasuredShapes {
@@ -59,6 +69,7 @@ struct MeasuredShapes {
   Eigen::VectorXd frequency_hz;  ///< m, identified
   Eigen::MatrixXd values;        ///< s×m
   Eigen::MatrixXd noise;         ///< s×m: standard deviation of each value, in its unit
+  std::optional<BothSides> sides = {};  ///< of a modal model
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
 };
@@ -80,6 +91,9 @@ struct FitSummary {
   std::vector<Parameter> parameters;
   Eigen::VectorXd log_evidence;    ///< m, or empty: natural logarithm of the density of the values
   std::vector<std::string> notes;  ///< facts for the user: bounds, rank, doubts about the model
+  /// The deviations contain the error of the scale between sensors and actuators (BothSides); the
+  /// field is then that of the sensors' side.
+  bool includes_scale = false;
 };
 
 /// m mode shapes on the whole body with their uncertainty.

@@ -172,6 +172,7 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
 // rows of a mode, so its error does not average out as independent errors do. The error is put on
 // the actuator rows, so responses to the actuators change only with the shape.
 void widen_by_scale(const Interpolated& result, Interpolation& interpolation) {
+  if (interpolation.field->summary().includes_scale) return;
   const auto off = with_scale_off(result.measured);
   if (!off) return;
   const auto other = priors::mode_field(*interpolation.method, *off, result.simulation);

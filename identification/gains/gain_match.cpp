@@ -175,11 +175,7 @@ void warn_of_gains(Matching& state, const Eigen::MatrixXd& left) {
 void warn_of_disagreement(Matching& state) {
   for (const auto& group : state.groups) {
     const auto& told = state.match.modes[static_cast<std::size_t>(group.first)];
-    const auto freedoms = static_cast<double>(told.freedoms);
-    if (told.freedoms <= 0 ||
-        told.disagreement < freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0) {
-      continue;
-    }
+    if (!contradicted(told)) continue;
     state.match.warnings.push_back(fmt::format(
         "{}: {} disagree by chi-square {:.3g} where {} is expected", state.mode_name(group),
         told.by == MatchedBy::geometry ? "the places and a rigid motion" : "its pairs",
@@ -313,6 +309,12 @@ std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredCh
   }
   std::ranges::sort(pairs, {}, &CollocatedPair::output);
   return pairs;
+}
+
+bool contradicted(const ModeMatch& mode) {
+  const auto freedoms = static_cast<double>(mode.freedoms);
+  return mode.freedoms > 0 &&
+         mode.disagreement >= freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0;
 }
 
 GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs,

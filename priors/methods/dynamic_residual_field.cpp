@@ -152,6 +152,11 @@ std::unique_ptr<ModeField> corrected_field(const MeasuredShapes& measured,
   return std::make_unique<ModalField>(std::move(fit.shapes), std::move(fit.summary));
 }
 
+// With fewer places nothing can be left out to test what is learned.
+bool has_few_places(const MeasuredShapes& measured) {
+  return measured.places.count() < Constants::fewest_places;
+}
+
 }  // namespace
 
 const Interpolator dynamic_residual_interpolator{
@@ -164,6 +169,9 @@ const Interpolator dynamic_residual_interpolator{
     .has_deviation = true,
     .fit =
         [](const MeasuredShapes& measured, const Simulation& simulation) {
+          if (measured.sides && has_few_places(measured)) {
+            return one_scale_field(measured, simulation);
+          }
           return simulation.corrections.empty() ? plain_field(measured, simulation, true)
                                                 : corrected_field(measured, simulation);
         },

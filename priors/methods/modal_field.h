@@ -49,6 +49,11 @@ struct FittedShape {
                                        Eigen::Index mode, const Eigen::MatrixXd& root, double noise,
                                        double beyond);
 
+/// The field of a modal model (MeasuredShapes::sides) at few places, where all modes share one
+/// scale (residual/one_scale.h). Cost: some thousand decompositions of s rows per mode.
+[[nodiscard]] std::unique_ptr<ModeField> one_scale_field(const MeasuredShapes& measured,
+                                                         const Simulation& simulation);
+
 /// Summary of every modal method: parameters `misfit` and `expected_error`; notes on shapes that
 /// the places cannot see.
 [[nodiscard]] FitSummary modal_summary(const std::vector<FittedShape>& shapes);
