@@ -10,7 +10,7 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kContradicted = 0.7;  // deviation of ln α where the pairs contradict each other
+constexpr double kOpenScale = 0.7;  // deviation of ln α where the pairs alone do not tell it
 constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
 constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
 
@@ -42,16 +42,20 @@ Eigen::VectorXd pair_disagreement(const modal::ReducedModel& fit, const ChannelG
   return result;
 }
 
-// The rows as sides of a modal model. Where the pairs contradict each other the scale between both
-// sides is not what they say on average.
-priors::BothSides both_sides(const GainMatch& match, const std::vector<Eigen::Index>& modes) {
-  priors::BothSides sides{{}, Eigen::VectorXd(std::ssize(modes)), match.deviation(Eigen::all, modes)};
+// The rows as sides of a modal model. Rows of pairs that lie apart say themselves what the scale
+// between both sides is; rows of pairs at one place are one, and the pairs have said it.
+priors::BothSides both_sides(const ChannelGains& gains, const std::vector<Eigen::Index>& modes) {
+  const auto& match = gains.match;
+  priors::BothSides sides{
+      {}, Eigen::VectorXd(std::ssize(modes)), match.deviation(Eigen::all, modes)};
   for (const auto& row : match.rows) sides.actuator.push_back(row.actuator);
+  const bool apart = std::ranges::none_of(
+      gains.pairs, [](const CollocatedPair& pair) { return pair.is_one_place(); });
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const auto& mode = match.modes[static_cast<std::size_t>(modes[k])];
     double deviation = mode.alpha_std / mode.alpha;
-    if (!std::isfinite(deviation)) deviation = kContradicted;
-    if (contradicted(mode)) deviation = std::max(deviation, kContradicted);
+    const bool by_rows = mode.by == MatchedBy::pairs && (apart || contradicted(mode));
+    if (by_rows || !std::isfinite(deviation)) deviation = std::max(deviation, kOpenScale);
     sides.log_deviation(static_cast<Eigen::Index>(k)) = deviation;
   }
   return sides;
@@ -70,6 +74,23 @@ Eigen::MatrixXd flexibility_above(const FieldSimulation& simulation,
     sum += places.col(r) * inputs.col(r).transpose() / (omega * omega);
   }
   return sum;
+}
+
+// Root mean square over the sensors, per actuator, of what the simulation's modes above the band
+// leave of the fitted residual.
+Eigen::RowVectorXd unexplained_residual(const ModalFit& fit, const FieldSimulation& simulation) {
+  const Eigen::MatrixXd left =
+      fit.model.residual -
+      residual_factor(fit, simulation) * flexibility_above(simulation, simulation.channels.outputs);
+  return left.colwise().norm() / std::sqrt(static_cast<double>(left.rows()));
+}
+
+// Root mean square of each flexible mode's shape at its channels; 0 of rigid-body modes.
+Eigen::VectorXd sizes_at_channels(const ModalFit& fit, const GainMatch& match) {
+  Eigen::VectorXd size = match.shapes.colwise().norm().transpose() /
+                         std::sqrt(static_cast<double>(match.shapes.rows()));
+  size.head(fit.model.rigid_count).setZero();
+  return size;
 }
 
 // Rigid-body rows at places that move along z.
@@ -129,7 +150,7 @@ priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& 
   const Eigen::MatrixXd deviation = gains.match.deviation(Eigen::all, modes);
   return {rows, fit.model.frequency_hz(modes), gains.match.shapes(Eigen::all, modes),
           (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt(),
-          both_sides(gains.match, modes)};
+          both_sides(gains, modes)};
 }
 
 std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
@@ -151,6 +172,25 @@ std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
   return shapes;
 }
 
+double gain_deviation(const ChannelGains& gains) {
+  constexpr double kLevel = 0.1;
+  constexpr double kWorth = 2.0;  // pairs
+  constexpr double kBeyond = 5.0;
+  const auto& pairs = gains.match.pairs;
+  double square = 0.0;
+  double excess = 0.0;
+  for (const auto& pair : pairs) {
+    const double ratio = std::log(pair.ratio);
+    square += ratio * ratio;
+    excess = std::max(excess, std::abs(ratio) - kBeyond * pair.ratio_std);
+  }
+  const double known = static_cast<double>(pairs.size()) - 1.0;
+  if (known < 1.0) return gains.corrects_gains ? kLevel : 0.0;
+  if (gains.corrects_gains) square += kWorth * kLevel * kLevel;
+  if (!gains.corrects_gains && excess <= 0.0) return 0.0;
+  return std::sqrt(square / known * (1.0 + 1.0 / static_cast<double>(pairs.size())));
+}
+
 double residual_factor(const ModalFit& fit, const FieldSimulation& simulation) {
   const auto& fitted = fit.model.residual;
   const auto at_sensors = flexibility_above(simulation, simulation.channels.outputs);
@@ -161,16 +201,20 @@ double residual_factor(const ModalFit& fit, const FieldSimulation& simulation) {
   return explains ? factor : 0.0;
 }
 
-PlacesOfInterest places_of_interest(const ModalFit& fit, const GainMatch& match,
+PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gains,
                                     const std::vector<Eigen::Index>& modes,
                                     const FieldSimulation& simulation, const priors::Places& places,
                                     const priors::Field& field) {
+  const auto& match = gains.match;
   const auto m = fit.model.mode_count();
   PlacesOfInterest interest{
-      Eigen::MatrixXd::Zero(places.count(), m), Eigen::MatrixXd::Zero(places.count(), m),
+      Eigen::MatrixXd::Zero(places.count(), m),
+      sizes_at_channels(fit, match).transpose().replicate(places.count(), 1),
       residual_factor(fit, simulation) * flexibility_above(simulation, places.shapes)};
   interest.shapes(Eigen::all, modes) = field.mean;
   interest.deviation(Eigen::all, modes) = field.deviation;
+  interest.residual_deviation = unexplained_residual(fit, simulation).replicate(places.count(), 1);
+  interest.gain_deviation = gain_deviation(gains);
   add_rigid_rows(fit, match, places, interest);
   if (fit.complex) {
     const auto parts = imaginary_parts(
@@ -188,7 +232,7 @@ PredictedResponses ResponseField::at(const priors::Places& places,
     const Eigen::ArrayXXd moved = field_with_scale_off_->at(places).mean - field.mean;
     field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
   }
-  const auto interest = places_of_interest(fit_, gains_.match, modes_, simulation_, places, field);
+  const auto interest = places_of_interest(fit_, gains_, modes_, simulation_, places, field);
   return predicted(fit_, gains_.match, interest, frequency_hz);
 }
 

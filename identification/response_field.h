@@ -43,9 +43,16 @@ struct FieldSimulation {
 /// three tenths of it.
 [[nodiscard]] double residual_factor(const ModalFit& fit, const FieldSimulation& simulation);
 
+/// Standard deviation of the gain of a sensor that is in no pair, relative to that of the sensors
+/// that are: by how much the gains of the pairs differ beyond their deviations. 0 where they do not
+/// and the plan has no faulty side; with one, 10 % is taken for as much as two pairs say.
+[[nodiscard]] double gain_deviation(const ChannelGains& gains);
+
 /// Shapes of responses at places, from a field of the shapes of `modes`. Rigid-body rows come from
-/// the geometry, the residual from the simulation's modes above the band.
-[[nodiscard]] PlacesOfInterest places_of_interest(const ModalFit& fit, const GainMatch& match,
+/// the geometry, the residual from the simulation's modes above the band; its deviation is what
+/// these do not explain of it at the sensors. A mode that is not among `modes` is 0 with its size
+/// at the channels as deviation.
+[[nodiscard]] PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gains,
                                                   const std::vector<Eigen::Index>& modes,
                                                   const FieldSimulation& simulation,
                                                   const priors::Places& places,

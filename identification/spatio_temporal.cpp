@@ -26,6 +26,10 @@ void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& 
               " modes, residual of " + std::to_string(places.residual.cols()) +
               " actuators; expected " + std::to_string(m) + " and " +
               std::to_string(match.input_shapes.cols()));
+  require(places.residual_deviation.size() == 0 ||
+              (places.residual_deviation.rows() == places.residual.rows() &&
+               places.residual_deviation.cols() == places.residual.cols()),
+          "predicted responses: deviations of the residual that do not fit it");
   const auto fits = [&](const Eigen::MatrixXd& part) {
     return part.rows() == (fit.complex ? places.shapes.rows() : 0) &&
            part.cols() == (fit.complex ? m : 0);
@@ -172,11 +176,14 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   PredictedResponses result;
   const auto delay = input_delays(fit);
   const auto complex = complex_values(fit, match, places, frequency_hz);
+  const Eigen::MatrixXd own = places.residual_deviation.size() > 0
+                                  ? Eigen::MatrixXd(places.residual_deviation.cwiseAbs2())
+                                  : Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, q));
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
     const double omega = kTwoPi * frequency_hz(k);
     Eigen::MatrixXcd value = fit.complex ? Eigen::MatrixXcd(complex.row(k).reshaped(n, q))
                                          : Eigen::MatrixXcd(places.residual.cast<Complex>());
-    Eigen::MatrixXd variance = Eigen::MatrixXd::Zero(n, q);
+    Eigen::MatrixXd variance = own;
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
       const auto& input = match.input_shapes.row(m);
@@ -190,6 +197,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
       variance += std::norm(2.0 * half - h.value) * places.imaginary_deviation.col(m).cwiseAbs2() *
                   input.cwiseAbs2();
     }
+    variance += places.gain_deviation * places.gain_deviation * value.cwiseAbs2();
     for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
     result.value.emplace_back(std::move(value));
     result.deviation.emplace_back(root_of(variance));

@@ -16,15 +16,18 @@ struct PlacesOfInterest {
   Eigen::MatrixXd residual;   ///< n×q: of the modes above the band; zero where it is not known
   /// n×m, of complex shapes (general damping); empty of real ones
   Eigen::MatrixXd imaginary = {}, imaginary_deviation = {};
+  Eigen::MatrixXd residual_deviation = {};  ///< n×q: standard deviations; empty: 0
+  /// Standard deviation of the gain of a sensor there, relative: of all modes at once.
+  double gain_deviation = 0.0;
 };
 
 /// G(ρ, s) = [Σ φ_m(ρ) r_m / (s² + 2ζ_m ω_m s + ω_m²) + residual] e^{−sτ} with its deviation.
 struct PredictedResponses {
   std::vector<Eigen::MatrixXcd> value;  ///< [k], each n×q
-  /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit) and
-  /// from the shapes' deviations; modes are independent of each other. The error of Re G and
-  /// of Im G is within 1.96/√2 of it in 95 % of the cases, |δG| within 1.73. Infinite where
-  /// a part is not known.
+  /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit),
+  /// the shapes, the residual and the gain of the sensor; modes are independent of each other. The
+  /// error of Re G and of Im G is within 1.96/√2 of it in 95 % of the cases, |δG| within 1.73.
+  /// Infinite where a part is not known.
   std::vector<Eigen::MatrixXd> deviation;
 };
 

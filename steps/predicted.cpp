@@ -113,9 +113,8 @@ identification::PlacesOfInterest places_of_interest(const Interpolated& result,
                                                     const priors::Places& places,
                                                     const priors::Field& field) {
   const auto& model = identified_of(result);
-  return identification::places_of_interest(model.found.fit, model.match,
-                                            result.measured.fitted_mode, field_simulation(result),
-                                            places, field);
+  return identification::places_of_interest(model.found.fit, model, result.measured.fitted_mode,
+                                            field_simulation(result), places, field);
 }
 
 Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
@@ -161,8 +160,8 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
     if (std::find(used.begin(), used.end(), m) != used.end()) continue;
     notes.push_back(
-        fmt::format("mode {} ({:.1f} Hz) is neither in the predicted responses nor in their band: "
-                    "its scale between sensors and actuators is not known",
+        fmt::format("mode {} ({:.1f} Hz) is not in the predicted responses, its scale between "
+                    "sensors and actuators is not known; their band has its size at the channels",
                     m + 1, fit.frequency_hz(m)));
   }
   if (fit.rigid_count > 0 && !model.match.rigid) {
@@ -175,8 +174,8 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&
       identification::residual_factor(model.found.fit, field_simulation(result)) == 0.0) {
     notes.emplace_back(
-        "the modes above the band are neither in the predicted responses nor in their band: the "
-        "simulation does not explain the fitted residual");
+        "the modes above the band are not in the predicted responses, the simulation does not "
+        "explain the fitted residual; their band has its size at the sensors");
   }
   return notes;
 }

@@ -312,6 +312,27 @@ void match_by_motion(Matching& state, std::size_t group) {
   told.freedoms = std::max<Eigen::Index>(state.p() + state.q() - 1 - geometry.outputs.cols(), 0);
 }
 
+// The likeliest scale of pairs that contradict each other, with rows that do not change: the pairs
+// are not at one place, and rows that agree there would be wrong elsewhere. The deviation of the
+// scale is what the pairs scatter by.
+void keep_rows(Matching& state, std::size_t group, ModeMatch tied) {
+  const auto mode = state.groups[group].first;
+  const double doubt = std::sqrt(tied.disagreement / static_cast<double>(tied.freedoms));
+  apply(
+      state, group,
+      [](const TwoSides& at) {
+        auto one = scaled_by_ties(at);
+        const double alpha = std::exp(one.log_alpha);
+        one.outputs = at.outputs / alpha;
+        one.inputs = one.at_inputs = alpha * at.inputs;
+        return one;
+      },
+      MatchedBy::pairs);
+  auto& told = state.match.modes[static_cast<std::size_t>(mode)];
+  told.freedoms = tied.freedoms;
+  told.alpha_std *= doubt;
+}
+
 void match_by_pairs(Matching& state, std::size_t group) {
   const bool tied = state.options.rule == GainRule::tied;
   apply(
@@ -319,7 +340,9 @@ void match_by_pairs(Matching& state, std::size_t group) {
       [&](const TwoSides& at) { return tied ? scaled_by_ties(at) : scaled_by_thesis(at); },
       MatchedBy::pairs);
   auto& told = state.match.modes[static_cast<std::size_t>(state.groups[group].first)];
-  if (tied) told.freedoms = ties_of(state, group).count() - 1;
+  if (!tied) return;
+  told.freedoms = ties_of(state, group).count() - 1;
+  if (contradicted(told)) keep_rows(state, group, told);
 }
 
 // Whether the rigid motion gives the scale of a mode, with or without pairs.

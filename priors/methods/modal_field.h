@@ -41,7 +41,7 @@ struct FittedShape {
   ShapeCoefficients coefficients;
   double log_evidence = 0.0;
   double left_out_log_density = 0.0;  ///< Σ of the log density of each value given the others
-  double misfit = 0.0;  ///< mean square of the left-out errors over their variance: about 1
+  double misfit = 0.0;          ///< mean square of the left-out errors over their variance: about 1
   double expected_error = 0.0;  ///< of the shape's mean square over the surface, relative
   bool vanishes = false;
 };

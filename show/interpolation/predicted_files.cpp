@@ -50,6 +50,7 @@ identification::PlacesOfInterest all_of_interest(const steps::Interpolated& resu
   append(all.residual, points.residual);
   append(all.imaginary, points.imaginary);
   append(all.imaginary_deviation, points.imaginary_deviation);
+  append(all.residual_deviation, points.residual_deviation);
   return all;
 }
 
