@@ -313,8 +313,7 @@ std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredCh
 
 bool contradicted(const ModeMatch& mode) {
   const auto freedoms = static_cast<double>(mode.freedoms);
-  return mode.freedoms > 0 &&
-         mode.disagreement >= freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0;
+  return mode.freedoms > 0 && mode.disagreement >= freedoms + 5.0 * std::sqrt(2.0 * freedoms) + 4.0;
 }
 
 GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "identification/gains/block_covariance.h"
 #include "identification/gains/matched_sides.h"
 
 namespace chladni::identification {
@@ -109,33 +110,6 @@ void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
   }
 }
 
-// Covariance of (L_m, R_m) of all modes of the group in sequence, with the sign of the side.
-Eigen::MatrixXd block_covariance(const Matching& state, const modal::ModeGroup& group) {
-  const auto p = state.p();
-  const auto q = state.q();
-  const auto g = group.size;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(g * (p + q), g * (p + q));
-  const auto& rigid = state.fit.rigid_covariance;
-  if (group.first < state.fit.model.rigid_count && rigid.rows() == covariance.rows()) {
-    std::vector<Eigen::Index> where;  // in (vec L, vec R)
-    for (Eigen::Index m = 0; m < g; ++m) {
-      for (Eigen::Index i = 0; i < p; ++i) where.push_back(m * p + i);
-      for (Eigen::Index j = 0; j < q; ++j) where.push_back(g * p + j * g + m);
-    }
-    covariance = rigid(where, where);
-  } else {
-    for (Eigen::Index m = 0; m < g; ++m) {
-      covariance.block(m * (p + q), m * (p + q), p + q, p + q) =
-          shape_covariance(state.fit, group.first + m);
-    }
-  }
-  for (Eigen::Index m = 0; m < g; ++m) {
-    covariance.middleRows(m * (p + q) + p, q) *= state.side;
-    covariance.middleCols(m * (p + q) + p, q) *= state.side;
-  }
-  return covariance;
-}
-
 // The scaled shapes of a block of g modes, p×g and g×q, from its L and R.
 struct Block {
   Eigen::MatrixXd outputs, inputs;
@@ -173,30 +147,6 @@ void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& s
   for (Eigen::Index m = group.first; m < group.first + g; ++m) {
     match.modes[static_cast<std::size_t>(m)] = {by, 1.0, 0.0, state.side, 0.0, 0};
   }
-}
-
-// Deviations of the entries of L R; empty if not all are known.
-Eigen::MatrixXd product_deviation(const Matching& state, const modal::ModeGroup& group) {
-  const auto p = state.p();
-  const auto q = state.q();
-  const auto& model = state.fit.model;
-  const Eigen::MatrixXd covariance = block_covariance(state, group);
-  Eigen::MatrixXd deviation(p, q);
-  for (Eigen::Index i = 0; i < p; ++i) {
-    for (Eigen::Index j = 0; j < q; ++j) {
-      std::vector<Eigen::Index> where;
-      Eigen::VectorXd slope(2 * group.size);
-      for (Eigen::Index m = 0; m < group.size; ++m) {
-        where.push_back(m * (p + q) + i);
-        where.push_back(m * (p + q) + p + j);
-        slope(2 * m) = state.side * model.input_shapes(group.first + m, j);
-        slope(2 * m + 1) = model.output_shapes(i, group.first + m);
-      }
-      deviation(i, j) = slope.dot(covariance(where, where) * slope);
-    }
-  }
-  if (!(deviation.minCoeff() > 0.0)) return {};
-  return deviation.cwiseSqrt();
 }
 
 void match_by_mass(Matching& state, const modal::ModeGroup& group) {

@@ -96,8 +96,38 @@ class Expectation {
   DynamicResidual prior_;
 };
 
+// Part of the surface that lies so far from all places that a process of this length tells it as
+// (nearly) nothing, whatever the values: its correlation with each is below exp(−2).
+double part_told_as_nothing(const Points& places, const Simulation& simulation, double length) {
+  double area = 0.0;
+  for (Eigen::Index i = 0; i < simulation.surface.count(); ++i) {
+    const double nearest =
+        (places.rowwise() - simulation.surface.position.row(i)).rowwise().norm().minCoeff();
+    if (nearest > 2.0 * length) area += simulation.area(i);
+  }
+  return area / simulation.area.sum();
+}
+
+// Says of which modes a method tells most of the surface as nothing.
+void note_nothing(const std::string& method, const Points& places, const Simulation& simulation,
+                  const Eigen::VectorXd& length, FitSummary& summary) {
+  constexpr double kMost = 0.5;
+  std::string modes;
+  for (Eigen::Index i = 0; i < length.size(); ++i) {
+    if (part_told_as_nothing(places, simulation, length(i)) < kMost) continue;
+    modes += (modes.empty() ? "" : ", ") + std::to_string(i + 1);
+  }
+  if (modes.empty()) return;
+  summary.notes.push_back(
+      fmt::format("mode {}: most of the surface lies more than two length scales from every place: "
+                  "{} tells it as nothing there, which is no measurement; use dynamic_residual, or "
+                  "more places",
+                  modes, method));
+}
+
 std::unique_ptr<ModeField> field_of(const std::string& method, const MeasuredShapes& measured,
-                                    const Settled& settled, const Expectation* expectation) {
+                                    const Simulation& simulation, const Settled& settled,
+                                    const Expectation* expectation) {
   const auto direction = common_direction(method, measured.places);
   const auto m = measured.mode_count();
   std::vector<EuclideanShape> shapes;
@@ -125,6 +155,7 @@ std::unique_ptr<ModeField> field_of(const std::string& method, const MeasuredSha
           i + 1, shapes.back().process.jitter() / (sigma(i) * sigma(i))));
     }
   }
+  note_nothing(method, measured.places.position, simulation, settled.length, summary);
   summary.parameters = {{"length_scale", "m", settled.length, settled.at_bound},
                         {"sigma", "", sigma, false}};
   return std::make_unique<EuclideanField>(std::move(shapes), direction, method, std::move(summary));
@@ -185,7 +216,7 @@ Settled length_per_mode(const std::string& method, const Kernel& kernel,
 std::unique_ptr<ModeField> thesis(const MeasuredShapes& measured, const Simulation& simulation) {
   const Kernel kernel(kernel_family("squared_exponential"));
   const Expectation expectation(measured, simulation);
-  return field_of("squared_exponential", measured,
+  return field_of("squared_exponential", measured, simulation,
                   one_length("squared_exponential", kernel, measured, simulation), &expectation);
 }
 
@@ -193,7 +224,7 @@ template <const char* method, const char* family, bool symmetric = false>
 std::unique_ptr<ModeField> per_mode(const MeasuredShapes& measured, const Simulation& simulation) {
   const Kernel kernel(kernel_family(family));
   const Expectation expectation(measured, simulation);
-  return field_of(method, measured,
+  return field_of(method, measured, simulation,
                   length_per_mode(method, kernel, measured, simulation, symmetric), &expectation);
 }
 
@@ -216,10 +247,11 @@ std::unique_ptr<ModeField> matched(const MeasuredShapes& measured, const Simulat
         "expected error {:.2g} of its square",
         i + 1, best.error));
   }
-  return field_of(method, measured, settled, &expectation);
+  return field_of(method, measured, simulation, settled, &expectation);
 }
 
-std::unique_ptr<ModeField> by_evidence(const MeasuredShapes& measured, const Simulation&) {
+std::unique_ptr<ModeField> by_evidence(const MeasuredShapes& measured,
+                                       const Simulation& simulation) {
   const std::string method = "squared_exponential_evidence";
   (void)common_direction(method, measured.places);
   const Kernel kernel(kernel_family("squared_exponential"));
@@ -237,7 +269,7 @@ std::unique_ptr<ModeField> by_evidence(const MeasuredShapes& measured, const Sim
         "not resolve the shape, or it is a plane",
         i + 1, one.parameters(0)));
   }
-  return field_of(method, measured, settled, nullptr);
+  return field_of(method, measured, simulation, settled, nullptr);
 }
 
 constexpr char kSquaredPerMode[] = "squared_exponential_per_mode";

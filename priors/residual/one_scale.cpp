@@ -113,9 +113,11 @@ double OneScale::log_evidence(const OneScaleErrors& errors) const {
 }
 
 OneScaleErrors OneScale::learned() const {
-  constexpr int kSweeps = 3;
-  constexpr int kScan = 8;       // intervals of the first sweep
-  constexpr double kNear = 0.5;  // reach of the others, deviations
+  constexpr int kSweeps = 4;
+  constexpr int kWide = 2;           // of them look far
+  constexpr double kFarthest = 5.0;  // that these look, deviations
+  constexpr int kScan = 14;          // intervals that these look at
+  constexpr double kNear = 0.5;      // reach of the others, deviations
   // The scale with which the shapes have the size of the simulation's.
   const double scale = std::sqrt(measured_.values.squaredNorm() /
                                  (static_cast<double>(measured_.values.size()) * mean_square_));
@@ -136,8 +138,8 @@ OneScaleErrors OneScale::learned() const {
         moved(k) = one;
         return 0.5 * moved.squaredNorm() - log_evidence(errors_at(moved));
       };
-      at(k) = sweep == 0 ? minimum_in(implausibility, -kGridReach, kGridReach, kScan).at
-                         : minimum_in(implausibility, at(k) - kNear, at(k) + kNear).at;
+      at(k) = sweep < kWide ? minimum_in(implausibility, -kFarthest, kFarthest, kScan).at
+                            : minimum_in(implausibility, at(k) - kNear, at(k) + kNear).at;
     }
   }
   return errors_at(at);

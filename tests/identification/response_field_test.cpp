@@ -52,11 +52,10 @@ Eigen::VectorXd sensors() {
   return x;
 }
 
-// Four modes: what modes above the band leave is no part of the stated deviation.
 modal::Frf truth(const Eigen::VectorXd& outputs, const Eigen::VectorXd& inputs,
-                 const Eigen::VectorXd& frequency_hz) {
-  return modal::frf(model_of(frequencies(20.0).head(4), 0.01, sines(outputs).leftCols(4),
-                             sines(inputs).leftCols(4).transpose()),
+                 const Eigen::VectorXd& frequency_hz, Eigen::Index modes = 4) {
+  return modal::frf(model_of(frequencies(20.0).head(modes), 0.01, sines(outputs).leftCols(modes),
+                             sines(inputs).leftCols(modes).transpose()),
                     frequency_hz);
 }
 
@@ -72,12 +71,13 @@ std::vector<modal::MeasuredChannel> channels_at(const std::string& letter,
 }
 
 // Responses up to between the fourth and the fifth mode, with noise of known variance.
-modal::FrfSet responses_of(const Eigen::VectorXd& inputs, double output_gain = 1.0) {
+modal::FrfSet responses_of(const Eigen::VectorXd& inputs, double output_gain = 1.0,
+                           Eigen::Index modes = 4) {
   modal::FrfSet set;
   set.outputs = channels_at("y", sensors());
   set.inputs = channels_at("u", inputs);
   set.frequency_hz = Eigen::VectorXd::LinSpaced(1561, 10.0, 400.0);
-  set.value = truth(sensors(), inputs, set.frequency_hz).value;
+  set.value = truth(sensors(), inputs, set.frequency_hz, modes).value;
   const double noise = 1e-7;  // [m/N], a hundredth of the fourth resonance
   std::mt19937 random(7);
   std::normal_distribution<double> part(0.0, noise / std::numbers::sqrt2);
@@ -90,10 +90,16 @@ modal::FrfSet responses_of(const Eigen::VectorXd& inputs, double output_gain = 1
   return set;
 }
 
-ResponseField field_of(const modal::FrfSet& responses, const Eigen::VectorXd& inputs) {
+ResponseField field_of(const modal::FrfSet& responses, const Eigen::VectorXd& inputs,
+                       const priors::Simulation& simulated = simulation()) {
   ResponseFieldPlan plan;
   plan.gains.is_supported = true;
-  return response_field(responses, simulation(), places_at(sensors()), places_at(inputs), plan);
+  const auto modes = simulated.mode_count();
+  auto outputs = places_at(sensors());
+  auto there = places_at(inputs);
+  outputs.shapes = outputs.shapes.leftCols(modes).eval();
+  there.shapes = there.shapes.leftCols(modes).eval();
+  return response_field(responses, simulated, outputs, there, plan);
 }
 
 struct Error {
@@ -154,6 +160,82 @@ TEST(ResponseField, ScalesWithTheResponses) {
     EXPECT_LT((double_found.value[k] - 2.0 * found.value[k]).norm(),
               2e-3 * double_found.value[k].norm());
   }
+}
+
+// Parts of Re G and Im G, over all lines from the second resonance on, that the 95 % band holds.
+double held(const ResponseField& field, const priors::Places& places, const Eigen::VectorXd& x) {
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(331, 70.0, 400.0);
+  const auto found = field.at(places, lines);
+  const auto real = truth(x, kPairs, lines, kModes);
+  double inside = 0.0;
+  double count = 0.0;
+  for (std::size_t k = 0; k < found.value.size(); ++k) {
+    const Eigen::ArrayXXcd off = (found.value[k] - real.value[k]).array();
+    const Eigen::ArrayXXd reach = priors::kTwoSided95 / std::sqrt(2.0) * found.deviation[k].array();
+    inside += static_cast<double>((off.real().abs() <= reach).count());
+    inside += static_cast<double>((off.imag().abs() <= reach).count());
+    count += 2.0 * static_cast<double>(off.size());
+  }
+  return inside / count;
+}
+
+// A simulation that ends with the band says nothing of the modes above it. The fit shows their sum
+// at the sensors, and the band between them holds as much.
+TEST(ResponseField, HasTheModesAboveTheBandInItsBand) {
+  auto simulated = simulation();
+  simulated.frequency_hz = simulated.frequency_hz.head(5).eval();
+  simulated.surface.shapes = simulated.surface.shapes.leftCols(5).eval();
+  simulated.frequency_hz(4) = 350.0;  // not above the band
+  const auto responses = responses_of(kPairs, 1.0, kModes);
+  const auto field = field_of(responses, kPairs, simulated);
+  auto places = places_at(kBetween);
+  places.shapes = places.shapes.leftCols(5).eval();
+  EXPECT_GT(held(field, places, kBetween), 0.9);
+}
+
+// The gain of a sensor that no fit saw is as uncertain as those of the pairs differ.
+TEST(ResponseField, HasTheGainOfAnUnseenSensorInItsBand) {
+  ChannelGains gains;
+  gains.match.pairs = {{1.1, 1e-3, false, 4}, {1.0 / 1.1, 1e-3, false, 4}};
+  EXPECT_GT(gain_deviation(gains), std::log(1.1));
+  EXPECT_LT(gain_deviation(gains), 0.25);
+  gains.match.pairs = {{1.001, 1e-3, false, 4}, {0.999, 1e-3, false, 4}};
+  EXPECT_EQ(gain_deviation(gains), 0.0);  // they agree
+  gains.corrects_gains = true;
+  EXPECT_GT(gain_deviation(gains), 0.05);  // the plan says that they are wrong
+  const auto field = field_of(responses_of(kPairs), kPairs);
+  const Eigen::VectorXd line = Eigen::VectorXd::Constant(1, 19.0);
+  auto interest = places_of_interest(
+      field.fit(), field.gains(), {0, 1, 2, 3},
+      {{frequencies(20.6), sines(sensors()), sines(kPairs)}, sines(sensors()), 400.0},
+      places_at(kBetween), {sines(kBetween).leftCols(4), Eigen::MatrixXd::Zero(3, 4)});
+  EXPECT_EQ(interest.gain_deviation, 0.0);
+  const auto known = predicted(field.fit(), field.gains().match, interest, line);
+  interest.gain_deviation = 0.1;
+  const auto unsure = predicted(field.fit(), field.gains().match, interest, line);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(std::pow(unsure.deviation[0](i, 0), 2),
+                std::pow(known.deviation[0](i, 0), 2) + 0.01 * std::norm(known.value[0](i, 0)),
+                1e-9 * std::norm(known.value[0](i, 0)));
+  }
+}
+
+// A mode that takes no part is 0 with its size at the channels, whatever the unit of its factors.
+TEST(ResponseField, HasModesWithoutAScaleInItsBand) {
+  const auto field = field_of(responses_of(kPairs), kPairs);
+  const FieldSimulation simulated{
+      {frequencies(20.6), sines(sensors()), sines(kPairs)}, sines(sensors()), 400.0};
+  const auto interest =
+      places_of_interest(field.fit(), field.gains(), {0, 1, 3}, simulated, places_at(kBetween),
+                         {sines(kBetween)(Eigen::all, {0, 1, 3}), Eigen::MatrixXd::Zero(3, 3)});
+  EXPECT_EQ(interest.shapes.col(2).norm(), 0.0);
+  const double size = sines(sensors()).col(2).norm() / 3.0;
+  for (Eigen::Index i = 0; i < 3; ++i) EXPECT_NEAR(interest.deviation(i, 2), size, 0.02 * size);
+  const Eigen::VectorXd line = Eigen::VectorXd::Constant(1, 180.0);
+  const auto found = predicted(field.fit(), field.gains().match, interest, line);
+  const auto real = truth(kBetween, kPairs, line);
+  EXPECT_LT((found.value[0] - real.value[0]).norm(), 2.0 * found.deviation[0].norm());
+  EXPECT_GT(found.deviation[0].norm(), 0.3 * real.value[0].norm());
 }
 
 TEST(ResponseFieldRefuses, PlacesThatDoNotFitTheChannels) {
