@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
@@ -21,6 +23,51 @@ double expected_error(const ModalBasis& basis, const ShapeCoefficients& shape) {
   return left / (seen + left);
 }
 
+// A place that was measured keeps its value, with what the structure deviates there from the
+// simulated shapes; an actuator's only where the scale to the sensors' side is known.
+class OneScaleField : public ModalField {
+ public:
+  OneScaleField(MeasuredShapes measured, std::vector<ShapeCoefficients> shapes, FitSummary summary)
+      : ModalField(std::move(shapes), std::move(summary)), measured_(std::move(measured)) {
+    const auto& position = measured_.places.position;
+    near_ = (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() *
+            Constants::same_place;
+  }
+
+  [[nodiscard]] Field at(const Places& places) const override {
+    auto field = ModalField::at(places);
+    for (Eigen::Index i = 0; i < places.count(); ++i) {
+      for (Eigen::Index k = 0; k < measured_.places.count(); ++k) {
+        if (is_same(places, i, k)) keep(k, i, field);
+      }
+    }
+    return field;
+  }
+
+ private:
+  [[nodiscard]] bool is_same(const Places& places, Eigen::Index i, Eigen::Index k) const {
+    return (places.position.row(i) - measured_.places.position.row(k)).norm() <= near_ &&
+           (places.direction.row(i) - measured_.places.direction.row(k)).norm() <=
+               Constants::same_direction;
+  }
+
+  void keep(Eigen::Index row, Eigen::Index place, Field& field) const {
+    constexpr double kKnownScale = 0.05;  // deviation of δ
+    const auto& sides = *measured_.sides;
+    const bool actuator = sides.actuator[static_cast<std::size_t>(row)];
+    for (Eigen::Index m = 0; m < field.mean.cols(); ++m) {
+      const double scale = actuator ? 2.0 * sides.log_deviation(m) : 0.0;
+      if (scale > 2.0 * kKnownScale) continue;
+      const double value = measured_.values(row, m);
+      field.mean(place, m) = value;
+      field.deviation(place, m) = std::hypot(sides.noise(row, m), scale * value);
+    }
+  }
+
+  MeasuredShapes measured_;
+  double near_ = 0.0;
+};
+
 }  // namespace
 
 std::unique_ptr<ModeField> one_scale_field(const MeasuredShapes& measured,
@@ -28,12 +75,13 @@ std::unique_ptr<ModeField> one_scale_field(const MeasuredShapes& measured,
   const auto basis = modal_basis(simulation);
   const OneScale body(measured, basis);
   const auto errors = body.learned();
+  const auto plausible = body.about(errors);
   FitSummary summary;
   summary.includes_scale = true;
   std::vector<ShapeCoefficients> shapes;
   Eigen::VectorXd expected(measured.mode_count());
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    shapes.push_back(body.shape(i, errors));
+    shapes.push_back(body.shape(i, plausible));
     expected(i) = expected_error(basis, shapes.back());
     if (expected(i) <= kHardlySeen) continue;
     summary.notes.push_back(
@@ -51,7 +99,7 @@ std::unique_ptr<ModeField> one_scale_field(const MeasuredShapes& measured,
         "leaving some out; all modes have one scale instead",
         measured.places.count(), Constants::fewest_places));
   }
-  return std::make_unique<ModalField>(std::move(shapes), std::move(summary));
+  return std::make_unique<OneScaleField>(measured, std::move(shapes), std::move(summary));
 }
 
 }  // namespace chladni::priors

@@ -32,6 +32,12 @@ Eigen::ArrayXd log_weights(const Eigen::ArrayXd& nodes) {
   return -0.5 * nodes.square() - std::log((-0.5 * nodes.square()).exp().sum());
 }
 
+Eigen::MatrixXd root_of_covariance(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      finite(covariance, "one scale: covariance of a shape"));
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 }  // namespace
 
 OneScale::OneScale(const MeasuredShapes& measured, const ModalBasis& basis)
@@ -145,6 +151,43 @@ OneScaleErrors OneScale::learned() const {
   return errors_at(at);
 }
 
+std::vector<OneScale::Plausible> OneScale::about(const OneScaleErrors& likeliest) const {
+  constexpr Eigen::Index kErrorNodes = 7;
+  constexpr double kErrorReach = 1.5;  // of ln η, on either side
+  const ResidualPlausible plausible;
+  std::vector<Plausible> all;
+  Eigen::ArrayXd log_posterior(kErrorNodes);
+  for (Eigen::Index k = 0; k < kErrorNodes; ++k) {
+    auto errors = likeliest;
+    errors.prior.eta *= std::exp(
+        kErrorReach * (2.0 * static_cast<double>(k) / static_cast<double>(kErrorNodes - 1) - 1.0));
+    const double away = std::log(errors.prior.eta / plausible.middle(0)) / plausible.spread(0);
+    log_posterior(k) = log_evidence(errors) - 0.5 * away * away;
+    all.push_back({errors, 0.0});
+  }
+  const Eigen::ArrayXd weight = (log_posterior - log_posterior.maxCoeff()).exp();
+  for (Eigen::Index k = 0; k < kErrorNodes; ++k) {
+    all[static_cast<std::size_t>(k)].probability = weight(k) / weight.sum();
+  }
+  return all;
+}
+
+ShapeCoefficients OneScale::shape(Eigen::Index mode, const std::vector<Plausible>& errors) const {
+  const auto r = basis_.frequency_hz.size();
+  ShapeCoefficients all{Eigen::VectorXd::Zero(r), {}, 0.0};
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(r, r);
+  for (const auto& one : errors) {
+    if (one.probability < kIgnoredWeight) continue;
+    const auto found = shape(mode, one.errors);
+    all.mean += one.probability * found.mean;
+    all.beyond += one.probability * found.beyond;
+    squares += one.probability *
+               (found.root * found.root.transpose() + found.mean * found.mean.transpose());
+  }
+  all.root = root_of_covariance(squares - all.mean * all.mean.transpose());
+  return all;
+}
+
 ShapeCoefficients OneScale::shape(Eigen::Index mode, const OneScaleErrors& errors) const {
   const auto known = grid(mode, errors);
   const auto& prior = known.prior;
@@ -170,10 +213,7 @@ ShapeCoefficients OneScale::shape(Eigen::Index mode, const OneScaleErrors& error
       shape.beyond += weight * squared(side) * amplitude * prior.own;
     }
   }
-  const Eigen::MatrixXd covariance = squares - shape.mean * shape.mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      finite(covariance, "one scale: covariance of a shape"));
-  shape.root = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  shape.root = root_of_covariance(squares - shape.mean * shape.mean.transpose());
   return shape;
 }
 

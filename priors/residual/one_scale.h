@@ -40,9 +40,20 @@ class OneScale {
   /// The most likely errors under log-normal priors. Cost: some 200 times log_evidence.
   [[nodiscard]] OneScaleErrors learned() const;
 
+  /// Errors about the likeliest, with their posterior probabilities: few values leave the size of
+  /// the simulation's error open. Along ln η alone, the others as they are likeliest.
+  struct Plausible {
+    OneScaleErrors errors;
+    double probability = 0.0;
+  };
+  [[nodiscard]] std::vector<Plausible> about(const OneScaleErrors& likeliest) const;
+
   /// Mean and covariance of e^δ a c of one shape: its coefficients on the sensors' side. `beyond`
   /// contains the deviation e at a place that is not measured.
   [[nodiscard]] ShapeCoefficients shape(Eigen::Index mode, const OneScaleErrors& errors) const;
+  /// The same of a mixture.
+  [[nodiscard]] ShapeCoefficients shape(Eigen::Index mode,
+                                        const std::vector<Plausible>& errors) const;
 
  private:
   // Prior covariance of Ψ c + e: the variances of c, and what stands beside Ψ c.

@@ -67,6 +67,15 @@ TEST(OneScale, AShapeWhoseNodesAreAtAllPlacesIsUnknownAndNotNothing) {
   EXPECT_LT(other.deviation.col(3).maxCoeff(), 0.1);
 }
 
+// What a sensor measures at its own place is not smoothed away by what is learned elsewhere.
+TEST(OneScale, KeepsTheValuesAtItsPlaces) {
+  auto measured = measured_at(kPlaces, 4, 1.0);
+  measured.values.row(1) *= 1.1;  // no shape of the beam
+  const auto there = mode_field(default_method(), measured, pinned_beam())->at(measured.places);
+  EXPECT_LT((there.mean - measured.values).norm(), 1e-12);
+  EXPECT_LT((there.deviation - measured.noise).norm(), 1e-12);
+}
+
 TEST(OneScale, HasNoUnit) {
   const auto simulation = pinned_beam();
   const auto one = mode_field(default_method(), measured_at(kPlaces, 4, 1.0), simulation)
