@@ -45,10 +45,12 @@ class OneScaleField : public ModalField {
   }
 
  private:
+  // Two faces of a plate are one place for what moves across it.
   [[nodiscard]] bool is_same(const Places& places, Eigen::Index i, Eigen::Index k) const {
-    return (places.position.row(i) - measured_.places.position.row(k)).norm() <= near_ &&
-           (places.direction.row(i) - measured_.places.direction.row(k)).norm() <=
-               Constants::same_direction;
+    const Eigen::RowVector3d direction = measured_.places.direction.row(k);
+    const Eigen::RowVector3d apart = places.position.row(i) - measured_.places.position.row(k);
+    return (apart - direction * direction.dot(apart)).norm() <= near_ &&
+           (places.direction.row(i) - direction).norm() <= Constants::same_direction;
   }
 
   void keep(Eigen::Index row, Eigen::Index place, Field& field) const {
