@@ -102,14 +102,14 @@ struct Constants {
 
   // One scale.
   /// Deviation of a shape's mean square at few places from the one scale of all modes [ln a²]
-  /// (chosen, one_scale).
+  /// (chosen, df6c4db).
   static constexpr double amplitude_spread = 0.4;
   /// Plausible deviation of a value at a place from the shape of the structure [root mean squares]
-  /// (chosen, one_scale).
+  /// (chosen, df6c4db).
   static constexpr double place_deviation = 0.05;
-  /// Deviation of the same [ln] (chosen, one_scale).
+  /// Deviation of the same [ln] (chosen, df6c4db).
   static constexpr double place_spread = 1.5;
-  /// Deviation of the one scale from the size of the values [ln] (chosen, one_scale).
+  /// Deviation of the one scale from the size of the values [ln] (chosen, df6c4db).
   static constexpr double scale_spread = 1.0;
 
   // Orthogonal shapes.
