@@ -107,6 +107,12 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& variance) {
   });
 }
 
+// n×q; 0 where no deviation is stated.
+Eigen::MatrixXd residual_variance(const PlacesOfInterest& places) {
+  if (places.residual_deviation.size() > 0) return places.residual_deviation.cwiseAbs2();
+  return Eigen::MatrixXd::Zero(places.residual.rows(), places.residual.cols());
+}
+
 // K×nq; empty for real shapes.
 Eigen::MatrixXcd complex_values(const ModalFit& fit, const GainMatch& match,
                                 const PlacesOfInterest& places,
@@ -176,14 +182,11 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   PredictedResponses result;
   const auto delay = input_delays(fit);
   const auto complex = complex_values(fit, match, places, frequency_hz);
-  const Eigen::MatrixXd own = places.residual_deviation.size() > 0
-                                  ? Eigen::MatrixXd(places.residual_deviation.cwiseAbs2())
-                                  : Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, q));
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
     const double omega = kTwoPi * frequency_hz(k);
     Eigen::MatrixXcd value = fit.complex ? Eigen::MatrixXcd(complex.row(k).reshaped(n, q))
                                          : Eigen::MatrixXcd(places.residual.cast<Complex>());
-    Eigen::MatrixXd variance = own;
+    Eigen::MatrixXd variance = residual_variance(places);
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
       const auto& input = match.input_shapes.row(m);
