@@ -353,7 +353,8 @@ PetscErrorCode leave_reply(const Task& task, const Modes& modes, PetscInt rows, 
   std::fprintf(out, "modes %zu\n", modes.lambda.size());
   for (const double lambda : modes.lambda) std::fprintf(out, "%.17g\n", lambda);
   std::fprintf(out, "end\n");
-  PetscCheck(std::ferror(out) + std::fclose(out) == 0, PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE,
+  const bool is_written = std::ferror(out) == 0;
+  PetscCheck(std::fclose(out) == 0 && is_written, PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE,
              "cannot write to %s", task.folder.c_str());
   PetscFunctionReturn(0);
 }

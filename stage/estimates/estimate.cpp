@@ -247,6 +247,7 @@ Cost forecast(const study::Study& study, const mesh::TetMesh& mesh, const Unders
 double frequency_of(double flexible, const Understood& body, const fem::Material& material) {
   double low = 0.0;
   double high = body.first_frequency_hz;
+  if (!(high > 0.0)) return 0.0;
   while (modes_below(body, material, high) < kRigid + flexible) high *= 2.0;
   for (int halving = 0; halving < 20; ++halving) {
     const double middle = 0.5 * (low + high);
@@ -274,8 +275,7 @@ void refuse_what_cannot_fit(const study::Study& study, const Understood& body, c
   throw OutOfResources(fmt::format(
       "{}: {:.0f} degrees of freedom and {:.0f} modes are forecast to need {:.1f} GB of memory and "
       "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer "
-      "modes, "
-      "or the ranks of a cluster (--engine \"mpiexec -n 4\")",
+      "modes, or the ranks of a cluster (--engine \"mpiexec -n 4\")",
       study.file.string(), cost.degrees_of_freedom, modes, 1e-9 * cost.memory_bytes, 1e-9 * have,
       std::pow(cost.memory_bytes / have, 0.4)));
 }
