@@ -7,12 +7,16 @@ add_custom_target(programs)  # what ./chladni builds before it runs a verb
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/libexec)
 file(CREATE_LINK ../bin ${PROJECT_BINARY_DIR}/libexec/chladni SYMBOLIC)
 
-# add_worker(name "what it serves"): an executable that the others start. It is built by `programs`
-# and installed where base/worker.cpp looks for it.
+# add_worker(name "what it serves" [COMPONENT component]): an executable that the others start. It is
+# built by `programs` and installed where base/worker.cpp looks for it.
 function(add_worker name serves)
+  cmake_parse_arguments(PARSE_ARGV 2 own "" COMPONENT "")
+  if(NOT own_COMPONENT)
+    set(own_COMPONENT programs)
+  endif()
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chladni
-          COMPONENT programs)
+          COMPONENT ${own_COMPONENT})
   set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
                "    Worker{\"${name}\", \"${serves}\", true},\n")
 endfunction()

@@ -42,7 +42,18 @@ def differences(what, documented, real):
         yield f"docs/reference/cli.md names {what} that there are none of: {', '.join(strange)}"
 
 
+def faults_of_manual(root, chladni):
+    manual = (root / "cmake/deb/chladni.1").read_text().replace("\\-", "-")
+    verbs = verbs_of(chladni)
+    for verb in sorted(verbs - set(re.findall(r"^\.B ([a-z]+)$", manual, re.MULTILINE))):
+        yield f"cmake/deb/chladni.1 does not name the verb {verb}"
+    named = set(re.findall(r"--[a-z][a-z-]*", manual))
+    for option in sorted(options_of(chladni, verbs) ^ (named - {"--help"})):
+        yield f"cmake/deb/chladni.1 and the program differ in {option}"
+
+
 def faults_of(root, chladni):
+    yield from faults_of_manual(root, chladni)
     page = (root / "docs/reference/cli.md").read_text()
     verbs = rows_of(page, "verb")
     named = {re.match(r"`([a-z]+)", first)[1] for first, _ in verbs}
