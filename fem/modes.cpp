@@ -92,10 +92,8 @@ double memory_there(const ModesOptions& options) {
                                                             : available_memory());
 }
 
-void refuse_what_does_not_fit(const Need& needed, const System& system,
-                              const ModesOptions& options) {
+void refuse_what_does_not_fit(const Need& needed, const System& system, double have) {
   const double need = needed.total();
-  const double have = memory_there(options);
   if (need <= have) return;
   const auto gib = [](double bytes) { return fmt::format("{:.3g} GiB", bytes / (1 << 30)); };
   throw OutOfResources(
@@ -208,9 +206,10 @@ ModesResult modes(const System& system, const ModesOptions& options, const Progr
   const auto analysis = system.kept_factor->symbolic(system.stiffness, system.mass);
   release_freed_memory();  // of the graph and of METIS
   const auto& symbolic = *analysis;
-  const double keep_bytes = kShareToKeep * memory_there(options);
+  const double have = memory_there(options);
+  const double keep_bytes = kShareToKeep * have;
   const auto needed = memory_needed(symbolic, system, options, keep_bytes);
-  refuse_what_does_not_fit(needed, system, options);
+  refuse_what_does_not_fit(needed, system, have);
   summary.forecast_bytes = needed.total();
   summary.factor_bytes = symbolic.forecast().factor_bytes;
   summary.factor_seconds = seconds_since(start);
