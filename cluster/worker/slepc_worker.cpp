@@ -23,6 +23,8 @@
 #include <utility>
 #include <vector>
 
+#include "cluster/worker/reply_text.h"
+
 namespace {
 
 constexpr int kRaises = 20;           // of the bound
@@ -333,26 +335,22 @@ PetscErrorCode peak_bytes(std::vector<double>* peaks) {
 // reply.txt, the last file: where it is, the others are whole.
 PetscErrorCode leave_reply(const Task& task, const Modes& modes, PetscInt rows, double seconds) {
   PetscFunctionBeginUser;
-  std::vector<double> peaks;
+  chladni::cluster::ReplyText reply{rows,
+                                    modes.counted,
+                                    task.bound,
+                                    seconds,
+                                    {},
+                                    modes.shifts,
+                                    {modes.below.begin(), modes.below.end()},
+                                    modes.lambda};
   int rank = 0;
-  PetscCall(peak_bytes(&peaks));
+  PetscCall(peak_bytes(&reply.peak_bytes));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank != 0) PetscFunctionReturn(0);
   std::FILE* out = std::fopen((task.folder + "/reply.txt").c_str(), "w");
   PetscCheck(out != nullptr, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "cannot write to %s",
              task.folder.c_str());
-  std::fprintf(out, "chladni-slepc 1\nrows %lld\nbound %.17g\ncounted %lld\nseconds %.3f\n",
-               static_cast<long long>(rows), task.bound, static_cast<long long>(modes.counted),
-               seconds);
-  std::fprintf(out, "ranks %zu\n", peaks.size());
-  for (const double bytes : peaks) std::fprintf(out, "%.0f\n", bytes);
-  std::fprintf(out, "shifts %zu\n", modes.shifts.size());
-  for (std::size_t i = 0; i < modes.shifts.size(); ++i) {
-    std::fprintf(out, "%.17g %lld\n", modes.shifts[i], static_cast<long long>(modes.below[i]));
-  }
-  std::fprintf(out, "modes %zu\n", modes.lambda.size());
-  for (const double lambda : modes.lambda) std::fprintf(out, "%.17g\n", lambda);
-  std::fprintf(out, "end\n");
+  print(reply, out);
   const bool is_written = std::ferror(out) == 0;
   PetscCheck(std::fclose(out) == 0 && is_written, PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE,
              "cannot write to %s", task.folder.c_str());
