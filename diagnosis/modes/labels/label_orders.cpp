@@ -36,7 +36,8 @@ MatrixXd real_shapes(const Eigen::MatrixXcd& measured) {
   for (Index k = 0; k < measured.cols(); ++k) {
     const auto rows = rows_with_values(measured, k);
     const Eigen::VectorXcd values = measured.col(k)(rows);
-    const double size = values.norm() / std::sqrt(std::max<double>(1.0, values.size()));
+    const double size =
+        values.norm() / std::sqrt(std::max(1.0, static_cast<double>(values.size())));
     if (!(size > 0.0)) continue;
     real.col(k)(rows) = (values * std::conj(phase_of(values))).real() / size;
   }
