@@ -284,8 +284,7 @@ std::string next_in_words(const ModesFit& best, Verdict verdict,
   if (!proposals.empty()) return in_words(proposals.front());
   if (verdict == Verdict::named) {
     return "nothing is left to tell apart: mend what is named, in the study or on the structure, "
-           "and "
-           "compare again";
+           "and compare again";
   }
   return "nothing here tells the explanations apart: no sensor, no known mass, no weighing, no "
          "dimension";

@@ -191,8 +191,8 @@ void tell_before(const Structure& structure, const MeasuredModes& measured,
   labels.modes_before = told.modes;
 }
 
-// The verdict of relabelled data, beside labels that are sure. A level at its limit leaves nothing believed; a
-// mode or a channel that is not believed leaves the labels sure.
+// The verdict of relabelled data, beside labels that are sure. A level at its limit leaves nothing
+// believed; a mode or a channel that is not believed leaves the labels sure.
 Verdict with_labels(const Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
     case Verdict::no_discrepancy:
