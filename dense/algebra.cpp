@@ -76,4 +76,18 @@ void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, E
   dgemm_("N", "N", &m, &n, &k, &s, a.data(), &m, b.data(), &k, &kOne, c.data(), &m);
 }
 
+void add_transposed_product(const Eigen::Ref<const Eigen::MatrixXcd>& a,
+                            const Eigen::Ref<const Eigen::MatrixXcd>& b, std::complex<double> s,
+                            Eigen::MatrixXcd& c) {
+  if (a.size() == 0 || b.size() == 0) return;
+  const FlushToZero flush;
+  constexpr std::complex<double> kOne = 1.0;
+  const int m = fortran_size(a.cols());
+  const int n = fortran_size(b.cols());
+  const int k = fortran_size(a.rows());
+  const int stride_a = fortran_size(a.outerStride());
+  const int stride_b = fortran_size(b.outerStride());
+  zgemm_("T", "N", &m, &n, &k, &s, a.data(), &stride_a, b.data(), &stride_b, &kOne, c.data(), &m);
+}
+
 }  // namespace chladni::dense

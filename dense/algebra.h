@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 
 namespace chladni::dense {
 
@@ -27,5 +28,10 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
 
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
+
+/// C := C + s Aᵀ B of complex matrices, without conjugation; A is r×m, B r×n, C m×n.
+void add_transposed_product(const Eigen::Ref<const Eigen::MatrixXcd>& a,
+                            const Eigen::Ref<const Eigen::MatrixXcd>& b, std::complex<double> s,
+                            Eigen::MatrixXcd& c);
 
 }  // namespace chladni::dense

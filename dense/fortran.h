@@ -2,6 +2,8 @@
 // files of this room include it.
 #pragma once
 
+#include <complex>
+
 extern "C" {
 void dpotrf_(const char*, const int*, double*, const int*, int*);
 void dpotri_(const char*, const int*, double*, const int*, int*);
@@ -12,4 +14,8 @@ void dsyrk_(const char*, const char*, const int*, const int*, const double*, con
 void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
             const double*, const int*, const double*, const int*, const double*, double*,
             const int*);
+void zgemm_(const char*, const char*, const int*, const int*, const int*,
+            const std::complex<double>*, const std::complex<double>*, const int*,
+            const std::complex<double>*, const int*, const std::complex<double>*,
+            std::complex<double>*, const int*);
 }

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "base/index.h"
+#include "dense/algebra.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/fit/responses.h"
 #include "diagnosis/search/experiments.h"
@@ -14,25 +15,78 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
 
-// Nonzero part of a symmetric difference of matrices. It is either some diagonal entries, or the
-// full matrix multiplied by the solution on all lines, on the side with fewer channels.
-struct Change {
-  std::vector<std::pair<Index, double>> diagonal;
-  MatrixXcd on_left;   // r×pK, or empty
-  MatrixXcd on_right;  // r×qK, or empty
-  Change(const MatrixXd& minus, const MatrixXd& plus, double step, const Solved& solved) {
-    if (minus == plus) return;
+// Nonzero entries of a diagonal difference of matrices.
+using DiagonalChange = std::vector<std::pair<Index, double>>;
+
+// Change of stiffness, loss, damping and mass. A diagonal one is some entries. The others are
+// multiplied by the solution on all lines, each with its factor, on the side with fewer channels.
+class StateChange {
+ public:
+  StateChange(const State& minus, const State& plus, double step, const Solved& solved)
+      : solved_(solved),
+        on_left_(solved.left_columns.cols() < solved.right_columns.cols()),
+        stiffness_(taken(minus.stiffness, plus.stiffness, step, [](Complex) { return 1.0; })),
+        loss_(taken(minus.loss, plus.loss, step, [](Complex) { return Complex(0.0, 1.0); })),
+        damping_(taken(minus.damping, plus.damping, step, [](Complex s) { return s; })),
+        mass_(taken(minus.mass, plus.mass, step, [](Complex s) { return s * s; })) {}
+
+  // Subtracts the change of the responses on line k, p×q.
+  void subtract(Index k, Complex s, MatrixXcd& sum) const {
+    subtract(stiffness_, 1.0, k, sum);
+    subtract(loss_, Complex(0.0, 1.0), k, sum);
+    subtract(damping_, s, k, sum);
+    subtract(mass_, s * s, k, sum);
+    if (full_.size() == 0) return;
+    const Index p = sum.rows();
+    const Index q = sum.cols();
+    const auto left = solved_.left_columns.middleCols(p * k, p);
+    const auto right = solved_.right_columns.middleCols(q * k, q);
+    if (on_left_) dense::add_transposed_product(full_.middleCols(p * k, p), right, -1.0, sum);
+    if (!on_left_) dense::add_transposed_product(left, full_.middleCols(q * k, q), -1.0, sum);
+  }
+
+ private:
+  template <typename Factor>
+  [[nodiscard]] DiagonalChange taken(const MatrixXd& minus, const MatrixXd& plus, double step,
+                                     const Factor& factor) {
+    if (minus == plus) return {};
     const MatrixXd difference = (plus - minus) / step;
+    DiagonalChange diagonal;
     if (!difference.isDiagonal(0.0)) {
-      const bool left = solved.left_columns.cols() < solved.right_columns.cols();
-      if (left) on_left = product(difference, solved.left_columns);
-      if (!left) on_right = product(difference, solved.right_columns);
-      return;
+      add(difference, factor);
+      return diagonal;
     }
     for (Index i = 0; i < difference.rows(); ++i) {
       if (difference(i, i) != 0.0) diagonal.emplace_back(i, difference(i, i));
     }
+    return diagonal;
   }
+
+  template <typename Factor>
+  void add(const MatrixXd& difference, const Factor& factor) {
+    const auto& columns = on_left_ ? solved_.left_columns : solved_.right_columns;
+    MatrixXcd more = product(difference, columns);
+    const Index count = columns.cols() / solved_.line_count();
+    for (Index k = 0; k < solved_.line_count(); ++k) {
+      more.middleCols(count * k, count) *= factor(Complex(0.0, solved_.omega(k)));
+    }
+    if (full_.size() == 0) {
+      full_ = std::move(more);
+    } else {
+      full_ += more;
+    }
+  }
+
+  void subtract(const DiagonalChange& diagonal, Complex factor, Index k, MatrixXcd& sum) const {
+    for (const auto& [i, by] : diagonal) {
+      sum.noalias() -= (factor * by) * (solved_.left(k).col(i) * solved_.right(k).row(i));
+    }
+  }
+
+  const Solved& solved_;
+  bool on_left_;
+  MatrixXcd full_;  // r×pK or r×qK: the full changes times the solution; or empty
+  DiagonalChange stiffness_, loss_, damping_, mass_;
 };
 
 // Rows (columns) of the channels that move, and their change.
@@ -56,10 +110,7 @@ class Slope {
         minus_(minus),
         plus_(plus),
         step_(step),
-        stiffness_(minus.stiffness, plus.stiffness, step, solved),
-        loss_(minus.loss, plus.loss, step, solved),
-        damping_(minus.damping, plus.damping, step, solved),
-        mass_(minus.mass, plus.mass, step, solved),
+        body_(minus, plus, step, solved),
         outputs_(minus.outputs, plus.outputs, step),
         inputs_(minus.inputs.transpose(), plus.inputs.transpose(), step),
         residual_moves_(minus.residual != plus.residual) {}
@@ -74,30 +125,12 @@ class Slope {
   [[nodiscard]] MatrixXcd line(Index k) const {
     const Complex s(0.0, solved_.omega(k));
     MatrixXcd structure = MatrixXcd::Zero(at_.output_count(), at_.input_count());
-    add(stiffness_, 1.0, k, structure);
-    add(loss_, Complex(0.0, 1.0), k, structure);
-    add(damping_, s, k, structure);
-    add(mass_, s * s, k, structure);
+    body_.subtract(k, s, structure);
     add_channels(k, structure);
     add_attached(k, s, structure);
     if (residual_moves_) structure += ((plus_.residual - minus_.residual) / step_).cast<Complex>();
     add_frames(s, structure);
     return on_paths(k, s, structure);
-  }
-
-  void add(const Change& change, Complex factor, Index k, MatrixXcd& sum) const {
-    for (const auto& [i, by] : change.diagonal) {
-      sum.noalias() -= (factor * by) * (solved_.left(k).col(i) * solved_.right(k).row(i));
-    }
-    const Index p = at_.output_count();
-    const Index q = at_.input_count();
-    if (change.on_left.size() > 0) {
-      sum.noalias() -=
-          factor * (change.on_left.middleCols(p * k, p).transpose() * solved_.right(k));
-    }
-    if (change.on_right.size() > 0) {
-      sum.noalias() -= factor * (solved_.left(k) * change.on_right.middleCols(q * k, q));
-    }
   }
 
   void add_channels(Index k, MatrixXcd& sum) const {
@@ -165,7 +198,7 @@ class Slope {
   const Solved& solved_;
   const State &minus_, &plus_;
   double step_;
-  Change stiffness_, loss_, damping_, mass_;
+  StateChange body_;
   MovedChannels outputs_, inputs_;
   bool residual_moves_;
 };

@@ -23,5 +23,24 @@ TEST(OrthonormalBasis, SpansWhatTheColumnsSpan) {
   }
 }
 
+TEST(AddTransposedProduct, IsThatOfTheFormula) {
+  Draw draw(8);
+  const auto drawn = [&](Eigen::Index rows, Eigen::Index columns) {
+    Eigen::MatrixXcd a(rows, columns);
+    for (auto& value : a.reshaped()) value = {draw.normal(), draw.normal()};
+    return a;
+  };
+  const std::complex<double> s(0.3, -1.7);
+  for (const Eigen::Index rows : {0, 1, 7, 60}) {
+    const Eigen::MatrixXcd a = drawn(rows, 9);
+    const Eigen::MatrixXcd b = drawn(rows, 5);
+    const Eigen::MatrixXcd before = drawn(4, 3);
+    Eigen::MatrixXcd c = before;
+    add_transposed_product(a.middleCols(2, 4), b.rightCols(3), s, c);  // views on columns
+    const Eigen::MatrixXcd expected = before + s * a.middleCols(2, 4).transpose() * b.rightCols(3);
+    EXPECT_TRUE(c.isApprox(expected, 1e-14)) << rows;
+  }
+}
+
 }  // namespace
 }  // namespace chladni::dense
