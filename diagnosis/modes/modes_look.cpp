@@ -65,7 +65,6 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
   own_ = stacked(errors);
   for (const auto& one : levels_) {
     likelihoods_.emplace_back(errors, one);
-    at_zero_.push_back(likelihoods_.back().negative_log(Eigen::VectorXd::Zero(own_.size())));
     less_probable_.push_back(less_probable(one, base.levels, problem.prior()));
   }
   const auto model = problem.modes(state_, true);
@@ -185,20 +184,31 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
       const Eigen::VectorXd change = there - here_;
       if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
       const auto* own = without_cause(matching, there.size());
+      Eigen::MatrixXd columns(there.size(), own ? 2 : 1);
+      columns.col(0) = own_ + change;
+      if (own) columns.col(1) = there - *own;
       for (std::size_t i = 0; i < all.size(); ++i) {
-        if (own && 2.0 * (likelihoods_[i].negative_log(there - *own) - at_zero_[i]) <
-                       kConstants.start_seen)
-          continue;
-        all[i] = likelihoods_[i].negative_log(own_ + change);
+        const Eigen::VectorXd squares = likelihoods_[i].squares(columns);
+        if (own && squares(1) < kConstants.start_seen) continue;
+        all[i] = likelihoods_[i].negative_log(squares(0));
       }
       return all;
     }
   }
   const auto errors = columns_.added(problem_.errors(base_, model, matching));
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i] = LevelLikelihood(errors, levels_[i]).negative_log();
-  }
+  const auto kept = alike_blocks(errors);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = likelihoods_[i].negative_log(errors, kept);
   return all;
+}
+
+// Whether each mode has a partner or none, and as many numbers, as in the base.
+std::vector<bool> ModesLook::alike_blocks(const ModeErrors& errors) const {
+  const auto& own = likelihoods_.front().errors().blocks;
+  std::vector<bool> alike;
+  for (std::size_t b = 0; b < own.size(); ++b) {
+    alike.push_back(own[b].of == errors.blocks[b].of);
+  }
+  return alike;
 }
 
 Eigen::VectorXd ModesLook::shifted(const RecordedModes& model, const Matching& matching) const {

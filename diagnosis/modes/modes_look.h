@@ -18,8 +18,8 @@ namespace chladni::diagnosis {
 [[nodiscard]] std::vector<PerClass> levels_to_look_at(const ModesProblem& problem,
                                                       const ModesFit& base);
 
-/// One more cause beside a fit, at given levels: covariances of the fit where the same modes have
-/// partners. Modes and errors of a cause are computed once for all levels.
+/// One more cause beside a fit, at given levels. Modes that have a partner, or none, as in the fit
+/// keep the covariances of the fit. Modes and errors of a cause are computed once for all levels.
 class ModesLook {
  public:
   /// Problem and fit must outlive it.
@@ -47,6 +47,7 @@ class ModesLook {
   [[nodiscard]] Eigen::MatrixXd slopes(const Placed& at, const Eigen::VectorXd& steps) const;
   [[nodiscard]] std::vector<double> objectives(const RecordedModes& model,
                                                const Matching& matching) const;
+  [[nodiscard]] std::vector<bool> alike_blocks(const ModeErrors& errors) const;
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model, const Matching& matching) const;
   [[nodiscard]] std::vector<Matching> matchings(const RecordedModes& model) const;
   [[nodiscard]] const Eigen::VectorXd* without_cause(const Matching& matching,
@@ -59,7 +60,6 @@ class ModesLook {
   std::vector<PerClass> levels_;
   ConstantColumns columns_;
   std::vector<LevelLikelihood> likelihoods_;  // of the base, for each of the levels
-  std::vector<double> at_zero_;               // −ln of their densities of no error
   std::vector<double> less_probable_;         // −ln prior of the levels, less the fit's
   Eigen::VectorXd own_;                       // errors of the base
   State state_;

@@ -158,6 +158,26 @@ TEST(LevelLikelihood, NeedsNoSharedErrors) {
               dense_negative_log(covariance, stacked(errors)) + errors.penalty, 1e-9);
 }
 
+// Blocks that keep their covariance are those of the likelihood, with the errors of the other.
+TEST(LevelLikelihood, KeepsTheCovarianceOfBlocksUnderOtherErrors) {
+  Dice dice(11);
+  const auto errors = some_errors(dice, 2);
+  auto other = some_errors(dice, 3);
+  other.penalty = 0.4;
+  const LevelLikelihood likelihood(errors, some_levels());
+  for (const auto& kept : std::vector<std::vector<bool>>{
+           {true, true, true}, {false, false, false}, {true, false, true}, {false, true, false}}) {
+    ModeErrors expected = other;
+    for (std::size_t b = 0; b < kept.size(); ++b) {
+      if (!kept[b]) continue;
+      expected.blocks[b] = errors.blocks[b];
+      expected.blocks[b].error = other.blocks[b].error;
+    }
+    EXPECT_NEAR(likelihood.negative_log(other, kept),
+                LevelLikelihood(expected, some_levels()).negative_log(), 1e-9);
+  }
+}
+
 // γ = tr(Jᵀ C⁻¹ J) and Σ η²/s² = |Jᵀ C⁻¹ e|², where J are the errors of the class times its level.
 // What modes nearby add to a shape is no error of a frequency, though it has their level.
 TEST(Evidence, IsThatOfTheDenseCovariance) {

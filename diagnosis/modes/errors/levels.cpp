@@ -1,6 +1,5 @@
 #include "diagnosis/modes/errors/levels.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
+#include "dense/algebra.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -33,18 +33,48 @@ MatrixXd scaled(const MatrixXd& shared, const std::vector<int>& of, const PerCla
   return result;
 }
 
-MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
+// Cholesky factor of the covariance that the numbers of a block have by themselves.
+MatrixXd own_factor(const ModeBlock& block, const PerClass& levels) {
   MatrixXd own = block.noise.cwiseAbs2().asDiagonal();
   for (Index i = 0; i < block.count(); ++i) own(i, i) += own_variance(block, i, levels);
-  own += block.free * block.free.transpose();
+  auto lower = own.selfadjointView<Eigen::Lower>();
   const double s = levels(static_cast<int>(ErrorClass::frequency));
-  own += s * s * block.mixed * block.mixed.transpose();
-  if (block.smooth.cols() > 0) {
-    const MatrixXd smooth = scaled(block.smooth, block.smooth_of, levels);
-    own += smooth * smooth.transpose();
+  if (block.free.cols() > 0) lower.rankUpdate(block.free);
+  if (block.mixed.cols() > 0) lower.rankUpdate(block.mixed, s * s);
+  if (block.smooth.cols() > 0) lower.rankUpdate(scaled(block.smooth, block.smooth_of, levels));
+  if (!dense::cholesky(own)) {
+    throw NumericalFailure("modal data: a covariance that is not positive");
   }
   return own;
 }
+
+double log_determinant_of(const MatrixXd& factor) {
+  return 2.0 * factor.diagonal().array().log().sum();
+}
+
+// Sums over blocks whose errors their own factors have made white.
+struct WhiteSums {
+  MatrixXd gram;    // k×k, lower triangle: 1 + sharedᵀ shared
+  VectorXd shared;  // k: sharedᵀ error
+  double square = 0.0, log_determinant = 0.0;
+  Index count = 0;
+
+  void add(const ModeBlock& block, const MatrixXd& factor,
+           const Eigen::Ref<const MatrixXd>& shared_errors) {
+    const VectorXd white = factor.triangularView<Eigen::Lower>().solve(block.error);
+    shared += shared_errors.transpose() * white;
+    square += white.squaredNorm();
+    log_determinant += log_determinant_of(factor);
+    count += white.size();
+  }
+
+  [[nodiscard]] double negative_log() && {
+    if (!dense::cholesky(gram)) throw NumericalFailure("modal data: errors without bounds");
+    const VectorXd explained = gram.triangularView<Eigen::Lower>().solve(shared);
+    return 0.5 * (square - explained.squaredNorm() + log_determinant + log_determinant_of(gram) +
+                  static_cast<double>(count) * std::log(2.0 * std::numbers::pi));
+  }
+};
 
 Index total(const ModeErrors& errors) {
   Index n = 0;
@@ -68,34 +98,36 @@ VectorXd stacked(const ModeErrors& errors) {
 
 LevelLikelihood::LevelLikelihood(ModeErrors given, const PerClass& levels)
     : errors_(std::move(given)), levels_(levels) {
-  const ModeErrors& errors = errors_;
-  const Index n = total(errors);
-  const auto k = static_cast<Index>(errors.shared_of.size());
-  MatrixXd shared(n, k);
-  Index first = 0;
-  for (const auto& block : errors.blocks) {
-    const Eigen::LLT<MatrixXd> factor(own_covariance(block, levels));
-    if (factor.info() != Eigen::Success) {
-      throw NumericalFailure("modal data: a covariance that is not positive");
-    }
-    factor_.emplace_back(factor.matrixL());
-    log_determinant_ += 2.0 * factor_.back().diagonal().array().log().sum();
-    if (k > 0) shared.middleRows(first, block.count()) = block.shared;
-    first += block.count();
+  const auto k = static_cast<Index>(errors_.shared_of.size());
+  shared_.resize(total(errors_), k);
+  gram_ = MatrixXd::Identity(k, k);
+  for (const auto& block : errors_.blocks) {
+    first_.push_back(first_.empty() ? 0 : first_.back() + factor_.back().rows());
+    factor_.push_back(own_factor(block, levels));
+    log_determinant_ += log_determinant_of(factor_.back());
+    if (k == 0) continue;
+    const MatrixXd shared = shared_of(block, factor_.back());
+    dense::add_gram(shared, gram_);
+    shared_.middleRows(first_.back(), block.count()) = shared;
   }
-  shared_ = whitened(scaled(shared, errors.shared_of, levels));
-  error_ = whitened(stacked(errors));
-  const MatrixXd gram = MatrixXd::Identity(k, k) + shared_.transpose() * shared_;
-  capacitance_ = Eigen::LLT<MatrixXd>(gram).matrixL();
-  if (k > 0) log_determinant_ += 2.0 * capacitance_.diagonal().array().log().sum();
+  error_ = whitened(stacked(errors_));
+  capacitance_ = gram_;
+  if (!dense::cholesky(capacitance_)) {
+    throw NumericalFailure("modal data: errors without bounds");
+  }
+  log_determinant_ += log_determinant_of(capacitance_);
+}
+
+MatrixXd LevelLikelihood::shared_of(const ModeBlock& block, const MatrixXd& factor) const {
+  MatrixXd shared = scaled(block.shared, errors_.shared_of, levels_);
+  dense::solve(factor, shared);
+  return shared;
 }
 
 MatrixXd LevelLikelihood::whitened(MatrixXd columns) const {
-  Index first = 0;
-  for (const auto& factor : factor_) {
-    auto rows = columns.middleRows(first, factor.rows());
-    factor.triangularView<Eigen::Lower>().solveInPlace(rows);
-    first += factor.rows();
+  for (std::size_t b = 0; b < factor_.size(); ++b) {
+    auto rows = columns.middleRows(first_[b], factor_[b].rows());
+    factor_[b].triangularView<Eigen::Lower>().solveInPlace(rows);
   }
   return columns;
 }
@@ -109,14 +141,39 @@ MatrixXd LevelLikelihood::product(const MatrixXd& a, const MatrixXd& b) const {
   return left.transpose() * right - shared_left.transpose() * shared_right;
 }
 
-double LevelLikelihood::negative_log(const VectorXd& stacked) const {
-  const VectorXd white = whitened(stacked);
-  const VectorXd shared =
-      capacitance_.triangularView<Eigen::Lower>().solve(VectorXd(shared_.transpose() * white));
-  const double square = white.squaredNorm() - shared.squaredNorm();
+VectorXd LevelLikelihood::squares(const MatrixXd& columns) const {
+  const MatrixXd white = whitened(columns);
+  const MatrixXd shared =
+      capacitance_.triangularView<Eigen::Lower>().solve(MatrixXd(shared_.transpose() * white));
+  return (white.colwise().squaredNorm() - shared.colwise().squaredNorm()).transpose();
+}
+
+double LevelLikelihood::negative_log(double square) const {
   return 0.5 * (square + log_determinant_ +
-                static_cast<double>(white.size()) * std::log(2.0 * std::numbers::pi)) +
+                static_cast<double>(error_.size()) * std::log(2.0 * std::numbers::pi)) +
          errors_.penalty;
+}
+
+double LevelLikelihood::negative_log(const VectorXd& stacked) const {
+  return negative_log(squares(stacked)(0));
+}
+
+double LevelLikelihood::negative_log(const ModeErrors& other, const std::vector<bool>& kept) const {
+  WhiteSums sums{gram_, VectorXd::Zero(gram_.rows())};
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    const auto& block = other.blocks[b];
+    const auto here = shared_.middleRows(first_[b], factor_[b].rows());
+    if (kept[b]) {
+      sums.add(block, factor_[b], here);
+      continue;
+    }
+    const MatrixXd factor = own_factor(block, levels_);
+    const MatrixXd shared = shared_of(block, factor);
+    dense::add_square(here.transpose(), -1.0, sums.gram);
+    dense::add_gram(shared, sums.gram);
+    sums.add(block, factor, shared);
+  }
+  return std::move(sums).negative_log() + other.penalty;
 }
 
 double LevelLikelihood::negative_log() const { return negative_log(stacked(errors_)); }

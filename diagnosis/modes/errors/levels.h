@@ -78,8 +78,17 @@ class LevelLikelihood {
   [[nodiscard]] double negative_log() const;
   /// AᵀC⁻¹B of columns that are stacked as the blocks are.
   [[nodiscard]] Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) const;
-  /// −ln of the density of other errors with the same covariance and pairing.
+  /// eᵀC⁻¹e of columns e that are stacked as the blocks are.
+  [[nodiscard]] Eigen::VectorXd squares(const Eigen::MatrixXd& columns) const;
+  /// −ln of the density of other errors with the same covariance and pairing: of the errors, or of
+  /// their square.
   [[nodiscard]] double negative_log(const Eigen::VectorXd& stacked) const;
+  [[nodiscard]] double negative_log(double square) const;
+  /// −ln of the density of the errors of another hypothesis. A block with `kept` has as many
+  /// numbers as the block here, and keeps its covariance; another one has its own, at the same
+  /// levels. Cost: k³, and n k² for each block that is not kept.
+  /// @pre  as many blocks and shared errors as here
+  [[nodiscard]] double negative_log(const ModeErrors& other, const std::vector<bool>& kept) const;
   /// For each class Σ η² / s² of the posterior means of its errors, and γ, the number of errors
   /// that the data determine (MacKay, Neural Computation 4, 1992). Frequencies alone teach their
   /// level: `mixed` follows it, and is no number of errors.
@@ -90,13 +99,18 @@ class LevelLikelihood {
 
  private:
   [[nodiscard]] Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
+  // What a block shares with others, times the levels, whitened by the block's own factor.
+  [[nodiscard]] Eigen::MatrixXd shared_of(const ModeBlock& block,
+                                          const Eigen::MatrixXd& factor) const;
 
   ModeErrors errors_;
   PerClass levels_;
+  std::vector<Eigen::Index> first_;      // first number of each block
   std::vector<Eigen::MatrixXd> factor_;  // Cholesky factor of each block's own covariance
   Eigen::VectorXd error_;                // stacked, whitened by the blocks
   Eigen::MatrixXd shared_;               // likewise, times its levels
-  Eigen::MatrixXd capacitance_;          // factor of 1 + sharedᵀ shared
+  Eigen::MatrixXd gram_;                 // 1 + sharedᵀ shared, lower triangle
+  Eigen::MatrixXd capacitance_;          // its factor
   double log_determinant_ = 0.0;
 };
 
