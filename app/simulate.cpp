@@ -7,11 +7,11 @@
 #include "app/command.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/sha256.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 #include "stage/solution.h"
 #include "steps/simulated.h"
-#include "study/sha256.h"
 
 namespace chladni::app {
 namespace {
@@ -33,7 +33,7 @@ fs::path target_of(const study::Study& study, show::Run& run) {
       own.clear();  // not ours, or from another version
     }
   }
-  require(own == study::sha256(read_whole(file)),
+  require(own == sha256(read_whole(file)),
           "measurement.frf: " + file.string() +
               " exists and is not what `simulate` left there before; it may be measured: move it "
               "away, or name another file");
@@ -62,7 +62,7 @@ io::JsonObject content_of(const study::Study& study, const steps::Bench& bench,
   const auto& rig = bench.rig;
   return {
       {"file", file.filename().string()},
-      {"sha256", study::sha256(read_whole(file))},
+      {"sha256", sha256(read_whole(file))},
       {"structure", plan.structure},
       {"modes", static_cast<long long>(bench.modes)},
       {"sample_rate_hz", plan.sample_rate_hz},

@@ -6,8 +6,8 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/sha256.h"
 #include "io/json.h"
-#include "study/sha256.h"
 
 namespace chladni::study {
 namespace {

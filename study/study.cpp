@@ -4,9 +4,9 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/sha256.h"
 #include "study/extends.h"
 #include "study/schemas.h"
-#include "study/sha256.h"
 #include "study/tables/known.h"
 #include "study/tables/tables.h"
 #include "study/toml/toml_text.h"

@@ -8,10 +8,10 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/sha256.h"
 #include "base/worker.h"
 #include "show/version.h"
 #include "study/origin.h"
-#include "study/sha256.h"
 #include "study/study.h"
 #include "sweep/variant_lock.h"
 
@@ -32,7 +32,7 @@ std::string hash_of(const study::Study& read, const std::string& verb,
   for (const auto& [name, file] : study::named_files(read, true)) {
     all += "\n" + name + " " + fingerprints.of(file);
   }
-  return study::sha256(all).substr(0, kHashDigits);
+  return sha256(all).substr(0, kHashDigits);
 }
 
 std::optional<Record> record_in(const fs::path& folder) {

@@ -1,8 +1,8 @@
 // Results say which state of a study and of its files they come from.
 #include "study/origin.h"
 
+#include "base/sha256.h"
 #include "io/json.h"
-#include "study/sha256.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {
@@ -45,10 +45,9 @@ TEST_F(Origins, AreTheFilesThatAResultStandsOn) {
   const auto inputs = json("interpolation.json").at("study").at("inputs").array();
   ASSERT_EQ(inputs.size(), 1U);
   EXPECT_EQ(inputs[0].at("file").string(), "real.toml");
-  EXPECT_EQ(inputs[0].at("sha256").string(), study::sha256(whole(folder_ / "real.toml")));
+  EXPECT_EQ(inputs[0].at("sha256").string(), sha256(whole(folder_ / "real.toml")));
   const auto page = whole(folder_ / "out/report.html");
-  EXPECT_TRUE(
-      says(page, "sha256 of real.toml</dt><dd>" + study::sha256(whole(folder_ / "real.toml"))));
+  EXPECT_TRUE(says(page, "sha256 of real.toml</dt><dd>" + sha256(whole(folder_ / "real.toml"))));
   EXPECT_TRUE(
       says(page, "isotropic: youngs_modulus 7e+10, poissons_ratio 0.33, density 2700 (SI)"));
   EXPECT_TRUE(says(page, "<dt>date</dt>"));
@@ -63,7 +62,7 @@ material = { youngs_modulus = "70 GPa", poissons_ratio = 0.3, density = "2700 kg
   const auto inputs = json("study.json").at("study").at("inputs").array();
   ASSERT_EQ(inputs.size(), 1U);
   EXPECT_EQ(inputs[0].at("file").string(), "airplane.off");
-  EXPECT_EQ(inputs[0].at("sha256").string(), study::sha256(whole(folder_ / "airplane.off")));
+  EXPECT_EQ(inputs[0].at("sha256").string(), sha256(whole(folder_ / "airplane.off")));
 }
 
 TEST_F(Origins, AFileIsHashedAsItsBytesAre) {
@@ -71,9 +70,9 @@ TEST_F(Origins, AFileIsHashedAsItsBytesAre) {
        {0U, 1U, 55U, 56U, 63U, 64U, 65U, 1048575U, 1048576U, 1048577U, 3000001U}) {
     std::string bytes(size, '\0');
     for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * 7919U % 251U);
-    EXPECT_EQ(study::sha256_of_file(write("bytes", bytes)), study::sha256(bytes)) << size;
+    EXPECT_EQ(sha256_of_file(write("bytes", bytes)), sha256(bytes)) << size;
   }
-  EXPECT_THROW((void)study::sha256_of_file(folder_ / "nowhere"), std::invalid_argument);
+  EXPECT_THROW((void)sha256_of_file(folder_ / "nowhere"), std::invalid_argument);
 }
 
 TEST_F(Origins, TheDateIsNoPartOfReproducibleResults) {

@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/sha256.h"
 #include "study/problems.h"
-#include "study/sha256.h"
 #include "tests/refusal.h"
 
 namespace chladni::study {
@@ -378,10 +378,9 @@ TEST(StudyWarns, OfPrefixesLeftOut) {
 }
 
 TEST(Sha256, OfTheStandardsExamples) {
-  EXPECT_EQ(study::sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(study::sha256("abc"),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(study::sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
 }
 

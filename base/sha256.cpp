@@ -1,4 +1,4 @@
-#include "study/sha256.h"
+#include "base/sha256.h"
 
 #include <array>
 #include <bit>
@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace chladni::study {
+namespace chladni {
 namespace {
 
 using State = std::array<std::uint32_t, 8>;
@@ -109,4 +109,4 @@ std::string sha256_of_file(const std::filesystem::path& file) {
   return digits_of(state, left_over, length);
 }
 
-}  // namespace chladni::study
+}  // namespace chladni
