@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "base/arrays.h"
+#include "io/matrix_picture.h"
+#include "io/plot.h"
 #include "io/vtu.h"
 
 namespace chladni::io {
@@ -19,6 +21,18 @@ namespace chladni::io {
 struct Note {
   enum class Tone { plain, quiet, good, warning } tone = Tone::plain;
   std::string text;
+};
+
+/// What the reader needs first, as a card.
+struct Card {
+  struct Figure {
+    std::string value, label;  ///< "0.33 %", "off by, after"
+  };
+  Note::Tone tone = Note::Tone::plain;
+  std::string heading;             ///< the verdict in a sentence
+  std::vector<std::string> lines;  ///< causes with their places and sizes
+  std::vector<Figure> figures;     ///< large numbers
+  std::vector<std::string> next;   ///< what to do next
 };
 
 /// Names and values, one line each.
@@ -47,6 +61,47 @@ struct Image {
   std::string caption;
 };
 
+/// A text that is shown when its title is clicked, and not on paper.
+struct Listing {
+  std::string title, text;
+};
+
+/// A matrix as a table with coloured cells: its title is the caption.
+using Matrix = MatrixPicture;
+
+/// Curves that the reader zooms, over common lines. One choice is seen at a time, its panes below
+/// each other. Styles and colours are those of PlotSeries.
+struct Curves {
+  struct Series {
+    std::string name;
+    PlotSeries::Style style = PlotSeries::Style::line;
+    int colour = 1;
+    std::size_t x = 0;  ///< index into `x`
+  };
+  struct Pane {
+    PlotAxis axis;  ///< low, high: fixed range, if they differ
+    std::vector<Series> series;
+    double height = 1.0;  ///< 1: 300 px
+    bool coarse = false;  ///< values in 254 steps instead of 65 534 over the range of the pane
+    std::vector<double> ticks;  ///< empty: found by the page
+  };
+  struct Choice {
+    std::string name;  ///< "s1 by a1, off by 5.1 %"
+    /// Arrays of the series of all panes in turn, as long as their x; a band has two, the lower
+    /// edge first. An empty one is not drawn. A value that is not finite, or not above 0 on a
+    /// logarithmic axis, is a gap.
+    std::vector<Eigen::VectorXd> y;
+  };
+  std::string name;     ///< of saved files: "responses"
+  std::string chooser;  ///< what is chosen: "response"
+  std::string caption;
+  PlotAxis axis;  ///< of x
+  std::vector<Eigen::VectorXd> x;
+  std::vector<Pane> panes;
+  std::vector<Choice> choices;
+  std::vector<double> verticals;  ///< x of thin dashed lines
+};
+
 /// A body that the mouse rotates and that moves in the chosen shape. One per report.
 struct Viewer {
   struct Shape {
@@ -61,11 +116,18 @@ struct Viewer {
   std::vector<Marker> markers;
   std::vector<std::uint16_t> marker_vertex;  ///< one per marker
   std::string note;                          ///< omitted parts, if any
+  int on_paper = 0;                          ///< number of shapes that are printed
+};
+
+/// The report's viewer once more: the body turns slowly, and some of its markers are ringed.
+struct Place {
+  std::vector<std::string> marked;  ///< names of markers
 };
 
 /// Blocks beside each other, where there is room.
 struct Beside;
-using Block = std::variant<Note, Facts, Table, Image, Viewer, Beside>;
+using Block =
+    std::variant<Note, Card, Facts, Table, Image, Listing, Matrix, Curves, Viewer, Place, Beside>;
 struct Beside {
   std::vector<Block> blocks;
 };
@@ -78,15 +140,18 @@ struct Section {
 struct Report {
   std::string title;                  ///< of the study
   std::string understood;             ///< "600.0 x 600.0 x 20.0 mm  19.44 kg"
-  std::vector<std::string> warnings;  ///< shown first
+  std::vector<std::string> warnings;  ///< shown first, or behind a section that starts with a card
   std::vector<Section> sections;
 };
 
-/// The HTML page. All text is escaped. A content security policy allows only the content of the
-/// file. The same report gives the same bytes. The page is readable without scripts, without WebGL
-/// and on paper.
+/// The HTML page. All text is escaped. A content security policy allows only the scripts and the
+/// styles of the file, by their sha256. The same report gives the same bytes. Text and tables are
+/// readable without scripts, and everything is on paper; colours follow the reader's choice of a
+/// light or a dark page. Curves cost 60 kB for uPlot and the bytes of their values: 2.7 per value,
+/// or 1.3 in a coarse pane.
 /// @throws InvalidInput  a row of a table has another number of cells than there are columns, an
-///                       image is no PNG, there is more than one viewer
+///                       image is no PNG, there is more than one viewer, a place is marked without
+///                       one, arrays of a matrix or of curves do not fit together
 [[nodiscard]] std::string html(const Report& report);
 
 /// Writes the file whole or not at all. @throws as html and write_atomically

@@ -9,6 +9,7 @@
 #include "io/json.h"
 #include "io/matrix_picture.h"
 #include "io/picture_file.h"
+#include "io/report.h"
 
 namespace chladni::show {
 
@@ -31,7 +32,14 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
                     const std::vector<Eigen::MatrixXcd>& after = {},
                     const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
 
+/// The same for the page, with phases and errors; those with the largest errors first.
+[[nodiscard]] io::Curves compared_responses(
+    const modal::FrfSet& measured, const std::vector<Eigen::MatrixXcd>& before,
+    const std::vector<Eigen::MatrixXcd>& after = {},
+    const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
+
 /// The MAC of simulated against measured modes. Nothing if no mode was compared.
+[[nodiscard]] io::MatrixPicture mac_picture(const diagnosis::Comparison& comparison);
 void draw_mac(const io::PictureFile& png, const diagnosis::Comparison& comparison);
 
 /// Error of each response: sensors × actuators. A response that was not measured has an empty

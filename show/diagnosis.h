@@ -24,8 +24,11 @@ namespace chladni::show {
 
 [[nodiscard]] std::string diagnosis_table(const steps::Diagnosed& diagnosed);
 
-/// A section of the report: verdict, causes, places, gain, modes.
+/// A section of the report behind the verdict: causes, places, gain, responses, modes.
 [[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run& run);
+
+/// True if a fit used the measured response of output i and input j.
+[[nodiscard]] bool is_fitted(const steps::Diagnosed& diagnosed, Eigen::Index i, Eigen::Index j);
 
 /// diagnosis.json, extended.toml, cause_map.vtu and .png; of responses also prediction.png and
 /// mac.png

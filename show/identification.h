@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/picture_file.h"
+#include "io/report.h"
 #include "io/result_table.h"
 #include "show/run.h"
 #include "steps/identification.h"
@@ -21,6 +22,11 @@ namespace chladni::show {
 /// Magnitudes of at most 24 responses: measured, fitted and residual.
 void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
+/// The same for the page, with phases and errors.
+[[nodiscard]] io::Curves fitted_curves(const steps::IdentifiedModel& model);
+
+/// Poles of rising order; the modes of the fit are dashed.
+[[nodiscard]] io::Plot stabilisation_plot(const steps::IdentifiedModel& model);
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
 /// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was

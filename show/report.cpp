@@ -15,7 +15,9 @@
 #include "io/report.h"
 #include "io/report_sections.h"
 #include "show/diagnosis.h"
+#include "show/diagnosis/verdict_card.h"
 #include "show/identification.h"
+#include "show/identification/response_curves.h"
 #include "show/interpolation.h"
 #include "show/placement.h"
 #include "show/version.h"
@@ -104,19 +106,27 @@ io::Table methods_table(const steps::Interpolated& shapes) {
   return table;
 }
 
-io::Section identification_section(const steps::IdentifiedModel& model, const Run& run) {
+io::Section identification_section(const steps::IdentifiedModel& model) {
   io::Section section{"Modal model of the measured responses", {}};
-  if (run.has_painted("fit.png")) {
-    section.blocks = io::picture_section("", run / "fit.png",
-                                         "What the fit leaves of the responses stands below them.")
-                         .blocks;
-  }
+  auto curves = fitted_curves(model);
+  curves.name = "fit";
+  curves.caption =
+      "Measured responses and the fit of the modal model. Drag over a range to zoom, "
+      "double-click for all of it. " +
+      curves.caption;
+  section.blocks.emplace_back(std::move(curves));
   section.blocks.emplace_back(io::report_table(identified_modes_table(model)));
   section.blocks.emplace_back(io::Note{
       io::Note::Tone::plain,
       fmt::format("The responses are fitted to {} % of their size; the noise "
                   "is {} %.",
                   percent_cell(steps::overall_error(model)), percent_cell(steps::noise(model)))});
+  if (!model.stabilisation.empty()) {
+    const auto plot = stabilisation_plot(model);
+    auto poles = curves_of(plot, "stabilisation", "diagram");
+    poles.caption = "Stabilisation: poles of rising order. Dashed: the modes of the fit.";
+    section.blocks.emplace_back(std::move(poles));
+  }
   for (const auto& warning : model.match.warnings) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::warning, warning + "."});
   }
@@ -198,6 +208,67 @@ bool is_filled_exactly(const study::Geometry& geometry) {
          std::holds_alternative<mesh::Quadrilateral>(geometry.body);
 }
 
+// The verdict beside the body, on which its places are marked.
+io::Section verdict_section(const steps::Diagnosed& diagnosis) {
+  io::Section section{"Verdict", {verdict_card(diagnosis)}};
+  auto marked = marked_names(diagnosis);
+  if (marked.empty()) return section;
+  io::Beside beside{std::move(section.blocks)};
+  beside.blocks.emplace_back(io::Place{std::move(marked)});
+  section.blocks = {std::move(beside)};
+  return section;
+}
+
+io::Section section_of_modes(const study::Study& study, const stage::Solution& solution,
+                             const steps::Diagnosed* diagnosis) {
+  auto markers = stage::markers_of(study, solution.model);
+  if (diagnosis != nullptr) {
+    const auto causes = cause_markers(*diagnosis);
+    markers.insert(markers.end(), causes.begin(), causes.end());
+  }
+  return io::modes_section(solution.model.body, solution.modes, solution.summary,
+                           solution.frequency_error, markers, is_filled_exactly(study.geometry));
+}
+
+void add_results(io::Report& report, const study::Study& study, const stage::Solution& solution,
+                 const Found& found, const Run& run) {
+  if (found.diagnosis != nullptr) {
+    report.sections.push_back(verdict_section(*found.diagnosis));
+    report.sections.push_back(diagnosis_section(*found.diagnosis, run));
+  }
+  if (found.placement != nullptr) {
+    report.sections.push_back(placement_section(solution, *found.placement, run));
+  }
+  if (found.shapes != nullptr && found.shapes->measured.identified) {
+    report.sections.push_back(identification_section(*found.shapes->measured.identified));
+  }
+  if (found.shapes != nullptr) report.sections.push_back(shapes_section(study, *found.shapes, run));
+}
+
+// The picture of the modes where the page stays small with it; else the printer gets the shapes of
+// the viewer.
+void add_modes_picture(io::Report& report, std::size_t behind, const Run& run) {
+  constexpr std::size_t most_bytes = 1'000'000;
+  if (run.has_painted("modes.png")) {
+    auto with_picture = report;
+    with_picture.sections.insert(
+        with_picture.sections.begin() + static_cast<std::ptrdiff_t>(behind),
+        io::picture_section("The first flexible modes", run / "modes.png",
+                            "Nodal lines are black."));
+    if (io::html(with_picture).size() < most_bytes) {
+      report = std::move(with_picture);
+      return;
+    }
+  }
+  for (auto& block : report.sections[behind - 1].blocks) {
+    auto* beside = std::get_if<io::Beside>(&block);
+    if (beside == nullptr) continue;
+    for (auto& part : beside->blocks) {
+      if (auto* viewer = std::get_if<io::Viewer>(&part)) viewer->on_paper = 9;
+    }
+  }
+}
+
 }  // namespace
 
 void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
@@ -208,23 +279,9 @@ void leave_report(const study::Study& study, const stage::Solution& solution, co
   report.title = study.title;
   report.understood = solution.introduction.body.line();
   report.warnings = solution.introduction.warnings;
-  report.sections.push_back(
-      io::modes_section(model.body, solution.modes, solution.summary, solution.frequency_error,
-                        stage::markers_of(study, model), is_filled_exactly(study.geometry)));
-  if (run.has_painted("modes.png")) {
-    report.sections.push_back(io::picture_section("The first flexible modes", run / "modes.png",
-                                                  "Nodal lines are black."));
-  }
-  if (found.diagnosis != nullptr) {
-    report.sections.push_back(diagnosis_section(*found.diagnosis, run));
-  }
-  if (found.placement != nullptr) {
-    report.sections.push_back(placement_section(solution, *found.placement, run));
-  }
-  if (found.shapes != nullptr && found.shapes->measured.identified) {
-    report.sections.push_back(identification_section(*found.shapes->measured.identified, run));
-  }
-  if (found.shapes != nullptr) report.sections.push_back(shapes_section(study, *found.shapes, run));
+  add_results(report, study, solution, found, run);
+  report.sections.push_back(section_of_modes(study, solution, found.diagnosis));
+  const auto behind_modes = report.sections.size();
   report.sections.push_back(io::body_section(model.mass, model.body, mesh::quality(model.body),
                                              solution.degrees_of_freedom));
   if (run.has_painted("mesh.png")) {
@@ -236,6 +293,7 @@ void leave_report(const study::Study& study, const stage::Solution& solution, co
     report.sections.push_back(channels_of(study, solution));
   }
   report.sections.push_back(provenance_of(study, run));
+  add_modes_picture(report, behind_modes, run);
   io::write_report(run / "report.html", report);
 }
 

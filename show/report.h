@@ -15,8 +15,9 @@ struct Found {
   const steps::Diagnosed* diagnosis = nullptr;
 };
 
-/// report.html: the modes with a viewer, places for devices, the interpolated shapes, the body, the
-/// channels, the origin of all results. It shows the pictures that exist.
+/// report.html: the verdict and what it rests on, places for devices, the identified model, the
+/// interpolated shapes, the modes with a viewer, the body, the channels, the origin of all results.
+/// It shows the pictures that exist; that of the modes only if the page stays below 1 MB.
 void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
                   Run& run);
 

@@ -1,13 +1,11 @@
 "use strict";
-(() => {
-  const viewer = document.querySelector(".viewer");
-  if (!viewer) return;
-  const data = JSON.parse(document.getElementById("viewer-data").textContent);
+// The body that turns: in the shape of a mode, or still, with a place marked on it.
+const start = (viewer, data) => {
+  const marked = viewer.dataset.marked === undefined ? null : JSON.parse(viewer.dataset.marked);
   const find = (name) => viewer.querySelector(name);
   const stage = find(".stage"), back = find(".back"), front = find(".front");
   const message = find(".message"), controls = find(".controls");
-
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  const { bytes } = Page;
   const compile = (gl, kind, source) => {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, source);
@@ -18,7 +16,7 @@
 
   const gl = back.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
   if (!gl) {
-    message.textContent = "This browser shows no WebGL here: the shapes stand still in the picture below.";
+    message.textContent = "This browser shows no WebGL here, so the body is not drawn.";
     controls.hidden = true;
     return;
   }
@@ -84,11 +82,11 @@
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   const quarter = (i) => `rgb(${data.colours.slice(3 * i, 3 * i + 3).join(",")})`;
   const colourCount = data.colours.length / 3;
-  find(".bar").style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8]
+  if (!marked) find(".bar").style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8]
     .map((i) => quarter(Math.round(i * (colourCount - 1) / 8))).join(",")})`;
 
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const state = { shape: 0, playing: !still, phase: 0, amplitude: 0.12, lines: true, names: true, zoom: 1,
+  const state = { shape: 0, playing: !still && !marked, phase: 0, amplitude: 0.12, lines: true, names: true, zoom: 1,
     yaw: data.yaw, pitch: data.pitch };
   let movement = null, places = [], extent = [1, 1], waiting = false, last = 0;
 
@@ -124,7 +122,7 @@
 
   const show = (index) => {
     const count = data.shapes.length;
-    if (!count) return;
+    if (!count || marked) return;
     state.shape = (index + count) % count;
     const shape = data.shapes[state.shape];
     movement = unpacked(shape);
@@ -149,24 +147,40 @@
     return { width, height, pixels };
   };
   // Glyphs first, those of sensors last; then the names, one label for those that share a place.
-  const layer = { sensor: 2, actuator: 1 };
+  const layer = { sensor: 2, actuator: 1, cause: 3 };
+  // Where a place is marked, only what is marked has a name; a cause is shown there alone.
+  const is_marked = (marker) => Boolean(marked) && marked.includes(marker.name);
+  const shown = (marker) => (marked ? is_marked(marker) : marker.kind !== "cause");
   const order = data.markers.map((_, i) => i)
     .sort((a, b) => (layer[data.markers[a].kind] || 0) - (layer[data.markers[b].kind] || 0));
   const glyph = (pen, kind, [x, y]) => {
     pen.beginPath();
     if (kind === "sensor") pen.arc(x, y, 4.5, 0, 7);
     else if (kind === "actuator") { pen.moveTo(x, y - 8); pen.lineTo(x + 7, y + 5); pen.lineTo(x - 7, y + 5); pen.closePath(); }
-    else pen.rect(x - 4.5, y - 4.5, 9, 9);
-    pen.fillStyle = { sensor: "#ffd61a", actuator: "#1a7342" }[kind] || "#8c9199";
-    pen.strokeStyle = kind === "actuator" ? "#fff" : "#1d2126";
+    else if (kind === "cause") {
+      for (let k = 0; k < 10; ++k) {
+        const [r, angle] = [k % 2 ? 4.5 : 11, Math.PI * (k / 5 - 0.5)];
+        pen.lineTo(x + r * Math.cos(angle), y + r * Math.sin(angle));
+      }
+      pen.closePath();
+    } else pen.rect(x - 4.5, y - 4.5, 9, 9);
+    pen.fillStyle = { sensor: "#ffd61a", actuator: "#1a7342", cause: "#e0301e" }[kind] || "#8c9199";
+    pen.strokeStyle = kind === "actuator" || kind === "cause" ? "#fff" : "#1d2126";
     pen.lineWidth = 1;
     pen.fill();
+    pen.stroke();
+  };
+  const ring = (pen, [x, y]) => {
+    pen.beginPath();
+    pen.arc(x, y, 16, 0, 7);
+    pen.lineWidth = 3;
+    pen.strokeStyle = "#e0301e";
     pen.stroke();
   };
   const labels = () => {
     const found = [];
     data.markers.forEach((marker, i) => {
-      if (!(marker.kind in layer)) return;  // attachments tell their names under the mouse
+      if (!(marker.kind in layer) || !shown(marker)) return;  // attachments tell their names under the mouse
       const [x, y] = places[i];
       const same = found.find((label) => Math.hypot(label.x - x, label.y - y) < 9);
       if (same) same.names.push(marker.name);
@@ -183,16 +197,20 @@
       const place = seen(turn, data.markerVertex[i], swing);
       return [width / 2 + pixels * place[0], height / 2 - pixels * place[1]];
     });
-    for (const i of order) glyph(pen, data.markers[i].kind, places[i]);
+    for (const i of order) {
+      if (!marked && data.markers[i].kind === "cause") continue;
+      glyph(pen, data.markers[i].kind, places[i]);
+      if (is_marked(data.markers[i])) ring(pen, places[i]);
+    }
     if (!state.names) return;
     pen.font = "12px system-ui, Arial, sans-serif";
     for (const { x, y, names } of labels()) {
       const text = short(names.slice(0, 3).join(", "), 30) + (names.length > 3 ? ", \u2026" : "");
-      const left = Math.min(x + 8, width - 4 - pen.measureText(text).width);
+      const left = Math.min(x + (marked ? 20 : 8), width - 4 - pen.measureText(text).width);
       pen.lineWidth = 3;
-      pen.strokeStyle = "#fff";
+      pen.strokeStyle = Page.colours().back;
       pen.strokeText(text, left, y - 7);
-      pen.fillStyle = "#1d2126";
+      pen.fillStyle = Page.colours().ink;
       pen.fillText(text, left, y - 7);
     }
   };
@@ -204,7 +222,8 @@
     }
     const turn = turned(), swing = Math.cos(state.phase);
     gl.viewport(0, 0, back.width, back.height);
-    gl.clearColor(1, 1, 1, 1);
+    const back3 = [1, 3, 5].map((k) => parseInt(Page.colours().back.slice(k, k + 2), 16) / 255);
+    gl.clearColor(...back3, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.uniformMatrix3fv(at.turn, true, turn.flat());
@@ -226,8 +245,9 @@
   };
   const tick = (now) => {
     waiting = false;
-    const moves = state.playing && movement && !document.hidden;
-    if (moves) state.phase += Math.min(now - last, 100) * 0.0026;
+    const moves = state.playing && (movement || marked) && !document.hidden;
+    if (moves && marked) state.yaw += Math.min(now - last, 100) * 0.0004;
+    else if (moves) state.phase += Math.min(now - last, 100) * 0.0026;
     last = now;
     draw();
     if (moves) redraw();
@@ -239,16 +259,18 @@
   const play = find(".play");
   const setPlaying = (on) => {
     state.playing = on;
-    play.textContent = on ? "Pause" : "Play";
+    play.textContent = on ? "Pause" : marked ? "Turn" : "Play";
     if (!on) state.phase = 0;
     redraw();
   };
   play.onclick = () => setPlaying(!state.playing);
-  find(".previous").onclick = () => show(state.shape - 1);
-  find(".next").onclick = () => show(state.shape + 1);
-  find(".amplitude").oninput = (event) => { state.amplitude = Number(event.target.value) / 100; redraw(); };
-  find(".lines").onchange = (event) => { state.lines = event.target.checked; redraw(); };
-  find(".names").onchange = (event) => { state.names = event.target.checked; redraw(); };
+  if (!marked) {
+    find(".previous").onclick = () => show(state.shape - 1);
+    find(".next").onclick = () => show(state.shape + 1);
+    find(".amplitude").oninput = (event) => { state.amplitude = Number(event.target.value) / 100; redraw(); };
+    find(".lines").onchange = (event) => { state.lines = event.target.checked; redraw(); };
+    find(".names").onchange = (event) => { state.names = event.target.checked; redraw(); };
+  }
   find(".reset").onclick = () => { Object.assign(state, { yaw: data.yaw, pitch: data.pitch, zoom: 1 }); redraw(); };
   const fingers = new Map();
   back.onpointerdown = (event) => { back.setPointerCapture(event.pointerId); fingers.set(event.pointerId, event); };
@@ -282,7 +304,7 @@
       " ": () => setPlaying(!state.playing) }[event.key];
     if (turn) { event.preventDefault(); turn(); }
   };
-  for (const row of document.querySelectorAll("tr[data-shape]")) {
+  for (const row of marked ? [] : document.querySelectorAll("tr[data-shape]")) {
     row.tabIndex = 0;
     row.onclick = () => show(Number(row.dataset.shape));
     row.onkeydown = (event) => { if (event.key === "Enter") row.onclick(); };
@@ -294,4 +316,35 @@
   setPlaying(state.playing);
   show(0);
   draw();
-})();
+
+  // Both layers on one picture, for PNG and for paper.
+  const picture = () => {
+    draw();
+    const sheet = Page.make("canvas");
+    [sheet.width, sheet.height] = [back.width, back.height];
+    const pen = sheet.getContext("2d");
+    for (const layerCanvas of [back, front]) pen.drawImage(layerCanvas, 0, 0);
+    return sheet;
+  };
+  controls.append(Page.button("PNG", "save this view as PNG", () =>
+    picture().toBlob((blob) => Page.save(marked ? "place" : find(".label").textContent, "png", blob))));
+  Page.dark.addEventListener("change", redraw);
+  // Paper has the marked place, or the first shapes.
+  const sheet = find(".sheet");
+  const image = (label) => Page.make("figure", {}, Page.make("img", { src: picture().toDataURL(), alt: label }),
+    Page.make("figcaption", {}, label));
+  addEventListener("beforeprint", () => {
+    const { shape, phase } = state;
+    state.phase = 0;
+    const shapes = marked ? [] : data.shapes.slice(0, Number(viewer.dataset.paper));
+    sheet.replaceChildren(...(marked ? [image(marked.join(", "))] : shapes.map((one, k) => { show(k); return image(one.label); })));
+    state.phase = phase;
+    show(shape);
+  });
+  addEventListener("afterprint", () => sheet.replaceChildren());
+};
+{
+  const data = document.getElementById("viewer-data");
+  const parsed = data && JSON.parse(data.textContent);
+  if (parsed) for (const viewer of document.querySelectorAll(".viewer")) start(viewer, parsed);
+}

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "io/plot.h"
 #include "show/comparison.h"
+#include "show/identification/response_curves.h"
 #include "show/identification/response_series.h"
 
 namespace chladni::show {
@@ -107,9 +108,7 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
     const auto i = e / measured.input_count();
     const auto j = e % measured.input_count();
     io::PlotPanel panel;
-    panel.title = measured.outputs[static_cast<std::size_t>(i)].name + " by " +
-                  measured.inputs[static_cast<std::size_t>(j)].name +
-                  (seen && !seen(i, j) ? ", held out" : "");
+    panel.title = response_name(measured, i, j) + (seen && !seen(i, j) ? ", held out" : "");
     panel.x = {.label = "frequency [Hz]", .logarithmic = wide};
     panel.y = {.label = response_label(measured.outputs[static_cast<std::size_t>(i)]),
                .logarithmic = true};
@@ -124,15 +123,44 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
   io::draw_plot(png, plot);
 }
 
-void draw_mac(const io::PictureFile& png, const diagnosis::Comparison& comparison) {
+io::Curves compared_responses(const modal::FrfSet& measured,
+                              const std::vector<Eigen::MatrixXcd>& before,
+                              const std::vector<Eigen::MatrixXcd>& after,
+                              const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen) {
+  std::vector<Prediction> predictions{{"simulated", kVermilion}};
+  if (!after.empty()) predictions.push_back({"with the causes", kBlue});
+  std::vector<OneResponse> all;
+  for (Eigen::Index e = 0; e < measured.output_count() * measured.input_count(); ++e) {
+    const auto i = e / measured.input_count(), j = e % measured.input_count();
+    OneResponse one{response_name(measured, i, j) + (seen && !seen(i, j) ? ", held out" : ""),
+                    response(measured.value, i, j),
+                    {},
+                    {response(before, i, j)}};
+    if (!after.empty()) one.predicted.push_back(response(after, i, j));
+    if (!measured.variance.empty()) {
+      one.deviation.resize(measured.line_count());
+      for (Eigen::Index k = 0; k < measured.line_count(); ++k) {
+        one.deviation(k) = std::sqrt(measured.variance[static_cast<std::size_t>(k)](i, j));
+      }
+    }
+    all.push_back(std::move(one));
+  }
+  return response_curves(measured.frequency_hz, predictions, std::move(all),
+                         response_label(measured.outputs[0]));
+}
+
+io::MatrixPicture mac_picture(const diagnosis::Comparison& comparison) {
   const auto& modes = comparison.modes;
-  if (modes.mac.size() == 0) return;
-  io::draw_matrix(png, {.title = "MAC of simulated and measured modes, each shape by itself",
-                        .row_label = "simulated",
-                        .column_label = "measured",
-                        .rows = frequencies(modes.simulated_hz),
-                        .columns = frequencies(modes.measured_hz),
-                        .value = modes.mac});
+  return {.title = "MAC of simulated and measured modes, each shape by itself",
+          .row_label = "simulated",
+          .column_label = "measured",
+          .rows = frequencies(modes.simulated_hz),
+          .columns = frequencies(modes.measured_hz),
+          .value = modes.mac};
+}
+
+void draw_mac(const io::PictureFile& png, const diagnosis::Comparison& comparison) {
+  if (comparison.modes.mac.size() > 0) io::draw_matrix(png, mac_picture(comparison));
 }
 
 io::MatrixPicture errors_picture(const diagnosis::Comparison& comparison) {

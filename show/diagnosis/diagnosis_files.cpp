@@ -106,6 +106,11 @@ void leave_map(const study::Study& study, const steps::Diagnosed& one, Run& run)
 
 }  // namespace
 
+bool is_fitted(const steps::Diagnosed& one, Index i, Index j) {
+  return std::ranges::binary_search(one.measured.outputs, i) &&
+         std::ranges::binary_search(one.measured.inputs, j);
+}
+
 void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run& run,
                      bool main_result) {
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
@@ -114,10 +119,7 @@ void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run
   if (one.modes) return;
   const auto& after =
       one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
-  const auto seen = [&](Index i, Index j) {
-    return std::ranges::binary_search(one.measured.outputs, i) &&
-           std::ranges::binary_search(one.measured.inputs, j);
-  };
+  const auto seen = [&](Index i, Index j) { return is_fitted(one, i, j); };
   run.paint("prediction.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before, after, seen);
   });

@@ -89,19 +89,48 @@ void add_levels(io::Section& section, const diagnosis::Diagnosis& result) {
   }
 }
 
+void add_curves(io::Section& section, const steps::Diagnosed& one) {
+  const auto& after =
+      one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
+  auto curves =
+      compared_responses(one.measured.all, one.predictions.before, after,
+                         [&](Eigen::Index i, Eigen::Index j) { return is_fitted(one, i, j); });
+  curves.caption =
+      "Measured responses, the simulation, and the simulation with the cause. Drag "
+      "over a range to zoom, double-click for all of it. " +
+      curves.caption;
+  section.blocks.emplace_back(std::move(curves));
+}
+
+// A matrix whose numbers are many is a picture, if there is one.
+void add_matrix(io::Section& section, const Run& run, io::MatrixPicture matrix, const char* file,
+                const char* caption) {
+  constexpr Eigen::Index most_cells = 1600;
+  if (matrix.value.size() == 0) return;
+  if (matrix.value.size() > most_cells) return add_picture(section, run, file, caption);
+  section.blocks.emplace_back(std::move(matrix));
+}
+
+void add_errors(io::Section& section, const steps::Diagnosed& one, const Run& run) {
+  if (one.comparison.responses.error.size() < 2) return;
+  add_matrix(section, run, errors_picture(one.comparison), "", "");
+}
+
+void add_mac(io::Section& section, const steps::Diagnosed& one, const Run& run) {
+  add_matrix(section, run, mac_picture(one.comparison), "mac.png",
+             "How much alike shapes are at the channels; repeated modes by themselves turn.");
+}
+
 // What only responses tell: the gain, their picture, their identified modes, what would be seen.
 void add_responses(io::Section& section, const steps::Diagnosed& one, const Run& run) {
   section.blocks.emplace_back(gain_table(one.gain));
   for (auto line : gain_lines(one.gain)) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
   }
-  add_picture(section, run, "prediction.png",
-              "Measured responses, the simulation, and the simulation with the cause.");
+  add_curves(section, one);
+  add_errors(section, one, run);
   add_modes(section, one.comparison.modes);
-  if (one.comparison.modes.mac.size() > 0) {
-    add_picture(section, run, "mac.png",
-                "How much alike shapes are at the channels; repeated modes by themselves turn.");
-  }
+  add_mac(section, one, run);
   if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));
@@ -112,14 +141,6 @@ void add_responses(io::Section& section, const steps::Diagnosed& one, const Run&
 
 io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
   io::Section section{"What the simulation gets wrong, and why", {}};
-  const auto verdict = one.result.verdict;
-  const bool settled =
-      verdict == diagnosis::Verdict::named || verdict == diagnosis::Verdict::no_discrepancy;
-  if (auto advice = steps::advice_against(one.gain); !advice.empty()) {
-    section.blocks.emplace_back(io::Note{io::Note::Tone::warning, std::move(advice)});
-  }
-  section.blocks.emplace_back(
-      io::Note{settled ? io::Note::Tone::good : io::Note::Tone::warning, verdict_text(one.result)});
   if (auto line = reference_line(one.result, one.reference_file); !line.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(std::move(line))});
   }

@@ -6,6 +6,7 @@
 
 #include "io/plot.h"
 #include "show/identification.h"
+#include "show/identification/response_curves.h"
 #include "show/identification/response_series.h"
 #include "steps/identification.h"
 
@@ -13,16 +14,15 @@ namespace chladni::show {
 namespace {
 
 constexpr Eigen::Index kMostPanels = 24;
-constexpr int kInk = 0, kVermilion = 2, kGrey = 6;
+constexpr int kInk = 0, kBlueLine = 1, kVermilion = 2, kGrey = 6;
 
 io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
                              Eigen::Index e) {
   const auto& data = model.data;
-  const auto i = static_cast<std::size_t>(e % data.outputs);
   const auto j = static_cast<std::size_t>(e / data.outputs);
   const double wide = data.frequency_hz(data.line_count() - 1) / data.frequency_hz(0);
   io::PlotPanel panel;
-  panel.title = model.seen.outputs[i].name + " by " + model.seen.inputs[j].name;
+  panel.title = response_name(model.seen, e % data.outputs, e / data.outputs);
   panel.x = {.label = "frequency [Hz]", .logarithmic = wide > 5.0};
   panel.y = {.label = receptance_label(model.seen.inputs[j]), .logarithmic = true};
   const Eigen::VectorXd size = data.value.col(e).cwiseAbs();
@@ -107,11 +107,35 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
   io::draw_plot(png, plot);
 }
 
+io::Curves fitted_curves(const steps::IdentifiedModel& model) {
+  const auto& data = model.data;
+  const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
+  std::vector<OneResponse> all;
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const Eigen::VectorXd weight = data.weight.col(e);
+    if (weight.maxCoeff() <= 0.0) continue;
+    OneResponse one{response_name(model.seen, e % data.outputs, e / data.outputs),
+                    data.value.col(e),
+                    weight.cwiseInverse(),
+                    {fitted.col(e)}};
+    for (Eigen::Index k = 0; k < weight.size(); ++k) {
+      if (weight(k) <= 0.0) one.measured(k) = one.deviation(k) = std::nan("");
+    }
+    all.push_back(std::move(one));
+  }
+  return response_curves(data.frequency_hz, {{"fitted", kBlueLine}}, std::move(all),
+                         receptance_label(model.seen.inputs[0]));
+}
+
+io::Plot stabilisation_plot(const steps::IdentifiedModel& model) {
+  return {.title = "Stabilisation diagram",
+          .panels = {stabilisation_panel(model)},
+          .columns = 1,
+          .aspect = 0.6};
+}
+
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png) {
-  io::draw_plot(png, {.title = "Stabilisation diagram",
-                      .panels = {stabilisation_panel(model)},
-                      .columns = 1,
-                      .aspect = 0.6});
+  io::draw_plot(png, stabilisation_plot(model));
 }
 
 }  // namespace chladni::show

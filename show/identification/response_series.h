@@ -20,6 +20,13 @@ inline constexpr double kBandAlong = 1.3859;
   return result;
 }
 
+/// "s1 by a2": output i, input j.
+[[nodiscard]] inline std::string response_name(const modal::FrfSet& set, Eigen::Index i,
+                                               Eigen::Index j) {
+  return set.outputs[static_cast<std::size_t>(i)].name + " by " +
+         set.inputs[static_cast<std::size_t>(j)].name;
+}
+
 /// "receptance [m/N]": inputs without a unit are forces in N.
 [[nodiscard]] inline std::string receptance_label(const modal::MeasuredChannel& input) {
   return "receptance [m/" + (input.unit.empty() ? "N" : input.unit) + "]";
