@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <ostream>
 #include <vector>
 
@@ -39,14 +41,29 @@ Finding kernel() {
                : now};
 }
 
+// The program of a worker; nothing where it is missing and belongs to a package of its own.
+std::optional<std::filesystem::path> program_of(const Worker& worker) {
+  try {
+    return worker_path(worker.name);
+  } catch (const WorkerDied&) {
+    if (worker.package.empty()) throw;
+    return {};
+  }
+}
+
 Finding found(const Worker& worker) {
   const std::string name(worker.name);
   const std::string serves(worker.serves);
   if (!worker.built) return {true, name, "not built: no " + serves};
   try {
-    const auto program = worker_path(name);
-    try_worker(program);
-    return {true, name, program.string()};
+    const auto program = program_of(worker);
+    if (!program) {
+      return {true, name,
+              fmt::format("optional, not installed: no {}; apt-get install {}", serves,
+                          worker.package)};
+    }
+    try_worker(*program);
+    return {true, name, program->string()};
   } catch (const WorkerDied& e) {
     return {false, name, serves + " will not work: " + e.what()};
   }

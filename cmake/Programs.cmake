@@ -8,7 +8,8 @@ file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/libexec)
 file(CREATE_LINK ../bin ${PROJECT_BINARY_DIR}/libexec/chladni SYMBOLIC)
 
 # add_worker(name "what it serves" [COMPONENT component]): an executable that the others start. It is
-# built by `programs` and installed where base/worker.cpp looks for it.
+# built by `programs` and installed where base/worker.cpp looks for it. One of another component than
+# `programs` is in a Debian package of its own, chladni-<component>, and may be missing.
 function(add_worker name serves)
   cmake_parse_arguments(PARSE_ARGV 2 own "" COMPONENT "")
   if(NOT own_COMPONENT)
@@ -17,14 +18,18 @@ function(add_worker name serves)
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chladni
           COMPONENT ${own_COMPONENT})
+  set(package)
+  if(NOT own_COMPONENT STREQUAL programs)
+    set(package chladni-${own_COMPONENT})
+  endif()
   set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
-               "    Worker{\"${name}\", \"${serves}\", true},\n")
+               "    Worker{\"${name}\", \"${serves}\", \"${package}\", true},\n")
 endfunction()
 
 # absent_worker(name "what it would serve"): one that this build goes without.
 function(absent_worker name serves)
   set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
-               "    Worker{\"${name}\", \"${serves}\", false},\n")
+               "    Worker{\"${name}\", \"${serves}\", \"\", false},\n")
 endfunction()
 
 # Writes `header` with the workers that were added so far.
@@ -41,6 +46,7 @@ namespace chladni::app {
 
 struct Worker {
   std::string_view name, serves;
+  std::string_view package;  ///< the Debian package that alone has it; empty: that of `chladni`
   bool built;
 };
 

@@ -2,10 +2,13 @@
 
 programs_test.py BUILD
 """
+import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -46,6 +49,26 @@ class Programs(unittest.TestCase):
         self.assertGreaterEqual(len(programs), 4)
         for name in programs:
             self.assertRegex(done.stdout, rf"ok +{name[4:]} +\S+/{name[4:]}\n")
+
+    def test_doctor_tells_what_is_optional_from_what_is_missing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            programs = pathlib.Path(folder)
+            for program in (BUILD / "bin").glob("chladni*"):
+                os.symlink(program, programs / program.name)
+            (programs / "chladni").unlink()
+            shutil.copy2(BUILD / "bin/chladni", programs)  # a link would be followed to the others
+
+            def doctor():
+                done = subprocess.run([programs / "chladni", "doctor"], check=False, capture_output=True, text=True,
+                                      env={**os.environ, "CHLADNI_LIBEXEC": ""})
+                return done.stdout
+
+            if (programs / "chladni-slepc").exists():
+                (programs / "chladni-slepc").unlink()
+                self.assertRegex(doctor(), r"ok +chladni-slepc +optional, not installed: no modes by the "
+                                           r"ranks of MPI; apt-get install chladni-cluster\n")
+            (programs / "chladni-tetgen").unlink()
+            self.assertRegex(doctor(), r"BAD +chladni-tetgen +meshing of surfaces will not work")
 
 
 if __name__ == "__main__":
