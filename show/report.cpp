@@ -196,7 +196,9 @@ io::Section provenance_of(const study::Study& study, Run& run) {
   for (const auto& [step, time] : run.seconds()) {
     lines.emplace_back("seconds, " + step, fmt::format("{:.2f}", time));
   }
-  return io::provenance_section(lines);
+  io::Section section = io::provenance_section(lines);
+  section.blocks.emplace_back(io::Listing{"The study, with all its settings", study.text});
+  return section;
 }
 
 // True if flat faces bound the body. A mesh of a round body or of a file may be a little too small.

@@ -151,10 +151,6 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
   if (!one.result.constants.empty()) {
     section.blocks.emplace_back(constants_table(one.result));
   }
-  if (!one.result.measure_next.empty()) {
-    section.blocks.emplace_back(
-        io::Note{io::Note::Tone::plain, "Measure next: " + one.result.measure_next + "."});
-  }
   if (one.result.map.explained.size() > 0) {
     add_picture(section, run, "cause_map.png",
                 "How much of the difference one thing in one place would explain.");
@@ -166,6 +162,10 @@ io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
     add_responses(section, one, run);
   }
   add_remarks(section, one.result);
+  if (one.extended) {
+    section.blocks.emplace_back(
+        io::Listing{"extended.toml: the study with the causes in it", one.extended->text});
+  }
   return section;
 }
 

@@ -96,7 +96,11 @@ Report with_verdict(Report rest, const std::string& name) {
                   .next = {"look at " + name}};
   rest.sections.insert(rest.sections.begin(),
                        {Section{"Verdict", {Beside{{card, Place{{name}}}}}},
-                        Section{"Evidence", {curves_of_two(), likeness(), Listing{name, name}}}});
+                        Section{"Evidence",
+                                {curves_of_two(), likeness(), Listing{name, name},
+                                 Facts{"",
+                                       {{"sha256_of_a_file_with_a_name_that_has_no_blank.csv.gz",
+                                         std::string(64, 'f')}}}}}});
   return rest;
 }
 
