@@ -1,5 +1,6 @@
 // The command line: one verb per step of the flow, one study file, one output folder.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -16,6 +17,7 @@
 #include "io/frf_file.h"
 #include "show/new_output.h"
 #include "show/version.h"
+#include "study/problems.h"
 
 namespace {
 
@@ -203,6 +205,38 @@ void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, 
   gather->callback([&] { status = guarded(talk, [&] { return app::gather(sweep, std::cout); }); });
 }
 
+std::string asked_instead(const std::string& nearest) {
+  return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+}
+
+/// What is wrong with a word of the command line that is no verb, or no option of its verb; empty
+/// where each is one.
+std::string slip(const CLI::App& cli, const std::vector<std::string>& words) {
+  std::vector<std::string> verbs, options;
+  const CLI::App* chosen = nullptr;
+  const auto word = std::ranges::find_if(words, [](const auto& w) { return !w.starts_with("-"); });
+  if (word == words.end()) return "";
+  for (const auto* verb : cli.get_subcommands([](const CLI::App* /*any*/) { return true; })) {
+    verbs.push_back(verb->get_name());
+    if (verbs.back() == *word) chosen = verb;
+  }
+  if (chosen == nullptr) {
+    const auto nearest = study::nearest_name(*word, verbs);
+    return "there is no verb \"" + *word + "\"" +
+           (nearest.empty() ? "; expected " + study::listed(verbs) : asked_instead(nearest));
+  }
+  for (const auto* option : chosen->get_options()) {
+    for (const auto& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (const auto& one : words) {
+    const auto name = one.substr(0, one.find('='));
+    if (!name.starts_with("--") || std::ranges::count(options, name) > 0) continue;
+    return chosen->get_name() + " has no option \"" + name + "\"" +
+           asked_instead(study::nearest_name(name, options));
+  }
+  return "";
+}
+
 /// Reads the command line `argv` and runs its verb.
 int answer(int argc, char** argv, show::Talk& talk) {
   CLI::App cli{"Modes of flexible stages, and where to sense and push on them."};
@@ -224,6 +258,11 @@ int answer(int argc, char** argv, show::Talk& talk) {
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
+    const auto wrong = slip(cli, {argv + 1, argv + argc});
+    if (e.get_exit_code() != 0 && !wrong.empty()) {
+      std::cerr << wrong << "\nRun with --help for more information.\n";
+      return kUsage;
+    }
     return cli.exit(e, std::cout, std::cerr) == 0 ? kDone : kUsage;
   }
   return status;

@@ -20,6 +20,23 @@ TEST_F(CommandLine, UsageErrorsAreTwo) {
   EXPECT_EQ(run({"list", "songs"}).status, 2);
 }
 
+TEST_F(CommandLine, ASlipIsAnsweredWithWhatWasMeant) {
+  const auto verb = run({"mdoes", "study.toml"});
+  EXPECT_EQ(verb.status, 2);
+  EXPECT_TRUE(says(verb.err, "there is no verb \"mdoes\"; did you mean \"modes\"?")) << verb.err;
+  for (const auto* word : {"--thread", "--thread=2"}) {
+    const auto option = run({"modes", "study.toml", word, "2"});
+    EXPECT_EQ(option.status, 2);
+    EXPECT_TRUE(says(option.err, "modes has no option \"--thread\"; did you mean \"--threads\"?"))
+        << option.err;
+  }
+  EXPECT_TRUE(says(run({"modes", "study.toml", "--no-picture"}).err, "\"--no-pictures\"?"));
+  const auto far = run({"sing", "study.toml"}).err;
+  EXPECT_TRUE(says(far, "there is no verb \"sing\"; expected \"check\", \"mesh\"")) << far;
+  const auto missing = run({"modes"}).err;
+  EXPECT_TRUE(says(missing, "STUDY is required")) << missing;
+}
+
 TEST_F(CommandLine, HelpAndVersionAreNoErrors) {
   const auto help = run({"--help"});
   EXPECT_EQ(help.status, 0);
