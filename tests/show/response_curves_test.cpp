@@ -1,0 +1,112 @@
+// Curves of the report: what is shown of many responses, and that their numbers are the responses'.
+#include "show/identification/response_curves.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "base/error.h"
+
+namespace chladni::show {
+namespace {
+
+using Complex = std::complex<double>;
+
+Eigen::VectorXd lines(Eigen::Index count) {
+  return Eigen::VectorXd::LinSpaced(count, 10.0, 1000.0);
+}
+
+// A response of one resonance at 300 Hz, and a prediction that is `factor` times as large.
+OneResponse resonance(const std::string& name, Eigen::Index count, Complex factor) {
+  OneResponse one;
+  one.name = name;
+  one.measured =
+      (1.0 / (1.0 + Complex(0.0, 0.02) - (lines(count).array() / 300.0).square())).matrix();
+  one.predicted = {factor * one.measured};
+  return one;
+}
+
+TEST(ResponseCurves, TellMagnitudePhaseAndErrorOfEachResponse) {
+  auto one = resonance("s by a", 40, std::polar(1.1, 0.0));
+  one.deviation = 0.02 * one.measured.cwiseAbs();
+  const auto curves = response_curves(lines(40), {{"simulated", 2}}, {one}, "receptance [m/N]");
+  ASSERT_EQ(curves.choices.size(), 1U);
+  EXPECT_EQ(curves.choices[0].name, "s by a, off by 10 %");
+  const auto& y = curves.choices[0].y;  // band, measured, simulated; two phases; noise, simulated
+  ASSERT_EQ(y.size(), 8U);
+  const Eigen::VectorXd size = one.measured.cwiseAbs();
+  EXPECT_LT((y[2] - size).norm(), 1e-14 * size.norm());
+  EXPECT_LT((y[3] - 1.1 * size).norm(), 1e-14 * size.norm());
+  // 95 % of a circular error of variance 1 lie within 1.96/√2 along the radius.
+  EXPECT_LT((y[1] - y[0] - 2.0 * 1.96 / std::sqrt(2.0) * one.deviation).norm(), 1e-4 * size.norm());
+  EXPECT_LT((y[4] - y[5]).cwiseAbs().maxCoeff(), 1e-9) << "a real factor turns no phase";
+  EXPECT_NEAR(y[4](39), 180.0 / M_PI * std::arg(one.measured(39)), 1e-9);
+  EXPECT_LT((y[6].array() - 2.0).abs().maxCoeff(), 1e-9);
+  EXPECT_LT((y[7].array() - 10.0).abs().maxCoeff(), 1e-9);
+}
+
+TEST(ResponseCurves, ThoseThatAreMissedMostComeFirst) {
+  const auto curves = response_curves(
+      lines(40), {{"simulated", 2}},
+      {resonance("little", 40, 1.01), resonance("much", 40, 1.5), resonance("some", 40, 1.1)}, "");
+  EXPECT_EQ(curves.choices[0].name, "much, off by 50 %");
+  EXPECT_EQ(curves.choices[1].name, "some, off by 10 %");
+  EXPECT_EQ(curves.choices[2].name, "little, off by 1 %");
+}
+
+TEST(ResponseCurves, SayWhatIsLeftOut) {
+  std::vector<OneResponse> many;
+  for (int r = 0; r < 30; ++r) many.push_back(resonance("r", 400, 1.0 + 0.01 * r));
+  const auto curves = response_curves(lines(400), {{"simulated", 2}}, many, "", 50'000);
+  EXPECT_LT(curves.choices.size(), 30U);
+  EXPECT_GE(curves.choices.size(), 4U);
+  EXPECT_NE(curves.caption.find(" of 30 responses"), std::string::npos);
+  EXPECT_EQ(curves.choices[0].name, "r, off by 29 %");
+}
+
+TEST(ResponseCurves, OfManyLinesTheResonanceStays) {
+  const auto one = resonance("s", 20'000, 1.1);
+  const auto curves = response_curves(lines(20'000), {{"simulated", 2}}, {one}, "");
+  EXPECT_LE(curves.x[0].size(), 1500);
+  EXPECT_EQ(curves.choices[0].y[2].maxCoeff(), one.measured.cwiseAbs().maxCoeff());
+  EXPECT_NE(curves.caption.find("of 20000 lines"), std::string::npos);
+  EXPECT_TRUE(((curves.x[0].tail(curves.x[0].size() - 1) - curves.x[0].head(curves.x[0].size() - 1))
+                   .array() > 0.0)
+                  .all());
+}
+
+TEST(ResponseCurves, WhatWasNotMeasuredIsLeftOut) {
+  auto unmeasured = resonance("none", 40, 1.1);
+  unmeasured.measured.setConstant(NAN);
+  const auto curves =
+      response_curves(lines(40), {{"simulated", 2}}, {unmeasured, resonance("one", 40, 1.1)}, "");
+  ASSERT_EQ(curves.choices.size(), 1U);
+  EXPECT_EQ(curves.choices[0].name, "one, off by 10 %");
+  EXPECT_THROW(static_cast<void>(response_curves(lines(40), {{"simulated", 2}}, {unmeasured}, "")),
+               InvalidInput);
+}
+
+io::PlotSeries series(const std::string& name, Eigen::Index count) {
+  return {.name = name, .x = lines(count), .y = lines(count), .upper = {}};
+}
+
+TEST(ResponseCurves, PanelsOfAPlotAreChoices) {
+  io::Plot plot;
+  plot.panels.resize(2);
+  plot.panels[0].title = "first";
+  plot.panels[0].series = {series("a", 5), series("b", 7)};
+  plot.panels[1].title = "second";
+  plot.panels[1].series = {series("b", 7)};
+  const auto curves = curves_of(plot, "two", "panel");
+  ASSERT_EQ(curves.choices.size(), 2U);
+  EXPECT_EQ(curves.choices[1].name, "second");
+  EXPECT_EQ(curves.choices[1].y[0].size(), 0) << "it has no a";
+  EXPECT_EQ(curves.choices[1].y[1], lines(7));
+  EXPECT_EQ(curves.x[curves.panes[0].series[1].x], lines(7));
+  plot.panels[1].series = {series("b", 8)};
+  EXPECT_THROW(static_cast<void>(curves_of(plot, "two", "panel")), InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::show
