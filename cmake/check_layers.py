@@ -12,7 +12,7 @@ MAY_INCLUDE = {
     "base": "",
     "dense": "base",
     "mesh": "base",
-    "modal": "base mesh",
+    "modal": "base dense mesh",
     "fem": "base dense mesh modal",
     "priors": "base dense mesh modal",
     "placement": "base dense mesh modal priors",

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.h"
+#include "dense/linear_systems.h"
 
 namespace chladni::modal {
 namespace {
@@ -97,14 +97,9 @@ StateSpace discretised(const StateSpace& model, double sample_time_s) {
   require(std::isfinite(sample_time_s) && sample_time_s > 0.0,
           "state space: the sample time is " + fmt::to_string(sample_time_s) +
               " s; expected a positive number");
-  const auto n = model.a.rows();
-  const auto q = model.b.cols();
-  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(n + q, n + q);
-  block.topLeftCorner(n, n) = sample_time_s * model.a;
-  block.topRightCorner(n, q) = sample_time_s * model.b;
-  const Eigen::MatrixXd exponential = block.exp();
-  return {.a = exponential.topLeftCorner(n, n),
-          .b = exponential.topRightCorner(n, q),
+  const auto [exponential, integral] = dense::exponential_with_integral(model.a, sample_time_s);
+  return {.a = exponential,
+          .b = integral * model.b,
           .c = model.c,
           .d = model.d,
           .sample_time_s = sample_time_s};

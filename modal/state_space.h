@@ -23,8 +23,8 @@ struct StateSpace {
 [[nodiscard]] StateSpace state_space(const ReducedModel& model,
                                      FrfKind output = FrfKind::receptance);
 
-/// Exact for inputs that are constant between samples (zero-order hold, by the matrix
-/// exponential; Van Loan 1978).
+/// Exact for inputs that are constant between samples (zero-order hold, by the matrix exponential
+/// and its integral).
 /// @throws InvalidInput  the sample time is not positive, or the model is discrete already
 [[nodiscard]] StateSpace discretised(const StateSpace& model, double sample_time_s);
 
