@@ -29,8 +29,8 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 [[nodiscard]] io::Plot stabilisation_plot(const steps::IdentifiedModel& model);
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
-/// identified.json, identified.mat (state space), identified_shapes.csv, fit.png and, where it was
-/// asked for, stabilisation.png
+/// identified.json, identified.mat (all places), identified_shapes.csv, the files of
+/// leave_control_models, fit.png and, where it was asked for, stabilisation.png
 void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result);
 

@@ -19,16 +19,6 @@ namespace {
 
 constexpr double kAssumedModelError = 0.01;  // if no variance is stated
 
-// True if springs to ground or supports hold the body. Attachments on the body do not hold it.
-bool is_held(const study::Study& study) {
-  return !study.supports.empty() ||
-         std::any_of(study.attachments.begin(), study.attachments.end(),
-                     [](const auto& attachment) {
-                       return std::holds_alternative<fem::GroundSpring>(attachment.what) ||
-                              std::holds_alternative<fem::GroundTorsionSpring>(attachment.what);
-                     });
-}
-
 identification::FitDataOptions data_options(const study::IdentificationPlan& plan,
                                             const modal::FrfSet& set) {
   identification::FitDataOptions options{.low_hz = plan.low_hz, .high_hz = plan.high_hz};
@@ -80,6 +70,15 @@ void add_errors(IdentifiedModel& model) {
 }
 
 }  // namespace
+
+bool is_held(const study::Study& study) {
+  return !study.supports.empty() ||
+         std::any_of(study.attachments.begin(), study.attachments.end(),
+                     [](const auto& attachment) {
+                       return std::holds_alternative<fem::GroundSpring>(attachment.what) ||
+                              std::holds_alternative<fem::GroundTorsionSpring>(attachment.what);
+                     });
+}
 
 identification::FitData fit_data_of(const study::Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {

@@ -53,6 +53,8 @@ template <typename Named>
   return found == all.end() ? -1 : found - all.begin();
 }
 
+/// True if springs to ground or supports hold the body. Attachments on the body do not hold it.
+[[nodiscard]] bool is_held(const study::Study& study);
 /// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
 [[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);
 /// Other responses of the same measurement, prepared as for the model's own fit.

@@ -51,6 +51,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<PlacementPlan>& choose_schema();
 [[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
+[[nodiscard]] const Schema<StateSpacePlan>& state_space_schema();
 [[nodiscard]] const Schema<InterpolationPlan>& interpolation_schema();
 [[nodiscard]] const Schema<PriorsPlan>& priors_schema();
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();

@@ -91,6 +91,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_measurement(root, folder, study);
   read_experiment(root, study);
   read_identification(root, study);
+  read_state_space(root, study);
   read_interpolation(root, study);
   read_priors(root, study);
   read_diagnosis(root, folder, study);

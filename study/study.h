@@ -209,6 +209,13 @@ struct IdentificationPlan {
   int stabilisation = 0;             ///< highest order of the diagram; 0: none
 };
 
+/// State spaces for the design and the running of a controller.
+struct StateSpacePlan {
+  double sample_rate_hz = 0.0;  ///< of the discrete model; 0: that of the experiment, else none
+  int states = 0;               ///< after balanced reduction; 0: all
+  int pade_order = 0;           ///< of the continuous model's delays; 0: they stay delays
+};
+
 /// A point whose motion the study asks for.
 struct PointPlan {
   std::string name;
@@ -283,6 +290,7 @@ struct Study {
   std::optional<MeasurementPlan> measurement;
   std::optional<ExperimentPlan> experiment;
   std::optional<IdentificationPlan> identification;
+  std::optional<StateSpacePlan> state_space;
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
   std::optional<DiagnosisPlan> diagnosis;

@@ -8,7 +8,9 @@
 #include "io/mat.h"
 #include "io/shape_table.h"
 #include "modal/state_space.h"
+#include "show/control_models.h"
 #include "show/identification.h"
+#include "show/rigid_body.h"
 #include "steps/identification.h"
 
 namespace chladni::show {
@@ -309,7 +311,16 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
                           bool main_result) {
   const auto& fit = model.found.fit;
   const auto extended = identification::extended_model(fit, model.match);
-  io::write_mat(run / "identified.mat", matlab_variables(study, model, extended));
+  const auto body = steps::rigid_body_of_channels(study, model);
+  auto variables = matlab_variables(study, model, extended);
+  auto json = identified_json(model);
+  if (body) {
+    variables.emplace_back("rigid_body", rigid_body_mat(*body));
+    json.emplace_back("rigid_body", rigid_body_json(*body));
+    for (const auto& note : body->notes) run.warn(note);
+    run.show(rigid_body_text(*body));
+  }
+  io::write_mat(run / "identified.mat", variables);
   io::write_shapes(run / "identified_shapes.csv",
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,
                     model.match.shapes, model.match.deviation});
@@ -320,7 +331,8 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
       run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
     }
   }
-  run.leave("identified.json", identified_json(model), main_result);
+  run.leave("identified.json", std::move(json), main_result);
+  leave_control_models(study, model, run);
 }
 
 std::function<void(const steps::IdentifiedModel&)> shown_and_left(const study::Study& study,

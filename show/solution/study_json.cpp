@@ -106,6 +106,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("measurement", study::measurement_schema(), study.measurement);
   add("experiment", study::experiment_schema(), study.experiment);
   add("identification", study::identification_schema(), study.identification);
+  add("state_space", study::state_space_schema(), study.state_space);
   add("interpolation", study::interpolation_schema(), study.interpolation);
   add("priors", study::priors_schema(), study.priors);
   add("diagnosis", study::diagnosis_schema(), study.diagnosis);

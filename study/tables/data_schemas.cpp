@@ -157,6 +157,21 @@ const Schema<InterpolationPlan>& interpolation_schema() {
   return schema;
 }
 
+const Schema<StateSpacePlan>& state_space_schema() {
+  using P = StateSpacePlan;
+  static const Schema<P> schema = {
+      "state_space",
+      {quantity("sample_rate", "Hz", Sign::positive, &P::sample_rate_hz,
+                "of the discrete model and the C header",
+                "that of the experiment, else neither is made"),
+       whole("states", 1, 2 * kMostModes, &P::states,
+             "that a balanced reduction leaves, rigid-body motion included", "all"),
+       whole("pade_order", 1, 10, &P::pade_order,
+             "of the delays of the continuous model; the discrete one has them exactly",
+             "they stay delays")}};
+  return schema;
+}
+
 const Schema<PriorsPlan>& priors_schema() {
   using P = PriorsPlan;
   static const Schema<P> schema = {

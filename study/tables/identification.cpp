@@ -57,4 +57,11 @@ void read_identification(TableReader& root, Study& study) {
   table->refuse_unknown();
 }
 
+void read_state_space(TableReader& root, Study& study) {
+  auto table = root.table("state_space");
+  if (!table) return;
+  state_space_schema().read(*table, study.state_space.emplace());
+  table->refuse_unknown();
+}
+
 }  // namespace chladni::study

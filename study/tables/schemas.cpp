@@ -262,6 +262,7 @@ std::vector<TableText> tables_of_a_study() {
   add(measurement_schema());
   add(experiment_schema());
   add(identification_schema());
+  add(state_space_schema());
   add(interpolation_schema());
   add(priors_schema());
   add(diagnosis_schema());

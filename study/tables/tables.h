@@ -33,6 +33,7 @@ void read_placement(TableReader& root, Study& study);
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
 void read_experiment(TableReader& root, Study& study);  ///< after the channels
 void read_identification(TableReader& root, Study& study);
+void read_state_space(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
 void read_priors(TableReader& root, Study& study);
 void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);

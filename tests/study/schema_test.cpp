@@ -54,10 +54,11 @@ void expect_default(const Schema<Plan>& schema, const Plan& plan) {
 
 TEST(Schema, LeavesADefaultPlanWhereATableIsEmpty) {
   const auto study = with(
-      "[identification]\n[mesh]\n[modes]\n[placement]\nchoose = "
+      "[identification]\n[state_space]\n[mesh]\n[modes]\n[placement]\nchoose = "
       "{}\n[interpolation]\n[priors]\n[diagnosis]\n"
       "tolerances = {}\ncosts = {}\n");
   expect_default(identification_schema(), *study.identification);
+  expect_default(state_space_schema(), *study.state_space);
   expect_default(mesh_schema(), study.mesh);
   expect_default(modes_schema(), study.modes);
   expect_default(placement_schema(), *study.placement);

@@ -1,0 +1,19 @@
+// State spaces for control as text and files.
+#pragma once
+
+#include <string>
+
+#include "show/run.h"
+#include "steps/control_models.h"
+
+namespace chladni::show {
+
+/// A line on the size, the delays and the reduction, and the line that MATLAB takes.
+[[nodiscard]] std::string control_models_text(const steps::ControlModels& models);
+
+/// Shows the text and leaves state_space.mat, state_space.json and, with a sample rate,
+/// state_space.h. A model that cannot be made is a warning, unless the study has [state_space].
+/// @throws InvalidInput  as steps::control_models, where the study has [state_space]
+void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model, Run& run);
+
+}  // namespace chladni::show

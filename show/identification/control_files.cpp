@@ -1,0 +1,92 @@
+// state_space.mat, state_space.json and state_space.h
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/control_model.h"
+#include "show/control_models.h"
+
+namespace chladni::show {
+namespace {
+
+// "delay 968 us", or the range over channels; empty without delays.
+std::string delay_text(const Eigen::VectorXd& input, const Eigen::VectorXd& output) {
+  const auto of = [](const Eigen::VectorXd& delay, const char* side) {
+    if (delay.size() == 0 || delay.maxCoeff() == 0.0) return std::string();
+    const double least = 1e6 * delay.minCoeff();
+    const double most = 1e6 * delay.maxCoeff();
+    return least == most ? fmt::format(", delay of the {} {:.2f} us", side, most)
+                         : fmt::format(", delays of the {} {:.2f} to {:.2f} us", side, least, most);
+  };
+  return of(input, "inputs") + of(output, "outputs");
+}
+
+std::string sampled_text(const modal::ControlModel& model) {
+  return fmt::format(
+      "sampled at {:.6g} Hz: {} states, at most {:.0f} samples of delay (state_space.h)\n",
+      1.0 / model.space.sample_time_s, model.space.a.rows(),
+      model.input_delay.maxCoeff() + model.output_delay.maxCoeff());
+}
+
+io::Json reduction_json(const steps::ControlModels& models) {
+  return io::JsonObject{{"states", static_cast<long long>(models.continuous.space.a.rows())},
+                        {"all_states", static_cast<long long>(models.all_states)},
+                        {"hankel_singular_values", io::Json(models.hankel)},
+                        {"error_bound", models.error_bound}};
+}
+
+void write_files(const study::Study& study, const steps::ControlModels& models, Run& run) {
+  io::MatFields variables{{"continuous", io::control_model_mat(models.continuous)},
+                          {"hankel_singular_values", Eigen::MatrixXd(models.hankel)},
+                          {"error_bound", models.error_bound}};
+  io::JsonObject json{{"continuous", io::control_model_json(models.continuous)}};
+  const auto header = run / "state_space.h";
+  if (models.discrete) {
+    variables.insert(variables.begin() + 1, {"discrete", io::control_model_mat(*models.discrete)});
+    json.emplace_back("discrete", io::control_model_json(*models.discrete));
+    write_atomically(header, io::control_model_c(*models.discrete, {study.title, models.position}));
+  } else {
+    std::filesystem::remove(header);  // of a run with a sample rate
+  }
+  json.emplace_back("reduction", reduction_json(models));
+  json.emplace_back(
+      "position", io::Json(Eigen::Map<const Eigen::VectorXd>(
+                      models.position.data(), static_cast<Eigen::Index>(models.position.size()))));
+  json.emplace_back("notes", io::Json::texts(models.notes));
+  io::write_mat(run / "state_space.mat", variables);
+  run.leave("state_space.json", json, false);
+}
+
+}  // namespace
+
+std::string control_models_text(const steps::ControlModels& models) {
+  const auto& model = models.continuous;
+  const bool reduced = models.error_bound > 0.0;
+  std::string text = fmt::format(
+      "\nstate space: {} states{}, {} inputs, {} outputs{}\n", model.space.a.rows(),
+      reduced ? fmt::format(" of {} (balanced, error at most {:.3g}; largest Hankel value {:.3g})",
+                            models.all_states, models.error_bound, models.hankel(0))
+              : "",
+      model.inputs.size(), model.outputs.size(), delay_text(model.input_delay, model.output_delay));
+  if (models.discrete) text += sampled_text(*models.discrete);
+  return text +
+         "in MATLAB: m = load('state_space.mat').continuous; "
+         "G = ss(m.A, m.B, m.C, m.D, m.Ts, m.properties{:});\n";
+}
+
+void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model,
+                          Run& run) {
+  try {
+    const auto models = steps::control_models(study, model);
+    for (const auto& note : models.notes) run.warn(note);
+    write_files(study, models, run);
+    run.show(control_models_text(models));
+  } catch (const InvalidInput& fault) {
+    if (study.state_space) throw;
+    run.warn(std::string("no state space: ") + fault.what());
+  }
+}
+
+}  // namespace chladni::show

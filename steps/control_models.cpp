@@ -1,0 +1,90 @@
+#include "steps/control_models.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "identification/control_model.h"
+
+namespace chladni::steps {
+namespace {
+
+// Hankel singular values cost n³: with more states they are computed for a reduction alone.
+constexpr Eigen::Index kManyStates = 200;
+
+double sample_rate(const study::Study& study, const study::StateSpacePlan& plan) {
+  if (plan.sample_rate_hz > 0.0) return plan.sample_rate_hz;
+  return study.experiment ? study.experiment->sample_rate_hz : 0.0;
+}
+
+void reduce(const study::StateSpacePlan& plan, ControlModels& models) {
+  auto& model = models.continuous;
+  const bool asked = plan.states > 0 && plan.states != models.all_states;
+  if (!asked && models.all_states > kManyStates) return;
+  const auto small = modal::reduced(model, asked ? plan.states : models.all_states);
+  models.hankel = small.hankel;
+  if (!asked) return;
+  models.error_bound = small.error_bound;
+  model = small.model;
+}
+
+// The highest frequency of a pole [Hz].
+double highest_hz(const modal::ControlModel& model) {
+  const Eigen::VectorXcd poles = model.space.a.eigenvalues();
+  return poles.size() > 0 ? poles.cwiseAbs().maxCoeff() / (2.0 * std::numbers::pi) : 0.0;
+}
+
+void sample(double rate_hz, ControlModels& models) {
+  models.discrete = modal::discretised(models.continuous, 1.0 / rate_hz);
+  const double highest = highest_hz(models.continuous);
+  if (highest < 0.5 * rate_hz) return;
+  models.notes.push_back(
+      fmt::format("a mode at {:.6g} Hz lies above half of the sample rate: what the discrete model "
+                  "shows of it is an alias",
+                  highest));
+}
+
+void approximate_delays(int order, ControlModels& models) {
+  const double limit = modal::pade_limit_hz(models.continuous, order, std::numbers::pi / 180.0);
+  if (std::isinf(limit)) return;
+  models.notes.push_back(fmt::format(
+      "the Pade delays of the continuous model are right within 1 degree below {:.4g} Hz", limit));
+  models.continuous = modal::with_pade_delays(models.continuous, order);
+}
+
+}  // namespace
+
+ControlModels control_models(const study::Study& study, const modal::ControlModel& whole) {
+  const auto plan = study.state_space.value_or(study::StateSpacePlan{});
+  ControlModels models;
+  models.continuous = whole;
+  models.all_states = whole.space.a.rows();
+  try {
+    reduce(plan, models);
+    if (const double rate = sample_rate(study, plan); rate > 0.0) sample(rate, models);
+    if (plan.pade_order > 0) approximate_delays(plan.pade_order, models);
+  } catch (const InvalidInput& fault) {
+    throw InvalidInput(study.file.string() + ": [state_space]: " + fault.what());
+  }
+  return models;
+}
+
+ControlModels control_models(const study::Study& study, const IdentifiedModel& model) {
+  const auto& fit = model.found.fit;
+  auto models = control_models(study, identification::control_model(
+                                          fit, model.match, model.seen.outputs, model.seen.inputs));
+  const auto left_out = identification::left_out_of_control_model(fit, model.seen.outputs);
+  models.notes.insert(models.notes.begin(), left_out.begin(), left_out.end());
+  if (fit.complex || models.continuous.space.a.rows() < models.all_states) return models;
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+    const bool rigid = m < fit.model.rigid_count;
+    models.position.push_back(rigid ? 1.0
+                                    : 1.0 / (2.0 * std::numbers::pi * fit.model.frequency_hz(m)));
+  }
+  return models;
+}
+
+}  // namespace chladni::steps

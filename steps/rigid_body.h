@@ -1,0 +1,28 @@
+// The body that moves as a whole: its mass properties, and how channels and rigid-body motion go
+// into each other.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/decoupling.h"
+#include "identification/rigid_properties.h"
+#include "steps/identification.h"
+
+namespace chladni::steps {
+
+struct RigidBodyOfChannels {
+  Eigen::Index modes = 0;               ///< in which the body moves as a whole
+  std::vector<Eigen::Index> suspended;  ///< those above 0 Hz
+  std::optional<identification::RigidProperties> properties;  ///< none: the notes say why
+  Eigen::Vector3d about;                          ///< point of moments and displacements [m]
+  identification::Decoupling sensors, actuators;  ///< about `about`
+  std::vector<std::string> notes;                 ///< what is not told or missing, a sentence each
+};
+
+/// None if a channel has no place or direction.
+[[nodiscard]] std::optional<RigidBodyOfChannels> rigid_body_of_channels(
+    const study::Study& study, const IdentifiedModel& model);
+
+}  // namespace chladni::steps
