@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 
 namespace chladni::identification {
@@ -19,6 +21,28 @@ std::vector<modal::Signal> complex_states(const modal::ReducedModel& model) {
                       rigid ? "kg^1/2 m/s" : states.back().unit});
   }
   return states;
+}
+
+// L T and T⁻¹ R with the T that brings R next to the matched input shapes: a number for each mode,
+// a matrix for all modes at 0 Hz together. The responses stay those of the fit.
+modal::ReducedModel in_scale_of(const GainMatch& match, modal::ReducedModel model) {
+  const auto change = [&](Eigen::Index first, Eigen::Index count) {
+    if (count == 0) return;
+    const Eigen::MatrixXd matched = match.input_shapes.middleRows(first, count);
+    const Eigen::MatrixXd own = model.input_shapes.middleRows(first, count);
+    const Eigen::MatrixXd turn =
+        matched.transpose().colPivHouseholderQr().solve(own.transpose()).transpose();
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(turn);
+    if (!turn.allFinite() || !lu.isInvertible()) return;
+    model.output_shapes.middleCols(first, count) *= turn;
+    model.input_shapes.middleRows(first, count) = lu.solve(own);
+  };
+  change(0, model.rigid_count);
+  for (auto m = model.rigid_count; m < model.mode_count(); ++m) change(m, 1);
+  if (model.residual.size() == 0) {
+    model.residual.setZero(model.output_count(), model.input_count());
+  }
+  return model;
 }
 
 // Delays of the channels of one side, as the fit has them.
@@ -48,11 +72,7 @@ modal::ControlModel control_model(const ModalFit& fit, const GainMatch& match,
     model = modal::control_model(state_space(fit.model, *fit.complex), complex_states(fit.model),
                                  rows, columns);
   } else {
-    auto modes = extended_model(fit, match);
-    const auto sensors = fit.model.output_count();
-    modes.output_shapes = modes.output_shapes.topRows(sensors).eval();
-    modes.residual = modes.residual.topRows(sensors).eval();
-    model = modal::control_model(modes, rows, columns);
+    model = modal::control_model(in_scale_of(match, fit.model), rows, columns);
   }
   const bool of_outputs = fit.delay_of == DelayOf::outputs;
   model.output_delay = delays(fit, fit.model.output_count(), of_outputs).cwiseMax(0.0);
@@ -74,7 +94,7 @@ std::vector<std::string> left_out_of_control_model(
     return output.kind != modal::FrfKind::receptance;
   });
   if (moving && fit.model.residual.size() > 0 && fit.model.residual.cwiseAbs().maxCoeff() > 0.0) {
-    notes.push_back(
+    notes.emplace_back(
         "sensors of velocity or acceleration are without the flexibility of the modes above the "
         "band: its derivative is in no state space");
   }

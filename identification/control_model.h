@@ -13,9 +13,9 @@ namespace chladni::identification {
 
 /// From the actuators to the sensors, each in its own quantity. Delays of outputs are output
 /// delays, others input delays; a delay below 0 is left out, because no model looks ahead. With
-/// real shapes the states are modal coordinates of mass-normalised shapes, in the scale of `match`
-/// (of the fit where the mode has no scale): C(ρ) at a place is φ(ρ) over the scale of the
-/// positions.
+/// real shapes the states are modal coordinates of mass-normalised shapes, in the scale of `match`:
+/// C(ρ) at a place is φ(ρ) over the scale of the positions. The responses are those of the fit:
+/// what the match corrects of single channels is not in them.
 /// @param outputs, inputs  the channels of the fit
 /// @throws InvalidInput  the numbers of channels differ
 [[nodiscard]] modal::ControlModel control_model(const ModalFit& fit, const GainMatch& match,

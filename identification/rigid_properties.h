@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "identification/decoupling.h"
+#include "identification/gain_match.h"
 #include "identification/modal_fit.h"
 
 namespace chladni::identification {
@@ -18,8 +19,10 @@ struct RigidProduct {
 };
 
 /// Of the modes at 0 Hz and of the `suspended` ones above it, which are taken for independent.
+/// Values are those of the matched shapes, whose gains are corrected; the covariance is that of the
+/// fit.
 /// @throws InvalidInput  a suspended mode is none of the fit's
-[[nodiscard]] RigidProduct rigid_product(const ModalFit& fit,
+[[nodiscard]] RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
                                          const std::vector<Eigen::Index>& suspended);
 
 /// Deviations are infinite and values NaN for what the channels' places and directions do not tell.
@@ -29,7 +32,7 @@ struct RigidProperties {
   Eigen::Matrix3d inertia, inertia_std;  ///< [kg m²], about the centre of mass
   Eigen::Vector3d about;  ///< the centre; where it is not told, the middle of the channels
   double misfit = 0.0;    ///< χ² per degree of freedom; 0 without deviations or freedoms
-  std::vector<std::string> not_told;  ///< what the channels do not tell, a sentence each
+  std::vector<std::string> not_told;  ///< "the inertia about z": not told by the channels
 };
 
 /// Weighted least squares of n_iᵀ n_j / m + ((p_i − c) × n_i)ᵀ J⁻¹ ((p_j − c) × n_j), the response

@@ -9,11 +9,17 @@
 namespace chladni::show {
 
 /// A line on the size, the delays and the reduction, and the line that MATLAB takes.
-[[nodiscard]] std::string control_models_text(const steps::ControlModels& models);
+/// @param stem  name of the files without their ends: "state_space"
+[[nodiscard]] std::string control_models_text(const steps::ControlModels& models,
+                                              const std::string& stem);
 
 /// Shows the text and leaves state_space.mat, state_space.json and, with a sample rate,
 /// state_space.h. A model that cannot be made is a warning, unless the study has [state_space].
 /// @throws InvalidInput  as steps::control_models, where the study has [state_space]
 void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model, Run& run);
+
+/// The same of the simulation as simulated_state_space.*, where the study has [state_space].
+/// @throws as steps::control_models
+void leave_control_models(const study::Study& study, const stage::Solution& solution, Run& run);
 
 }  // namespace chladni::show

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.h"
 #include "identification/control_model.h"
+#include "stage/at_channels.h"
 
 namespace chladni::steps {
 namespace {
@@ -20,10 +22,29 @@ double sample_rate(const study::Study& study, const study::StateSpacePlan& plan)
   return study.experiment ? study.experiment->sample_rate_hz : 0.0;
 }
 
+// False where a mode above 0 Hz has no damping: it has no Hankel singular values.
+bool is_damped(const modal::ControlModel& model) {
+  const Eigen::VectorXcd poles = model.space.a.eigenvalues();
+  const double largest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0.0;
+  return std::all_of(poles.begin(), poles.end(), [&](const auto& pole) {
+    return pole.real() < 0.0 || std::abs(pole) <= 1e-7 * largest;
+  });
+}
+
+// Factors from the position states of the modes to their coordinates.
+std::vector<double> positions(const Eigen::VectorXd& frequency_hz, Eigen::Index rigid_count) {
+  std::vector<double> factors;
+  for (Eigen::Index m = 0; m < frequency_hz.size(); ++m) {
+    factors.push_back(m < rigid_count ? 1.0 : 0.5 / (std::numbers::pi * frequency_hz(m)));
+  }
+  return factors;
+}
+
 void reduce(const study::StateSpacePlan& plan, ControlModels& models) {
   auto& model = models.continuous;
   const bool asked = plan.states > 0 && plan.states != models.all_states;
   if (!asked && models.all_states > kManyStates) return;
+  if (!asked && !is_damped(model)) return;
   const auto small = modal::reduced(model, asked ? plan.states : models.all_states);
   models.hankel = small.hankel;
   if (!asked) return;
@@ -72,6 +93,30 @@ ControlModels control_models(const study::Study& study, const modal::ControlMode
   return models;
 }
 
+ControlModels control_models(const study::Study& study, const stage::Solution& solution) {
+  require(!study.sensors.empty() && !study.actuators.empty(),
+          study.file.string() + ": [state_space] needs a sensor and an actuator");
+  std::vector<modal::OutputChannel> outputs;
+  for (const auto& sensor : study.sensors) {
+    outputs.push_back({sensor.name, kind_of(sensor.quantity)});
+  }
+  const auto modes = stage::at_channels(study, solution);
+  auto models =
+      control_models(study, modal::control_model(modes, outputs, study::names_of(study.actuators)));
+  const bool moving = std::any_of(outputs.begin(), outputs.end(), [](const auto& output) {
+    return output.kind != modal::FrfKind::receptance;
+  });
+  if (moving) {
+    models.notes.emplace_back(
+        "sensors of velocity or acceleration are without the flexibility of the omitted modes: its "
+        "derivative is in no state space");
+  }
+  if (models.continuous.space.a.rows() == models.all_states) {
+    models.position = positions(modes.frequency_hz, modes.rigid_count);
+  }
+  return models;
+}
+
 ControlModels control_models(const study::Study& study, const IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   auto models = control_models(study, identification::control_model(
@@ -79,11 +124,7 @@ ControlModels control_models(const study::Study& study, const IdentifiedModel& m
   const auto left_out = identification::left_out_of_control_model(fit, model.seen.outputs);
   models.notes.insert(models.notes.begin(), left_out.begin(), left_out.end());
   if (fit.complex || models.continuous.space.a.rows() < models.all_states) return models;
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
-    const bool rigid = m < fit.model.rigid_count;
-    models.position.push_back(rigid ? 1.0
-                                    : 1.0 / (2.0 * std::numbers::pi * fit.model.frequency_hz(m)));
-  }
+  models.position = positions(fit.model.frequency_hz, fit.model.rigid_count);
   return models;
 }
 

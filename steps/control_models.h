@@ -28,6 +28,12 @@ struct ControlModels {
 [[nodiscard]] ControlModels control_models(const study::Study& study,
                                            const modal::ControlModel& whole);
 
+/// From the study's actuators to its sensors on the modes of its simulation, with the static
+/// flexibility of all others. Cost: that of stage::at_channels.
+/// @throws InvalidInput  as above; no sensor or no actuator
+[[nodiscard]] ControlModels control_models(const study::Study& study,
+                                           const stage::Solution& solution);
+
 /// From the actuators to the sensors of an identified model.
 [[nodiscard]] ControlModels control_models(const study::Study& study, const IdentifiedModel& model);
 

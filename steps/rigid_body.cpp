@@ -60,7 +60,7 @@ std::string missing_modes(const study::Study& study, const RigidBodyOfChannels& 
 
 void add_properties(const ChannelFrame& outputs, const ChannelFrame& inputs,
                     const IdentifiedModel& model, double bending, RigidBodyOfChannels& found) {
-  auto product = identification::rigid_product(model.found.fit, found.suspended);
+  auto product = identification::rigid_product(model.found.fit, model.match, found.suspended);
   // Either side of a product may be off by this part of the rms.
   const double bent = 2.0 * bending * bending * product.value.cwiseAbs2().mean();
   product.covariance.diagonal().array() += bent;
@@ -71,8 +71,9 @@ void add_properties(const ChannelFrame& outputs, const ChannelFrame& inputs,
     return;
   }
   found.about = found.properties->about;
-  found.notes.insert(found.notes.end(), found.properties->not_told.begin(),
-                     found.properties->not_told.end());
+  const auto has_no_unit = [](const auto& channel) { return channel.unit.empty(); };
+  found.up_to_a_factor =
+      std::any_of(model.seen.outputs.begin(), model.seen.outputs.end(), has_no_unit);
 }
 
 }  // namespace

@@ -16,9 +16,10 @@ struct RigidBodyOfChannels {
   Eigen::Index modes = 0;               ///< in which the body moves as a whole
   std::vector<Eigen::Index> suspended;  ///< those above 0 Hz
   std::optional<identification::RigidProperties> properties;  ///< none: the notes say why
-  Eigen::Vector3d about;                          ///< point of moments and displacements [m]
+  Eigen::Vector3d about;        ///< point of moments and displacements [m]
+  bool up_to_a_factor = false;  ///< mass and inertia: the file states no unit of a sensor
   identification::Decoupling sensors, actuators;  ///< about `about`
-  std::vector<std::string> notes;                 ///< what is not told or missing, a sentence each
+  std::vector<std::string> notes;                 ///< what is missing and why, a sentence each
 };
 
 /// None if a channel has no place or direction.

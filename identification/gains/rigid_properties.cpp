@@ -206,20 +206,20 @@ void say_what_is_not_told(const Told& told, RigidProperties& body) {
   constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
   for (std::size_t a = 0; a < 3; ++a) {
     if (!told.known[1 + a]) {
-      body.not_told.push_back(fmt::format(
-          "the channels do not tell the centre of mass along {}: it is taken in their middle",
-          kAxes[a]));
+      body.not_told.push_back(fmt::format("the centre of mass along {}", kAxes[a]));
     }
-    if (std::isnan(body.inertia(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(a)))) {
-      body.not_told.push_back(
-          fmt::format("the channels do not tell the inertia about {}", kAxes[a]));
-    }
+  }
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    if (!std::isnan(body.inertia(a, a))) continue;
+    body.not_told.push_back(
+        fmt::format("the inertia about {}", kAxes[static_cast<std::size_t>(a)]));
   }
 }
 
 }  // namespace
 
-RigidProduct rigid_product(const ModalFit& fit, const std::vector<Eigen::Index>& suspended) {
+RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
+                           const std::vector<Eigen::Index>& suspended) {
   const auto p = fit.model.output_count();
   const auto q = fit.model.input_count();
   const auto rigid = fit.model.rigid_count;
@@ -228,7 +228,8 @@ RigidProduct rigid_product(const ModalFit& fit, const std::vector<Eigen::Index>&
   const auto add = [&](Eigen::Index first, Eigen::Index count, const Eigen::MatrixXd& covariance) {
     const Eigen::MatrixXd l = fit.model.output_shapes.middleCols(first, count);
     const Eigen::MatrixXd r = fit.model.input_shapes.middleRows(first, count);
-    product.value += l * r;
+    product.value +=
+        match.shapes.block(0, first, p, count) * match.input_shapes.middleRows(first, count);
     product.modes += count;
     if (covariance.rows() != (p + q) * count) return;
     Eigen::MatrixXd change = Eigen::MatrixXd::Zero(p * q, (p + q) * count);

@@ -63,12 +63,13 @@ std::vector<int> whole(const Eigen::VectorXd& delay) {
   return samples;
 }
 
-std::string names(const char* name, const std::vector<modal::Signal>& signals) {
-  std::string text;
-  for (const auto& signal : signals) {
-    text += fmt::format("\n  \"{} [{}]\",", harmless(signal.name), harmless(signal.unit));
+std::string names(const char* side, const std::vector<modal::Signal>& signals) {
+  std::string text = fmt::format("/* {}:", side);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    text +=
+        fmt::format("\n   {}  {} [{}]", i, harmless(signals[i].name), harmless(signals[i].unit));
   }
-  return fmt::format("static const char* const {}[] = {{{}\n}};\n", name, text);
+  return text + " */\n";
 }
 
 constexpr const char* kFunctions = R"(
@@ -151,7 +152,7 @@ std::string control_model_c(const modal::ControlModel& model, const CHeaderText&
       harmless(text.title), 1.0 / space.sample_time_s, space.sample_time_s, space.a.rows(),
       space.b.cols(), space.c.rows(), *std::max_element(input.begin(), input.end()),
       *std::max_element(output.begin(), output.end()));
-  header += names("chladni_input", model.inputs) + names("chladni_output", model.outputs);
+  header += names("inputs", model.inputs) + names("outputs", model.outputs);
   header +=
       array("int", "chladni_input_delay", input) + array("int", "chladni_output_delay", output);
   header += sparse("chladni_a", space.a) + sparse("chladni_b", space.b) +

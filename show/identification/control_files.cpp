@@ -23,11 +23,10 @@ std::string delay_text(const Eigen::VectorXd& input, const Eigen::VectorXd& outp
   return of(input, "inputs") + of(output, "outputs");
 }
 
-std::string sampled_text(const modal::ControlModel& model) {
-  return fmt::format(
-      "sampled at {:.6g} Hz: {} states, at most {:.0f} samples of delay (state_space.h)\n",
-      1.0 / model.space.sample_time_s, model.space.a.rows(),
-      model.input_delay.maxCoeff() + model.output_delay.maxCoeff());
+std::string sampled_text(const modal::ControlModel& model, const std::string& stem) {
+  return fmt::format("sampled at {:.6g} Hz: {} states, at most {:.0f} samples of delay ({}.h)\n",
+                     1.0 / model.space.sample_time_s, model.space.a.rows(),
+                     model.input_delay.maxCoeff() + model.output_delay.maxCoeff(), stem);
 }
 
 io::Json reduction_json(const steps::ControlModels& models) {
@@ -37,12 +36,13 @@ io::Json reduction_json(const steps::ControlModels& models) {
                         {"error_bound", models.error_bound}};
 }
 
-void write_files(const study::Study& study, const steps::ControlModels& models, Run& run) {
+void write_files(const study::Study& study, const steps::ControlModels& models,
+                 const std::string& stem, Run& run) {
   io::MatFields variables{{"continuous", io::control_model_mat(models.continuous)},
                           {"hankel_singular_values", Eigen::MatrixXd(models.hankel)},
                           {"error_bound", models.error_bound}};
   io::JsonObject json{{"continuous", io::control_model_json(models.continuous)}};
-  const auto header = run / "state_space.h";
+  const auto header = run / (stem + ".h");
   if (models.discrete) {
     variables.insert(variables.begin() + 1, {"discrete", io::control_model_mat(*models.discrete)});
     json.emplace_back("discrete", io::control_model_json(*models.discrete));
@@ -55,13 +55,13 @@ void write_files(const study::Study& study, const steps::ControlModels& models, 
       "position", io::Json(Eigen::Map<const Eigen::VectorXd>(
                       models.position.data(), static_cast<Eigen::Index>(models.position.size()))));
   json.emplace_back("notes", io::Json::texts(models.notes));
-  io::write_mat(run / "state_space.mat", variables);
-  run.leave("state_space.json", json, false);
+  io::write_mat(run / (stem + ".mat"), variables);
+  run.leave(stem + ".json", json, false);
 }
 
 }  // namespace
 
-std::string control_models_text(const steps::ControlModels& models) {
+std::string control_models_text(const steps::ControlModels& models, const std::string& stem) {
   const auto& model = models.continuous;
   const bool reduced = models.error_bound > 0.0;
   std::string text = fmt::format(
@@ -70,23 +70,38 @@ std::string control_models_text(const steps::ControlModels& models) {
                             models.all_states, models.error_bound, models.hankel(0))
               : "",
       model.inputs.size(), model.outputs.size(), delay_text(model.input_delay, model.output_delay));
-  if (models.discrete) text += sampled_text(*models.discrete);
-  return text +
-         "in MATLAB: m = load('state_space.mat').continuous; "
-         "G = ss(m.A, m.B, m.C, m.D, m.Ts, m.properties{:});\n";
+  if (models.discrete) text += sampled_text(*models.discrete, stem);
+  return text + "in MATLAB: m = load('" + stem +
+         ".mat').continuous; G = ss(m.A, m.B, m.C, m.D, m.Ts, m.properties{:});\n";
 }
+
+namespace {
+
+void leave_models(const study::Study& study, const steps::ControlModels& models,
+                  const std::string& stem, Run& run) {
+  for (const auto& note : models.notes) run.warn(note);
+  write_files(study, models, stem, run);
+  run.show(control_models_text(models, stem));
+}
+
+}  // namespace
 
 void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model,
                           Run& run) {
   try {
     const auto models = steps::control_models(study, model);
-    for (const auto& note : models.notes) run.warn(note);
-    write_files(study, models, run);
-    run.show(control_models_text(models));
+    leave_models(study, models, "state_space", run);
   } catch (const InvalidInput& fault) {
     if (study.state_space) throw;
     run.warn(std::string("no state space: ") + fault.what());
   }
+}
+
+void leave_control_models(const study::Study& study, const stage::Solution& solution, Run& run) {
+  if (!study.state_space) return;
+  leave_models(study,
+               run.timed("state space", [&] { return steps::control_models(study, solution); }),
+               "simulated_state_space", run);
 }
 
 }  // namespace chladni::show

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -34,7 +35,9 @@ std::string properties_text(const identification::RigidProperties& body) {
       comma = ",";
     }
   }
-  return text + (*comma == '\0' ? " not told\n" : " kg m^2\n");
+  text += *comma == '\0' ? " not told\n" : " kg m^2\n";
+  if (body.not_told.empty()) return text;
+  return text + fmt::format("  not told by channels there: {}\n", fmt::join(body.not_told, ", "));
 }
 
 std::vector<std::string> motion_names(const std::vector<Eigen::Index>& motions) {
@@ -77,6 +80,9 @@ std::string rigid_body_text(const steps::RigidBodyOfChannels& found) {
     text += fmt::format("rigid body, {} modes{}: ", found.modes,
                         found.suspended.empty() ? " at 0 Hz" : " of its suspension") +
             properties_text(*found.properties);
+    if (found.up_to_a_factor) {
+      text += "  mass and inertia up to a factor: the file states no unit of its sensors\n";
+    }
   }
   return text + "  " + identification::decoupling_text(found.sensors, false) + "\n  " +
          identification::decoupling_text(found.actuators, true) + "\n";
@@ -90,6 +96,7 @@ io::Json rigid_body_json(const steps::RigidBodyOfChannels& found) {
                       {"about_m", io::Json(found.about)},
                       {"sensors", decoupling_json(found.sensors, false)},
                       {"actuators", decoupling_json(found.actuators, true)},
+                      {"up_to_a_factor", found.up_to_a_factor},
                       {"notes", io::Json::texts(found.notes)}};
   if (!found.properties) return json;
   const auto& body = *found.properties;
@@ -100,6 +107,7 @@ io::Json rigid_body_json(const steps::RigidBodyOfChannels& found) {
   json.emplace_back("inertia_kg_m2", io::Json::rows(body.inertia));
   json.emplace_back("inertia_std_kg_m2", io::Json::rows(body.inertia_std));
   json.emplace_back("misfit", body.misfit);
+  json.emplace_back("not_told", io::Json::texts(body.not_told));
   return json;
 }
 

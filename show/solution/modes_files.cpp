@@ -2,6 +2,7 @@
 #include "io/csv.h"
 #include "io/picture.h"
 #include "io/vtu.h"
+#include "show/control_models.h"
 #include "show/solution.h"
 
 namespace chladni::show {
@@ -19,6 +20,7 @@ void leave_modes(const study::Study& study, const stage::Solution& solution, Run
                                             std::to_string(modes.mode_count()) + " modes");
     io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
   }
+  leave_control_models(study, solution, run);
   if (run.options().pictures) tell(run.progress(), "painting the modes");
   run.paint("modes.png", [&](const auto& png) {
     io::draw_modes(png, model.body, modes, study.title, markers, 9, solution.summary.clusters);

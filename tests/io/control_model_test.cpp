@@ -76,8 +76,6 @@ int main(void) {
     for (int i = 0; i < CHLADNI_OUTPUTS; ++i) printf(" %.17g", y[i]);
     printf("\n");
   }
-  (void)chladni_input;
-  (void)chladni_output;
   return 0;
 }
 )";

@@ -165,7 +165,10 @@ TEST(RigidProduct, IsTheSumOverModesWithItsCovariance) {
   const Eigen::MatrixXd third = 1e-4 * drawn(7, 7);
   fit.rigid_covariance = rigid * rigid.transpose();
   fit.mode_covariance.assign(3, third * third.transpose());
-  const auto product = rigid_product(fit, {2});
+  GainMatch match;
+  match.shapes = fit.model.output_shapes;
+  match.input_shapes = fit.model.input_shapes;
+  const auto product = rigid_product(fit, match, {2});
   EXPECT_EQ(product.modes, 3);
   EXPECT_LT((product.value - fit.model.output_shapes * fit.model.input_shapes).norm(), 1e-14);
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(6, 6);
@@ -183,7 +186,7 @@ TEST(RigidProduct, IsTheSumOverModesWithItsCovariance) {
     scatter += change * change.transpose() / kDraws;
   }
   EXPECT_LT((scatter - product.covariance).norm(), 0.05 * scatter.norm());
-  EXPECT_NE(refusal_of([&] { return rigid_product(fit, {3}); }).find("suspended"),
+  EXPECT_NE(refusal_of([&] { return rigid_product(fit, match, {3}); }).find("suspended"),
             std::string::npos);
 }
 

@@ -1,0 +1,102 @@
+#include "identification/control_model.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace chladni::identification {
+namespace {
+
+// Two rigid-body modes and three others at four sensors and three actuators, with a delay of each
+// sensor; the match turns the rigid-body modes and scales the others.
+struct Fitted {
+  ModalFit fit;
+  GainMatch match;
+  std::vector<modal::MeasuredChannel> outputs, inputs;
+  Eigen::Matrix2d turn;
+};
+
+Fitted fitted() {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto drawn = [&](Eigen::Index n, Eigen::Index m) {
+    return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(n, m, [&] { return normal(random); }));
+  };
+  Fitted result;
+  auto& model = result.fit.model;
+  model.frequency_hz.resize(5);
+  model.frequency_hz << 0.0, 0.0, 40.0, 130.0, 131.0;
+  model.damping_ratio.resize(5);
+  model.damping_ratio << 0.0, 0.0, 0.01, 0.002, 0.004;
+  model.rigid_count = 2;
+  model.output_shapes = drawn(4, 5);
+  model.input_shapes = drawn(5, 3);
+  model.residual = 1e-7 * drawn(4, 3);
+  result.fit.delay_s = 3e-4;
+  result.fit.delay_of = DelayOf::outputs;
+  result.fit.channel_delay_s = 1e-5 * drawn(4, 1);
+  result.turn << 1.2, 0.4, -0.3, 0.8;
+  result.match.shapes = model.output_shapes;
+  result.match.input_shapes = model.input_shapes;
+  result.match.input_shapes.topRows(2) = result.turn * model.input_shapes.topRows(2);
+  result.match.input_shapes.row(3) *= -2.5;
+  const auto named = [](const std::string& name) {
+    modal::MeasuredChannel channel;
+    channel.name = name;
+    return channel;
+  };
+  for (int i = 0; i < 4; ++i) result.outputs.push_back(named("s" + std::to_string(i)));
+  for (int j = 0; j < 3; ++j) result.inputs.push_back(named("a" + std::to_string(j)));
+  return result;
+}
+
+void expect_same_responses(const Fitted& one) {
+  const auto model = control_model(one.fit, one.match, one.outputs, one.inputs);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(50, 2.0, 300.0);
+  const auto expected = responses(one.fit, lines);
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const Eigen::MatrixXcd there = expected.row(k).reshaped(4, 3);
+    EXPECT_LT((response(model, lines(k)) - there).norm(), 1e-9 * there.norm()) << lines(k);
+  }
+}
+
+TEST(IdentifiedControlModel, RespondsAsTheFitDoes) {
+  auto one = fitted();
+  expect_same_responses(one);
+  one.fit.delay_of = DelayOf::inputs;
+  one.fit.channel_delay_s = Eigen::Vector3d(0.0, 1e-5, 4e-5);
+  expect_same_responses(one);
+  one.fit.delay_of = DelayOf::all;
+  one.fit.channel_delay_s.resize(0);
+  expect_same_responses(one);
+}
+
+TEST(IdentifiedControlModel, HasTheCoordinatesOfTheMatchedShapes) {
+  const auto one = fitted();
+  const auto model = control_model(one.fit, one.match, one.outputs, one.inputs);
+  for (Eigen::Index m = 0; m < 5; ++m) {
+    EXPECT_LT((model.space.b.row(2 * m + 1) - one.match.input_shapes.row(m)).norm(), 1e-12);
+  }
+}
+
+TEST(IdentifiedControlModel, CannotLookAhead) {
+  auto one = fitted();
+  one.fit.channel_delay_s(2) = -4e-4;
+  const auto model = control_model(one.fit, one.match, one.outputs, one.inputs);
+  EXPECT_EQ(model.output_delay(2), 0.0);
+  const auto notes = left_out_of_control_model(one.fit, one.outputs);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("-100 us"), std::string::npos) << notes[0];
+}
+
+TEST(IdentifiedControlModel, SaysWhatAccelerometersLack) {
+  auto one = fitted();
+  EXPECT_TRUE(left_out_of_control_model(one.fit, one.outputs).empty());
+  one.outputs[1].kind = modal::FrfKind::accelerance;
+  EXPECT_NE(left_out_of_control_model(one.fit, one.outputs).at(0).find("acceleration"),
+            std::string::npos);
+  EXPECT_EQ(control_model(one.fit, one.match, one.outputs, one.inputs).outputs[1].unit, "m/s^2");
+}
+
+}  // namespace
+}  // namespace chladni::identification

@@ -1,0 +1,151 @@
+#include "steps/control_models.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "steps/rigid_body.h"
+#include "tests/modal/chain.h"
+#include "tests/refusal.h"
+
+namespace chladni::steps {
+namespace {
+
+study::Study with(const std::string& tables) {
+  return study::parse_study(R"(
+[geometry]
+plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
+[material]
+youngs_modulus = "70 GPa"
+poissons_ratio = 0.33
+density = "2700 kg/m^3"
+)" + tables,
+                            "plate.toml");
+}
+
+modal::ControlModel chain_model(double damping_ratio) {
+  auto model = modal::control_model(
+      modal::reduced(modal::chain(20, true), 6, {0, 7}, {2, 19}, damping_ratio), {{"s1"}, {"s2"}},
+      {"a1", "a2"});
+  model.input_delay << 2.5e-4, 0.0;
+  return model;
+}
+
+TEST(ControlModels, WithoutTheTableAreContinuousAndWhole) {
+  const auto models = control_models(with(""), chain_model(0.01));
+  EXPECT_FALSE(models.discrete);
+  EXPECT_EQ(models.continuous.space.a.rows(), 12);
+  EXPECT_EQ(models.hankel.size(), 12);
+  EXPECT_EQ(models.continuous.input_delay(0), 2.5e-4);
+  EXPECT_EQ(control_models(with(""), chain_model(0.0)).hankel.size(), 0);
+}
+
+TEST(ControlModels, FollowTheTable) {
+  const auto models =
+      control_models(with("[state_space]\nsample_rate = \"10 kHz\"\nstates = 6\npade_order = 3\n"),
+                     chain_model(0.01));
+  EXPECT_EQ(models.continuous.space.a.rows(), 6 + 3);
+  EXPECT_GT(models.error_bound, 0.0);
+  ASSERT_TRUE(models.discrete);
+  EXPECT_EQ(models.discrete->space.sample_time_s, 1e-4);
+  EXPECT_EQ(models.discrete->space.a.rows(), 7);  // half a sample of delay
+  EXPECT_EQ(models.discrete->input_delay(0), 2.0);
+  ASSERT_EQ(models.notes.size(), 1U);
+  EXPECT_NE(models.notes[0].find("Pade"), std::string::npos);
+}
+
+TEST(ControlModels, SayWhatIsWrongWithTheStudy) {
+  const auto refused = [](const std::string& keys, double damping_ratio) {
+    return refusal_of(
+        [&] { return control_models(with("[state_space]\n" + keys), chain_model(damping_ratio)); });
+  };
+  EXPECT_EQ(refused("states = 40\n", 0.01).find("plate.toml: [state_space]: "), 0U);
+  EXPECT_NE(refused("states = 6\n", 0.0).find("undamped"), std::string::npos);
+  EXPECT_NE(refused("sample_rate = \"100 MHz\"\n", 0.01).find("25000 samples"), std::string::npos);
+}
+
+TEST(ControlModels, SayThatAModeIsAnAlias) {
+  const auto models =
+      control_models(with("[state_space]\nsample_rate = \"300 Hz\"\n"), chain_model(0.01));
+  ASSERT_FALSE(models.notes.empty());
+  EXPECT_NE(models.notes[0].find("alias"), std::string::npos);
+}
+
+modal::MeasuredChannel along_z(const std::string& name, double x, double y) {
+  modal::MeasuredChannel channel;
+  channel.name = name;
+  channel.position = Eigen::Vector3d(x, y, 0.0);
+  channel.direction = Eigen::Vector3d::UnitZ();
+  channel.unit = "m";
+  return channel;
+}
+
+// A plate of 4 kg with its centre at (10, -20) mm at four sensors and three actuators along z.
+IdentifiedModel plate(Eigen::Index rigid_count) {
+  IdentifiedModel model;
+  model.seen.outputs = {along_z("s1", -0.2, -0.15), along_z("s2", 0.2, -0.15),
+                        along_z("s3", 0.2, 0.15), along_z("s4", -0.2, 0.15)};
+  model.seen.inputs = {along_z("a1", -0.1, 0.0), along_z("a2", 0.1, 0.05),
+                       along_z("a3", 0.0, -0.1)};
+  const auto shapes = [](const std::vector<modal::MeasuredChannel>& channels) {
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(channels.size()), 3);
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      const auto& at = *channels[static_cast<std::size_t>(i)].position;
+      rows.row(i) << 1.0 / std::sqrt(4.0), (at.y() + 0.02) / std::sqrt(0.03),
+          (at.x() - 0.01) / std::sqrt(0.05);
+    }
+    return rows;
+  };
+  auto& fit = model.found.fit;
+  fit.model.rigid_count = rigid_count;
+  fit.model.frequency_hz = Eigen::VectorXd::Zero(3);
+  fit.model.frequency_hz.tail(3 - rigid_count).setConstant(200.0);
+  fit.model.damping_ratio = Eigen::VectorXd::Zero(3);
+  fit.model.output_shapes = model.match.shapes = shapes(model.seen.outputs);
+  fit.model.input_shapes = model.match.input_shapes = shapes(model.seen.inputs).transpose();
+  model.data.frequency_hz = Eigen::Vector2d(20.0, 400.0);
+  return model;
+}
+
+TEST(RigidBodyOfChannels, IsThePlateThatMoves) {
+  const auto found = rigid_body_of_channels(with(""), plate(3));
+  ASSERT_TRUE(found && found->properties);
+  EXPECT_TRUE(found->notes.empty());
+  EXPECT_FALSE(found->up_to_a_factor);
+  EXPECT_NEAR(found->properties->mass, 4.0, 1e-8);
+  EXPECT_NEAR(found->properties->centre(0), 0.01, 1e-9);
+  EXPECT_NEAR(found->properties->centre(1), -0.02, 1e-9);
+  EXPECT_NEAR(found->properties->inertia(0, 0), 0.03, 1e-9);
+  EXPECT_NEAR(found->properties->inertia(1, 1), 0.05, 1e-9);
+  EXPECT_EQ(found->properties->not_told.size(), 2U);  // height of the centre, spin about z
+  // Unit acceleration of the centre along z: the sensors' mean is no tilt.
+  const Eigen::VectorXd tilt = found->sensors.matrix * Eigen::VectorXd::Ones(4);
+  EXPECT_LT((tilt - Eigen::Vector3d(1.0, 0.0, 0.0)).norm(), 1e-9);
+}
+
+TEST(RigidBodyOfChannels, MissingMotionIsToldUnlessTheBodyIsHeld) {
+  const auto free = rigid_body_of_channels(with(""), plate(0));
+  ASSERT_TRUE(free);
+  EXPECT_FALSE(free->properties);
+  ASSERT_EQ(free->notes.size(), 1U);
+  EXPECT_NE(free->notes[0].find("below 20 Hz"), std::string::npos) << free->notes[0];
+  const auto held = rigid_body_of_channels(with(R"([[attachment]]
+kind = "spring"
+name = "leg"
+at = ["0 mm", "0 mm"]
+direction = "z"
+stiffness = "1 kN/m"
+)"),
+                                           plate(0));
+  ASSERT_TRUE(held);
+  EXPECT_TRUE(held->notes.empty());
+}
+
+TEST(RigidBodyOfChannels, NeedsPlaces) {
+  auto model = plate(3);
+  model.seen.inputs[1].position.reset();
+  EXPECT_FALSE(rigid_body_of_channels(with(""), model));
+}
+
+}  // namespace
+}  // namespace chladni::steps
