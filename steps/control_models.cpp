@@ -85,6 +85,7 @@ ControlModels control_models(const study::Study& study, const modal::ControlMode
   models.all_states = whole.space.a.rows();
   try {
     reduce(plan, models);
+    models.kept_states = models.continuous.space.a.rows();
     if (const double rate = sample_rate(study, plan); rate > 0.0) sample(rate, models);
     if (plan.pade_order > 0) approximate_delays(plan.pade_order, models);
   } catch (const InvalidInput& fault) {
@@ -111,7 +112,7 @@ ControlModels control_models(const study::Study& study, const stage::Solution& s
         "sensors of velocity or acceleration are without the flexibility of the omitted modes: its "
         "derivative is in no state space");
   }
-  if (models.continuous.space.a.rows() == models.all_states) {
+  if (models.kept_states == models.all_states) {
     models.position = positions(modes.frequency_hz, modes.rigid_count);
   }
   return models;
@@ -123,7 +124,7 @@ ControlModels control_models(const study::Study& study, const IdentifiedModel& m
                                           fit, model.match, model.seen.outputs, model.seen.inputs));
   const auto left_out = identification::left_out_of_control_model(fit, model.seen.outputs);
   models.notes.insert(models.notes.begin(), left_out.begin(), left_out.end());
-  if (fit.complex || models.continuous.space.a.rows() < models.all_states) return models;
+  if (fit.complex || models.kept_states < models.all_states) return models;
   models.position = positions(fit.model.frequency_hz, fit.model.rigid_count);
   return models;
 }

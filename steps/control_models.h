@@ -13,9 +13,10 @@ namespace chladni::steps {
 struct ControlModels {
   modal::ControlModel continuous;               ///< reduced, and its delays Padé, where asked for
   std::optional<modal::ControlModel> discrete;  ///< with a sample rate alone
-  Eigen::Index all_states = 0;                  ///< before a reduction
-  Eigen::VectorXd hankel;    ///< of the stable part, descending; empty: not computed
-  double error_bound = 0.0;  ///< of the largest singular value of the reduction's error
+  Eigen::Index kept_states = 0;  ///< after a reduction, before Padé states are added
+  Eigen::Index all_states = 0;   ///< before a reduction
+  Eigen::VectorXd hankel;        ///< of the stable part, descending; empty: not computed
+  double error_bound = 0.0;      ///< of the largest singular value of the reduction's error
   /// q_m = position_m x_2m: modal coordinates from states of modes; empty where the states are
   /// reduced, or shapes are complex.
   std::vector<double> position;

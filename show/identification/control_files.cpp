@@ -30,7 +30,7 @@ std::string sampled_text(const modal::ControlModel& model, const std::string& st
 }
 
 io::Json reduction_json(const steps::ControlModels& models) {
-  return io::JsonObject{{"states", static_cast<long long>(models.continuous.space.a.rows())},
+  return io::JsonObject{{"states", static_cast<long long>(models.kept_states)},
                         {"all_states", static_cast<long long>(models.all_states)},
                         {"hankel_singular_values", io::Json(models.hankel)},
                         {"error_bound", models.error_bound}};
@@ -63,13 +63,15 @@ void write_files(const study::Study& study, const steps::ControlModels& models,
 
 std::string control_models_text(const steps::ControlModels& models, const std::string& stem) {
   const auto& model = models.continuous;
-  const bool reduced = models.error_bound > 0.0;
-  std::string text = fmt::format(
-      "\nstate space: {} states{}, {} inputs, {} outputs{}\n", model.space.a.rows(),
-      reduced ? fmt::format(" of {} (balanced, error at most {:.3g}; largest Hankel value {:.3g})",
-                            models.all_states, models.error_bound, models.hankel(0))
-              : "",
-      model.inputs.size(), model.outputs.size(), delay_text(model.input_delay, model.output_delay));
+  const auto of_delays = model.space.a.rows() - models.kept_states;
+  std::string text = fmt::format("\nstate space: {} states", models.kept_states);
+  if (models.kept_states < models.all_states) {
+    text += fmt::format(" of {} (balanced, error at most {:.3g}; largest Hankel value {:.3g})",
+                        models.all_states, models.error_bound, models.hankel(0));
+  }
+  if (of_delays > 0) text += fmt::format(" and {} of Pade delays", of_delays);
+  text += fmt::format(", {} inputs, {} outputs{}\n", model.inputs.size(), model.outputs.size(),
+                      delay_text(model.input_delay, model.output_delay));
   if (models.discrete) text += sampled_text(*models.discrete, stem);
   return text + "in MATLAB: m = load('" + stem +
          ".mat').continuous; G = ss(m.A, m.B, m.C, m.D, m.Ts, m.properties{:});\n";

@@ -45,7 +45,9 @@ TEST(ControlModels, FollowTheTable) {
       control_models(with("[state_space]\nsample_rate = \"10 kHz\"\nstates = 6\npade_order = 3\n"),
                      chain_model(0.01));
   EXPECT_EQ(models.continuous.space.a.rows(), 6 + 3);
+  EXPECT_EQ(models.kept_states, 6);
   EXPECT_GT(models.error_bound, 0.0);
+  EXPECT_TRUE(models.position.empty());
   ASSERT_TRUE(models.discrete);
   EXPECT_EQ(models.discrete->space.sample_time_s, 1e-4);
   EXPECT_EQ(models.discrete->space.a.rows(), 7);  // half a sample of delay
