@@ -112,6 +112,40 @@ StateSpace shifted(Eigen::Index n, Eigen::Index extra, const StateSpace& like) {
   return space;
 }
 
+// Registers of input j from state `first` on: the last one drives the model. Returns their number.
+Eigen::Index put_input_registers(const StateSpace& from, Eigen::Index j, Eigen::Index first,
+                                 Eigen::Index length, StateSpace& to) {
+  if (length == 0) return 0;
+  const auto last = first + length - 1;
+  to.a.block(0, last, from.a.rows(), 1) = from.b.col(j);
+  to.c.col(last) = from.d.col(j);
+  to.b.col(j).setZero();
+  to.d.col(j).setZero();
+  to.b(first, j) = 1.0;
+  for (auto s = first + 1; s <= last; ++s) to.a(s, s - 1) = 1.0;
+  return length;
+}
+
+// Registers of output i: the first one takes what the model gives. Returns their number.
+Eigen::Index put_output_registers(Eigen::Index i, Eigen::Index first, Eigen::Index length,
+                                  StateSpace& to) {
+  if (length == 0) return 0;
+  const auto last = first + length - 1;
+  to.a.row(first) = to.c.row(i);
+  to.b.row(first) = to.d.row(i);
+  to.c.row(i).setZero();
+  to.d.row(i).setZero();
+  to.c(i, last) = 1.0;
+  for (auto s = first + 1; s <= last; ++s) to.a(s, s - 1) = 1.0;
+  return length;
+}
+
+void name_registers(const Signal& channel, double count, std::vector<Signal>& states) {
+  for (int k = 1; k <= static_cast<int>(count); ++k) {
+    states.push_back({fmt::format("{}_delayed_{}", channel.name, k), channel.unit});
+  }
+}
+
 }  // namespace
 
 ControlModel discretised(const ControlModel& model, double sample_time_s) {
@@ -166,38 +200,14 @@ ControlModel with_delay_states(const ControlModel& model) {
   to.c.leftCols(n) = from.c;
   to.d = from.d;
   auto next = n;
-  // Registers of an input: the last one drives the model.
   for (Eigen::Index j = 0; j < from.b.cols(); ++j) {
-    const auto length = static_cast<Eigen::Index>(model.input_delay(j));
-    if (length == 0) continue;
-    const auto last = next + length - 1;
-    to.a.block(0, last, n, 1) = from.b.col(j);
-    to.c.col(last) = from.d.col(j);
-    to.b.col(j).setZero();
-    to.d.col(j).setZero();
-    to.b(next, j) = 1.0;
-    for (auto s = next + 1; s <= last; ++s) to.a(s, s - 1) = 1.0;
-    for (Eigen::Index k = 0; k < length; ++k) {
-      const auto& signal = model.inputs[static_cast<std::size_t>(j)];
-      result.states.push_back({fmt::format("{}_delayed_{}", signal.name, k + 1), signal.unit});
-    }
-    next = last + 1;
+    next += put_input_registers(from, j, next, static_cast<Eigen::Index>(model.input_delay(j)), to);
+    name_registers(model.inputs[static_cast<std::size_t>(j)], model.input_delay(j), result.states);
   }
-  // Registers of an output: the first one takes what the model gives.
   for (Eigen::Index i = 0; i < from.c.rows(); ++i) {
-    const auto length = static_cast<Eigen::Index>(model.output_delay(i));
-    if (length == 0) continue;
-    to.a.row(next) = to.c.row(i);
-    to.b.row(next) = to.d.row(i);
-    to.c.row(i).setZero();
-    to.d.row(i).setZero();
-    to.c(i, next + length - 1) = 1.0;
-    for (Eigen::Index k = 0; k < length; ++k) {
-      if (k > 0) to.a(next + k, next + k - 1) = 1.0;
-      const auto& signal = model.outputs[static_cast<std::size_t>(i)];
-      result.states.push_back({fmt::format("{}_delayed_{}", signal.name, k + 1), signal.unit});
-    }
-    next += length;
+    next += put_output_registers(i, next, static_cast<Eigen::Index>(model.output_delay(i)), to);
+    name_registers(model.outputs[static_cast<std::size_t>(i)], model.output_delay(i),
+                   result.states);
   }
   result.input_delay.setZero();
   result.output_delay.setZero();
