@@ -20,7 +20,8 @@ std::string heading(Verdict verdict, bool of_modes) {
                       : "The simulation agrees with what was measured, within noise and "
                         "tolerances.";
     case Verdict::named:
-      return of_modes ? "The cause is named." : "The cause is named, down to the noise.";
+      return of_modes ? "The cause is named."
+                      : "The cause is named: within the tolerances only noise is left.";
     case Verdict::ambiguous:
       return "Two or more explanations are equally good. The likeliest:";
     case Verdict::partial:
