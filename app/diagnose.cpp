@@ -17,7 +17,7 @@ void run_specimens(const study::Study& study, show::Run& run) {
 void run_diagnose(const study::Study& study, show::Run& run) {
   if (!study.specimens.empty()) return run_specimens(study, run);
   const steps::Diagnosed result = steps::diagnosed(study, run);
-  run.show(show::diagnosis_table(result));
+  run.show(show::diagnosis_table(result, run.options().all));
   show::leave_diagnosis(study, result, run, true);
 }
 

@@ -9,7 +9,7 @@ namespace {
 void run_place(const study::Study& study, show::Run& run) {
   const stage::Solution solution = stage::solved(study, run);
   const steps::BestPlaces result = steps::best_places(study, solution, run);
-  run.show(show::placement_table(solution, result));
+  run.show(show::placement_table(solution, result, run.options().all));
   show::leave_placement(study, solution, result, run, true);
 }
 

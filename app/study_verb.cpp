@@ -45,7 +45,7 @@ void run_study(const study::Study& study, show::Run& run) {
   std::optional<steps::BestPlaces> placement;
   if (study.placement) {
     placement = steps::best_places(study, solution, run);
-    run.show("\n" + show::placement_table(solution, *placement));
+    run.show("\n" + show::placement_table(solution, *placement, run.options().all));
     show::leave_placement(study, solution, *placement, run, false);
   }
   std::optional<steps::Interpolated> shapes;
@@ -58,7 +58,7 @@ void run_study(const study::Study& study, show::Run& run) {
   std::optional<steps::Diagnosed> diagnosis;
   if (measured && study.diagnosis) {
     diagnosis = steps::diagnosed(study, std::move(with_more), run);
-    run.show("\n" + show::diagnosis_table(*diagnosis));
+    run.show("\n" + show::diagnosis_table(*diagnosis, run.options().all));
     show::leave_diagnosis(study, *diagnosis, run, false);
   }
   show::leave_report(study, solution,

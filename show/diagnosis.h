@@ -22,7 +22,10 @@ namespace chladni::show {
 
 [[nodiscard]] io::JsonObject diagnosis_json(const steps::Diagnosed& diagnosed);
 
-[[nodiscard]] std::string diagnosis_table(const steps::Diagnosed& diagnosed);
+/// The verdict with its numbers and the next step; then the tables behind it.
+/// @param all  false: without the table of what the experiment can find, and without the comparison
+///             by mode, band and channel where the verdict explains the difference
+[[nodiscard]] std::string diagnosis_table(const steps::Diagnosed& diagnosed, bool all = true);
 
 /// A section of the report behind the verdict: causes, places, gain, responses, modes.
 [[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run& run);

@@ -89,7 +89,15 @@ std::string value_text(const placement::Criterion& criterion, double score) {
                                : fmt::format("{:.3g} {}", value, criterion.unit);
 }
 
-std::string layouts_table(const steps::BestPlaces& places) {
+// True if a layout was chosen by this criterion; also where none was chosen.
+bool was_chosen_by(const placement::LayoutCriterion& criterion, const steps::BestPlaces& places) {
+  const auto& optima = places.optima;
+  return optima.empty() || std::ranges::any_of(optima, [&](const placement::Optimum& optimum) {
+           return optimum.by == criterion.name;
+         });
+}
+
+std::string layouts_table(const steps::BestPlaces& places, bool all) {
   const auto width = [](const steps::ScoredLayout& layout) {
     return std::clamp<std::size_t>(layout.name.size(), 10, 30);
   };
@@ -100,6 +108,7 @@ std::string layouts_table(const steps::BestPlaces& places) {
   text += "\n";
   const auto criteria = placement::layout_criteria();
   for (std::size_t c = 0; c < criteria.size(); ++c) {
+    if (!all && !was_chosen_by(*criteria[c], places)) continue;
     const std::string unit =
         criteria[c]->unit == "1" ? "" : fmt::format(" [{}]", criteria[c]->unit);
     text += fmt::format("{:<29}", std::string(criteria[c]->name) + unit);
@@ -290,18 +299,23 @@ io::JsonObject placement_json(const study::Study&, const stage::Solution& soluti
           {"notes", io::Json::texts(places.notes)}};
 }
 
-std::string placement_table(const stage::Solution& solution, const steps::BestPlaces& places) {
+std::string placement_table(const stage::Solution& solution, const steps::BestPlaces& places,
+                            bool all) {
   std::string text =
       fmt::format("best places of one collocated pair by {}\n{}", places.criterion->name,
                   io::text(pairs_table(solution, places, places.best)));
   if (!places.pairs.empty()) {
     text += "pairs chosen together\n" + io::rows_text(pairs_table(solution, places, places.pairs));
   }
-  if (!places.layouts.empty()) text += layouts_table(places);
+  if (!places.layouts.empty()) text += layouts_table(places, all);
   text += "\n";
   for (const auto& optimum : places.optima) text += optimum_text(optimum) + "\n";
   for (const auto& layout : places.layouts) {
     if (!layout.blind.empty()) text += "note: " + blind_text(solution, layout) + "\n";
+  }
+  if (!all && !places.layouts.empty() && !places.optima.empty()) {
+    text += fmt::format("more with --all and in placement.json: layouts by {} criteria\n",
+                        placement::layout_criteria().size());
   }
   return text;
 }

@@ -11,8 +11,10 @@ namespace chladni::show {
                                             const stage::Solution& solution,
                                             const steps::BestPlaces& places);
 
+/// The best places, then the layouts.
+/// @param all  false: of the layouts' criteria only those by which a layout was chosen
 [[nodiscard]] std::string placement_table(const stage::Solution& solution,
-                                          const steps::BestPlaces& places);
+                                          const steps::BestPlaces& places, bool all = true);
 
 /// Best pairs, best first.
 [[nodiscard]] io::ResultTable pairs_table(const stage::Solution& solution,

@@ -28,6 +28,7 @@ struct Options {
   int threads = 0;                             ///< 0: number of physical cores
   long long seed = -1;                         ///< −1: that of the study, or 1
   bool quiet = false, json = false;
+  bool all = false;         ///< every table on the terminal, not only what matters first
   bool certificate = true;  ///< the inertia count
   bool pictures = true;
   int animate = 0;             ///< mode, counted from 1, for the phase animation

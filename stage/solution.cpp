@@ -207,7 +207,8 @@ void take(fem::ModesResult result, Solution& solution, Work& work) {
 void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
   warn(solution.summary.warnings, solution, work);
   warn(coarse_mesh(solution), solution, work);
-  warn(blind_spots(study, solution), solution, work);
+  // A part of the work has the channels of the study, which is told of them itself.
+  if (work.part().empty()) warn(blind_spots(study, solution), solution, work);
 }
 
 }  // namespace

@@ -275,7 +275,29 @@ std::vector<std::string> gain_lines(const steps::Gain& gain) {
   return lines;
 }
 
-std::string diagnosis_table(const steps::Diagnosed& one) {
+namespace {
+
+// The tables behind a verdict of responses.
+std::string tables_behind(const steps::Diagnosed& one, bool all) {
+  using diagnosis::Verdict;
+  const auto verdict = one.result.verdict;
+  const bool is_open = verdict == Verdict::partial || verdict == Verdict::unexplained;
+  std::string text;
+  if (all || is_open) text += "\n" + comparison_table(one.comparison);
+  const auto sizes = all ? detectable_table(one.detectable, one.least_evidence)
+                         : detectable_sentence(one.detectable, one.least_evidence);
+  if (!sizes.empty()) text += "\n" + sizes;
+  if (all) return text;
+  if (!sizes.empty()) text += "\n";
+  return text + fmt::format(
+                    "more with --all and in diagnosis.json: {}the sizes that this experiment "
+                    "finds\n",
+                    is_open ? "" : "modes, bands and channels compared; ");
+}
+
+}  // namespace
+
+std::string diagnosis_table(const steps::Diagnosed& one, bool all) {
   const auto& result = one.result;
   const auto levels = levels_sentence(result);
   std::string text =
@@ -298,10 +320,7 @@ std::string diagnosis_table(const steps::Diagnosed& one) {
       text += "  not in extended.toml: " + line + "\n";
     }
   }
-  if (one.modes) return text;
-  text += fmt::format("\n{}", comparison_table(one.comparison));
-  const auto sizes = detectable_table(one.detectable, one.least_evidence);
-  return sizes.empty() ? text : fmt::format("{}\n{}", text, sizes);
+  return one.modes ? text : text + tables_behind(one, all);
 }
 
 io::JsonObject diagnosis_json(const steps::Diagnosed& one) {

@@ -161,6 +161,20 @@ TEST_F(Told, TheVerdictStandsFirst) {
   EXPECT_LT(text.find("responses off by"), text.find("simulated Hz"));
 }
 
+TEST_F(Told, TablesBehindAVerdictThatExplainsComeOnlyWithAll) {
+  const auto study = study_of({}, "\"sensor_gain\"");
+  const auto one = diagnosed_of(study);
+  const auto all = show::diagnosis_table(one);
+  const auto first = show::diagnosis_table(one, false);
+  EXPECT_NE(all.find("CoMAC"), std::string::npos) << all;
+  EXPECT_EQ(first.find("CoMAC"), std::string::npos) << first;
+  EXPECT_NE(first.find("responses off by"), std::string::npos) << first;
+  EXPECT_NE(first.find("--all"), std::string::npos) << first;
+  auto open = one;
+  open.result.verdict = diagnosis::Verdict::unexplained;
+  EXPECT_NE(show::diagnosis_table(open, false).find("CoMAC"), std::string::npos);
+}
+
 TEST_F(Told, AUnitIsSaidEverywhereAndTheExtendedStudyHasIt) {
   EVERY_FOURTH_LANDING();
   const auto study = study_of({cause("sensor_unit", {"s2"}, {}, "g taken for m/s^2")},
