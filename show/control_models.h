@@ -14,12 +14,12 @@ namespace chladni::show {
                                               const std::string& stem);
 
 /// Shows the text and leaves state_space.mat, state_space.json and, with a sample rate,
-/// state_space.h. A model that cannot be made is a warning, unless the study has [state_space].
-/// @throws InvalidInput  as steps::control_models, where the study has [state_space]
+/// state_space.h. A model that cannot be made is a warning, and files of an earlier run go.
+/// @throws Interrupted, OutOfResources
 void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model, Run& run);
 
-/// The same of the simulation as simulated_state_space.*, where the study has [state_space].
-/// @throws as steps::control_models
+/// The same of the simulation as simulated_state_space.*, where the study has [state_space]; else
+/// files of an earlier run go.
 void leave_control_models(const study::Study& study, const stage::Solution& solution, Run& run);
 
 }  // namespace chladni::show

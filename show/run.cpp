@@ -34,7 +34,8 @@ stage::WorkOptions work_options(const study::Study& study, const Options& option
 
 /// True if the result depends on the measurement.
 bool stands_on_measured(const std::string& file) {
-  constexpr std::array results = {"diagnosis.json", "identified.json", "interpolation.json"};
+  constexpr std::array results = {"diagnosis.json", "identified.json", "interpolation.json",
+                                  "state_space.json"};
   return std::find(results.begin(), results.end(), file) != results.end();
 }
 

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -79,31 +81,46 @@ std::string control_models_text(const steps::ControlModels& models, const std::s
 
 namespace {
 
-void leave_models(const study::Study& study, const steps::ControlModels& models,
-                  const std::string& stem, Run& run) {
-  for (const auto& note : models.notes) run.warn(note);
-  write_files(study, models, stem, run);
-  run.show(control_models_text(models, stem));
+void remove_models(const std::string& stem, const Run& run) {
+  for (const char* end : {".mat", ".json", ".h"}) std::filesystem::remove(run / (stem + end));
+}
+
+// What prevents a state space is a warning, and files of an earlier run go: all other results of
+// the verb are there without it.
+void leave_models(const study::Study& study, const std::string& stem,
+                  const std::function<steps::ControlModels()>& made, Run& run) {
+  std::optional<steps::ControlModels> models;
+  try {
+    models = made();
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const OutOfResources&) {
+    throw;
+  } catch (const std::exception& fault) {
+    remove_models(stem, run);
+    run.warn(std::string("no state space: ") + fault.what());
+    return;
+  }
+  for (const auto& note : models->notes) run.warn(note);
+  write_files(study, *models, stem, run);
+  run.show(control_models_text(*models, stem));
 }
 
 }  // namespace
 
 void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model,
                           Run& run) {
-  try {
-    const auto models = steps::control_models(study, model);
-    leave_models(study, models, "state_space", run);
-  } catch (const InvalidInput& fault) {
-    if (study.state_space) throw;
-    run.warn(std::string("no state space: ") + fault.what());
-  }
+  leave_models(study, "state_space", [&] { return steps::control_models(study, model); }, run);
 }
 
 void leave_control_models(const study::Study& study, const stage::Solution& solution, Run& run) {
-  if (!study.state_space) return;
-  leave_models(study,
-               run.timed("state space", [&] { return steps::control_models(study, solution); }),
-               "simulated_state_space", run);
+  const std::string stem = "simulated_state_space";
+  if (!study.state_space) {
+    remove_models(stem, run);  // of a study that had the table
+    return;
+  }
+  const auto made = [&] { return steps::control_models(study, solution); };
+  leave_models(study, stem, [&] { return run.timed("state space", made); }, run);
 }
 
 }  // namespace chladni::show
