@@ -1,5 +1,7 @@
 // The only file that calls SLICOT. SLICOT is Fortran: columns are contiguous, and each text has a
 // length after the last argument.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -27,6 +29,14 @@ namespace {
 
 int whole(Eigen::Index n) { return static_cast<int>(n); }
 
+// The length of a work array as Fortran counts it.
+int work_size(Eigen::Index count, Eigen::Index states) {
+  require(count <= std::numeric_limits<int>::max(),
+          fmt::format("linear system: {} states are more than SLICOT can count in its work array",
+                      states));
+  return std::max(1, whole(count));
+}
+
 // Leading dimension: Fortran refuses 0.
 int leading(const Eigen::MatrixXd& m) { return std::max(1, whole(m.rows())); }
 
@@ -46,11 +56,11 @@ ExponentialIntegral exponential_with_integral(const Eigen::MatrixXd& a, double t
           "matrix exponential: expected a square matrix of finite numbers");
   require(std::isfinite(t) && t >= 0.0,
           "matrix exponential: expected a time of 0 or more that is finite");
+  const int size = work_size(2 * a.rows() * a.rows(), a.rows());
   const int n = whole(a.rows());
   ExponentialIntegral result{Eigen::MatrixXd::Identity(n, n), Eigen::MatrixXd::Zero(n, n)};
   if (n == 0 || t == 0.0) return result;
   const int lead = leading(a);
-  const int size = 2 * n * n;
   const double accuracy = std::numeric_limits<double>::epsilon();
   std::vector<int> integers(static_cast<std::size_t>(n));
   std::vector<double> numbers(static_cast<std::size_t>(size));
@@ -58,8 +68,9 @@ ExponentialIntegral exponential_with_integral(const Eigen::MatrixXd& a, double t
   mb05nd_(&n, &t, a.data(), &lead, result.exponential.data(), &lead, result.integral.data(), &lead,
           &accuracy, integers.data(), numbers.data(), &size, &info);
   if (info != 0 || !result.exponential.allFinite() || !result.integral.allFinite()) {
-    throw NumericalFailure("matrix exponential: e^{At} is too large for a number; A t is " +
-                           std::to_string(a.cwiseAbs().rowwise().sum().maxCoeff() * t));
+    throw NumericalFailure(
+        fmt::format("matrix exponential: e^{{At}} is too large for a number; A t is {:.3g}",
+                    a.cwiseAbs().rowwise().sum().maxCoeff() * t));
   }
   return result;
 }
@@ -69,9 +80,13 @@ BalancedReduction balanced_reduction(const Eigen::MatrixXd& a, const Eigen::Matr
                                      Eigen::Index order, double boundary) {
   require_system(a, b, c, d);
   require(boundary <= 0.0, "balanced reduction: the boundary of stability is above 0");
-  require(order >= 0 && order <= a.rows(), "balanced reduction: found an order of " +
-                                               std::to_string(order) + ", expected 0 to " +
-                                               std::to_string(a.rows()));
+  require(
+      order >= 0 && order <= a.rows(),
+      fmt::format("balanced reduction: found an order of {}, expected 0 to {}", order, a.rows()));
+  const auto states = a.rows();
+  const auto widest = std::max({states, b.cols(), c.rows()});
+  const int size =
+      work_size(states * (2 * states + widest + 5) + states * (states + 1) / 2, states);
   BalancedReduction result{a, b, c, d, Eigen::VectorXd::Zero(a.rows()), 0};
   const int n = whole(a.rows());
   const int m = whole(b.cols());
@@ -79,7 +94,6 @@ BalancedReduction balanced_reduction(const Eigen::MatrixXd& a, const Eigen::Matr
   if (n == 0) return result;
   const int lead = leading(a);
   const int lead_c = leading(c);
-  const int size = std::max(1, n * (2 * n + std::max({n, m, p}) + 5) + n * (n + 1) / 2);
   std::vector<int> integers(static_cast<std::size_t>(std::max(m, 2 * n)) + 1);
   std::vector<double> numbers(static_cast<std::size_t>(size));
   int found = whole(order);
@@ -87,18 +101,21 @@ BalancedReduction balanced_reduction(const Eigen::MatrixXd& a, const Eigen::Matr
   int warning = 0;
   int info = 0;
   const double by_default = 0.0;
-  // A fixed order, with the square-root method of balanced accuracy, scaled first.
+  // A fixed order, with the balancing-free square-root method, scaled first.
   ab09nd_("C", "N", "S", "F", &n, &m, &p, &found, &boundary, result.a.data(), &lead,
           result.b.data(), &lead, result.c.data(), &lead_c, result.d.data(), &lead_c, &stable,
           result.hankel.data(), &by_default, &by_default, integers.data(), numbers.data(), &size,
           &warning, &info, 1, 1, 1, 1);
   if (info != 0) {
-    throw NumericalFailure("balanced reduction: the stable part cannot be separated (SLICOT " +
-                           std::to_string(info) + ")");
+    throw NumericalFailure(fmt::format("balanced reduction: {} (SLICOT {})",
+                                       info == 3 ? "the Hankel singular values cannot be computed"
+                                                 : "the stable part cannot be separated",
+                                       info));
   }
-  require(warning != 2, "balanced reduction: found an order of " + std::to_string(order) +
-                            ", expected at least the " + std::to_string(n - stable) +
-                            " states that are not stable");
+  require(warning != 2,
+          fmt::format("balanced reduction: found an order of {}, expected at least the {} states "
+                      "that are not stable",
+                      order, n - stable));
   result.a = result.a.topLeftCorner(found, found).eval();
   result.b = result.b.topRows(found).eval();
   result.c = result.c.leftCols(found).eval();

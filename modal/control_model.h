@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <string>
 #include <vector>
 
@@ -46,23 +47,38 @@ struct OutputChannel {
                                          const std::vector<OutputChannel>& outputs,
                                          const std::vector<std::string>& inputs);
 
+inline constexpr double kMostDelaySamples = 4096;
+
 /// @throws InvalidInput  sizes differ, an entry is not finite, a delay is negative, or that of a
-///                       discrete model is not whole
+///                       discrete model is not whole or longer than kMostDelaySamples + 1
 void check(const ControlModel& model);
+
+/// Poles of a continuous model [rad/s]: n, in no order.
+struct Poles {
+  Eigen::VectorXcd value;
+  double integrator = 0.0;  ///< up to this size a pole is one of rigid-body motion, only rounding
+
+  [[nodiscard]] bool is_integrator(std::complex<double> pole) const;
+  /// Neither rigid-body motion nor undamped nor unstable, each beyond rounding.
+  [[nodiscard]] bool is_damped(std::complex<double> pole) const;
+  [[nodiscard]] bool is_unstable(std::complex<double> pole) const;
+  /// The highest frequency of an oscillating pole [Hz]; real poles, as dashpots have, do not count.
+  [[nodiscard]] double highest_hz() const;
+};
+
+/// Cost: about 25 n³. @throws InvalidInput  as check; a discrete model
+[[nodiscard]] Poles poles(const ControlModel& model);
 
 /// p×q at jω, or at e^{jωT} of a discrete model, delays included.
 /// @throws InvalidInput  as check; f < 0
 [[nodiscard]] Eigen::MatrixXcd response(const ControlModel& model, double frequency_hz);
-
-inline constexpr double kMostDelaySamples = 4096;
 
 /// Exact at the samples for inputs that are constant between them (zero-order hold). Whole samples
 /// of a delay stay delays. A fraction is exact too: of an input delay by a state, the last value of
 /// that input; of an output delay by the output between two samples (Franklin, Powell and Workman
 /// 1998, 4.3.4). Cost: one matrix exponential for each fraction, and for each pair of both kinds.
 /// @throws InvalidInput      as check; a discrete model; a sample time that is not positive; a
-/// delay
-///                           of more than kMostDelaySamples samples
+///                           delay of more than kMostDelaySamples samples
 /// @throws NumericalFailure  an unstable model grows beyond all numbers within a sample
 [[nodiscard]] ControlModel discretised(const ControlModel& model, double sample_time_s);
 
@@ -77,8 +93,10 @@ inline constexpr int kHighestPade = 10;
 /// `phase_error` [rad] for each delay, by the first term of the error. Infinite without a delay.
 [[nodiscard]] double pade_limit_hz(const ControlModel& model, int order, double phase_error);
 
-/// Delays of a discrete model as states, one for each sample.
-/// @throws InvalidInput  as check; a continuous model
+inline constexpr Eigen::Index kMostDelayStates = 4096;
+
+/// Delays of a discrete model as states, one for each sample. Matrices are dense.
+/// @throws InvalidInput  as check; a continuous model; more than kMostDelayStates states in all
 [[nodiscard]] ControlModel with_delay_states(const ControlModel& model);
 
 struct ReducedControlModel {

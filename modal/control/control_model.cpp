@@ -16,7 +16,7 @@ const char* unit_of(FrfKind kind) {
   return kind == FrfKind::accelerance ? "m/s^2" : "m";
 }
 
-// The outputs of `rows` differentiated once: ẏ = C A x + C B u, without D u̇.
+// The output `row` differentiated once: ẏ = C A x + C B u, without D u̇.
 void differentiate(const StateSpace& space, Eigen::Index row, StateSpace& into) {
   into.d.row(row) = into.c.row(row) * space.b;
   into.c.row(row) = (into.c.row(row) * space.a).eval();
@@ -49,14 +49,37 @@ std::vector<Signal> states_of(const ReducedModel& model, Eigen::Index count) {
 
 void check_delays(const ControlModel& model, const Eigen::VectorXd& delay,
                   const std::vector<Signal>& channels, const char* side) {
+  const bool discrete = model.space.sample_time_s > 0.0;
   for (Eigen::Index i = 0; i < delay.size(); ++i) {
     const double one = delay(i);
-    const bool discrete = model.space.sample_time_s > 0.0;
-    require(std::isfinite(one) && one >= 0.0 && (!discrete || one == std::round(one)),
-            fmt::format("control model: the delay of {} \"{}\" is {} {}; expected 0 or more{}",
-                        side, channels[static_cast<std::size_t>(i)].name, one,
-                        discrete ? "samples" : "s", discrete ? ", whole" : ""));
+    const bool sound = !discrete || (one == std::round(one) && one <= kMostDelaySamples + 1.0);
+    require(std::isfinite(one) && one >= 0.0 && sound,
+            fmt::format("control model: the delay of {} \"{}\" is {} {}; expected 0 {}", side,
+                        channels[static_cast<std::size_t>(i)].name, one, discrete ? "samples" : "s",
+                        discrete ? fmt::format("to {} samples, whole", kMostDelaySamples + 1.0)
+                                 : "or more"));
   }
+}
+
+void require_names(const StateSpace& space, const std::vector<OutputChannel>& outputs,
+                   const std::vector<std::string>& inputs) {
+  require(outputs.size() == static_cast<std::size_t>(space.c.rows()) &&
+              inputs.size() == static_cast<std::size_t>(space.b.cols()),
+          fmt::format(
+              "control model: found names of {} outputs and {} inputs, expected {} and {} names",
+              outputs.size(), inputs.size(), space.c.rows(), space.b.cols()));
+}
+
+ControlModel named(const StateSpace& space, const std::vector<Signal>& states,
+                   const std::vector<OutputChannel>& outputs,
+                   const std::vector<std::string>& inputs) {
+  ControlModel model{space, states, {}, {}, {}, {}};
+  for (const auto& output : outputs) model.outputs.push_back({output.name, unit_of(output.kind)});
+  for (const auto& input : inputs) model.inputs.push_back({input, "N"});
+  model.input_delay.setZero(space.b.cols());
+  model.output_delay.setZero(space.c.rows());
+  check(model);
+  return model;
 }
 
 }  // namespace
@@ -64,33 +87,33 @@ void check_delays(const ControlModel& model, const Eigen::VectorXd& delay,
 ControlModel control_model(const StateSpace& displacements, const std::vector<Signal>& states,
                            const std::vector<OutputChannel>& outputs,
                            const std::vector<std::string>& inputs) {
-  ControlModel model{displacements, states, {}, {}, {}, {}};
-  require(
-      outputs.size() == static_cast<std::size_t>(displacements.c.rows()) &&
-          inputs.size() == static_cast<std::size_t>(displacements.b.cols()),
-      fmt::format("control model: found {} outputs and {} inputs, expected {} and {} names",
-                  displacements.c.rows(), displacements.b.cols(), outputs.size(), inputs.size()));
+  require_names(displacements, outputs, inputs);
+  auto space = displacements;
   for (Eigen::Index i = 0; i < displacements.c.rows(); ++i) {
-    const auto& output = outputs[static_cast<std::size_t>(i)];
-    if (output.kind != FrfKind::receptance) differentiate(displacements, i, model.space);
-    if (output.kind == FrfKind::accelerance) differentiate(displacements, i, model.space);
-    model.outputs.push_back({output.name, unit_of(output.kind)});
+    const auto kind = outputs[static_cast<std::size_t>(i)].kind;
+    if (kind != FrfKind::receptance) differentiate(displacements, i, space);
+    if (kind == FrfKind::accelerance) differentiate(displacements, i, space);
   }
-  for (const auto& input : inputs) model.inputs.push_back({input, "N"});
-  model.input_delay.setZero(displacements.b.cols());
-  model.output_delay.setZero(displacements.c.rows());
-  check(model);
-  return model;
+  return named(space, states, outputs, inputs);
 }
 
 ControlModel control_model(const ReducedModel& model, const std::vector<OutputChannel>& outputs,
                            const std::vector<std::string>& inputs) {
   auto space = state_space(model);
+  require_names(space, outputs, inputs);
+  for (const auto kind : {FrfKind::mobility, FrfKind::accelerance}) {
+    const auto moving = state_space(model, kind);  // A and B are the same
+    for (Eigen::Index i = 0; i < space.c.rows(); ++i) {
+      if (outputs[static_cast<std::size_t>(i)].kind != kind) continue;
+      space.c.row(i) = moving.c.row(i);
+      space.d.row(i) = moving.d.row(i);
+    }
+  }
   const auto order = by_modes(model.mode_count(), space.a.rows());
   space.a = space.a(order, order).eval();
   space.b = space.b(order, Eigen::all).eval();
   space.c = space.c(Eigen::all, order).eval();
-  return control_model(space, states_of(model, space.a.rows()), outputs, inputs);
+  return named(space, states_of(model, space.a.rows()), outputs, inputs);
 }
 
 void check(const ControlModel& model) {

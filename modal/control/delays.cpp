@@ -102,7 +102,7 @@ void set_output(const StateSpace& from, Eigen::Index i, double time, const Eigen
   into.d.row(i) = after;
 }
 
-StateSpace shifted(Eigen::Index n, Eigen::Index extra, const StateSpace& like) {
+StateSpace enlarged(Eigen::Index n, Eigen::Index extra, const StateSpace& like) {
   StateSpace space;
   space.a.setZero(n + extra, n + extra);
   space.b.setZero(n + extra, like.b.cols());
@@ -163,7 +163,7 @@ ControlModel discretised(const ControlModel& model, double sample_time_s) {
   Sample sample(from, input.rest);
   const auto whole = sample.at(sample_time_s);
   ControlModel result = model;
-  result.space = shifted(n, extra, from);
+  result.space = enlarged(n, extra, from);
   result.space.sample_time_s = sample_time_s;
   result.space.a.topLeftCorner(n, n) = whole.state;
   result.space.a.topRightCorner(n, extra) = whole.before(Eigen::all, columns);
@@ -193,8 +193,12 @@ ControlModel with_delay_states(const ControlModel& model) {
   const auto& from = model.space;
   const auto n = from.a.rows();
   const auto extra = static_cast<Eigen::Index>(model.input_delay.sum() + model.output_delay.sum());
+  require(n + extra <= kMostDelayStates,
+          fmt::format("control model: with its delays as states the model has {} states; expected "
+                      "at most {}",
+                      n + extra, kMostDelayStates));
   ControlModel result = model;
-  auto& to = result.space = shifted(n, extra, from);
+  auto& to = result.space = enlarged(n, extra, from);
   to.a.topLeftCorner(n, n) = from.a;
   to.b.topRows(n) = from.b;
   to.c.leftCols(n) = from.c;

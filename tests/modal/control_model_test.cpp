@@ -65,6 +65,44 @@ TEST(ControlModel, GivesEachOutputInItsOwnQuantity) {
   }
 }
 
+// Dashpots beside residual flexibility: the modes' part of velocity and acceleration is
+// Φ q̇ and Φ q̈ with q from the structure's equations, (s² + 2ζωs + ω²) q = R u + Φ_dᵀ f and
+// (1 + s R_dd) f = −s (Φ_d q + R_du u).
+TEST(ControlModel, GivesVelocityAndAccelerationBesideDashpots) {
+  auto structure = chain(20, true);
+  structure.dashpots = Eigen::MatrixXd::Zero(20, 2);
+  structure.dashpots(3, 0) = std::sqrt(40.0);
+  structure.dashpots(7, 1) = std::sqrt(300.0);
+  structure.dashpots(12, 1) = -std::sqrt(300.0);
+  const auto modes = reduced(structure, 8, {0, 7, 19}, {2, 19}, 0.01);
+  const auto model =
+      control_model(modes, {{"s1"}, {"s2", FrfKind::mobility}, {"s3", FrfKind::accelerance}}, kTwo);
+  const auto n = modes.mode_count();
+  for (const double f : {5.0, 60.0, 400.0, 1500.0}) {
+    const std::complex<double> s(0.0, 2.0 * std::numbers::pi * f);
+    Eigen::MatrixXcd pencil = Eigen::MatrixXcd::Zero(n + 2, n + 2);
+    for (Eigen::Index m = 0; m < n; ++m) {
+      const double w = 2.0 * std::numbers::pi * modes.frequency_hz(m);
+      pencil(m, m) = s * s + 2.0 * modes.damping_ratio(m) * w * s + w * w;
+    }
+    pencil.topRightCorner(n, 2) = -modes.dampers.shapes.transpose();
+    pencil.bottomLeftCorner(2, n) = s * modes.dampers.shapes;
+    pencil.bottomRightCorner(2, 2) = s * modes.dampers.among;
+    pencil.bottomRightCorner(2, 2).diagonal().array() += 1.0;
+    Eigen::MatrixXcd right(n + 2, 2);
+    right << modes.input_shapes, -s * modes.dampers.from_inputs;
+    const Eigen::MatrixXcd q = pencil.partialPivLu().solve(right).topRows(n);
+    const Eigen::MatrixXcd expected = modes.output_shapes * q;
+    const auto found = response(model, f);
+    EXPECT_LT((found.row(1) - s * expected.row(1)).norm(), 1e-9 * (s * expected.row(1)).norm());
+    EXPECT_LT((found.row(2) - s * s * expected.row(2)).norm(),
+              1e-9 * (s * s * expected.row(2)).norm())
+        << f;
+    const auto whole = frf(modes, Eigen::VectorXd::Constant(1, f)).value[0];
+    EXPECT_LT((found.row(0) - whole.row(0)).norm(), 1e-9 * whole.row(0).norm());
+  }
+}
+
 TEST(ControlModel, KeepsModesApartAlsoInSamples) {
   const auto model = control_model(two_sided(false), kThree, kTwo);
   const auto sampled = discretised(model, 1e-4);
@@ -244,6 +282,49 @@ TEST(ControlModel, RefusesWhatCannotBeMeant) {
   EXPECT_NE(
       refusal_of([&] { return control_model(two_sided(true), {{"s1"}}, kTwo); }).find("names"),
       std::string::npos);
+}
+
+TEST(ControlModel, RefusesMoreDelayThanFitsIntoMemory) {
+  auto sampled = discretised(control_model(two_sided(false), kThree, kTwo), 1e-4);
+  sampled.input_delay << 4000.0, 0.0;
+  sampled.output_delay << 81.0, 0.0, 0.0;
+  EXPECT_EQ(refusal_of([&] { return with_delay_states(sampled); }),
+            "control model: with its delays as states the model has 4097 states; expected at most "
+            "4096");
+  sampled.input_delay << 4097.0, 0.0;
+  EXPECT_NO_THROW(check(sampled));
+  sampled.input_delay << 4098.0, 0.0;
+  EXPECT_NE(refusal_of([&] { return response(sampled, 1.0); }).find("expected 0 to 4097 samples"),
+            std::string::npos);
+}
+
+TEST(ControlModel, PolesOfDashpotsAreNoModes) {
+  auto structure = chain(20, false);
+  structure.dashpots = Eigen::MatrixXd::Zero(20, 1);
+  structure.dashpots(3, 0) = 1e-3;  // a lag of far below the periods
+  const auto modes = reduced(structure, 8, {0, 7, 19}, {2, 19}, 0.01);
+  const auto found = poles(control_model(modes, kThree, kTwo));
+  EXPECT_GT(found.value.cwiseAbs().maxCoeff(), 1e6 * 2.0 * std::numbers::pi * found.highest_hz());
+  EXPECT_NEAR(found.highest_hz(), modes.frequency_hz(7), 1e-6 * modes.frequency_hz(7));
+  Eigen::Index integrators = 0;
+  for (const auto& pole : found.value) {
+    if (found.is_integrator(pole)) ++integrators;
+    EXPECT_NE(found.is_integrator(pole), found.is_damped(pole));
+    EXPECT_FALSE(found.is_unstable(pole));
+  }
+  EXPECT_EQ(integrators, 2);
+}
+
+TEST(ControlModel, WithoutStatesHasNoPoles) {
+  StateSpace still;
+  still.a.resize(0, 0);
+  still.b.resize(0, 2);
+  still.c.resize(3, 0);
+  still.d = Eigen::MatrixXd::Ones(3, 2);
+  const auto model = control_model(still, {}, kThree, kTwo);
+  EXPECT_EQ(poles(model).value.size(), 0);
+  EXPECT_EQ(poles(model).highest_hz(), 0.0);
+  EXPECT_EQ(reduced(model, 0).hankel.size(), 0);
 }
 
 TEST(ControlModel, AnExplosionWithinASampleIsAFailureNotANumber) {
