@@ -14,6 +14,11 @@ namespace chladni::identification {
 /// Displacements of the reference point along x, y, z and rotations about it.
 inline constexpr std::array<const char*, 6> kRigidMotions{"x", "y", "z", "rx", "ry", "rz"};
 
+/// Channels do not see a motion whose singular value is below this part of the largest. Directions
+/// from files in single precision are off by 1e-7, which is no motion; a direction turned by a
+/// degree is one.
+inline constexpr double kNoMotion = 1e-4;
+
 /// Places [m] and unit directions of n channels.
 struct ChannelFrame {
   Eigen::MatrixX3d places, directions;

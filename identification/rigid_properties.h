@@ -14,7 +14,8 @@ namespace chladni::identification {
 /// Σ l_m r_m over the modes in which the body moves as a whole: G s² of the free body.
 struct RigidProduct {
   Eigen::MatrixXd value;       ///< p×q [1/kg]
-  Eigen::MatrixXd covariance;  ///< pq×pq of its columns one after the other; zero if not known
+  Eigen::MatrixXd covariance;  ///< pq×pq of its columns one after the other; zero if not known,
+                               ///< infinite on the diagonal for a channel that is not measured
   Eigen::Index modes = 0;
 };
 
@@ -31,19 +32,18 @@ struct RigidProperties {
   Eigen::Vector3d centre, centre_std;    ///< [m]
   Eigen::Matrix3d inertia, inertia_std;  ///< [kg m²], about the centre of mass
   Eigen::Vector3d about;  ///< the centre; where it is not told, the middle of the channels
-  double misfit = 0.0;    ///< χ² per degree of freedom; 0 without deviations or freedoms
   std::vector<std::string> not_told;  ///< "the inertia about z": not told by the channels
 };
 
 /// Weighted least squares of n_iᵀ n_j / m + ((p_i − c) × n_i)ᵀ J⁻¹ ((p_j − c) × n_j), the response
-/// of a rigid body at p_i along n_i to a force at p_j along n_j, with the covariance of `product`.
+/// of a rigid body at p_i along n_i to a force at p_j along n_j, with the covariance of `product`;
+/// a product of infinite variance has no weight.
 /// Where the channels see rotations about some axes only, the inertia about these is given for a
 /// body whose products of inertia with the other axes are 0.
 /// Cost: some tens of pq × 10 least-squares problems.
 /// @throws InvalidInput      sizes differ
 /// @throws NumericalFailure  mass or inertia is not positive: a polarity or a place is wrong, or
-/// the
-///                           modes are not those of a rigid body
+///                           the modes are not those of a rigid body
 [[nodiscard]] RigidProperties rigid_properties(const RigidProduct& product,
                                                const ChannelFrame& outputs,
                                                const ChannelFrame& inputs);

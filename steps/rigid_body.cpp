@@ -13,8 +13,6 @@ namespace {
 
 using identification::ChannelFrame;
 
-constexpr double kNoMotion = 1e-9;  // of the largest singular value
-
 // Motions that either side sees, as columns of combinations of the six.
 Eigen::MatrixXd seen_motions(const ChannelFrame& outputs, const ChannelFrame& inputs) {
   const Eigen::Vector3d about = outputs.places.colwise().mean();
@@ -25,7 +23,7 @@ Eigen::MatrixXd seen_motions(const ChannelFrame& outputs, const ChannelFrame& in
   if (distance > 0.0) all.rightCols(3) /= distance;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(all, Eigen::ComputeThinV);
   const auto& values = svd.singularValues();
-  const Eigen::Index rank = (values.array() > kNoMotion * values(0)).count();
+  const Eigen::Index rank = (values.array() > identification::kNoMotion * values(0)).count();
   Eigen::MatrixXd motions = svd.matrixV().leftCols(rank);
   if (distance > 0.0) motions.bottomRows(3) /= distance;
   return motions;
@@ -53,8 +51,7 @@ std::string missing_modes(const study::Study& study, const RigidBodyOfChannels& 
   if (found.modes >= seen || is_held(study)) return "";
   return fmt::format(
       "the channels see {} motions of the body as a whole and the fit has {} of them: below {:.4g} "
-      "Hz, "
-      "where its lines begin, the model lacks that part of the response",
+      "Hz, where its lines begin, the model lacks that part of the response",
       seen, found.modes, model.data.frequency_hz(0));
 }
 
@@ -94,7 +91,10 @@ std::optional<RigidBodyOfChannels> rigid_body_of_channels(const study::Study& st
   found.actuators = identification::actuator_decoupling(*inputs, found.about);
   const auto missing = missing_modes(study, found, model);
   if (!missing.empty()) found.notes.push_back(missing);
-  if (found.modes == 0 || !missing.empty()) return found;
+  // Fewer modes than motions, as on springs to the ground, are not those of the whole body.
+  if (found.modes == 0 || found.modes < std::min(found.sensors.rank, found.actuators.rank)) {
+    return found;
+  }
   add_properties(*outputs, *inputs, model, suspension.bending, found);
   found.sensors = identification::sensor_decoupling(*outputs, found.about);
   found.actuators = identification::actuator_decoupling(*inputs, found.about);

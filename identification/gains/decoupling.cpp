@@ -12,8 +12,6 @@
 namespace chladni::identification {
 namespace {
 
-constexpr double kNoMotion = 1e-9;  // of the largest singular value
-
 // P with rotations times the rms distance of the channels, so that all columns are lengths.
 struct ScaledMotions {
   Eigen::MatrixXd value;

@@ -99,6 +99,23 @@ struct RigidModel {
   }
 };
 
+bool is_known(double variance) { return std::isfinite(variance); }
+
+// One over the deviation of each product; equal ones where the deviations are not known, and 0 for
+// a product of which nothing is known.
+Eigen::VectorXd weights(const RigidProduct& product, double mobility) {
+  const Eigen::VectorXd variance = product.covariance.diagonal();
+  require(variance.size() == product.value.size(),
+          "rigid body: the numbers of products and of their deviations differ");
+  const double least = std::pow(1e-9 * mobility, 2);
+  const bool all = (variance.array() > least).all();
+  Eigen::VectorXd weight(variance.size());
+  for (Eigen::Index k = 0; k < variance.size(); ++k) {
+    weight(k) = !is_known(variance(k)) ? 0.0 : 1.0 / (all ? std::sqrt(variance(k)) : mobility);
+  }
+  return weight;
+}
+
 RigidModel model_of(const RigidProduct& product, const ChannelFrame& outputs,
                     const ChannelFrame& inputs) {
   require(outputs.places.rows() == product.value.rows() &&
@@ -114,12 +131,7 @@ RigidModel model_of(const RigidProduct& product, const ChannelFrame& outputs,
         std::sqrt(squares / static_cast<double>(outputs.places.rows() + inputs.places.rows()));
   }
   model.mobility = std::max(product.value.cwiseAbs().maxCoeff(), 1e-300);
-  const Eigen::VectorXd deviation = product.covariance.diagonal().cwiseSqrt();
-  const double least = 1e-9 * model.mobility;
-  const bool known = deviation.size() == model.measured.size() && deviation.allFinite() &&
-                     deviation.minCoeff() > least;
-  model.weight = known ? Eigen::VectorXd(deviation.cwiseInverse())
-                       : Eigen::VectorXd::Constant(model.measured.size(), 1.0 / model.mobility);
+  model.weight = weights(product, model.mobility);
   return model;
 }
 
@@ -144,6 +156,21 @@ struct Told {
   std::array<bool, 10> known{};
 };
 
+// Rows and columns of infinite variance as 0: their values have no weight.
+Eigen::MatrixXd without_unknown(Eigen::MatrixXd covariance) {
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+    if (is_known(covariance(k, k))) continue;
+    covariance.row(k).setZero();
+    covariance.col(k).setZero();
+  }
+  return covariance;
+}
+
+// Infinite where the variance is not a number: what is not known is not exact.
+double deviation_of(double variance) {
+  return is_known(variance) ? std::sqrt(std::max(0.0, variance)) : kNone;
+}
+
 Told told(const RigidModel& model, const Eigen::VectorXd& t, const RigidProduct& product) {
   Eigen::MatrixXd jacobian;
   model.df(t, jacobian);
@@ -154,7 +181,7 @@ Told told(const RigidModel& model, const Eigen::VectorXd& t, const RigidProduct&
                                   values.head(rank).cwiseInverse().asDiagonal() *
                                   svd.matrixU().leftCols(rank).transpose();
   const Eigen::MatrixXd map = inverse.leftCols(model.measured.size()) * model.weight.asDiagonal();
-  Told result{map * product.covariance * map.transpose(), {}};
+  Told result{map * without_unknown(product.covariance) * map.transpose(), {}};
   for (Eigen::Index k = 0; k < 10; ++k) {
     const double free = svd.matrixV().row(k).tail(10 - rank).norm();
     result.known[static_cast<std::size_t>(k)] = free < 1e-3;
@@ -195,8 +222,7 @@ void set_inertia(const RigidModel& model, const Eigen::VectorXd& t, const Told& 
   const Eigen::MatrixXd deviation =
       (change * told.covariance.bottomRightCorner<6, 6>() * change.transpose())
           .diagonal()
-          .cwiseMax(0.0)
-          .cwiseSqrt()
+          .unaryExpr([](double variance) { return deviation_of(variance); })
           .reshaped(n, n);
   body.inertia(axes, axes) = inertia;
   body.inertia_std(axes, axes) = deviation;
@@ -224,6 +250,8 @@ RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
   const auto q = fit.model.input_count();
   const auto rigid = fit.model.rigid_count;
   RigidProduct product{Eigen::MatrixXd::Zero(p, q), Eigen::MatrixXd::Zero(p * q, p * q), 0};
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> unknown =
+      Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>::Constant(p, q, false);
   // Change of the products with the entries of l and r of `count` modes, and their covariance.
   const auto add = [&](Eigen::Index first, Eigen::Index count, const Eigen::MatrixXd& covariance) {
     const Eigen::MatrixXd l = fit.model.output_shapes.middleCols(first, count);
@@ -232,6 +260,14 @@ RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
         match.shapes.block(0, first, p, count) * match.input_shapes.middleRows(first, count);
     product.modes += count;
     if (covariance.rows() != (p + q) * count) return;
+    // Factors of which nothing is known make their products unknown.
+    const Eigen::MatrixXd finite = without_unknown(covariance);
+    for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+      if (is_known(covariance(k, k))) continue;
+      const bool of_output = k < p * count;
+      if (of_output) unknown.row(k % p).setConstant(true);
+      if (!of_output) unknown.col((k - p * count) / count).setConstant(true);
+    }
     Eigen::MatrixXd change = Eigen::MatrixXd::Zero(p * q, (p + q) * count);
     for (Eigen::Index i = 0; i < p; ++i) {
       for (Eigen::Index j = 0; j < q; ++j) {
@@ -241,7 +277,7 @@ RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
         }
       }
     }
-    product.covariance += change * covariance * change.transpose();
+    product.covariance += change * finite * change.transpose();
   };
   if (rigid > 0) add(0, rigid, fit.rigid_covariance);
   for (const auto m : suspended) {
@@ -252,6 +288,9 @@ RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
       own = fit.mode_covariance[static_cast<std::size_t>(m)].block(2, 2, p + q, p + q);
     }
     add(m, 1, own);
+  }
+  for (Eigen::Index k = 0; k < p * q; ++k) {
+    if (unknown(k % p, k / p)) product.covariance(k, k) = kNone;
   }
   return product;
 }
@@ -267,29 +306,21 @@ RigidProperties rigid_properties(const RigidProduct& product, const ChannelFrame
   if (!(t(0) > 0.0)) {
     throw NumericalFailure(
         "rigid body: its mass is not positive: a polarity or a place is wrong, or the modes are "
-        "not "
-        "those of a rigid body");
+        "not those of a rigid body");
   }
   RigidProperties body;
   body.mass = 1.0 / (model.mobility * t(0));
-  body.mass_std = body.mass * std::sqrt(std::max(0.0, known.covariance(0, 0))) / t(0);
+  body.mass_std = body.mass * deviation_of(known.covariance(0, 0)) / t(0);
   body.about = model.centre(t);
   for (Eigen::Index a = 0; a < 3; ++a) {
     const bool is_told = known.known[static_cast<std::size_t>(1 + a)];
     if (!is_told) body.about(a) = model.middle(a);
     body.centre(a) = is_told ? body.about(a) : kNaN;
     body.centre_std(a) =
-        is_told ? model.distance * std::sqrt(std::max(0.0, known.covariance(1 + a, 1 + a))) : kNone;
+        is_told ? model.distance * deviation_of(known.covariance(1 + a, 1 + a)) : kNone;
   }
   set_inertia(model, t, known, body);
   say_what_is_not_told(known, body);
-  Eigen::VectorXd error;
-  model(t, error);
-  const auto told_count = std::count(known.known.begin(), known.known.end(), true);
-  const auto freedoms = static_cast<double>(model.measured.size() - told_count);
-  if (freedoms > 0.0 && product.covariance.diagonal().minCoeff() > 0.0) {
-    body.misfit = error.squaredNorm() / freedoms;
-  }
   return body;
 }
 

@@ -14,6 +14,7 @@ constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 // "12.3 +- 0.4", or "-" for what is not told.
 std::string with_deviation(double value, double deviation) {
   if (std::isnan(value)) return "-";
+  if (!std::isfinite(deviation)) return fmt::format("{:.4g} +- unknown", value);
   return deviation > 0.0 ? fmt::format("{:.4g} +- {:.2g}", value, deviation)
                          : fmt::format("{:.4g}", value);
 }
@@ -106,7 +107,6 @@ io::Json rigid_body_json(const steps::RigidBodyOfChannels& found) {
   json.emplace_back("centre_of_mass_std_m", io::Json(body.centre_std));
   json.emplace_back("inertia_kg_m2", io::Json::rows(body.inertia));
   json.emplace_back("inertia_std_kg_m2", io::Json::rows(body.inertia_std));
-  json.emplace_back("misfit", body.misfit);
   json.emplace_back("not_told", io::Json::texts(body.not_told));
   return json;
 }
