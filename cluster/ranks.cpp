@@ -32,9 +32,9 @@ constexpr int kOutOfMemory = 5;                   // exit status of chladni-slep
 class Exchange {
  public:
   explicit Exchange(const fs::path& parent) {
-    static std::atomic<unsigned> made = 0;
+    static std::atomic<unsigned> folders = 0;
     folder_ = fs::absolute(parent.empty() ? fs::temp_directory_path() : parent) /
-              fmt::format(".ranks.{}-{}", getpid(), made++);
+              fmt::format(".ranks.{}-{}", getpid(), folders++);
     std::error_code fault;
     fs::create_directory(folder_, fault);
     require(!fault,
@@ -152,9 +152,9 @@ double bound_for(const fem::System& system, const RanksOptions& options, double 
 
 long long wanted_of(const fem::System& system, const RanksOptions& options) {
   const auto rigid = static_cast<long long>(system.rigid.cols());
-  const auto all = static_cast<long long>(system.mass.rows());
+  const auto rows = static_cast<long long>(system.mass.rows());
   const long long flexible = options.up_to_hz > 0.0 ? 1 : options.count + kMoreModes;
-  return std::min(all, rigid + flexible);
+  return std::min(rows, rigid + flexible);
 }
 
 }  // namespace

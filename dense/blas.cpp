@@ -81,17 +81,17 @@ void set_blas_threads(int count) {
 }
 
 OneBlasThread::OneBlasThread() {
-  auto& all = holders();
-  const std::lock_guard lock(all.mutex);
-  if (all.count++ > 0) return;
-  all.before = blas_threads();
+  auto& scopes = holders();
+  const std::lock_guard lock(scopes.mutex);
+  if (scopes.count++ > 0) return;
+  scopes.before = blas_threads();
   set_blas_threads(1);
 }
 
 OneBlasThread::~OneBlasThread() {
-  auto& all = holders();
-  const std::lock_guard lock(all.mutex);
-  if (--all.count == 0 && all.before > 0) set_blas_threads(all.before);
+  auto& scopes = holders();
+  const std::lock_guard lock(scopes.mutex);
+  if (--scopes.count == 0 && scopes.before > 0) set_blas_threads(scopes.before);
 }
 
 }  // namespace chladni::dense

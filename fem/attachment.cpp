@@ -70,15 +70,16 @@ struct Below {
   Eigen::Index here = -1, there = -1;
 };
 
-std::vector<Below> below_all(const mesh::TetMesh& body, const std::vector<Attachment>& all) {
+std::vector<Below> below_all(const mesh::TetMesh& body,
+                             const std::vector<Attachment>& attachments) {
   std::vector<mesh::Site> sites;
-  for (const auto& one : all) {
-    const auto* link = std::get_if<LinkSpring>(&one.what);
-    sites.push_back(one.site);
-    sites.push_back(link != nullptr ? link->other : one.site);
+  for (const auto& attachment : attachments) {
+    const auto* link = std::get_if<LinkSpring>(&attachment.what);
+    sites.push_back(attachment.site);
+    sites.push_back(link != nullptr ? link->other : attachment.site);
   }
   const auto tets = tets_below(body, sites);
-  std::vector<Below> below(all.size());
+  std::vector<Below> below(attachments.size());
   for (std::size_t i = 0; i < below.size(); ++i) below[i] = {tets[2 * i], tets[2 * i + 1]};
   return below;
 }

@@ -209,8 +209,8 @@ const Element& element(int order) {
 }
 
 std::span<const Element* const> elements() {
-  static const std::array<const Element*, 3> all{&tet4(), &tet10(), &tet20()};
-  return all;
+  static const std::array<const Element*, 3> elements{&tet4(), &tet10(), &tet20()};
+  return elements;
 }
 
 ShapeValues shape(const Element& element, const Eigen::Vector4d& barycentric) {

@@ -57,9 +57,9 @@ std::shared_ptr<const Factorization> factor_for(const System& system, const moda
   const double last = modes.mode_count() > modes.rigid_count
                           ? std::pow(2.0 * std::numbers::pi * modes.frequency_hz.tail<1>()(0), 2)
                           : 0.0;
-  const auto there =
+  const auto kept =
       system.kept_factor->kept(system.stiffness, system.mass, 0.1 * s, kWellBelow * last);
-  if (there.factor) return there.factor;
+  if (kept.factor) return kept.factor;
   return std::make_shared<const Factorization>(
       system.kept_factor->symbolic(system.stiffness, system.mass), system.stiffness, s,
       system.mass);

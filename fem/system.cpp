@@ -3,11 +3,11 @@
 namespace chladni::fem {
 
 Eigen::MatrixXd on_nodes(const DofMap& dofs, const Eigen::MatrixXd& free) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * dofs.node_count, free.cols());
-  for (Eigen::Index i = 0; i < all.rows(); ++i) {
-    if (dofs.free_dof(i) >= 0) all.row(i) = free.row(dofs.free_dof(i));
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(3 * dofs.node_count, free.cols());
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    if (dofs.free_dof(i) >= 0) values.row(i) = free.row(dofs.free_dof(i));
   }
-  return all;
+  return values;
 }
 
 }  // namespace chladni::fem

@@ -19,9 +19,9 @@ struct RigidProduct {
   Eigen::Index modes = 0;
 };
 
-/// Of the modes at 0 Hz and of the `suspended` ones above it, which are taken for independent.
-/// Values are those of the matched shapes, whose gains are corrected; the covariance is that of the
-/// fit.
+/// The product of the modes at 0 Hz and the `suspended` ones above it, which are taken for
+/// independent. Values are those of the matched shapes, whose gains are corrected; the covariance
+/// is that of the fit.
 /// @throws InvalidInput  a suspended mode is none of the fit's
 [[nodiscard]] RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
                                          const std::vector<Eigen::Index>& suspended);

@@ -327,15 +327,15 @@ bool SurfaceReport::fit() const {
 }
 
 std::string SurfaceReport::text() const {
-  std::string all;
+  std::string text;
   for (const Finding& finding : findings) {
     const char* kind = finding.severity == Severity::refused    ? "refused: "
                        : finding.severity == Severity::repaired ? "repaired: "
                                                                 : "note: ";
-    all += (all.empty() ? "" : "\n") + (kind + finding.what);
-    if (!finding.remedy.empty()) all += "; " + finding.remedy;
+    text += (text.empty() ? "" : "\n") + (kind + finding.what);
+    if (!finding.remedy.empty()) text += "; " + finding.remedy;
   }
-  return all;
+  return text;
 }
 
 SurfaceReport check_and_repair(Surface& surface, const RepairOptions& options) {

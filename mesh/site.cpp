@@ -133,12 +133,12 @@ void SiteFinder::Tree::descend(const Eigen::Vector3d& point, const Visit& visit)
       }
       continue;
     }
-    const auto& one = nodes[static_cast<std::size_t>(node.left)];
-    const auto& two = nodes[static_cast<std::size_t>(node.left) + 1];
-    const double to_one = one.box.squaredExteriorDistance(point);
-    const double to_two = two.box.squaredExteriorDistance(point);
-    open.emplace_back(std::max(to_one, to_two), node.left + (to_one > to_two ? 0 : 1));
-    open.emplace_back(std::min(to_one, to_two), node.left + (to_one > to_two ? 1 : 0));
+    const auto& left = nodes[static_cast<std::size_t>(node.left)];
+    const auto& right = nodes[static_cast<std::size_t>(node.left) + 1];
+    const double to_left = left.box.squaredExteriorDistance(point);
+    const double to_right = right.box.squaredExteriorDistance(point);
+    open.emplace_back(std::max(to_left, to_right), node.left + (to_left > to_right ? 0 : 1));
+    open.emplace_back(std::min(to_left, to_right), node.left + (to_left > to_right ? 1 : 0));
   }
 }
 

@@ -119,15 +119,15 @@ Optimum lowest(const Search& search) {
 // deviations. No direction gets a larger variance than in the prior.
 Eigen::MatrixXd posterior_root(const Search& search, const Eigen::VectorXd& at) {
   const Eigen::Index n = at.size() - kGamma;
-  Eigen::VectorXd here;
-  Eigen::VectorXd there;
-  search.implausibility(at, here);
+  Eigen::VectorXd slopes;
+  Eigen::VectorXd slopes_beside;
+  search.implausibility(at, slopes);
   Eigen::MatrixXd curvature(n, n);
   for (Eigen::Index k = 0; k < n; ++k) {
     Eigen::VectorXd moved = at;
     moved(kGamma + k) += kStep;
-    search.implausibility(moved, there);
-    curvature.col(k) = (there - here).tail(n) / kStep;
+    search.implausibility(moved, slopes_beside);
+    curvature.col(k) = (slopes_beside - slopes).tail(n) / kStep;
   }
   const Eigen::MatrixXd symmetric = 0.5 * (curvature + curvature.transpose());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
@@ -173,13 +173,13 @@ LearnedCorrections learned_corrections(const MeasuredShapes& measured, const Mod
   learned.log_evidence = 0.5 * best.at.tail(best.at.size() - 1).squaredNorm() - best.value;
   learned.deviation.resize(learned.parameters.size());
   for (Eigen::Index f = 0; f < learned.parameters.size(); ++f) {
-    const auto& one = corrections[static_cast<std::size_t>(f)];
-    learned.deviation(f) = one.deviation * root.row(1 + f).norm();
+    const auto& correction = corrections[static_cast<std::size_t>(f)];
+    learned.deviation(f) = correction.deviation * root.row(1 + f).norm();
     const double away = std::abs(best.at(kFirst + f));
     if (away < Constants::doubtful) continue;
     learned.doubts.push_back(
         fmt::format("correction {} is {:.3g}, {:.1f} of the deviations that were thought plausible",
-                    one.name, learned.parameters(f), away));
+                    correction.name, learned.parameters(f), away));
   }
   return learned;
 }

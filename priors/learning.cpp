@@ -29,11 +29,11 @@ Range range_of(const Kernel& kernel, const Points& points, const Learning& how) 
   range.low.resize(count);
   range.high.resize(count);
   for (Eigen::Index k = 0; k < kernel.parameter_count(); ++k) {
-    const auto& one = kernel.parameters()[static_cast<std::size_t>(k)];
-    const bool is_length = one.unit == "m";
-    range.low(k) = std::log(is_length ? length.first : one.least);
-    range.high(k) = std::log(is_length ? length.second : one.most);
-    range.names.push_back(one.name);
+    const auto& parameter = kernel.parameters()[static_cast<std::size_t>(k)];
+    const bool is_length = parameter.unit == "m";
+    range.low(k) = std::log(is_length ? length.first : parameter.least);
+    range.high(k) = std::log(is_length ? length.second : parameter.most);
+    range.names.push_back(parameter.name);
   }
   if (how.learn_noise) {
     range.low(count - 1) = std::log(how.noise_ratio);
@@ -88,20 +88,20 @@ class Merits {
   [[nodiscard]] Seen seen(const Eigen::VectorXd& at,
                           const std::vector<Eigen::Index>& shapes) const {
     if (!noise_is_known()) {
-      const auto one = process(at);
-      return seen(one, values_(Eigen::all, shapes), true);
+      const auto shape_process = process(at);
+      return seen(shape_process, values_(Eigen::all, shapes), true);
     }
-    Seen all(static_cast<Eigen::Index>(shapes.size()));
+    Seen scores(static_cast<Eigen::Index>(shapes.size()));
     for (std::size_t s = 0; s < shapes.size(); ++s) {
-      const auto one = process(at, shapes[s]);
-      const auto part = seen(one, values_.col(shapes[s]), false);
+      const auto shape_process = process(at, shapes[s]);
+      const auto part = seen(shape_process, values_.col(shapes[s]), false);
       const auto i = static_cast<Eigen::Index>(s);
-      all.score(i) = part.score(0);
-      all.sigma(i) = one.prior().amplitude;
-      all.log_likelihood(i) = part.log_likelihood(0);
-      all.jitter = std::max(all.jitter, part.jitter / (all.sigma(i) * all.sigma(i)));
+      scores.score(i) = part.score(0);
+      scores.sigma(i) = shape_process.prior().amplitude;
+      scores.log_likelihood(i) = part.log_likelihood(0);
+      scores.jitter = std::max(scores.jitter, part.jitter / (scores.sigma(i) * scores.sigma(i)));
     }
-    return all;
+    return scores;
   }
 
   // The sum of the scores of some shapes with its gradient, including the priors.
@@ -198,22 +198,22 @@ Seen part_of(const Seen& all, Eigen::Index shape) {
 // Search with one hyper-parameter: all shapes use the same factorisations.
 std::vector<Found> on_a_line(const Merits& merits, const Range& range, const Learning& how) {
   const auto shapes = all_of(merits.shape_count());
-  std::map<double, Seen> all;
+  std::map<double, Seen> seen_at;
   const auto values = [&](double at) -> Eigen::VectorXd {
     const Eigen::VectorXd point = Eigen::VectorXd::Constant(1, at);
     Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
     const double prior = merits.log_prior(point, none);
-    const auto& seen = all[at] = merits.seen(point, shapes);
+    const auto& seen = seen_at[at] = merits.seen(point, shapes);
     if (how.shared) return Eigen::VectorXd::Constant(1, seen.score.sum() + prior);
     return seen.score.array() + prior;
   };
   const auto best =
       maxima_on_a_line(values, range.low(0), range.high(0), Constants::length_grid, how.tolerance);
   std::vector<Found> found;
-  for (const auto& one : best.maxima) {
+  for (const auto& maximum : best.maxima) {
     const auto shape = static_cast<Eigen::Index>(found.size());
-    const auto& seen = all.at(one.at);
-    found.push_back({Eigen::VectorXd::Constant(1, one.at), one.value, best.evaluations,
+    const auto& seen = seen_at.at(maximum.at);
+    found.push_back({Eigen::VectorXd::Constant(1, maximum.at), maximum.value, best.evaluations,
                      how.shared ? seen : part_of(seen, shape)});
   }
   return found;

@@ -28,11 +28,11 @@ constexpr auto kLongest = std::chrono::hours(24 * 365);
 // the place of the folder are not among it.
 std::string hash_of(const study::Study& read, const std::string& verb,
                     study::Fingerprints& fingerprints) {
-  std::string all = read.text + "\n" + verb + "\n" + show::version();
+  std::string inputs = read.text + "\n" + verb + "\n" + show::version();
   for (const auto& [name, file] : study::named_files(read, true)) {
-    all += "\n" + name + " " + fingerprints.of(file);
+    inputs += "\n" + name + " " + fingerprints.of(file);
   }
-  return sha256(all).substr(0, kHashDigits);
+  return sha256(inputs).substr(0, kHashDigits);
 }
 
 std::optional<Record> record_in(const fs::path& folder) {

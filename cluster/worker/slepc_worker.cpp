@@ -67,9 +67,9 @@ int refused(const std::string& why) {
 // One thread per rank unless the user says more: both libraries read their environment while they
 // are loaded.
 void use_one_thread(char** argv) {
-  const bool said = std::getenv("OPENBLAS_NUM_THREADS") && std::getenv("OMP_NUM_THREADS");
+  const bool stated = std::getenv("OPENBLAS_NUM_THREADS") && std::getenv("OMP_NUM_THREADS");
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}) setenv(name, "1", 0);
-  if (!said) execv("/proc/self/exe", argv);
+  if (!stated) execv("/proc/self/exe", argv);
 }
 
 // Unless the user's PETSC_OPTIONS say otherwise. ICNTL(13) 1: the last front is not given to

@@ -35,10 +35,10 @@ Motions about(const mesh::TetMesh& body, const AttachmentTerms& attachments,
   return motions;
 }
 
-Eigen::MatrixXd free_rows(const Eigen::MatrixXd& all, const DofMap& dofs) {
-  Eigen::MatrixXd free(dofs.free_count, all.cols());
+Eigen::MatrixXd free_rows(const Eigen::MatrixXd& values, const DofMap& dofs) {
+  Eigen::MatrixXd free(dofs.free_count, values.cols());
   for (Eigen::Index i = 0; i < dofs.free_dof.size(); ++i) {
-    if (dofs.free_dof(i) >= 0) free.row(dofs.free_dof(i)) = all.row(i);
+    if (dofs.free_dof(i) >= 0) free.row(dofs.free_dof(i)) = values.row(i);
   }
   return free;
 }

@@ -274,8 +274,9 @@ std::vector<Eigen::Index> tets_below(const mesh::TetMesh& body,
     for (const auto corner : body.tets.row(t).head<4>()) {
       if (is_first[static_cast<std::size_t>(corner)] == 0) continue;
       const auto [begin, end] = site_of.equal_range(corner);
-      for (auto one = begin; one != end; ++one) {
-        if (below[one->second] < 0 && has_face(body, t, sites[one->second])) below[one->second] = t;
+      for (auto site = begin; site != end; ++site) {
+        if (below[site->second] < 0 && has_face(body, t, sites[site->second]))
+          below[site->second] = t;
       }
     }
   }

@@ -53,9 +53,9 @@ Eigen::VectorXd weights(const System& system, const Functional& f) {
     w(i) *= power(p(0), f.x) * power(p(1), f.y) * power(p(2), f.z);
   }
   if (f.axis < 3) {
-    for (Eigen::Index all = 0; all < system.dofs.free_dof.size(); ++all) {
-      const int row = system.dofs.free_dof(all);
-      if (row >= 0 && (all >= 3 * system.dofs.node_count || all % 3 != f.axis)) w(row) = 0.0;
+    for (Eigen::Index dof = 0; dof < system.dofs.free_dof.size(); ++dof) {
+      const int row = system.dofs.free_dof(dof);
+      if (row >= 0 && (dof >= 3 * system.dofs.node_count || dof % 3 != f.axis)) w(row) = 0.0;
     }
   }
   return w;

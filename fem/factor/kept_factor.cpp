@@ -64,7 +64,7 @@ std::shared_ptr<const Symbolic> KeptFactor::symbolic(const SparseMatrix& stiffne
 std::shared_ptr<const Factorization> KeptFactor::factor(const SparseMatrix& stiffness, double s,
                                                         const SparseMatrix& mass,
                                                         double keep_bytes) {
-  if (auto there = kept(stiffness, mass, s, s); there.factor) return there.factor;
+  if (auto earlier = kept(stiffness, mass, s, s); earlier.factor) return earlier.factor;
   const auto analysis = symbolic(stiffness, mass);
   {
     const std::lock_guard lock(mutex_);

@@ -34,11 +34,11 @@ Attempt attempted(const std::function<TetMesh()>& way) {
 
 TetMesh better_mesh(const std::function<TetMesh()>& first, const std::function<TetMesh()>& second,
                     double good_enough) {
-  auto one = attempted(first);
-  if (one.mesh && one.angle() >= good_enough) return *std::move(one.mesh);
+  auto attempt = attempted(first);
+  if (attempt.mesh && attempt.angle() >= good_enough) return *std::move(attempt.mesh);
   auto other = attempted(second);
-  if (!one.mesh && !other.mesh) std::rethrow_exception(other.failure);
-  return *std::move(one.angle() >= other.angle() ? one.mesh : other.mesh);
+  if (!attempt.mesh && !other.mesh) std::rethrow_exception(other.failure);
+  return *std::move(attempt.angle() >= other.angle() ? attempt.mesh : other.mesh);
 }
 
 }  // namespace chladni::mesh

@@ -66,17 +66,17 @@ std::vector<Cutout> cutouts_of(const WaferTable& table) {
 std::vector<double> breaks(double length, const std::vector<Interval>& pockets,
                            const std::vector<Interval>& cutouts, double wall) {
   const double half = length / 2.0;
-  std::vector<double> all{-half, half};
-  for (const Interval& pocket : pockets) all.insert(all.end(), {pocket.low, pocket.high});
+  std::vector<double> ends{-half, half};
+  for (const Interval& pocket : pockets) ends.insert(ends.end(), {pocket.low, pocket.high});
   for (const Interval& cutout : cutouts) {
-    all.insert(all.end(), {cutout.low, cutout.high});
-    if (!pockets.empty()) all.insert(all.end(), {cutout.low - wall, cutout.high + wall});
+    ends.insert(ends.end(), {cutout.low, cutout.high});
+    if (!pockets.empty()) ends.insert(ends.end(), {cutout.low - wall, cutout.high + wall});
   }
-  std::erase_if(all, [&](double at) { return std::abs(at) > half; });
-  std::sort(all.begin(), all.end());
+  std::erase_if(ends, [&](double at) { return std::abs(at) > half; });
+  std::sort(ends.begin(), ends.end());
   const auto same = [&](double a, double b) { return b - a < 1e-6 * length; };
   std::vector<double> merged{-half};
-  for (const double at : all) {
+  for (const double at : ends) {
     if (!same(merged.back(), at)) merged.push_back(at);
   }
   if (same(merged[merged.size() - 1], half)) merged.back() = half;

@@ -13,15 +13,15 @@ namespace {
 
 // Barycentric coordinates of the nodes, times the order. They are whole numbers.
 const Eigen::MatrixXi& lattice(int order) {
-  static const std::array<Eigen::MatrixXi, 3> all = [] {
-    std::array<Eigen::MatrixXi, 3> made;
+  static const std::array<Eigen::MatrixXi, 3> lattices = [] {
+    std::array<Eigen::MatrixXi, 3> by_order;
     for (int p = 1; p <= 3; ++p) {
-      made[static_cast<std::size_t>(p - 1)] =
+      by_order[static_cast<std::size_t>(p - 1)] =
           (p * triangle_node_barycentric(p)).array().round().cast<int>().matrix();
     }
-    return made;
+    return by_order;
   }();
-  return all[static_cast<std::size_t>(order - 1)];
+  return lattices[static_cast<std::size_t>(order - 1)];
 }
 
 // Π_{m < n} (p l − m) / (m + 1) and its derivative by l (Silvester 1969).

@@ -51,13 +51,15 @@ void check_delays(const ControlModel& model, const Eigen::VectorXd& delay,
                   const std::vector<Signal>& channels, const char* side) {
   const bool discrete = model.space.sample_time_s > 0.0;
   for (Eigen::Index i = 0; i < delay.size(); ++i) {
-    const double one = delay(i);
-    const bool sound = !discrete || (one == std::round(one) && one <= kMostDelaySamples + 1.0);
-    require(std::isfinite(one) && one >= 0.0 && sound,
-            fmt::format("control model: the delay of {} \"{}\" is {} {}; expected 0 {}", side,
-                        channels[static_cast<std::size_t>(i)].name, one, discrete ? "samples" : "s",
-                        discrete ? fmt::format("to {} samples, whole", kMostDelaySamples + 1.0)
-                                 : "or more"));
+    const double value = delay(i);
+    const bool sound =
+        !discrete || (value == std::round(value) && value <= kMostDelaySamples + 1.0);
+    require(
+        std::isfinite(value) && value >= 0.0 && sound,
+        fmt::format(
+            "control model: the delay of {} \"{}\" is {} {}; expected 0 {}", side,
+            channels[static_cast<std::size_t>(i)].name, value, discrete ? "samples" : "s",
+            discrete ? fmt::format("to {} samples, whole", kMostDelaySamples + 1.0) : "or more"));
   }
 }
 
@@ -119,7 +121,7 @@ ControlModel control_model(const ReducedModel& model, const std::vector<OutputCh
 void check(const ControlModel& model) {
   const auto& space = model.space;
   const auto n = space.a.rows();
-  const auto count = [](const auto& all) { return static_cast<Eigen::Index>(all.size()); };
+  const auto count = [](const auto& names) { return static_cast<Eigen::Index>(names.size()); };
   require(space.a.cols() == n && space.b.rows() == n && space.c.cols() == n &&
               space.d.rows() == space.c.rows() && space.d.cols() == space.b.cols(),
           "control model: the sizes of A, B, C and D do not fit together");

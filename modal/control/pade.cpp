@@ -62,11 +62,11 @@ StateSpace pade(double delay_s, int order) {
   return space;
 }
 
-void grow(StateSpace& space, Eigen::Index by) {
+void grow(StateSpace& space, Eigen::Index count) {
   const auto n = space.a.rows();
-  space.a.conservativeResizeLike(Eigen::MatrixXd::Zero(n + by, n + by));
-  space.b.conservativeResizeLike(Eigen::MatrixXd::Zero(n + by, space.b.cols()));
-  space.c.conservativeResizeLike(Eigen::MatrixXd::Zero(space.c.rows(), n + by));
+  space.a.conservativeResizeLike(Eigen::MatrixXd::Zero(n + count, n + count));
+  space.b.conservativeResizeLike(Eigen::MatrixXd::Zero(n + count, space.b.cols()));
+  space.c.conservativeResizeLike(Eigen::MatrixXd::Zero(space.c.rows(), n + count));
 }
 
 // The delay in front of input j.

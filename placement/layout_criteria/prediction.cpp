@@ -29,9 +29,9 @@ double alpha_percent(const LayoutView& view) {
 }
 
 Eigen::VectorXd errors(const LayoutView& view) {
-  const auto all = samples(view);
-  if (all.rows.rows() == 0) return {};
-  return expected_error(view.prior, all.rows, all.noise).per_mode;
+  const auto seen = samples(view);
+  if (seen.rows.rows() == 0) return {};
+  return expected_error(view.prior, seen.rows, seen.noise).per_mode;
 }
 
 double mean_error(const LayoutView& view) {
@@ -51,23 +51,23 @@ double worst_mode(const LayoutView& view) {
 
 // Root mean square deviation over the wanted modes, at the place with the largest one.
 double worst_place(const LayoutView& view) {
-  const auto all = samples(view);
-  if (all.rows.rows() == 0) return kUndefined;
+  const auto seen = samples(view);
+  if (seen.rows.rows() == 0) return kUndefined;
   const Eigen::MatrixXd deviation =
-      expected_deviation(view.prior, all.rows, all.noise, view.surface_all);
+      expected_deviation(view.prior, seen.rows, seen.noise, view.surface_all);
   return 100.0 * std::sqrt(deviation.cwiseAbs2().rowwise().mean().maxCoeff());
 }
 
 // Missed part of the modes' peak energy, from all actuators to the points of interest.
 double frf_percent(const LayoutView& view) {
-  const auto all = samples(view);
-  if (view.interest_all.rows() == 0 || view.actuators.rows() == 0 || all.rows.rows() == 0) {
+  const auto seen = samples(view);
+  if (view.interest_all.rows() == 0 || view.actuators.rows() == 0 || seen.rows.rows() == 0) {
     return kUndefined;
   }
   const Eigen::MatrixXd deviation =
-      expected_deviation(view.prior, all.rows, all.noise, view.interest_all);
+      expected_deviation(view.prior, seen.rows, seen.noise, view.interest_all);
   double missed = 0.0;
-  double there = 0.0;
+  double present = 0.0;
   for (const auto& group : view.groups) {
     const double omega = 2.0 * std::numbers::pi * view.frequency_hz(group.first);
     const double damping = std::max(view.damping_ratio(group.first), Constants::least_damping);
@@ -78,9 +78,9 @@ double frf_percent(const LayoutView& view) {
                          (4.0 * damping * std::pow(omega, 3));
     const double scale = std::pow(view.rms(group.first), 2);
     missed += drive * scale * columns(deviation).squaredNorm();
-    there += drive * columns(view.interest).squaredNorm();
+    present += drive * columns(view.interest).squaredNorm();
   }
-  return there > 0.0 ? 100.0 * std::sqrt(missed / there) : kUndefined;
+  return present > 0.0 ? 100.0 * std::sqrt(missed / present) : kUndefined;
 }
 
 }  // namespace

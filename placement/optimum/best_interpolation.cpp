@@ -41,9 +41,9 @@ class Layout {
       shape.variance = problem.noise(i) * problem.noise(i);
       Eigen::MatrixXd known = Eigen::MatrixXd::Identity(scale.size(), scale.size());
       if (problem.there.rows() > 0) {
-        const Eigen::MatrixXd there = problem.there_noise.col(i).cwiseInverse().asDiagonal() *
-                                      problem.there * scale.asDiagonal();
-        known += there.transpose() * there;
+        const Eigen::MatrixXd staying = problem.there_noise.col(i).cwiseInverse().asDiagonal() *
+                                        problem.there * scale.asDiagonal();
+        known += staying.transpose() * staying;
       }
       shape.covariance = known.llt().solve(Eigen::MatrixXd::Identity(scale.size(), scale.size()));
       shapes_.push_back(std::move(shape));
@@ -71,10 +71,11 @@ class Layout {
   // Decrease of the error by each of `candidates`.
   [[nodiscard]] Eigen::VectorXd gains(const Indices& candidates) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidates.size()));
-    const bool all = sum.size() == problem_.rows.rows();
+    const bool everywhere = sum.size() == problem_.rows.rows();
     for (const auto& shape : shapes_) {
-      const Eigen::MatrixXd chosen = all ? Eigen::MatrixXd() : shape.rows(candidates, Eigen::all);
-      const Eigen::MatrixXd& rows = all ? shape.rows : chosen;
+      const Eigen::MatrixXd chosen =
+          everywhere ? Eigen::MatrixXd() : shape.rows(candidates, Eigen::all);
+      const Eigen::MatrixXd& rows = everywhere ? shape.rows : chosen;
       const Eigen::MatrixXd ahead = rows * shape.covariance;
       const Eigen::VectorXd seen = ahead.cwiseProduct(rows).rowwise().sum();
       const Eigen::MatrixXd weighed = ahead * shape.gram;

@@ -45,11 +45,13 @@ double band_factor(const MeasuredShapes& measured, const Fitting& fit) {
       by_part[k] = factors_of(measured, static_cast<Eigen::Index>(k), fit);
     }
   });
-  std::vector<double> all;
-  for (const auto& factors : by_part) all.insert(all.end(), factors.begin(), factors.end());
+  std::vector<double> factors_of_all;
+  for (const auto& factors : by_part)
+    factors_of_all.insert(factors_of_all.end(), factors.begin(), factors.end());
   const auto at =
-      all.begin() + static_cast<std::ptrdiff_t>(Constants::held * static_cast<double>(all.size()));
-  std::nth_element(all.begin(), at, all.end());
+      factors_of_all.begin() +
+      static_cast<std::ptrdiff_t>(Constants::held * static_cast<double>(factors_of_all.size()));
+  std::nth_element(factors_of_all.begin(), at, factors_of_all.end());
   return std::clamp(*at, Constants::narrowest, Constants::widest);
 }
 

@@ -59,9 +59,9 @@ OneScale::UnitPrior OneScale::unit_prior(Eigen::Index mode, const OneScaleErrors
   const double above = basis_.beyond_hz.size() > 0
                            ? coefficient_variances(basis_.beyond_hz, hz, errors.prior).sum()
                            : 0.0;
-  const double all = prior.variance.sum() + above;
-  prior.variance /= all;
-  prior.own += above * basis_.beyond_square / all;
+  const double sum = prior.variance.sum() + above;
+  prior.variance /= sum;
+  prior.own += above * basis_.beyond_square / sum;
   return prior;
 }
 
@@ -139,9 +139,9 @@ OneScaleErrors OneScale::learned() const {
   Eigen::VectorXd at = Eigen::VectorXd::Zero(5);  // deviations from the middle
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const Eigen::Index k : {3, 4, 0, 2, 1}) {
-      const auto implausibility = [&](double one) {
+      const auto implausibility = [&](double value) {
         Eigen::VectorXd moved = at;
-        moved(k) = one;
+        moved(k) = value;
         return 0.5 * moved.squaredNorm() - log_evidence(errors_at(moved));
       };
       at(k) = sweep < kWide ? minimum_in(implausibility, -kFarthest, kFarthest, kScan).at

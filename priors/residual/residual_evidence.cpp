@@ -55,9 +55,9 @@ void add_beyond(const ModalBasis& basis, double real_hz, const DynamicResidual& 
   const Eigen::VectorXd squares = known.variance.cwiseProduct(basis.gram.diagonal());
   const double below = squares.sum();
   const Eigen::Vector3d below_slopes = known.slopes.transpose() * squares;
-  const double all = above + below;
-  known.beyond = above / all;
-  known.beyond_slopes = (above_slopes * below - above * below_slopes) / (all * all);
+  const double sum = above + below;
+  known.beyond = above / sum;
+  known.beyond_slopes = (above_slopes * below - above * below_slopes) / (sum * sum);
 }
 
 ResidualErrors errors_of(const Eigen::Vector4d& logarithms) {
@@ -193,12 +193,12 @@ PooledEvidence pooled_evidence(const MeasuredShapes& measured, const ModalBasis&
     pooled.mass_slopes.setZero(r, r);
   }
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-    const auto one = evidence_of(measured, basis, i, errors, matrix_slopes);
-    pooled.log_evidence += one.log_evidence;
-    pooled.slopes += one.slopes;
+    const auto evidence = evidence_of(measured, basis, i, errors, matrix_slopes);
+    pooled.log_evidence += evidence.log_evidence;
+    pooled.slopes += evidence.slopes;
     if (!matrix_slopes) continue;
-    pooled.stiffness_slopes += one.stiffness_slopes;
-    pooled.mass_slopes += one.mass_slopes;
+    pooled.stiffness_slopes += evidence.stiffness_slopes;
+    pooled.mass_slopes += evidence.mass_slopes;
   }
   return pooled;
 }

@@ -94,7 +94,7 @@ TEST(Information, IsBoundedByTheToleranceOfTheSameThing) {
   };
   const VectorXd alone = at(free);
   const VectorXd bounded = at(held);
-  // Of a response |G|² w² sums to 2/σ² |G|²: about 2 · 13 · 40 / (0.01)² without the floor.
+  // |G|² w² of a response sums to 2/σ² |G|²: about 2 · 13 · 40 / (0.01)² without the floor.
   EXPECT_LT(alone.maxCoeff(), 2.0 * 13.0 * 40.0 / 1e-4);
   EXPECT_GT(alone.minCoeff(), 0.3 * 2.0 * 13.0 * 40.0 / 1e-4);
   for (Index i = 0; i < alone.size(); ++i) {

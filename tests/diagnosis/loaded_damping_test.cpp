@@ -87,7 +87,8 @@ TEST(LoadedDamping, DeviatesByLoadedModes) {
   EXPECT_NEAR(times.maxCoeff(), std::exp(0.4), 1e-6);
 }
 
-// Of every coordinate and deviation, where the ratios are partly those of the loaded modes.
+// The slopes by every coordinate and deviation, where the ratios are partly those of the loaded
+// modes.
 TEST(LoadedDamping, HasSlopesThatAreDifferences) {
   const auto& plate = small_plate();
   const Observed observed = observed_in(state_of(plate), 1.0);

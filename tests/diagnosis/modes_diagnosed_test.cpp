@@ -365,7 +365,7 @@ TEST_F(DiagnosedModes, MayLackNumbers) {
   EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << told(found);
 }
 
-// Of few channels a bad one could be the scatter of all, which a fit without it takes it for.
+// A fit without the bad channel takes it for the scatter of all channels where there are few.
 TEST_F(DiagnosedModes, NameTheBadOneOfFewChannels) {
   EVERY_FOURTH_LANDING();
   auto measured = scaled(measured_with({{"sensor_gain", 2, VectorXd::Constant(1, -0.65)}}, 9), {});

@@ -141,7 +141,7 @@ TEST(Responses, OfABodyThatDriftsAreEachOfItsOwnTime) {
   }
 }
 
-// Of a mass, a damping and a gain while the body drifts; and of the drift itself.
+// The slopes by a mass, a damping and a gain while the body drifts; and by the drift itself.
 TEST(Responses, OfABodyThatDriftsHaveSlopesThatAreDifferences) {
   State state = busy_state();
   state.stiffening = Eigen::VectorXd::LinSpaced(state.input_count(), -0.01, 0.02);

@@ -81,8 +81,8 @@ TEST_F(JudgedVerdict, TakesErrorsOfItsOwnEffectsForNoReasonToDoubt) {
   EXPECT_EQ(with(2, 30.0, 29.0), Verdict::named);
 }
 
-// Of another structure: half of its power is left, though the simulation was off by a hundred times
-// as much.
+// Responses of another structure: half of its power is left, though the simulation was off by a
+// hundred times as much.
 TEST_F(JudgedVerdict, ExplainsNothingByWhatIsHardlyBetterThanNoResponse) {
   EXPECT_EQ(with(3, 900.0), Verdict::partial);
   found_.nothing.chi_square = 1e8;

@@ -125,7 +125,7 @@ TEST(Cholmod, KeepsTheOrderThatItIsGiven) {
   const auto body = mesh::with_order(mesh::layered(mesh::Plate{0.3, 0.2, 0.01}, 0.05, 1), 2);
   const auto system = assemble(body, {isotropic(70e9, 0.33, 2700.0)});
   const auto graph = quotient_graph(system.stiffness);
-  // Of the same pattern, with entries that cannot cancel during the elimination.
+  // A matrix of the same pattern, with entries that cannot cancel during the elimination.
   Eigen::MatrixXd a =
       (whole(system.stiffness).array() != 0.0).select(-1.0, whole(system.mass) * 0.0);
   a.diagonal().setConstant(static_cast<double>(a.rows()));

@@ -139,7 +139,7 @@ inline DenseLambda dense_lambda(const System& system, Eigen::Index count) {
     result.rounding(i) =
         i < system.rigid.cols() ? 0.0 : result.value(i) * std::min(1.0, mixed * mixed);
   }
-  // Of suspended bodies `modes` takes springs at their word, and K has them in rounded entries.
+  // `modes` takes the springs of suspended bodies at their word, and K has them in rounded entries.
   if (system.suspended.cols() > 0) {
     const Eigen::MatrixXd none(vectors.rows(), 0);
     const auto flexible = count - system.rigid.cols();

@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, ShippedStructure, testing::Values("table_few", "s
 
 class ShippedRealBody : public testing::TestWithParam<std::string> {};
 
-// Of a disc and an L the truth is a thin plate, up to 1.8 % from the solid; of a strip the coils
+// The truth of a disc and an L is a thin plate, up to 1.8 % from the solid; the coils of a strip
 // differ.
 TEST_P(ShippedRealBody, HasTheModesOfTheTruth) {
   const auto body = simulators::real_body(GetParam());

@@ -14,7 +14,7 @@
 
 namespace chladni::identification {
 
-/// Of each flexible mode of the truth the mode of the fit that is like it: within half a half-power
+/// The mode of the fit that is like each flexible mode of the truth: within half a half-power
 /// bandwidth the one with the largest MAC, each once; −1 where there is none.
 inline std::vector<Eigen::Index> partners(const modal::ReducedModel& truth,
                                           const modal::ReducedModel& found) {

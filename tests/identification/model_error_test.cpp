@@ -37,7 +37,7 @@ FitData measured() {
 TEST(ModelError, IsWhatIsLeftBeyondNoiseWhereItIsLeft) {
   const auto error = remaining_model_error(measured(), model(), 0.1);
   ASSERT_EQ(error.size(), kLines);
-  // Of 150 numbers per line noise alone leaves up to some 0.3 of its own size.
+  // Noise alone leaves up to some 0.3 of its own size where a line has 150 numbers.
   EXPECT_LT(error.head(180).maxCoeff(), 0.6 * kNoise);
   EXPECT_LT((error.tail(180).array() - 0.01).abs().maxCoeff(), 5e-4);
 }

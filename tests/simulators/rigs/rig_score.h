@@ -59,7 +59,8 @@ struct RigScore {
   [[nodiscard]] double worst_z() const;
   /// [m], the greatest of all places found; NaN: none.
   [[nodiscard]] double place_error() const;
-  /// Of all sizes found, and of the coordinates of all places found ("place_u", "place_v").
+  /// Coverage of all sizes found, and of the coordinates of all places found ("place_u",
+  /// "place_v").
   [[nodiscard]] Coverage sizes() const;
   [[nodiscard]] Coverage places() const;
 };
