@@ -1,29 +1,15 @@
 // chladni interpolate STUDY: all mode shapes on the whole body, from a few measured points.
 #include "app/command.h"
-#include "steps/interpolation.h"
-
-#include <filesystem>
-
-#include "base/error.h"
 #include "show/identification.h"
 #include "show/interpolation.h"
+#include "steps/checked.h"
+#include "steps/interpolation.h"
 
 namespace chladni::app {
 namespace {
 
-void require_there(const study::MeasurementPlan& plan) {
-  for (const auto& path : {plan.shapes, plan.truth, plan.frf, plan.time}) {
-    require(path.empty() || std::filesystem::exists(path),
-            path.string() + ": there is no such file" + study::source_text(plan));
-  }
-}
-
 void run_interpolate(const study::Study& study, show::Run& run) {
-  require(study.measurement && steps::has_shapes(*study.measurement),  // before minutes of solving
-          study.file.string() +
-              ": nothing is measured; expected [measurement] with frf, time, shapes "
-              "or truth");
-  require_there(*study.measurement);
+  steps::require_measured(study);
   const stage::Solution solution = stage::solved(study, run);
   const steps::Interpolated result =
       steps::interpolated(study, solution, run, show::shown_and_left(study, run));

@@ -29,7 +29,7 @@ MAY_INCLUDE = {
     "app": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage "
            "steps show sweep",
     "python": "base dense mesh modal fem priors placement identification diagnosis io study stage "
-              "steps show",
+              "steps show sweep app",
 }
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "identification/response_field.h"
+#include "python/frf_arrays.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
 
@@ -18,40 +19,6 @@ namespace chladni::python {
 namespace {
 
 namespace py = pybind11;
-using Complexes = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>;
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-/// Lines × rows × columns as one matrix for each line.
-template <typename Matrix, typename Array>
-std::vector<Matrix> matrices_of(const Array& array, const std::string& what, Eigen::Index rows,
-                                Eigen::Index columns) {
-  require(array.ndim() == 3 && array.shape(1) == rows && array.shape(2) == columns,
-          what + " needs the shape lines x outputs x inputs");
-  const auto values = array.template unchecked<3>();
-  std::vector<Matrix> matrices;
-  for (py::ssize_t k = 0; k < array.shape(0); ++k) {
-    Matrix matrix(rows, columns);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      for (Eigen::Index j = 0; j < columns; ++j) matrix(i, j) = values(k, i, j);
-    }
-    matrices.push_back(std::move(matrix));
-  }
-  return matrices;
-}
-
-template <typename Array, typename Matrix>
-Array array_of(const std::vector<Matrix>& matrices, Eigen::Index rows, Eigen::Index columns) {
-  Array array({std::ssize(matrices), rows, columns});
-  auto values = array.template mutable_unchecked<3>();
-  for (std::size_t k = 0; k < matrices.size(); ++k) {
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      for (Eigen::Index j = 0; j < columns; ++j) {
-        values(static_cast<py::ssize_t>(k), i, j) = matrices[k](i, j);
-      }
-    }
-  }
-  return array;
-}
 
 std::vector<modal::MeasuredChannel> channels_at(const priors::Places& places,
                                                 const std::string& letter) {

@@ -1,72 +1,126 @@
-// The Python module `chladni`.
+// The compiled part of the Python package `chladni`.
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <filesystem>
+#include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/worker.h"
 #include "dense/blas.h"
 #include "python/rooms.h"
 #include "show/version.h"
 
+namespace chladni::python {
 namespace {
 
-// Adds the folders of our workers, which are not beside the Python program. The workers are in the
-// prefix of this module, three folders up from lib/python3.11/dist-packages, or in the module's
-// build tree, one folder up from python/.
-void find_workers() {
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+// The folder of this module and those above it: up to the prefix in which it is
+// lib/python3.11/dist-packages/chladni, or to the build tree in which it is python/chladni. A wheel
+// has the programs in the package itself.
+std::vector<fs::path> folders_above() {
+  std::vector<fs::path> folders;
   Dl_info module{};
-  if (dladdr(reinterpret_cast<const void*>(&find_workers), &module) == 0) return;
+  if (dladdr(reinterpret_cast<const void*>(&folders_above), &module) == 0) return folders;
   std::error_code fault;
-  auto folder = std::filesystem::canonical(module.dli_fname, fault).parent_path();
-  for (int up = 0; !fault && up < 3; ++up) {
+  auto folder = fs::canonical(module.dli_fname, fault).parent_path();
+  for (int up = 0; !fault && up < 5; ++up) {
+    folders.push_back(folder);
     folder = folder.parent_path();
-    chladni::add_worker_folder(folder / "libexec" / "chladni");
   }
+  return folders;
 }
 
 // The arrays are NumPy's. A Python that is not from Debian may lack NumPy.
 void need_numpy() {
   try {
-    pybind11::module_::import("numpy");
-  } catch (const pybind11::error_already_set& fault) {
-    const auto python = pybind11::module_::import("sys").attr("executable");
-    throw pybind11::import_error("chladni needs NumPy, which " + python.cast<std::string>() +
-                                 " has not (" + fault.what() + ")");
+    py::module_::import("numpy");
+  } catch (const py::error_already_set& fault) {
+    const auto python = py::module_::import("sys").attr("executable");
+    throw py::import_error("chladni needs NumPy, which " + python.cast<std::string>() +
+                           " has not (" + fault.what() + ")");
   }
 }
 
-// Turns Ctrl-C in a long call into Python's KeyboardInterrupt.
-void translate_interrupts(std::exception_ptr thrown) {
+// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and a path that cannot be used into
+// the InvalidInput that it is on the command line.
+void translate_others(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
-  } catch (const chladni::Interrupted& stopped) {
+  } catch (const Interrupted& stopped) {
     PyErr_SetString(PyExc_KeyboardInterrupt, stopped.what());
+  } catch (const fs::filesystem_error& fault) {
+    const std::string name = fault.path1().empty() ? "" : fault.path1().string() + ": ";
+    const auto invalid = py::module_::import("chladni._chladni").attr("InvalidInput");
+    PyErr_SetString(invalid.ptr(),
+                    (name + fault.code().message() + "; expected a path that can be used").c_str());
+  }
+}
+
+// pybind11 tries the last registered exception first, so more special exceptions come later.
+void add_exceptions(py::module_& module) {
+  py::register_exception<InvalidInput>(module, "InvalidInput", PyExc_ValueError);
+  const auto& failure =
+      py::register_exception<NumericalFailure>(module, "NumericalFailure", PyExc_RuntimeError);
+  py::register_exception<OutOfResources>(
+      module, "OutOfResources",
+      py::make_tuple(failure, py::reinterpret_borrow<py::object>(PyExc_MemoryError)));
+  py::register_exception<WorkerDied>(module, "WorkerDied", failure);
+  py::register_exception_translator(&translate_others);
+  const py::exception<void> warning(module, "ChladniWarning", PyExc_UserWarning);
+}
+
+void add_machine(py::module_& module) {
+  module.attr("__version__") = show::version();
+  module.def("thread_count", &thread_count, "Threads of every parallel loop [physical cores].");
+  module.def("set_thread_count", &set_thread_count, py::arg("count"));
+  module.def("_program", [] { return program().string(); });
+  module.def("blas_kernel", &dense::blas_kernel, "OpenBLAS's name of the kernel in use.");
+  const auto slow = dense::slow_blas_kernel();
+  if (!slow.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, slow.c_str(), 1) < 0) {
+    throw py::error_already_set();
   }
 }
 
 }  // namespace
 
-PYBIND11_MODULE(chladni, module) {
-  need_numpy();
-  module.doc() =
-      "Modes of flexible stages, and their shapes between the sensors. All values in SI.";
-  module.attr("__version__") = chladni::show::version();
-  find_workers();
-  // pybind11 tries the last registered exception first, so more special exceptions come later.
-  pybind11::register_exception<chladni::InvalidInput>(module, "InvalidInput", PyExc_ValueError);
-  const auto& failure = pybind11::register_exception<chladni::NumericalFailure>(
-      module, "NumericalFailure", PyExc_RuntimeError);
-  pybind11::register_exception<chladni::OutOfResources>(module, "OutOfResources", failure);
-  pybind11::register_exception<chladni::WorkerDied>(module, "WorkerDied", failure);
-  pybind11::register_exception_translator(&translate_interrupts);
-  const auto slow = chladni::dense::slow_blas_kernel();
-  if (!slow.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, slow.c_str(), 1) < 0) {
-    throw pybind11::error_already_set();
+fs::path program() {
+  for (const auto& folder : folders_above()) {
+    const auto here = folder / "bin" / "chladni";
+    if (fs::exists(here)) return here;
   }
-  chladni::python::add_priors(module);
-  chladni::python::add_placement(module);
-  chladni::python::add_identification(module);
-  chladni::python::add_app(module);
+  const auto there = program_on_path("chladni");
+  if (!there) {
+    throw WorkerDied("there is no program chladni beside the module or on the PATH; expected "
+                     "one, built by ./chladni or installed");
+  }
+  return *there;
+}
+
+}  // namespace chladni::python
+
+PYBIND11_MODULE(_chladni, module) {
+  using namespace chladni::python;
+  need_numpy();
+  module.doc() = "What the package chladni has in C++. All values in SI.";
+  for (const auto& folder : folders_above()) {
+    chladni::add_worker_folder(folder / "libexec" / "chladni");
+  }
+  add_exceptions(module);
+  add_machine(module);
+  add_studies(module);
+  add_files(module);
+  add_modal(module);
+  add_modes(module);
+  add_priors(module);
+  add_placement(module);
+  add_identification(module);
+  add_placement_step(module);
+  add_identification_step(module);
+  add_diagnosis_step(module);
+  add_sweep(module);
 }

@@ -28,7 +28,8 @@ namespace chladni::show {
 [[nodiscard]] std::string diagnosis_table(const steps::Diagnosed& diagnosed, bool all = true);
 
 /// A section of the report behind the verdict: causes, places, gain, responses, modes.
-[[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run& run);
+/// @param run  has painted its pictures; null: it has none
+[[nodiscard]] io::Section diagnosis_section(const steps::Diagnosed& diagnosed, const Run* run);
 
 /// True if a fit used the measured response of output i and input j.
 [[nodiscard]] bool is_fitted(const steps::Diagnosed& diagnosed, Eigen::Index i, Eigen::Index j);

@@ -236,7 +236,7 @@ void add_results(io::Report& report, const study::Study& study, const stage::Sol
                  const Found& found, const Run& run) {
   if (found.diagnosis != nullptr) {
     report.sections.push_back(verdict_section(*found.diagnosis));
-    report.sections.push_back(diagnosis_section(*found.diagnosis, run));
+    report.sections.push_back(diagnosis_section(*found.diagnosis, &run));
   }
   if (found.placement != nullptr) {
     report.sections.push_back(placement_section(solution, *found.placement, run));
@@ -272,6 +272,22 @@ void add_modes_picture(io::Report& report, std::size_t behind, const Run& run) {
 }
 
 }  // namespace
+
+std::string modes_page(const study::Study& study, const stage::Solution& solution) {
+  io::Report report{
+      study.title, solution.introduction.body.line(), solution.introduction.warnings, {}};
+  report.sections.push_back(section_of_modes(study, solution, nullptr));
+  return io::html(report);
+}
+
+std::string diagnosis_page(const study::Study& study, const steps::Diagnosed& diagnosis) {
+  const auto& solution = diagnosis.before;
+  io::Report report{
+      study.title, solution.introduction.body.line(), solution.introduction.warnings, {}};
+  report.sections = {verdict_section(diagnosis), diagnosis_section(diagnosis, nullptr),
+                     section_of_modes(study, solution, &diagnosis)};
+  return io::html(report);
+}
 
 void leave_report(const study::Study& study, const stage::Solution& solution, const Found& found,
                   Run& run) {

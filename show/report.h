@@ -1,6 +1,8 @@
 // The report page with the results of a study.
 #pragma once
 
+#include <string>
+
 #include "show/run.h"
 #include "steps/diagnosis.h"
 #include "steps/interpolation.h"
@@ -14,6 +16,13 @@ struct Found {
   const steps::Interpolated* shapes = nullptr;
   const steps::Diagnosed* diagnosis = nullptr;
 };
+
+/// Modes with the viewer, as a page of their own.
+[[nodiscard]] std::string modes_page(const study::Study& study, const stage::Solution& solution);
+
+/// The verdict with what it rests on, and the modes with the viewer that shows its places.
+[[nodiscard]] std::string diagnosis_page(const study::Study& study,
+                                         const steps::Diagnosed& diagnosis);
 
 /// report.html: the verdict and what it rests on, places for devices, the identified model, the
 /// interpolated shapes, the modes with a viewer, the body, the channels, the origin of all results.

@@ -168,6 +168,13 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
     interpolation.hidden_frf_error = held_out_frf_errors(result, interpolation);
 }
 
+// Adds what one standard deviation of the scale changes to the deviation of a field at places.
+void widen(const Interpolation& interpolation, const priors::Places& places, priors::Field& field) {
+  if (places.count() == 0 || interpolation.with_scale_off == nullptr) return;
+  const Eigen::ArrayXXd moved = interpolation.with_scale_off->at(places).mean - field.mean;
+  field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
+}
+
 // Adds the uncertainty of each mode's scale to the deviations. The scale is common to all actuator
 // rows of a mode, so its error does not average out as independent errors do. The error is put on
 // the actuator rows, so responses to the actuators change only with the shape.
@@ -175,15 +182,11 @@ void widen_by_scale(const Interpolated& result, Interpolation& interpolation) {
   if (interpolation.field->summary().includes_scale) return;
   const auto off = with_scale_off(result.measured);
   if (!off) return;
-  const auto other = priors::mode_field(*interpolation.method, *off, result.simulation);
-  const auto widen = [&](priors::Field& field, const priors::Places& places) {
-    if (places.count() == 0) return;
-    const Eigen::ArrayXXd moved = other->at(places).mean - field.mean;
-    field.deviation = (field.deviation.array().square() + moved.square()).sqrt();
-  };
-  widen(interpolation.hidden, result.measured.hidden.places);
-  widen(interpolation.points, result.point_places);
-  widen(interpolation.unmeasured, result.unmeasured_places);
+  interpolation.with_scale_off =
+      priors::mode_field(*interpolation.method, *off, result.simulation);
+  widen(interpolation, result.measured.hidden.places, interpolation.hidden);
+  widen(interpolation, result.point_places, interpolation.points);
+  widen(interpolation, result.unmeasured_places, interpolation.unmeasured);
 }
 
 Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
@@ -247,6 +250,12 @@ Interpolated interpolated(const study::Study& study, const stage::Solution& solu
   const bool asked_for = study.interpolation && !study.interpolation->methods.empty();
   for (const auto& name : plan.methods) add_method(name, asked_for, result, work);
   return result;
+}
+
+priors::Field field_at(const Interpolation& interpolation, const priors::Places& places) {
+  auto field = interpolation.field->at(places);
+  widen(interpolation, places, field);
+  return field;
 }
 
 }  // namespace chladni::steps

@@ -37,6 +37,8 @@ struct Measured {
 struct Interpolation {
   const priors::Interpolator* method = nullptr;
   std::unique_ptr<priors::ModeField> field;
+  /// Of the shapes of steps::with_scale_off; null where the scale is certain or in `field`.
+  std::unique_ptr<priors::ModeField> with_scale_off;
   priors::Field surface, hidden, points;
   priors::Field unmeasured;          ///< at Interpolated::unmeasured
   Eigen::VectorXd error, covered;    ///< per mode on the surface, if the truth is known
@@ -100,6 +102,10 @@ using OnIdentified = std::function<void(const IdentifiedModel& model)>;
 /// the band.
 [[nodiscard]] Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
                                                   const Interpolation& one);
+
+/// The field at places; its deviation holds that of the scale between sensors and actuators.
+[[nodiscard]] priors::Field field_at(const Interpolation& interpolation,
+                                     const priors::Places& places);
 
 /// A sensor or actuator of the study at its place on the body.
 struct ChannelSite {

@@ -180,4 +180,22 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   return notes;
 }
 
+const Interpolation& interpolation_called(const Interpolated& result, const std::string& name) {
+  if (name.empty()) return result.methods.front();
+  const auto found = std::ranges::find_if(
+      result.methods, [&](const Interpolation& one) { return name == one.method->name; });
+  require(found != result.methods.end(),
+          "the study was not interpolated by \"" + name + "\"; interpolation.methods names how");
+  return *found;
+}
+
+identification::PredictedResponses responses_at(const Interpolated& result,
+                                                const Interpolation& interpolation,
+                                                const priors::Places& places,
+                                                const Eigen::VectorXd& frequency_hz) {
+  const auto& model = identified_of(result);
+  const auto interest = places_of_interest(result, places, field_at(interpolation, places));
+  return identification::predicted(model.found.fit, model.match, interest, frequency_hz);
+}
+
 }  // namespace chladni::steps

@@ -16,4 +16,17 @@ namespace chladni::steps {
 /// @throws InvalidInput  as identified_of
 [[nodiscard]] std::vector<std::string> left_out_of_predictions(const Interpolated& result);
 
+/// The way of that name; empty: the first.
+/// @throws InvalidInput  the study was not interpolated by it
+[[nodiscard]] const Interpolation& interpolation_called(const Interpolated& result,
+                                                        const std::string& name);
+
+/// G(ρ) from all actuators at places, with its deviation.
+/// @param places  with the simulation's modes along the direction of motion (places_at)
+/// @throws InvalidInput  as identified_of; a frequency of 0 beside modes at 0 Hz
+[[nodiscard]] identification::PredictedResponses responses_at(const Interpolated& result,
+                                                              const Interpolation& interpolation,
+                                                              const priors::Places& places,
+                                                              const Eigen::VectorXd& frequency_hz);
+
 }  // namespace chladni::steps

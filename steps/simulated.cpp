@@ -203,6 +203,38 @@ Bench bench_of(const study::Study& study, stage::Work& work) {
   return bench;
 }
 
+modal::FrfSet simulated_responses(const study::Study& study, const stage::Solution& solution,
+                                  const Eigen::VectorXd& frequency_hz) {
+  require(!study.sensors.empty() && !study.actuators.empty(),
+          study.file.string() + ": responses need a sensor and an actuator");
+  modal::FrfSet set;
+  set.outputs = channels_of(study.sensors, true);
+  set.inputs = channels_of(study.actuators, false);
+  const auto place = [](const std::vector<mesh::Site>& sites, auto& channels) {
+    for (std::size_t i = 0; i < channels.size(); ++i) channels[i].position = sites[i].position;
+  };
+  place(solution.model.sensors, set.outputs);
+  place(solution.model.actuators, set.inputs);
+  set.frequency_hz = frequency_hz;
+  const auto model = stage::at_channels(study, solution);
+  set.value.assign(static_cast<std::size_t>(frequency_hz.size()),
+                   Eigen::MatrixXcd(set.output_count(), set.input_count()));
+  for (const auto kind : {modal::FrfKind::receptance, modal::FrfKind::mobility,
+                          modal::FrfKind::accelerance}) {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
+      if (set.outputs[static_cast<std::size_t>(i)].kind == kind) rows.push_back(i);
+    }
+    if (rows.empty()) continue;
+    const auto frf = modal::frf(model, frequency_hz, kind);
+    for (std::size_t k = 0; k < set.value.size(); ++k) {
+      set.value[k](rows, Eigen::all) = frf.value[k](rows, Eigen::all);
+    }
+  }
+  modal::check(set);
+  return stage::recorded(study, std::move(set));
+}
+
 Simulated simulated(const study::Study& study, const Bench& bench, stage::Work& work) {
   using namespace identification;
   const auto& plan = *study.experiment;

@@ -3,6 +3,7 @@
 
 #include "identification/frf_estimate.h"
 #include "identification/virtual_experiment.h"
+#include "stage/solution.h"
 #include "stage/work.h"
 #include "study/study.h"
 
@@ -25,6 +26,13 @@ struct Simulated {
   double crest_factor = 0.0;
   double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };
+
+/// Responses of the simulation without noise, from the study's actuators to its sensors, each in its
+/// quantity and as its channel records it. Cost: that of stage::at_channels.
+/// @throws InvalidInput  no sensor or no actuator; as modal::frf
+[[nodiscard]] modal::FrfSet simulated_responses(const study::Study& study,
+                                                const stage::Solution& solution,
+                                                const Eigen::VectorXd& frequency_hz);
 
 [[nodiscard]] Simulated simulated(const study::Study& study, const Bench& bench, stage::Work& work);
 

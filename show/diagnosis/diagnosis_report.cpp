@@ -67,9 +67,9 @@ void add_modes(io::Section& section, const diagnosis::ModeComparison& modes) {
   }
 }
 
-void add_picture(io::Section& section, const Run& run, const char* file, const char* caption) {
-  if (!run.has_painted(file)) return;
-  const auto picture = io::picture_section("", run / file, caption);
+void add_picture(io::Section& section, const Run* run, const char* file, const char* caption) {
+  if (run == nullptr || !run->has_painted(file)) return;
+  const auto picture = io::picture_section("", *run / file, caption);
   section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
 }
 
@@ -103,7 +103,7 @@ void add_curves(io::Section& section, const steps::Diagnosed& one) {
 }
 
 // A matrix whose numbers are many is a picture, if there is one.
-void add_matrix(io::Section& section, const Run& run, io::MatrixPicture matrix, const char* file,
+void add_matrix(io::Section& section, const Run* run, io::MatrixPicture matrix, const char* file,
                 const char* caption) {
   constexpr Eigen::Index most_cells = 1600;
   if (matrix.value.size() == 0) return;
@@ -111,18 +111,18 @@ void add_matrix(io::Section& section, const Run& run, io::MatrixPicture matrix, 
   section.blocks.emplace_back(std::move(matrix));
 }
 
-void add_errors(io::Section& section, const steps::Diagnosed& one, const Run& run) {
+void add_errors(io::Section& section, const steps::Diagnosed& one, const Run* run) {
   if (one.comparison.responses.error.size() < 2) return;
   add_matrix(section, run, errors_picture(one.comparison), "", "");
 }
 
-void add_mac(io::Section& section, const steps::Diagnosed& one, const Run& run) {
+void add_mac(io::Section& section, const steps::Diagnosed& one, const Run* run) {
   add_matrix(section, run, mac_picture(one.comparison), "mac.png",
              "How much alike shapes are at the channels; repeated modes by themselves turn.");
 }
 
 // What only responses tell: the gain, their picture, their identified modes, what would be seen.
-void add_responses(io::Section& section, const steps::Diagnosed& one, const Run& run) {
+void add_responses(io::Section& section, const steps::Diagnosed& one, const Run* run) {
   section.blocks.emplace_back(gain_table(one.gain));
   for (auto line : gain_lines(one.gain)) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
@@ -139,7 +139,7 @@ void add_responses(io::Section& section, const steps::Diagnosed& one, const Run&
 
 }  // namespace
 
-io::Section diagnosis_section(const steps::Diagnosed& one, const Run& run) {
+io::Section diagnosis_section(const steps::Diagnosed& one, const Run* run) {
   io::Section section{"What the simulation gets wrong, and why", {}};
   if (auto line = reference_line(one.result, one.reference_file); !line.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(std::move(line))});

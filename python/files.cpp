@@ -1,0 +1,301 @@
+// Files of measured responses and recordings from Python.
+#include <fmt/format.h>
+#include <pybind11/complex.h>
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "base/error.h"
+#include "identification/frf_estimate.h"
+#include "io/frf_file.h"
+#include "io/time_file.h"
+#include "python/frf_arrays.h"
+#include "python/long_call.h"
+#include "python/rooms.h"
+#include "steps/identification.h"
+
+namespace chladni::python {
+namespace {
+
+namespace py = pybind11;
+using io::FrfFile;
+using io::TimeFile;
+using modal::MeasuredChannel;
+using Names = std::vector<std::string>;
+
+constexpr const char* kQuantities[] = {"displacement", "velocity", "acceleration"};
+
+const char* quantity_of(modal::FrfKind kind) { return kQuantities[static_cast<int>(kind)]; }
+
+modal::FrfKind kind_called(const std::string& quantity) {
+  for (const auto kind : {modal::FrfKind::receptance, modal::FrfKind::mobility,
+                          modal::FrfKind::accelerance}) {
+    if (quantity == quantity_of(kind)) return kind;
+  }
+  throw InvalidInput("the quantity \"" + quantity +
+                     "\" is not known; expected displacement, velocity or acceleration");
+}
+
+MeasuredChannel channel_with(const std::string& name, const std::string& quantity,
+                             const std::string& unit,
+                             const std::optional<Eigen::Vector3d>& position,
+                             const std::optional<Eigen::Vector3d>& direction,
+                             std::optional<long long> node) {
+  return {.name = name,
+          .node = node,
+          .direction = direction.value_or(Eigen::Vector3d::Zero()),
+          .position = position,
+          .unit = unit,
+          .kind = kind_called(quantity)};
+}
+
+// Channels, or names of such.
+std::vector<MeasuredChannel> channels_from(const py::list& given) {
+  std::vector<MeasuredChannel> channels;
+  for (const auto& one : given) {
+    if (py::isinstance<py::str>(one)) {
+      channels.push_back({.name = one.cast<std::string>()});
+    } else {
+      channels.push_back(one.cast<MeasuredChannel>());
+    }
+  }
+  return channels;
+}
+
+std::shared_ptr<FrfFile> frf_with(const Eigen::VectorXd& frequency_hz, const Complexes& value,
+                                  const py::list& outputs, const py::list& inputs,
+                                  const std::optional<Numbers>& variance,
+                                  const std::optional<Numbers>& coherence, double averages) {
+  modal::FrfSet set;
+  set.outputs = channels_from(outputs);
+  set.inputs = channels_from(inputs);
+  set.frequency_hz = frequency_hz;
+  const auto p = set.output_count();
+  const auto q = set.input_count();
+  set.value = matrices_of<Eigen::MatrixXcd>(value, "value", p, q);
+  if (variance) set.variance = matrices_of<Eigen::MatrixXd>(*variance, "variance", p, q);
+  if (coherence) set.coherence = matrices_of<Eigen::MatrixXd>(*coherence, "coherence", p, q);
+  set.averages = averages;
+  modal::check(set);
+  return std::make_shared<FrfFile>(FrfFile{"arrays", std::move(set), {}});
+}
+
+std::shared_ptr<FrfFile> changed(const FrfFile& file, modal::FrfSet set) {
+  return std::make_shared<FrfFile>(FrfFile{file.format, std::move(set), file.notes});
+}
+
+std::vector<Eigen::Index> rows_called(const std::vector<MeasuredChannel>& channels,
+                                      const std::optional<Names>& names) {
+  std::vector<Eigen::Index> rows;
+  if (!names) {
+    for (Eigen::Index i = 0; i < std::ssize(channels); ++i) rows.push_back(i);
+    return rows;
+  }
+  for (const auto& name : *names) {
+    rows.push_back(steps::index_of(channels, name));
+    require(rows.back() >= 0, "there is no channel \"" + name + "\"");
+  }
+  return rows;
+}
+
+template <typename Array, typename Matrix>
+py::object array_or_none(const std::vector<Matrix>& lines, const modal::FrfSet& set) {
+  if (lines.empty()) return py::none();
+  return array_of<Array>(lines, set.output_count(), set.input_count());
+}
+
+std::shared_ptr<FrfFile> read_frf(const std::filesystem::path& file, const std::string& unit,
+                                  const std::optional<std::string>& quantity,
+                                  const Names& sensors, const Names& actuators,
+                                  const std::string& length_unit) {
+  io::FrfOptions options;
+  options.unit = unit;
+  options.sensor_names = sensors;
+  options.actuator_names = actuators;
+  options.length_unit = length_unit;
+  if (quantity) options.kind = kind_called(*quantity);
+  const LongCall call;
+  return std::make_shared<FrfFile>(io::read_frf(file, options));
+}
+
+std::shared_ptr<TimeFile> read_time(const std::filesystem::path& file, const std::string& unit,
+                                    double sample_time_s, Eigen::Index period,
+                                    const Names& sensors, const Names& actuators) {
+  io::TimeOptions options;
+  options.unit = unit;
+  options.sample_time_s = sample_time_s;
+  options.period = period;
+  options.sensor_names = sensors;
+  options.actuator_names = actuators;
+  const LongCall call;
+  return std::make_shared<TimeFile>(io::read_time(file, options));
+}
+
+// What the format cannot hold.
+template <typename Write>
+Names written(const std::filesystem::path& file, bool overwrite, Write write) {
+  const LongCall call;
+  std::error_code fault;
+  require(overwrite || !std::filesystem::exists(file, fault),
+          file.string() + ": there is such a file; name another one, or give overwrite=True");
+  return write();
+}
+
+std::string frf_text(const FrfFile& file) {
+  const auto& set = file.set;
+  return fmt::format("<chladni.Frf {} outputs, {} inputs, {} lines, {}>", set.outputs.size(),
+                     set.inputs.size(), set.line_count(), file.format);
+}
+
+std::string channel_text(const MeasuredChannel& one) {
+  return fmt::format("<chladni.Channel \"{}\" [{}]>", one.name, one.unit.empty() ? "?" : one.unit);
+}
+
+void add_channel(py::module_& module) {
+  py::class_<MeasuredChannel>(module, "Channel", "One end of a response.")
+      .def(py::init(&channel_with), py::arg("name"), py::arg("quantity") = "displacement",
+           py::arg("unit") = "", py::arg("position") = py::none(),
+           py::arg("direction") = py::none(), py::arg("node") = py::none(),
+           "quantity of an output; unit \"\": not stated; position [m], direction (unit).")
+      .def_readonly("name", &MeasuredChannel::name)
+      .def_readonly("unit", &MeasuredChannel::unit, "empty: not stated")
+      .def_readonly("node", &MeasuredChannel::node, "its number in a universal file, or None")
+      .def_readonly("position", &MeasuredChannel::position, "[m], or None")
+      .def_property_readonly(
+          "direction",
+          [](const MeasuredChannel& one) -> std::optional<Eigen::Vector3d> {
+            if (one.direction.isZero()) return std::nullopt;
+            return one.direction;
+          },
+          "unit vector, or None")
+      .def_property_readonly("quantity",
+                             [](const MeasuredChannel& one) { return quantity_of(one.kind); })
+      .def("__repr__", &channel_text);
+}
+
+void add_frf(py::module_& module) {
+  py::class_<FrfFile, std::shared_ptr<FrfFile>>(
+      module, "Frf", "Frequency responses, each lines x outputs x inputs, with e^{+jwt}.")
+      .def(py::init(&frf_with), py::arg("frequency_hz"), py::arg("value"), py::arg("outputs"),
+           py::arg("inputs"), py::kw_only(), py::arg("variance") = py::none(),
+           py::arg("coherence") = py::none(), py::arg("averages") = 0.0,
+           "nan where nothing was measured; outputs and inputs are Channels, or names. variance: "
+           "E|G - G0|^2.")
+      .def_property_readonly("frequency_hz",
+                             [](const FrfFile& f) -> const auto& { return f.set.frequency_hz; })
+      .def_property_readonly(
+          "value", [](const FrfFile& f) { return array_or_none<Complexes>(f.set.value, f.set); },
+          "a copy, complex")
+      .def_property_readonly(
+          "variance",
+          [](const FrfFile& f) { return array_or_none<Numbers>(f.set.variance, f.set); },
+          "a copy, or None")
+      .def_property_readonly(
+          "coherence",
+          [](const FrfFile& f) { return array_or_none<Numbers>(f.set.coherence, f.set); },
+          "a copy, or None")
+      .def_property_readonly("outputs", [](const FrfFile& f) { return f.set.outputs; })
+      .def_property_readonly("inputs", [](const FrfFile& f) { return f.set.inputs; })
+      .def_property_readonly("averages", [](const FrfFile& f) { return f.set.averages; })
+      .def_readonly("format", &FrfFile::format)
+      .def_readonly("notes", &FrfFile::notes, "what was assumed, skipped or suspicious")
+      .def("converted",
+           [](const FrfFile& f, const std::string& quantity) {
+             return changed(f, modal::converted(f.set, kind_called(quantity)));
+           },
+           py::arg("quantity"), "Every output as displacement, velocity or acceleration.")
+      .def("band",
+           [](const FrfFile& f, double low_hz, double high_hz) {
+             return changed(f, modal::band(f.set, low_hz, high_hz));
+           },
+           py::arg("low_hz"), py::arg("high_hz"))
+      .def("part",
+           [](const FrfFile& f, const std::optional<Names>& outputs,
+              const std::optional<Names>& inputs) {
+             return changed(f, modal::part(f.set, rows_called(f.set.outputs, outputs),
+                                           rows_called(f.set.inputs, inputs)));
+           },
+           py::arg("outputs") = py::none(), py::arg("inputs") = py::none(),
+           "Channels of these names, in this order.")
+      .def("__repr__", &frf_text);
+}
+
+void add_recordings(py::module_& module) {
+  using identification::Record;
+  py::class_<Record>(module, "Record", "One recording of N samples. Arrays are views.")
+      .def_readonly("outputs", &Record::outputs, "N x p")
+      .def_readonly("inputs", &Record::inputs, "N x q")
+      .def_readonly("references", &Record::references, "N x r")
+      .def_readonly("experiment", &Record::experiment)
+      .def_readonly("realisation", &Record::realisation);
+  py::class_<TimeFile, std::shared_ptr<TimeFile>>(module, "Recordings", "Samples over time.")
+      .def_property_readonly("outputs", [](const TimeFile& t) { return t.data.outputs; })
+      .def_property_readonly("inputs", [](const TimeFile& t) { return t.data.inputs; })
+      .def_property_readonly("references", [](const TimeFile& t) { return t.data.references; })
+      .def_property_readonly("sample_time_s",
+                             [](const TimeFile& t) { return t.data.sample_time_s; })
+      .def_property_readonly("period", [](const TimeFile& t) { return t.data.period; },
+                             "[samples] of a periodic excitation; 0: none")
+      .def_property_readonly("records",
+                             [](const py::object& self) {
+                               py::list records;
+                               for (const auto& one : self.cast<const TimeFile&>().data.records) {
+                                 records.append(py::cast(
+                                     one, py::return_value_policy::reference_internal, self));
+                               }
+                               return records;
+                             })
+      .def_readonly("format", &TimeFile::format)
+      .def_readonly("notes", &TimeFile::notes)
+      .def("frf",
+           [](const TimeFile& file, double low_hz, double high_hz) {
+             const LongCall call;
+             auto found = identification::frf_estimate(
+                 file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
+             return std::make_shared<FrfFile>(
+                 FrfFile{file.format, std::move(found.set), std::move(found.notes)});
+           },
+           py::arg("low_hz") = 0.0, py::arg("high_hz") = 0.0,
+           "Responses with variances, of a periodic excitation in open loop; high_hz 0: all "
+           "excited lines.");
+}
+
+void add_functions(py::module_& module) {
+  module.def("read_frf", &read_frf, py::arg("file"), py::kw_only(), py::arg("unit") = "",
+             py::arg("quantity") = py::none(), py::arg("sensors") = Names{},
+             py::arg("actuators") = Names{}, py::arg("length_unit") = "",
+             "Responses of a .csv, .csv.gz, .uff, .unv or .mat, in SI. unit and quantity where the "
+             "file states none; names of channels help to divide those of columns.");
+  module.def(
+      "write_frf",
+      [](const std::filesystem::path& file, const FrfFile& frf, bool overwrite) {
+        return written(file, overwrite, [&] { return io::write_frf(file, frf.set); });
+      },
+      py::arg("file"), py::arg("frf"), py::kw_only(), py::arg("overwrite") = false,
+      "Writes .csv, .uff, .unv or .mat, and tells what the format cannot hold.");
+  module.def("read_time", &read_time, py::arg("file"), py::kw_only(), py::arg("unit") = "",
+             py::arg("sample_time_s") = 0.0, py::arg("period") = 0, py::arg("sensors") = Names{},
+             py::arg("actuators") = Names{}, "Recordings of a .csv, .uff, .unv or .mat, in SI.");
+  module.def(
+      "write_time",
+      [](const std::filesystem::path& file, const TimeFile& recordings, bool overwrite) {
+        return written(file, overwrite, [&] { return io::write_time(file, recordings.data); });
+      },
+      py::arg("file"), py::arg("recordings"), py::kw_only(), py::arg("overwrite") = false,
+      "Writes .csv, .uff, .unv or .mat, and tells what the format cannot hold.");
+}
+
+}  // namespace
+
+void add_files(py::module_& module) {
+  add_channel(module);
+  add_frf(module);
+  add_recordings(module);
+  add_functions(module);
+}
+
+}  // namespace chladni::python

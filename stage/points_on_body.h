@@ -1,0 +1,23 @@
+// Points that a caller gives, as sites of a body.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/arrays.h"
+#include "mesh/site.h"
+
+namespace chladni::stage {
+
+/// The sites nearest to `points`, n×3 [m].
+/// @throws InvalidInput  a point is more than 1 mm off the surface, as for the places of a study:
+///                       names its row, its place and the nearest one
+[[nodiscard]] std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder,
+                                                 const Points& points);
+
+/// The direction at each site, n×3, unit: one for all, one for each, or (none) the outward normals.
+/// @throws InvalidInput  another number of rows, or a direction of length 0
+[[nodiscard]] Points directions_at(const std::vector<mesh::Site>& sites,
+                                   const std::optional<Points>& directions);
+
+}  // namespace chladni::stage

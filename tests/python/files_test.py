@@ -1,0 +1,150 @@
+"""Files of measured data, from arrays and back."""
+import pathlib
+import tempfile
+import unittest
+
+import chladni
+import numpy as np
+
+LINES, OUTPUTS, INPUTS = 17, 3, 2
+
+
+def responses(seed=3, quantity="displacement", unit="m"):
+    draw = np.random.default_rng(seed)
+    value = draw.standard_normal((LINES, OUTPUTS, INPUTS, 2)) @ [1, 1j]
+    outputs = [chladni.Channel(f"y{i}", quantity, unit, position=[0.1 * i, 0.2, 0.0],
+                               direction=[0, 0, 1], node=100 + i) for i in range(OUTPUTS)]
+    inputs = [chladni.Channel(f"u{j}", unit="N", position=[0, 0.3 * j, 0], direction=[0, 0, -1],
+                              node=200 + j) for j in range(INPUTS)]
+    return chladni.Frf(np.linspace(10, 500, LINES), value, outputs, inputs,
+                       variance=draw.uniform(0.1, 1, value.shape))
+
+
+class Responses(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def test_are_read_back_from_every_format(self):
+        frf = responses()
+        for name in ("measured.csv", "measured.uff", "measured.unv", "measured.mat"):
+            with self.subTest(name):
+                chladni.write_frf(self.folder / name, frf)
+                more = {"unit": "m"} if name.endswith("csv") else {}
+                again = chladni.read_frf(self.folder / name, **more)
+                np.testing.assert_array_equal(again.frequency_hz, frf.frequency_hz)
+                np.testing.assert_allclose(again.value, frf.value, rtol=1e-15)
+                if again.variance is not None:
+                    np.testing.assert_allclose(again.variance, frf.variance, rtol=1e-15)
+                self.assertEqual(again.format.split()[0],
+                                 {"csv": "CSV", "mat": "MAT"}.get(name[-3:], "UFF"))
+
+    def test_csv_and_mat_keep_names_and_variances(self):
+        frf = responses()
+        for name in ("measured.csv", "measured.mat"):
+            chladni.write_frf(self.folder / name, frf)
+            again = chladni.read_frf(self.folder / name, sensors=["y0", "y1", "y2"],
+                                     actuators=["u0", "u1"])
+            self.assertEqual([c.name for c in again.outputs], ["y0", "y1", "y2"])
+            self.assertEqual([c.name for c in again.inputs], ["u0", "u1"])
+            self.assertIsNotNone(again.variance)
+
+    def test_universal_files_keep_nodes_and_units(self):
+        chladni.write_frf(self.folder / "measured.uff", responses(quantity="acceleration",
+                                                                  unit="m/s^2"))
+        again = chladni.read_frf(self.folder / "measured.uff")
+        self.assertEqual([c.node for c in again.outputs], [100, 101, 102])
+        self.assertEqual(again.outputs[0].quantity, "acceleration")
+        self.assertEqual(again.outputs[0].unit, "m/s^2")
+        np.testing.assert_allclose(again.outputs[2].position, [0.2, 0.2, 0.0], atol=1e-12)
+        np.testing.assert_allclose(again.inputs[1].direction, [0, 0, -1])
+
+    def test_nan_is_not_measured(self):
+        frf = responses()
+        value = frf.value
+        value[:, 1, 0] = np.nan
+        part = chladni.Frf(frf.frequency_hz, value, frf.outputs, frf.inputs)
+        chladni.write_frf(self.folder / "part.csv", part)
+        again = chladni.read_frf(self.folder / "part.csv")
+        np.testing.assert_array_equal(np.isnan(again.value), np.isnan(value))
+        self.assertIsNone(again.variance)
+
+    def test_nothing_is_written_over_unasked(self):
+        file = self.folder / "measured.csv"
+        chladni.write_frf(file, responses(1))
+        with self.assertRaisesRegex(chladni.InvalidInput, "overwrite=True"):
+            chladni.write_frf(file, responses(2))
+        chladni.write_frf(file, responses(2), overwrite=True)
+        np.testing.assert_array_equal(chladni.read_frf(file).value, responses(2).value)
+
+    def test_an_acceleration_is_a_displacement_twice_derived(self):
+        frf = responses()
+        omega = 2 * np.pi * frf.frequency_hz[:, None, None]
+        moved = frf.converted("acceleration")
+        np.testing.assert_allclose(moved.value, -omega ** 2 * frf.value, rtol=1e-12)
+        np.testing.assert_allclose(moved.variance, omega ** 4 * frf.variance, rtol=1e-12)
+        self.assertEqual(moved.outputs[0].quantity, "acceleration")
+        np.testing.assert_allclose(moved.converted("displacement").value, frf.value, rtol=1e-12)
+
+    def test_parts(self):
+        frf = responses()
+        part = frf.part(outputs=["y2", "y0"]).band(100, 300)
+        inside = (frf.frequency_hz >= 100) & (frf.frequency_hz <= 300)
+        np.testing.assert_array_equal(part.value, frf.value[inside][:, [2, 0]])
+        with self.assertRaisesRegex(ValueError, 'no channel "y7"'):
+            frf.part(outputs=["y7"])
+
+    def test_what_does_not_fit_is_refused(self):
+        f = [1.0, 2.0]
+        with self.assertRaisesRegex(ValueError, "lines x outputs x inputs"):
+            chladni.Frf(f, np.zeros((2, 2)), ["y"], ["u"])
+        with self.assertRaisesRegex(ValueError, "ascending"):
+            chladni.Frf([2.0, 1.0], np.zeros((2, 1, 1)), ["y"], ["u"])
+        with self.assertRaisesRegex(ValueError, "two output"):
+            chladni.Frf(f, np.zeros((2, 2, 1)), ["y", "y"], ["u"])
+        with self.assertRaisesRegex(ValueError, "there_is_none.csv"):
+            chladni.read_frf(self.folder / "there_is_none.csv")
+        with self.assertRaisesRegex(ValueError, "expected displacement, velocity or acceleration"):
+            chladni.Channel("y", "speed")
+        broken = self.folder / "broken.csv"
+        broken.write_text("freq_hz,re_yu,im_yu\n1,2,x\n")
+        with self.assertRaisesRegex(ValueError, r"broken\.csv.*line 2"):
+            chladni.read_frf(broken)
+
+
+class TimeData(unittest.TestCase):
+    TEXT = ("time_s,period,in_u,out_y\n" +
+            "".join(f"{n / 64},{n // 64},{np.sin(2 * np.pi * 5 * n / 64) + (n % 64 == 0)},"
+                    f"{3 * (np.sin(2 * np.pi * 5 * n / 64) + (n % 64 == 0))}\n" for n in range(256)))
+
+    def test_recordings_are_read_written_and_estimated(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "time.csv"
+            file.write_text(self.TEXT)
+            recordings = chladni.read_time(file)
+            self.assertAlmostEqual(recordings.sample_time_s, 1 / 64)
+            self.assertEqual([c.name for c in recordings.outputs], ["y"])
+            outputs = np.concatenate([one.outputs for one in recordings.records])
+            inputs = np.concatenate([one.inputs for one in recordings.records])
+            np.testing.assert_allclose(outputs, 3 * inputs, rtol=1e-12)
+            frf = recordings.frf(low_hz=1, high_hz=30)
+            np.testing.assert_allclose(frf.value, 3, rtol=1e-9)
+            chladni.write_time(pathlib.Path(folder) / "again.csv", recordings)
+            again = chladni.read_time(pathlib.Path(folder) / "again.csv")
+            np.testing.assert_array_equal(
+                np.concatenate([one.outputs for one in again.records]), outputs)
+
+
+class Shapes(unittest.TestCase):
+    def test_mac(self):
+        draw = np.random.default_rng(5)
+        a = draw.standard_normal((6, 3)) + 1j * draw.standard_normal((6, 3))
+        np.testing.assert_allclose(np.diag(chladni.mac(a, a * (2 - 3j))), 1)
+        b = draw.standard_normal((6, 2))
+        by_hand = abs(a.conj().T @ b) ** 2 / np.outer((abs(a) ** 2).sum(0), (b ** 2).sum(0))
+        np.testing.assert_allclose(chladni.mac(a, b), by_hand)
+
+
+if __name__ == "__main__":
+    unittest.main()

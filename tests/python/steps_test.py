@@ -1,0 +1,236 @@
+"""The steps of the flow from Python: what the program leaves, and what is true."""
+import json
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+import warnings
+
+import chladni
+import numpy as np
+from chladni._toml import toml_text
+from studies import channels, plate
+
+SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
+            "stiffness": "20000 N/m"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
+HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
+EXPERIMENT = {"sample_rate": "4096 Hz", "samples": 2048, "periods": 3, "realisations": 3,
+              "warm_up": 30, "band": ["200 Hz", "1450 Hz"], "noise_ratio": 0.001}
+POINT = {"name": "p", "at": ["-20 mm", "-60 mm"]}
+
+
+def stage(**more):
+    return plate(attachment=SPRINGS, measurement={"frf": "measured.csv"}, **channels(), **more)
+
+
+class Flow(unittest.TestCase):
+    """A plate on springs with a hidden mass is measured; the study does not know of the mass."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.holder.cleanup)
+        cls.folder = pathlib.Path(cls.holder.name)
+        warnings.simplefilter("ignore", chladni.ChladniWarning)
+        real = stage(experiment=EXPERIMENT)
+        real["attachment"] = SPRINGS + [HIDDEN]
+        cls.real = chladni.Study(real, folder=cls.folder)
+        cls.experiment = chladni.simulate(cls.real)
+        chladni.write_frf(cls.folder / "measured.csv", cls.experiment.frf)
+        cls.study = chladni.Study(stage(interpolation={"point": [POINT]},
+                                        diagnosis={"on": ["top"]}), folder=cls.folder)
+        cls.real_modes = chladni.modes(cls.real)
+        cls.modes = chladni.modes(cls.study)
+
+    def test_the_experiment_is_the_simulation_with_noise(self):
+        measured = self.experiment.frf
+        self.assertIsNone(self.experiment.recordings)
+        exact = self.real_modes.frf(measured.frequency_hz)
+        off = abs(measured.value - exact.value) ** 2 / measured.variance
+        self.assertLess(np.median(off), 3)
+        self.assertGreater(np.median(off), 0.1)
+
+    def test_identified_modes_are_those_of_the_real_plate(self):
+        model = chladni.identify(self.study)
+        real = self.real_modes.frequency_hz
+        inside = real[(real > 210) & (real < 1440)]
+        for frequency in inside:
+            nearest = np.argmin(abs(model.frequency_hz - frequency))
+            self.assertLess(abs(model.frequency_hz[nearest] - frequency),
+                            6 * model.frequency_std_hz[nearest] + 1e-4 * frequency)
+        f = self.experiment.frf.frequency_hz
+        fitted = model.frf(f).value
+        measured = model.measured.value
+        error = np.linalg.norm(fitted - measured) / np.linalg.norm(measured)
+        self.assertAlmostEqual(error, model.error, places=9)
+        self.assertLess(error, 1.5 * model.noise)
+        s = 2j * np.pi * f
+        p = model.poles
+        self.assertTrue((p.imag >= 0).all() and (p.real <= 0).all())
+        modal = np.einsum("im,mj,km->kij", model.output_matrix, model.input_matrix,
+                          1 / ((s[:, None] - p) * (s[:, None] - p.conj())))
+        summed = (modal + model.residual) * np.exp(-s * model.delay_s)[:, None, None]
+        np.testing.assert_allclose(fitted, summed, atol=1e-9 * abs(fitted).max())
+        np.testing.assert_allclose(model.state_space().frf(f), fitted,
+                                   atol=1e-6 * abs(fitted).max())
+        self.assertIn(model.trust, ("down to the noise", "good", "systematic errors"))
+
+    def test_shapes_and_responses_between_the_sensors(self):
+        field = chladni.interpolate(self.study)
+        point = [[-0.02, -0.06, 0.0]]
+        f = np.linspace(210, 900, 57)
+        value, deviation = field.frf(point, f, direction=[0, 0, 1])
+        self.assertEqual(value.shape, (57, 1, 2))
+        self.assertTrue((deviation > 0).all())
+        shapes = self.real_modes.at(point, [0, 0, 1])[0]
+        at_inputs = self.real_modes.at([one.position for one in
+                                        self.real_modes.frf([100.0]).inputs], [0, 0, 1])
+        omega, s = 2 * np.pi * self.real_modes.frequency_hz, 2j * np.pi * f[:, None]
+        dynamic = s ** 2 + 2 * self.real_modes.damping_ratio * omega * s + omega ** 2
+        exact = np.einsum("m,jm,km->kj", shapes, at_inputs, 1 / dynamic)
+        error = np.linalg.norm(value[:, 0] - exact) / np.linalg.norm(exact)
+        self.assertLess(error, 0.15)
+        mean, _ = field.at(point, [0, 0, 1])
+        self.assertEqual(mean.shape, (1, len(field.frequency_hz)))
+        self.assertGreater(len(field.identified.frequency_hz), 3)
+        field.save(self.folder / "field", pictures=False)
+        band = chladni.read_frf(self.folder / "field" / "predicted_band.csv", unit="m")
+        value, deviation = field.frf(point, band.frequency_hz, direction=[0, 0, 1])
+        row = [one.name for one in band.outputs].index("p")
+        np.testing.assert_allclose(value[:, 0], band.value[:, row], rtol=1e-9)
+        np.testing.assert_allclose(deviation[:, 0] ** 2, band.variance[:, row], rtol=1e-9)
+
+    def test_the_hidden_mass_is_found(self):
+        found = chladni.diagnose(self.study)
+        self.assertEqual(found.verdict, "named", found)
+        cause = found.causes[0]
+        self.assertEqual(cause.effect, "point_mass")
+        mass = cause.parameters["mass"]
+        self.assertEqual(mass.unit, "kg")
+        self.assertLess(abs(mass.value - 0.040), 6 * mass.std + 1e-3)
+        np.testing.assert_allclose(cause.place[:2], [0.060, 0.040], atol=4e-3)
+        self.assertGreater(cause.probability, 0.9)
+        self.assertIn("point_mass", str(cause))
+        self.assertLess(found.gain["fit"]["after"], 0.1 * found.gain["fit"]["before"])
+        places, explained, probability = found.cause_map
+        best = places[np.argmax(probability)]
+        self.assertLess(np.linalg.norm(best - cause.place), 0.03)
+        self.assertEqual(len(explained), len(places))
+        before, extended, _ = found.predictions
+        measured = found.measured.value
+        self.assertLess(np.linalg.norm(extended - measured), 0.3 * np.linalg.norm(before - measured))
+        better = chladni.modes(found.extended_study())
+        real = self.real_modes.frequency_hz
+        self.assertLess(abs(better.frequency_hz - real)[4:10].max(),
+                        abs(self.modes.frequency_hz - real)[4:10].max())
+        self.assertIn("&lt;/html&gt;", found._repr_html_())
+        found.save(self.folder / "deeper" / "found", pictures=False)
+        left = self.folder / "deeper" / "found" / "extended.toml"
+        self.assertEqual(chladni.Study(left, allow_outside=[self.folder]).check()["attachments"][-1]
+                         ["mass_kg"], chladni.Study(found.extended_study().text and
+                                                    tomlled(found), folder=self.folder)
+                         .check()["attachments"][-1]["mass_kg"])
+
+
+def tomlled(found):
+    import tomllib
+    return tomllib.loads(found.extended_text)
+
+
+class Placement(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", chladni.ChladniWarning)
+            cls.modes = chladni.modes(plate(placement={"modes": 3}, **channels()))
+            cls.placement = chladni.place(cls.modes)
+
+    def test_the_map_is_on_the_surface(self):
+        placement = self.placement
+        n = len(placement.points)
+        self.assertEqual(placement.triangles.max() + 1, n)
+        self.assertAlmostEqual(placement.areas.sum(), 0.3 * 0.2)
+        self.assertIn(placement.criterion, placement.maps)
+        np.testing.assert_array_equal(placement.maps[placement.criterion], placement.score)
+        self.assertEqual(len(placement.admissible), n)
+        self.assertTrue(np.shares_memory(placement.score, placement.maps[placement.criterion]))
+
+    def test_the_best_pair_is_on_the_highest_hill(self):
+        best = self.placement.best[0]
+        place = [best["x_m"], best["y_m"], best["z_m"]]
+        self.assertGreaterEqual(best["score"], self.placement.score.max() * (1 - 1e-9))
+        highest = self.placement.points[np.argmax(self.placement.score)]
+        # By the symmetry of the plate there are four such places.
+        np.testing.assert_allclose(abs(highest[:2]), abs(np.array(place[:2])), atol=0.03)
+
+    def test_layouts_have_scores_and_deviations(self):
+        names = [one["name"] for one in self.placement.layouts]
+        self.assertEqual(set(names), set(self.placement.deviations))
+        for layout in self.placement.layouts:
+            deviation = self.placement.deviations[layout["name"]]
+            self.assertAlmostEqual(100 * deviation.max(),
+                                   layout["scores"]["interpolation_worst_place"], places=6)
+        self.assertEqual(self.placement.optima[0]["criterion"], "determinant")
+
+    def test_priors(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", chladni.ChladniWarning)
+            priors = chladni.priors(self.modes)
+        self.assertEqual(priors.kernel, "squared_exponential")
+        self.assertTrue((priors.rms > 0).all())
+        self.assertEqual(len(priors.matched_length), len(priors.rms))
+
+
+class Program(unittest.TestCase):
+    """Python and the program say the same, to the last digit."""
+
+    def said(self, verb, text, folder):
+        program = chladni._chladni._program()
+        file = folder / "study.toml"
+        file.write_text(text)
+        done = subprocess.run([program, verb, file, "-o", folder / "out", "--json", "--no-pictures"],
+                              check=True, capture_output=True, text=True)
+        return json.loads(done.stdout)
+
+    def test_modes_and_placement(self):
+        whole = plate(placement={"modes": 3}, **channels())
+        with tempfile.TemporaryDirectory() as name, warnings.catch_warnings():
+            warnings.simplefilter("ignore", chladni.ChladniWarning)
+            folder = pathlib.Path(name)
+            modes = chladni.modes(whole)
+            for verb, result in (("modes", modes), ("place", chladni.place(modes))):
+                said, mine = self.said(verb, toml_text(whole), folder), result.to_dict()
+                self.assertEqual({key: said[key] for key in mine}, mine, verb)
+                self.assertEqual(said["study"]["sha256"], result.study.sha256)
+
+
+class Sweeps(unittest.TestCase):
+    PLAN = """base = "base.toml"
+verb = "modes"
+[[axis]]
+key = "geometry.plate.thickness"
+values = ["8 mm", "10 mm", "12 mm"]
+[[result]]
+name = "first"
+file = "modes.json"
+at = "frequency_hz.6"
+"""
+
+    def test_a_thicker_plate_is_stiffer(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "base.toml").write_text(toml_text(plate(modes={"count": 3})))
+            (folder / "plan.toml").write_text(self.PLAN)
+            steps = []
+            table = chladni.sweep(folder / "plan.toml", folder / "out",
+                                  progress=lambda step, part: steps.append(part))
+            self.assertEqual(chladni.gather(folder / "plan.toml", folder / "out"), table)
+            first = [row["results"]["first"] for row in table["variants"]]
+            self.assertEqual(first, sorted(first))
+            np.testing.assert_allclose(first[2] / first[0], 12 / 8, rtol=0.02)
+            self.assertEqual(steps[-1], 1.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,32 @@
+"""Small studies that several tests share."""
+import copy
+import os
+
+PLATE = {
+    "title": "plate",
+    "geometry": {"plate": {"length": "300 mm", "width": "200 mm", "thickness": "10 mm"}},
+    "material": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3, "density": "2700 kg/m^3"},
+    "mesh": {"edge_length": "40 mm"},
+    "modes": {"count": 12, "damping_ratio": 0.005},
+}
+SENSORS = {"s1": (-140, 90), "s2": (140, 85), "s3": (130, -95), "s4": (-135, -80), "s5": (10, 15),
+           "s6": (-60, 40), "s7": (70, -30)}
+ACTUATORS = {"a1": "s1", "a2": "s3"}
+
+
+def plate(**more):
+    """The free plate, with other keys."""
+    return {**copy.deepcopy(PLATE), **more}
+
+
+def channels(sensors=SENSORS):
+    """Sensors, and actuators at some of them."""
+    def channel(name, place):
+        return {"name": name, "at": [f"{x} mm" for x in place], "direction": "z"}
+    return {"sensor": [channel(name, place) for name, place in sensors.items()],
+            "actuator": [channel(name, SENSORS[at]) for name, at in ACTUATORS.items()]}
+
+
+def patience():
+    """How much longer a step may take where more is to do than there are processors."""
+    return max(1.0, os.getloadavg()[0] / os.cpu_count())
