@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""Every JSON file that a verb leaves agrees with its schema in docs/reference/schemas.
+
+schemas_test.py SOURCE CHLADNI SAMPLE
+Small studies are run. The diagnosis of responses has its turn at every fourth landing.
+"""
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import jsonschema
+
+sys.dont_write_bytecode = True  # a new folder here would look like a newer source
+SAMPLE = pathlib.Path(sys.argv.pop(3)).resolve()
+CHLADNI = pathlib.Path(sys.argv.pop(2)).resolve()
+SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
+sys.path.insert(0, str(SOURCE / "tests/rotation"))
+from turn import why_skipped
+
+SCHEMAS = SOURCE / "docs/reference/schemas"
+HEAD = {"chladni", "study", "seed", "seconds"}
+# Keys that other programs rely on.
+CONTRACT = {
+    "modes.json": HEAD | {"rigid_body_modes", "frequency_hz", "residual", "degrees_of_freedom", "mass_kg",
+                          "centre_of_mass_m", "inertia_kg_m2", "complete", "sensors", "actuators"},
+    "placement.json": HEAD | {"criterion", "best", "layouts", "optimum"},
+    "priors.json": HEAD | {"modes", "shared"},
+    "identified.json": HEAD | {"modes", "output_matrix", "input_matrix", "gain_match", "fit", "noise_floor"},
+    "interpolation.json": HEAD | {"methods"},
+    "diagnosis.json": HEAD | {"verdict"},
+}
+INNER_CONTRACT = {
+    ("placement.json", "$defs", "pair"): {"x_m", "y_m", "z_m", "score", "limiting_mode"},
+    ("placement.json", "$defs", "optimum"): {"sites", "score", "bound", "gap"},
+    ("placement.json", "properties", "layouts", "items"): {"name", "sensors", "actuators", "scores"},
+    ("priors.json", "$defs", "mode"): {"kernel", "length_scale_m", "sigma", "noise",
+                                       "log_marginal_likelihood", "samples"},
+    ("identified.json", "properties", "modes", "items"): {"frequency_hz", "damping_ratio", "frequency_std_hz",
+                                                          "damping_std", "rigid"},
+    ("identified.json", "properties", "gain_match"): {"alpha", "alpha_std"},
+    ("interpolation.json", "properties", "methods", "items", "properties", "held_out", "items"):
+        {"channel", "frf_error", "shape_error", "coverage"},
+    ("diagnosis.json", "$defs", "one"): {"discrepancy", "causes", "alternatives", "gain"},
+    ("diagnosis.json", "$defs", "cause"): {"effect", "parameters", "log_evidence_gain", "probability"},
+    ("diagnosis.json", "$defs", "number"): {"value", "std"},
+    ("diagnosis.json", "$defs", "one", "properties", "gain"): {"fit", "held_out", "noise_floor"},
+    ("diagnosis.json", "$defs", "before_after"): {"before", "after"},
+}
+
+PLATE = """
+geometry = { plate = { length = "300 mm", width = "200 mm", thickness = "%s" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+mesh = { edge_length = "50 mm", order = 2 }
+modes = { count = 10, damping_ratio = 0.01 }
+"""
+ON_IT = '[[attachment]]\nkind = "mass"\nname = "clamp"\nat = ["60 mm", "30 mm"]\nmass = "%s"\n'
+PLACES = {"s1": (-140, 90), "s2": (140, 90), "s3": (130, -90), "s4": (-20, -80), "s5": (-140, -60),
+          "a1": (-140, 90), "a2": (70, -40), "a3": (140, 90)}
+MEASURED = """
+[measurement]
+frf = "measured.csv"
+hold_out = ["s4"]
+[experiment]
+noise_ratio = 0.002
+band = ["20 Hz", "1500 Hz"]
+sample_rate = "8192 Hz"
+samples = 4096
+periods = 3
+realisations = 2
+controlled = ["a1", "a2", "a3"]
+bandwidth = "20 Hz"
+[state_space]
+sample_rate = "10 kHz"
+[placement]
+modes = 3
+[priors]
+modes = 3
+samples = [25, 50]
+[interpolation]
+point = [{ name = "middle", at = ["0 mm", "0 mm"] }]
+polynomial_degree = 4
+[diagnosis]
+effects = ["point_mass", "sensor_gain"]
+lines = 60
+"""
+PLAN = """
+title = "thickness"
+base = "study.toml"
+[[axis]]
+key = "geometry.plate.thickness"
+values = ["8 mm", "nine"]
+[[result]]
+name = "first"
+file = "modes.json"
+at = "frequency_hz.6"
+unit = "Hz"
+"""
+
+
+def channels():
+    tables = []
+    for name, (x, y) in PLACES.items():
+        kind = "sensor" if name[0] == "s" else "actuator"
+        tables.append(f'[[{kind}]]\nname = "{name}"\nat = ["{x} mm", "{y} mm"]\ndirection = "z"\n')
+    return "".join(tables)
+
+
+def schema_of(name):
+    return json.loads((SCHEMAS / name).read_text())
+
+
+def part(schema, path):
+    for key in path:
+        schema = schema[key]
+    return schema
+
+
+class Schemas(unittest.TestCase):
+    def test_are_schemas(self):
+        for file in SCHEMAS.glob("*.json"):
+            jsonschema.Draft202012Validator.check_schema(json.loads(file.read_text()))
+
+    def test_require_what_others_rely_on(self):
+        for name, keys in CONTRACT.items():
+            self.assertLessEqual(keys, set(schema_of(name)["required"]), name)
+        for (name, *path), keys in INNER_CONTRACT.items():
+            self.assertLessEqual(keys, set(part(schema_of(name), path)["required"]), (name, *path))
+
+    def test_are_named_on_the_page(self):
+        page = (SCHEMAS.parent / "json.md").read_text()
+        for file in SCHEMAS.glob("*.json"):
+            self.assertIn(f"(schemas/{file.name})", page)
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        place = tempfile.TemporaryDirectory(prefix="chladni_schemas_")
+        cls.addClassCleanup(place.cleanup)
+        cls.folder = pathlib.Path(place.name)
+        cls.study = cls.folder / "study.toml"
+        cls.study.write_text(PLATE % "8 mm" + ON_IT % "40 g" + MEASURED + channels())
+        cls.ran = set()
+
+    def run_verb(self, verb, study, *more, codes=(0,)):
+        out = self.folder / "out" / verb
+        pictures = [] if verb in ("check", "mesh", "export", "priors", "simulate", "sweep") else ["--no-pictures"]
+        done = subprocess.run([CHLADNI, verb, study, "-o", out, "--threads", "1", *pictures, *more],
+                              capture_output=True, text=True, check=False)
+        self.assertIn(done.returncode, codes, f"{verb}: {done.stdout}{done.stderr}")
+        return out
+
+    def agrees(self, file, schema_name=None):
+        """The file agrees with its schema, and would not without any of the keys required."""
+        schema = schema_of(schema_name or file.name)
+        content = json.loads(file.read_text())
+        validator = jsonschema.Draft202012Validator(schema)
+        faults = [f"{file.name}: {list(e.absolute_path)}: {e.message}" for e in validator.iter_errors(content)]
+        self.assertEqual(faults[:5], [])
+        for key in schema["required"]:
+            less = {k: v for k, v in content.items() if k != key}
+            self.assertFalse(validator.is_valid(less), f"{file.name} without {key}")
+        return content
+
+    def all_agree(self, out, *expected):
+        left = {f.name for f in out.glob("*.json")}
+        self.assertLessEqual(set(expected), left)
+        for name in left:
+            self.agrees(out / name, "state_space.json" if name == "simulated_state_space.json" else None)
+
+    def test_of_the_simulation(self):
+        self.all_agree(self.run_verb("check", self.study), "study.json")
+        self.all_agree(self.run_verb("mesh", self.study), "mesh.json")
+        self.all_agree(self.run_verb("modes", self.study), "modes.json", "simulated_state_space.json")
+        self.all_agree(self.run_verb("export", self.study), "export.json")
+        self.all_agree(self.run_verb("place", self.study), "placement.json")
+        self.all_agree(self.run_verb("priors", self.study), "priors.json")
+
+    def test_of_measured_data(self):
+        self.all_agree(self.run_verb("simulate", self.study), "simulated.json")
+        self.all_agree(self.run_verb("identify", self.study), "identified.json", "state_space.json")
+        self.all_agree(self.run_verb("interpolate", self.study), "interpolation.json", "spatio_temporal.json",
+                       "mode_field_polynomial.json")
+        self.diagnosed_modes()
+        if not (why := why_skipped("docs.schemas.diagnosis", SAMPLE, SOURCE)):
+            self.diagnosed_responses()
+        else:
+            print(f"the diagnosis of responses {why}")
+
+    def diagnosed_responses(self):
+        study = self.folder / "believed.toml"
+        study.write_text(PLATE % "8 mm" + MEASURED + channels())
+        out = self.run_verb("diagnose", study)
+        self.all_agree(out, "diagnosis.json")
+        told = json.loads((out / "diagnosis.json").read_text())
+        self.assertEqual([c["effect"] for c in told["causes"]], ["point_mass"])
+
+    def diagnosed_modes(self):
+        modes = self.run_verb("modes", self.study) / "modes.json"
+        frequencies = json.loads(modes.read_text())["frequency_hz"][6:]
+        (self.folder / "modes.csv").write_text(
+            "frequency_hz,std_frequency_hz\n" + "".join(f"{1.03 * f},{1e-3 * f}\n" for f in frequencies[:6]))
+        for name in ("one", "two"):
+            (self.folder / f"{name}.toml").write_text(
+                PLATE % "8 mm" + channels() + '[measurement]\nmodes = "modes.csv"\nmass = { value = "1.3 kg", measured = "1 %" }\n')
+        self.all_agree(self.run_verb("diagnose", self.folder / "one.toml"), "diagnosis.json")
+        several = self.folder / "several.toml"
+        several.write_text(PLATE % "8 mm" + "".join(
+            f'[[specimen]]\nname = "{n}"\nstudy = "{n}.toml"\n' for n in ("one", "two")))
+        self.all_agree(self.run_verb("diagnose", several), "diagnosis.json")
+
+    def test_of_a_sweep(self):
+        plan = self.folder / "plan.toml"
+        plan.write_text(PLAN.replace('"nine"', '"9 mm"'))
+        out = self.run_verb("sweep", plan)
+        table = self.agrees(out / "sweep.json")
+        self.assertEqual(len(table["variants"]), 2)
+        for variant in table["variants"]:
+            self.agrees(out / variant["folder"] / "variant.json")
+
+
+if __name__ == "__main__":
+    unittest.main()
