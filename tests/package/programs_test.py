@@ -38,7 +38,7 @@ class Programs(unittest.TestCase):
                 if not file.startswith(f"{BUILD}/") or "/CMakeFiles/" in file:
                     continue
                 name = file[len(f"{BUILD}/"):]
-                if re.fullmatch(r"chladniConfig\w*\.cmake|python/chladni\.[^/]*\.so", name):
+                if re.fullmatch(r"chladniConfig\w*\.cmake|python/chladni/_chladni\.[^/]*\.so", name):
                     continue
                 self.assertTrue(name in self.built, f"{name} is installed, but not built")
 

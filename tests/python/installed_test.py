@@ -64,7 +64,7 @@ class Installed(unittest.TestCase):
         looked_at = site.getsitepackages()
         for prefix, packages in (("/usr", "lib/python3/dist-packages"), ("/usr/local", VERSIONED)):
             install(prefix, self.folder / "root")
-            there = list((self.folder / "root").glob(f"{prefix[1:]}/{packages}/chladni*.so"))
+            there = list((self.folder / "root").glob(f"{prefix[1:]}/{packages}/chladni/_chladni*.so"))
             self.assertEqual(len(there), 1, prefix)
             self.assertIn(f"{prefix}/{packages}", looked_at)
 
