@@ -69,8 +69,8 @@ install(FILES ${CMAKE_CURRENT_LIST_DIR}/_chladni
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/chladni.fish
         DESTINATION ${share}/fish/vendor_completions.d COMPONENT programs)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models DESTINATION ${share}/chladni COMPONENT programs)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/reference DESTINATION ${share}/doc/chladni
-        COMPONENT programs)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${share}/doc/chladni COMPONENT programs
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.json")
 foreach(component programs python development cluster)
   string(TOUPPER ${component} upper)
   set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
