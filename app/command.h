@@ -26,6 +26,7 @@ extern const Command priors_command;
 extern const Command simulate_command;
 extern const Command identify_command;
 extern const Command interpolate_command;
+extern const Command compare_command;
 extern const Command diagnose_command;
 extern const Command study_command;
 
@@ -33,6 +34,7 @@ extern const Command study_command;
 [[nodiscard]] int doctor(std::ostream& results);
 [[nodiscard]] int list(std::string_view what, std::ostream& results);
 [[nodiscard]] std::vector<std::string> listable();
+[[nodiscard]] int cache(bool clear, bool json, std::ostream& results);
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
                           const std::string& unit, std::ostream& results);
 /// Measured data: the content of a file and suspect values; conversion between formats.

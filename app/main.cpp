@@ -33,7 +33,7 @@ constexpr const app::Command* kCommands[] = {
     &app::check_command,    &app::mesh_command,     &app::modes_command,
     &app::export_command,   &app::place_command,    &app::priors_command,
     &app::simulate_command, &app::identify_command, &app::interpolate_command,
-    &app::diagnose_command, &app::study_command,
+    &app::compare_command,  &app::diagnose_command, &app::study_command,
 };
 
 /// Runs `work` and turns any exception into a message and an exit code.
@@ -119,7 +119,8 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
                   "absolute folder from which the study may read files")
       ->check(CLI::ExistingDirectory);
   verb.add_flag("--quiet", options.quiet, "no notes and no progress; warnings and errors still");
-  if (command.name == "diagnose" || command.name == "place" || command.name == "study") {
+  if (command.name == "compare" || command.name == "diagnose" || command.name == "place" ||
+      command.name == "study") {
     verb.add_flag("--all", options.all, "every table, not only what matters first");
   }
   verb.add_flag("--json", options.json, "the result as JSON on the standard output");
@@ -127,6 +128,8 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   if (command.name != "check") {
     verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
   }
+  verb.add_flag("!--no-cache", options.cache,
+                "mesh and solve anew, whatever earlier runs have kept, and keep nothing");
   if (command.name == "mesh" || command.name == "export") return;
   verb.add_option("--engine", options.engine,
                   "what starts the ranks that find the modes: \"mpiexec -n 4\"");
@@ -153,7 +156,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
 struct OtherVerbs {
   std::string what, unit;
   std::filesystem::path from, to;
-  bool force = false;
+  bool force = false, clear = false, json = false;
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& status) {
@@ -173,6 +176,12 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
   auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");
   list->add_option("WHAT", other.what, "what")->required()->check(CLI::IsMember(app::listable()));
   list->callback([&] { status = guarded(talk, [&] { return app::list(other.what, std::cout); }); });
+  auto* cache = cli.add_subcommand("cache", "meshes and modes of earlier runs: where, how large");
+  cache->add_flag("--clear", other.clear, "remove them all");
+  cache->add_flag("--json", other.json, "the result as JSON on the standard output");
+  cache->callback([&] {
+    status = guarded(talk, [&] { return app::cache(other.clear, other.json, std::cout); });
+  });
   auto* doctor = cli.add_subcommand("doctor", "checks the installation");
   doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
 }
@@ -189,6 +198,7 @@ void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, 
     verb->add_flag("--json", sweep.json, "the result as JSON on the standard output");
     verb->add_flag("!--no-pictures", sweep.pictures, "paint nothing");
   }
+  run->add_flag("!--no-cache", sweep.cache, "each variant meshes and solves anew");
   run->add_flag("--list", sweep.list, "the variants and whether they are done; runs none");
   run->add_option("--run", sweep.run, "one variant, 3, or every tenth from the third on, 3/10");
   run->add_flag("--scripts", sweep.scripts, "a SLURM job array and a Makefile; runs none");

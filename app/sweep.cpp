@@ -34,6 +34,7 @@ sweep::SweepOptions options_of(const SweepCommand& command) {
           .program = command.program,
           .allowed = command.allowed,
           .threads = command.threads,
+          .cache = command.cache,
           .passing = {kOutOfResources, kWorkerDied, kInterrupted}};
 }
 

@@ -17,7 +17,7 @@ struct SweepCommand {
   std::vector<std::filesystem::path> allowed;  ///< --allow-outside
   int threads = 1, jobs = 0;  ///< of a variant; variants at a time, 0: cores / threads
   std::string run;            ///< "3" or "3/10": these variants alone
-  bool list = false, scripts = false, retry = false, json = false, pictures = true;
+  bool list = false, scripts = false, retry = false, json = false, pictures = true, cache = true;
 };
 
 /// Runs the variants that have not run, then gathers. Returns the exit code: 4 where one failed.

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "fem/factor/factorization.h"
+#include "fem/given_modes.h"
 
 namespace chladni::fem {
 namespace {
@@ -51,18 +52,23 @@ double shift(const System& system, const modal::Modes& modes) {
 }
 
 // The factor that `modes` has left, where its shift is well below the omitted modes, or a new one.
+// Where the shift of `modes` serves, a new one has it too: the result has the same bits whether the
+// factor is still there, was too large to keep, or the modes are those of an earlier run.
 std::shared_ptr<const Factorization> factor_for(const System& system, const modal::Modes& modes) {
   constexpr double kWellBelow = 0.1;  // each step then leaves less than a tenth of the error
   const double s = shift(system, modes);
   const double last = modes.mode_count() > modes.rigid_count
                           ? std::pow(2.0 * std::numbers::pi * modes.frequency_hz.tail<1>()(0), 2)
                           : 0.0;
-  const auto kept =
-      system.kept_factor->kept(system.stiffness, system.mass, 0.1 * s, kWellBelow * last);
+  const double least = 0.1 * s;
+  const double most = kWellBelow * last;
+  const auto kept = system.kept_factor->kept(system.stiffness, system.mass, least, most);
   if (kept.factor) return kept.factor;
+  const double before = inverted_shift(system);
+  const bool serves = before >= least && before <= most;
   return std::make_shared<const Factorization>(
-      system.kept_factor->symbolic(system.stiffness, system.mass), system.stiffness, s,
-      system.mass);
+      system.kept_factor->symbolic(system.stiffness, system.mass), system.stiffness,
+      serves ? before : s, system.mass);
 }
 
 // One step of the pivoted Cholesky factorisation: the column of the largest diagonal entry left.

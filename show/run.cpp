@@ -6,6 +6,7 @@
 #include <ostream>
 #include <system_error>
 
+#include "base/cache.h"
 #include "base/error.h"
 #include "show/run.h"
 #include "show/version.h"
@@ -21,6 +22,13 @@ unsigned seed_of(const study::Study& study, const Options& options) {
   return options.seed >= 0 ? static_cast<unsigned>(options.seed) : study.seed.value_or(1);
 }
 
+// Null where the user or the environment wants none.
+std::shared_ptr<const Cache> cache_of(const Options& options) {
+  const auto place = cache_place();
+  if (!options.cache || place.folder.empty()) return nullptr;
+  return std::make_shared<const Cache>(place.folder, place.most_bytes);
+}
+
 stage::WorkOptions work_options(const study::Study& study, const Options& options) {
   return {.seed = seed_of(study, options),
           .certificate = options.certificate,
@@ -29,13 +37,14 @@ stage::WorkOptions work_options(const study::Study& study, const Options& option
           .engine = options.engine,
           .memory_limit_bytes = static_cast<std::size_t>(1e9 * options.memory_limit_gb),
           .allowed = options.allowed,
-          .folder = folder_of(study, options)};
+          .folder = folder_of(study, options),
+          .cache = cache_of(options)};
 }
 
 /// True if the result depends on the measurement.
 bool stands_on_measured(const std::string& file) {
-  constexpr std::array results = {"diagnosis.json", "identified.json", "interpolation.json",
-                                  "state_space.json"};
+  constexpr std::array results = {"comparison.json", "diagnosis.json", "identified.json",
+                                  "interpolation.json", "state_space.json"};
   return std::find(results.begin(), results.end(), file) != results.end();
 }
 
@@ -55,7 +64,10 @@ Run::Run(const study::Study& study, Options options, std::ostream& results, Talk
       options_(std::move(options)),
       results_(results),
       talk_(talk),
-      folder_(choices().folder) {}
+      folder_(choices().folder) {
+  const auto note = cache_place().note;
+  if (options_.cache && !note.empty()) talk_.note(note);
+}
 
 Run::~Run() {
   try {

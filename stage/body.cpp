@@ -8,7 +8,7 @@
 #include "mesh/check.h"
 #include "mesh/disc.h"
 #include "mesh/patches.h"
-#include "mesh/tetrahedralize.h"
+#include "stage/kept/kept_mesh.h"
 
 namespace chladni::stage {
 namespace {
@@ -136,18 +136,18 @@ Outline outline_of(const study::Study& study, const Progress& progress) {
                             false, {});
 }
 
-mesh::TetMesh body_of(const study::Study& study, const Outline& outline, const Progress& progress) {
+mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work) {
   mesh::TetMesh body = outline.shell;
   const bool from_file = study.geometry.kind == "file";
   if (outline.surface) {
     mesh::MesherOptions options;
     options.edge_length = study.mesh.edge_length;
     options.remesh_surface = study.mesh.remesh;
-    body = tetrahedralize(*outline.surface, options, progress);
+    body = kept_mesh(*outline.surface, options, work);
   }
   const int own_order = from_file && !outline.surface ? body.order() : 0;
   const int order = order_for(study, body.tet_count(), own_order);
-  tell(progress, "placing nodes");
+  tell(work.progress(), "placing nodes");
   const auto* disc = order > 1 ? std::get_if<mesh::Disc>(&study.geometry.body) : nullptr;
   if (disc != nullptr) project_to_disc(body, *disc, order);
   if (order != body.order()) body = with_order(body, order);

@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "mesh/surface.h"
 #include "mesh/tet_mesh.h"
+#include "stage/work.h"
 #include "study/study.h"
 
 namespace chladni::stage {
@@ -26,10 +27,10 @@ struct Outline {
 /// @throws InvalidInput  the dimensions or the file are not plausible, or the surface is not fit
 [[nodiscard]] Outline outline_of(const study::Study& study, const Progress& progress = {});
 
-/// Tetrahedra of the study's order (chosen here if the study states none).
-/// @throws as mesh::tetrahedralize
-[[nodiscard]] mesh::TetMesh body_of(const study::Study& study, const Outline& outline,
-                                    const Progress& progress = {});
+/// Tetrahedra of the study's order (chosen here if the study states none); those of a surface are
+/// taken from the cache of `work` where an earlier run has meshed it. @throws as
+/// mesh::tetrahedralize
+[[nodiscard]] mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work);
 
 /// The order of elements for this number of tetrahedra: the study's, or else the file's own, or
 /// else 3. It is 2 if there are too many cells for cubic elements.

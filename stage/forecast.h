@@ -19,8 +19,8 @@ namespace chladni::stage {
 [[nodiscard]] Cost forecast(const study::Study& study, const mesh::TetMesh& mesh,
                             const Understood& body);
 
-/// Frequency [Hz] below which about `flexible` modes of a free body lie: the inverse of modes_below;
-/// 0 where the first frequency is not known.
+/// Frequency [Hz] below which about `flexible` modes of a free body lie: the inverse of
+/// modes_below; 0 where the first frequency is not known.
 [[nodiscard]] double frequency_of(double flexible, const Understood& body,
                                   const fem::Material& material);
 

@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "fem/error_estimate.h"
 #include "stage/estimates/blind_spots.h"
 #include "stage/faces.h"
 #include "stage/forecast.h"
+#include "stage/kept/solved_modes.h"
 #include "study/problems.h"
 
 namespace chladni::stage {
@@ -49,73 +49,26 @@ void require_modes(const study::Study& study) {
   problems.throw_if_any();
 }
 
-fem::ModesOptions modes_options(const study::Study& study, const Work& work) {
-  fem::ModesOptions options;
-  options.count = wanted_count(study);
-  options.certificate = work.choices().certificate;
-  options.seed = work.seed();
-  options.memory_limit_bytes = work.choices().memory_limit_bytes;
-  return options;
-}
-
-bool reaches(const modal::Modes& modes, double up_to_hz) {
-  return modes.frequency_hz.size() > 0 && modes.frequency_hz.tail<1>()(0) >= up_to_hz;
-}
-
-/// Modes up to a frequency and some beyond: asks for more until one lies above it.
-fem::ModesResult modes_beyond(const fem::System& system, double up_to_hz, fem::ModesOptions options,
-                              const Progress& progress) {
-  auto result = fem::modes(system, options, progress);
-  const auto most = static_cast<int>(system.dofs.free_count / 4);
-  while (!reaches(result.modes, up_to_hz) && options.count < most) {
-    const double ratio = up_to_hz / result.modes.frequency_hz.tail<1>()(0);
-    options.count =
-        std::min(most, static_cast<int>(options.count * std::clamp(1.2 * ratio, 1.3, 4.0)) + 2);
-    result = fem::modes(system, options, progress);
-  }
-  return result;
-}
-
-/// By the ranks of MPI.
-fem::ModesResult modes_elsewhere(const study::Study& study, int count, Solution& solution,
-                                 Work& work) {
+/// Modes as the study asks for, but at least `flexible`.
+SolvedModes modes_of(const study::Study& study, const Solution& solution, int flexible,
+                     Work& work) {
   constexpr double kMore = 1.3;  // a forecast of their number is right within a factor of 1.5
-  auto result =
-      cluster::modes_by_ranks(*solution.system,
-                              {.launcher = engine_of(study, work),
-                               .count = count,
-                               .up_to_hz = study.modes.up_to_hz,
-                               .guess_hz = frequency_of(kMore * count, solution.introduction.body,
-                                                        study.materials.front().material),
-                               .folder = work.choices().folder},
-                              work.progress());
-  work.note(result.ranks.line());
-  solution.ranks = std::move(result.ranks);
-  return std::move(result.modes);
-}
-
-fem::ModesResult modes_of(const study::Study& study, Solution& solution, int flexible, Work& work) {
-  auto options = modes_options(study, work);
-  options.count = std::max(options.count, flexible);
-  const auto progress = work.progress();
-  auto result = !engine_of(study, work).empty()
-                    ? modes_elsewhere(study, options.count, solution, work)
-                : study.modes.up_to_hz > 0.0
-                    ? modes_beyond(*solution.system, study.modes.up_to_hz, options, progress)
-                    : fem::modes(*solution.system, options, progress);
-  result.modes.damping_ratio.tail(result.modes.mode_count() - result.modes.rigid_count)
-      .setConstant(study.modes.damping_ratio);
-  return result;
-}
-
-/// Number of the `flexible` lowest modes with the rigid-body ones; a repeated mode is not cut.
-Eigen::Index count_with(int flexible, const modal::Modes& modes,
-                        const std::vector<fem::Cluster>& clusters) {
-  Eigen::Index count = std::min(modes.mode_count(), modes.rigid_count + flexible);
-  for (const auto& cluster : clusters) {
-    if (cluster.first < count) count = std::max(count, cluster.first + cluster.size);
+  ModesRequest request;
+  request.options.count = std::max(wanted_count(study), flexible);
+  request.options.certificate = work.choices().certificate;
+  request.options.seed = work.seed();
+  request.options.memory_limit_bytes = work.choices().memory_limit_bytes;
+  request.up_to_hz = study.modes.up_to_hz;
+  request.launcher = engine_of(study, work);
+  if (!request.launcher.empty()) {
+    request.guess_hz = frequency_of(kMore * request.options.count, solution.introduction.body,
+                                    study.materials.front().material);
   }
-  return count;
+  auto solved = solved_modes(solution.model, *solution.system, study.supports, request, work);
+  auto& modes = solved.result.modes;
+  modes.damping_ratio.tail(modes.mode_count() - modes.rigid_count)
+      .setConstant(study.modes.damping_ratio);
+  return solved;
 }
 
 /// Number of modes that the study asks for among those that were computed.
@@ -125,16 +78,6 @@ Eigen::Index own_count(const study::Study& study, const modal::Modes& modes,
   Eigen::Index below = 0;
   while (below < modes.mode_count() && modes.frequency_hz(below) <= study.modes.up_to_hz) ++below;
   return below;
-}
-
-void keep_first(Eigen::Index count, modal::Modes& modes, fem::ModesSummary& summary) {
-  modes.frequency_hz.conservativeResize(count);
-  modes.damping_ratio.conservativeResize(count);
-  modes.shapes.conservativeResize(Eigen::NoChange, count);
-  modes.rigid_count = std::min(modes.rigid_count, count);
-  summary.residual.conservativeResize(count);
-  std::erase_if(summary.clusters,
-                [&](const fem::Cluster& cluster) { return cluster.first + cluster.size > count; });
 }
 
 /// The solution with its first modes alone.
@@ -172,7 +115,7 @@ Solution placed_and_assembled(const study::Study& study, Introduction introducti
   Solution solution;
   solution.introduction = std::move(introduction);
   const auto& outline = solution.introduction.outline;
-  auto body = work.timed("mesh", [&] { return body_of(study, outline, progress); });
+  auto body = work.timed("mesh", [&] { return body_of(study, outline, work); });
   if (judged) forecast_again(study, body, solution, work);
   solution.model = work.timed("places", [&] { return model_of(study, std::move(body)); });
   for (const auto& note : solution.model.notes) work.note(note);
@@ -191,15 +134,12 @@ Solution placed_and_assembled(const study::Study& study, Introduction introducti
 }
 
 /// Stores the modes on all nodes, with the error that the mesh leaves in them.
-void take(fem::ModesResult result, Solution& solution, Work& work) {
+void take(SolvedModes solved, Solution& solution) {
   const auto& dofs = solution.system->dofs;
-  tell(work.progress(), "estimating the error of the mesh");
-  solution.frequency_error = work.timed("error_estimate", [&] {
-    return fem::frequency_error(solution.model.body, solution.model.materials, *solution.system,
-                                result.modes);
-  });
-  solution.summary = std::move(result.summary);
-  solution.modes = std::move(result.modes);
+  solution.summary = std::move(solved.result.summary);
+  solution.modes = std::move(solved.result.modes);
+  solution.frequency_error = std::move(solved.frequency_error);
+  solution.ranks = std::move(solved.ranks);
   solution.extra_shapes = solution.modes.shapes(dofs.free_dof.tail(dofs.extra_count()), Eigen::all);
   solution.modes.shapes = fem::on_nodes(dofs, solution.modes.shapes);
 }
@@ -255,12 +195,13 @@ Solution solved(const study::Study& study, Work& work) {
 
 Solution solved(const study::Study& study, Introduction introduction, Work& work) {
   Solution solution = placed_and_assembled(study, std::move(introduction), work, true);
-  auto result = work.timed("modes", [&] { return modes_of(study, solution, 0, work); });
+  auto solved = modes_of(study, solution, 0, work);
   if (study.modes.up_to_hz > 0.0) {
-    keep_first(own_count(study, result.modes, result.summary.clusters), result.modes,
-               result.summary);
+    auto& [modes, summary] = solved.result;
+    keep_first(own_count(study, modes, summary.clusters), modes, summary);
+    solved.frequency_error.conservativeResize(modes.mode_count());
   }
-  take(std::move(result), solution, work);
+  take(std::move(solved), solution);
   warn_of_modes(study, solution, work);
   return solution;
 }
@@ -273,8 +214,7 @@ TwoSolutions solved_with_more(const study::Study& study, int flexible, Work& wor
   work.note(introduction.cost.line());
   TwoSolutions both;
   both.with_more = placed_and_assembled(larger, std::move(introduction), work, true);
-  take(work.timed("modes", [&] { return modes_of(study, both.with_more, flexible, work); }),
-       both.with_more, work);
+  take(modes_of(study, both.with_more, flexible, work), both.with_more);
   const auto& modes = both.with_more.modes;
   const auto& clusters = both.with_more.summary.clusters;
   both.own = with_first(own_count(study, modes, clusters), both.with_more);

@@ -4,11 +4,14 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/cache.h"
 #include "base/progress.h"
 
 namespace chladni::stage {
@@ -18,12 +21,13 @@ struct WorkOptions {
   unsigned seed = 1;        ///< of all random numbers
   bool certificate = true;  ///< count the modes by inertia
   bool keep_best = false;   ///< an interrupt ends a fit with the best one so far
-  bool keep_times = true;   ///< of the steps
+  bool keep_times = true;   ///< of the steps; without them results are the same to the last bit
   std::string engine;       ///< what starts the ranks that find the modes; empty: the study's
   std::size_t memory_limit_bytes = 0;  ///< of a solution in this process; 0: what there is
   std::vector<std::filesystem::path>
-      allowed;                   ///< folders outside the study's from which it may read
-  std::filesystem::path folder;  ///< where the results will stand
+      allowed;                         ///< folders outside the study's from which it may read
+  std::filesystem::path folder;        ///< where the results will stand
+  std::shared_ptr<const Cache> cache;  ///< of meshes and modes; null: all is solved here
 };
 
 /// The base class tells nobody anything: enough for callers from C++ that only want results. The
@@ -39,6 +43,8 @@ class Work {
 
   /// Tells something that is good to know.
   virtual void note(std::string_view line);
+  /// The same, but a line that was told before is not told again.
+  void note_once(const std::string& line);
   /// Tells something that the user should act on.
   virtual void warn(std::string_view message);
   /// Shows a part of the result.
@@ -83,6 +89,7 @@ class Work {
   WorkOptions options_;
   std::vector<std::pair<std::string, double>> seconds_;
   std::string part_;
+  std::set<std::string> told_once_;
 };
 
 }  // namespace chladni::stage

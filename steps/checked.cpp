@@ -20,8 +20,8 @@ void forecast_from_mesh(const study::Study& study, stage::Introduction& introduc
                         stage::Work& work) {
   auto& cost = introduction.cost;
   if (cost.exact || cost.degrees_of_freedom > kMeshedAtOnce) return;
-  const auto body = work.timed(
-      "mesh", [&] { return stage::body_of(study, introduction.outline, work.progress()); });
+  const auto body =
+      work.timed("mesh", [&] { return stage::body_of(study, introduction.outline, work); });
   cost = stage::forecast(study, body, introduction.body);
 }
 

@@ -18,6 +18,7 @@
 #include "stage/channel_paths.h"
 #include "stage/diagnosis_faces.h"
 #include "stage/diagnosis_structure.h"
+#include "steps/diagnosis/beside_measured.h"
 #include "steps/diagnosis/by_modes.h"
 #include "steps/diagnosis/responses_in_band.h"
 #include "steps/measured_modes.h"
@@ -26,93 +27,6 @@ namespace chladni::steps {
 namespace {
 
 using Eigen::Index;
-
-// The measurement without held-out channels and lines.
-modal::FrfSet seen_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan) {
-  const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
-  if (plan.hold_out_high_hz <= 0.0) return part;
-  auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
-  const auto above = modal::band(part, std::nextafter(plan.hold_out_high_hz, HUGE_VAL),
-                                 part.frequency_hz.maxCoeff());
-  const Index lines = below.line_count() + above.line_count();
-  Eigen::VectorXd frequency(lines);
-  frequency << below.frequency_hz, above.frequency_hz;
-  below.frequency_hz = frequency;
-  const auto append = [](auto& to, const auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(below.value, above.value);
-  append(below.variance, above.variance);
-  append(below.noise_variance, above.noise_variance);
-  append(below.coherence, above.coherence);
-  return below;
-}
-
-// Number of time derivatives in the record of a sensor.
-Index derivatives(const study::Study& study, const std::string& sensor) {
-  const auto at = index_of(study.sensors, sensor);
-  if (at < 0) return 0;
-  const auto& quantity = study.sensors[static_cast<std::size_t>(at)].quantity;
-  return quantity == "acceleration" ? 2 : quantity == "velocity" ? 1 : 0;
-}
-
-std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
-                          const std::vector<std::string>& names) {
-  std::vector<Index> rows;
-  for (const auto& channel : channels) {
-    rows.push_back(std::ranges::find(names, channel.name) - names.begin());
-  }
-  return rows;
-}
-
-// Prediction of a study on the measured channels and lines, in the form that `recorder` records
-// them. If a sensor's quantity differs, its row is multiplied by a power of s.
-std::vector<Eigen::MatrixXcd> predicted(const study::Study& study,
-                                        const diagnosis::Structure& structure,
-                                        const study::Study& recorder,
-                                        const modal::FrfSet& measured) {
-  const auto model = diagnosis::reduced_model(structure);
-  const auto simulated = modal::frf(model, measured.frequency_hz);
-  modal::FrfSet set = measured;
-  const auto rows = places(measured.outputs, structure.outputs.names);
-  const auto cols = places(measured.inputs, structure.inputs.names);
-  for (std::size_t k = 0; k < set.value.size(); ++k) {
-    set.value[k] = simulated.value[k](rows, cols);
-    const std::complex<double> s(
-        0.0, 2.0 * std::numbers::pi * measured.frequency_hz(static_cast<Index>(k)));
-    for (std::size_t i = 0; i < measured.outputs.size(); ++i) {
-      const auto& sensor = measured.outputs[i].name;
-      const auto more = derivatives(study, sensor) - derivatives(recorder, sensor);
-      if (more != 0) set.value[k].row(static_cast<Index>(i)) *= std::pow(s, more);
-    }
-  }
-  return stage::without_paths(recorder, stage::recorded(study, std::move(set))).value;
-}
-
-std::optional<identification::ModalFit> compare(Diagnosed& one, stage::Work& work) {
-  auto fit = modes_of(one.seen, work);
-  one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
-  return fit;
-}
-
-// Records without units have an unknown scale, so they get the scale of the simulation. Returns
-// true if the scale was changed.
-bool take_scale(Diagnosed& one, diagnosis::Tolerances& tolerances, stage::Work& work) {
-  const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
-  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
-  const double level = one.comparison.responses.level;
-  if (!(level > 0.0) || !std::isfinite(level)) return false;
-  work.note(
-      fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
-                  "of measured over simulated; what scales them all is not told",
-                  level));
-  for (auto* set : {&one.measured.all, &one.seen}) {
-    for (auto& value : set->value) value /= level;
-    for (auto& variance : set->variance) variance /= level * level;
-  }
-  tolerances.scale = std::max(tolerances.scale, 0.3);
-  return true;
-}
 
 // Folders from which the files of the extended study may be read.
 std::vector<std::filesystem::path> allowed_for(const study::Study& study, const stage::Work& work) {
@@ -230,17 +144,14 @@ stage::Solution solve_in_full(const study::Study& extended, stage::Work& work) {
   return stage::solved(extended, work);
 }
 
-// Makes the structure, notes the faces on which causes are sought, and returns the options.
-diagnosis::DiagnosisOptions prepare(const study::Study& study, double band_hz, Diagnosed& one,
-                                    stage::Work& work) {
+// Notes the faces on which causes are sought, and returns the options.
+diagnosis::DiagnosisOptions prepare(const study::Study& study, Diagnosed& one, stage::Work& work) {
   for (const auto& note : stage::diagnosed_faces(study, one.before.model.body).notes) {
     work.note(note);
   }
   if (!study.sheet.empty()) {
     work.note("length, width and mass are compared between specimens alone: they stay as written");
   }
-  one.structure =
-      work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
   auto options = options_of(plan_of(study), work);
   one.least_evidence = options.least_evidence;
   options.constants = constants_of(study, one.structure.surface);
@@ -249,29 +160,21 @@ diagnosis::DiagnosisOptions prepare(const study::Study& study, double band_hz, D
 
 Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Solution before,
                     stage::Work& work, const SolveStudy& solve_extended) {
-  const auto plan = plan_of(study);
   Diagnosed one;
   one.before = std::move(before);
-  const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
-  one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
-  one.seen = seen_of(one.measured, plan);
-  const double band_hz = one.measured.all.frequency_hz.tail(1)(0);
-  auto options = prepare(study, band_hz, one, work);
-  bool scaled = true;
-  const auto fit = work.timed("comparison", [&] {
-    auto found = compare(one, work);
-    scaled = !take_scale(one, options.tolerances, work);
-    return scaled ? found : compare(one, work);
-  });
+  const auto found = compare_responses(study, std::move(measured), one, work);
+  auto options = prepare(study, one, work);
+  // What scales all records alike is not told by records without units.
+  if (!found.scaled) options.tolerances.scale = std::max(options.tolerances.scale, 0.3);
   one.result = work.timed("diagnosis",
                           [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
   attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
-    diagnose_modes_of_responses(one, fit ? &*fit : nullptr, scaled, options, work);
+    diagnose_modes_of_responses(one, found.fit ? &*found.fit : nullptr, found.scaled, options,
+                                work);
   });
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
-  one.predictions.before = predicted(study, one.structure, study, one.measured.all);
-  add_gain(study, band_hz, solve_extended, one, work);
+  add_gain(study, found.band_hz, solve_extended, one, work);
   believe_what_pays(one);
   return one;
 }
@@ -281,13 +184,12 @@ Diagnosed diagnosed_by_modes(const study::Study& study, const ModesOfFiles& file
                              const SolveStudy& solve_extended) {
   Diagnosed one;
   one.before = std::move(before);
-  one.modes = modes_below(0.9 * one.before.modes.frequency_hz.tail(1)(0), files.modes, study, work);
+  const double band_hz = compare_modes(study, files.modes, one, work);
   if (files.reference) {
     one.reference = files.reference;
     one.reference_file = study.measurement->reference.filename().string();
   }
-  const double band_hz = one.modes->frequency_hz.tail(1)(0);
-  const auto options = prepare(study, band_hz, one, work);
+  const auto options = prepare(study, one, work);
   one.result = work.timed("diagnosis", [&] {
     if (one.reference) {
       return diagnosis::diagnosed(one.structure, *one.modes, *one.reference, options);
@@ -297,10 +199,6 @@ Diagnosed diagnosed_by_modes(const study::Study& study, const ModesOfFiles& file
   drop_mac_without_shapes(one);
   extend_by_causes(study, band_hz, solve_extended, one, work);
   return one;
-}
-
-bool is_by_modes(const study::Study& study) {
-  return study.measurement && has_modes(*study.measurement);
 }
 
 }  // namespace

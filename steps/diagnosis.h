@@ -7,27 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "diagnosis/compare.h"
 #include "diagnosis/detectable.h"
 #include "diagnosis/diagnosed.h"
-#include "diagnosis/measured_modes.h"
 #include "stage/solution.h"
-#include "steps/diagnosis/diagnosis_gain.h"
+#include "steps/compared.h"
 #include "steps/extend/extended_study.h"
-#include "steps/identification.h"
 
 namespace chladni::steps {
 
-/// A step's result. Where modes alone were measured, `measured`, `seen`, `comparison`,
-/// `detectable`, `predictions` and `gain` are empty.
-struct Diagnosed {
-  MeasuredFrfs measured;   ///< receptances within the band, all channels of the study
-  modal::FrfSet seen;      ///< without the held-out channels and lines
-  stage::Solution before;  ///< solution of the study, with enough modes for a diagnosis
-  diagnosis::Structure structure;
-  diagnosis::Comparison comparison;
+/// A comparison and what explains it. Where modes alone were measured, `detectable` and `gain` are
+/// empty.
+struct Diagnosed : Compared {
   diagnosis::Diagnosis result;
-  std::optional<diagnosis::MeasuredModes> modes;      ///< of the study's file, instead of responses
   std::optional<diagnosis::MeasuredModes> reference;  ///< modes before, if the study names a file
   std::string reference_file;                         ///< its name, without the folder
   /// Diagnosis of the modes of the responses, if these are not explained to the noise. If it names
@@ -37,7 +28,6 @@ struct Diagnosed {
   double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence
   std::optional<ExtendedStudy> extended;          ///< if a cause was named
   std::optional<stage::Solution> after;           ///< the extended study, solved in full
-  Predictions predictions;                        ///< on `measured`
   Gain gain;
 };
 

@@ -111,6 +111,7 @@ std::vector<std::string> Sweep::arguments(const fs::path& folder) const {
     words.emplace_back("--allow-outside");
     words.push_back(fs::absolute(other).lexically_normal().string());
   };
+  if (!options_.cache) words.emplace_back("--no-cache");
   if (plan_.verb != "study") words.emplace_back("--no-pictures");  // its report has them
   allow(fs::absolute(plan_.base).parent_path());
   for (const auto& other : options_.allowed) allow(other);

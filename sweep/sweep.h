@@ -21,6 +21,7 @@ struct SweepOptions {
   std::filesystem::path program;               ///< chladni
   std::vector<std::filesystem::path> allowed;  ///< --allow-outside of the variants
   int threads = 1;                             ///< of each variant
+  bool cache = true;                           ///< variants take what earlier runs have solved
   std::set<int> passing;  ///< exit codes that say nothing of the variant: no memory, Ctrl-C
 };
 

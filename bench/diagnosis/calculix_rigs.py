@@ -18,6 +18,7 @@ import sys
 import time
 from pathlib import Path
 
+os.environ["CHLADNI_CACHE"] = "off"  # times of solutions, not of files
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: SuperLU's small blocks gain nothing by two
 
 import numpy as np

@@ -1,0 +1,23 @@
+// What was measured beside the simulation, as text, JSON and pictures.
+#pragma once
+
+#include "io/result_table.h"
+#include "show/run.h"
+#include "steps/compared.h"
+
+namespace chladni::show {
+
+/// Measured modes of a file beside the simulated ones.
+[[nodiscard]] io::ResultTable modes_beside_table(const std::vector<diagnosis::ModeTold>& modes);
+
+/// Modes side by side; of responses also the errors of each, by band and by channel.
+/// @param modes  of a file; empty where responses were measured
+/// @param all    false: the error of each response only where there are few
+[[nodiscard]] std::string compared_text(const steps::Compared& compared,
+                                        const std::vector<diagnosis::ModeTold>& modes, bool all);
+
+/// comparison.json; of responses also responses.png, errors.png and mac.png
+void leave_compared(const steps::Compared& compared, const std::vector<diagnosis::ModeTold>& modes,
+                    Run& run);
+
+}  // namespace chladni::show

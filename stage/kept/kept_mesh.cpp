@@ -1,0 +1,77 @@
+#include "stage/kept/kept_mesh.h"
+
+#include <new>
+#include <optional>
+
+#include "base/error.h"
+#include "base/loaded_code.h"
+#include "base/packed.h"
+#include "base/sha256.h"
+#include "base/worker.h"
+
+namespace chladni::stage {
+namespace {
+
+std::string name_of(const mesh::Surface& surface, const mesh::MesherOptions& options) {
+  Packed all;
+  all.add("mesh").add(loaded_code()).add(sha256_of_file(worker_path("chladni-tetgen")));
+  all.add(surface.points).add(surface.triangles).add(surface.patch).add(surface.patch_names);
+  for (const auto& region : surface.regions) all.add(region.name).add(region.inside);
+  all.add(options.edge_length).add(options.largest_radius_edge);
+  all.add(options.smallest_dihedral_degrees).add(options.remesh_surface);
+  return "mesh-" + sha256(all.bytes()).substr(0, 40);
+}
+
+std::string bytes_of(const mesh::TetMesh& mesh) {
+  Packed to;
+  to.add(mesh.points).add(mesh.tets).add(mesh.region).add(mesh.faces).add(mesh.face_patch);
+  return to.add(mesh.patch_names).add(mesh.region_names).bytes();
+}
+
+mesh::TetMesh mesh_of_bytes(std::string_view bytes) {
+  Unpacked from(bytes);
+  mesh::TetMesh mesh;
+  mesh.points = from.array<Points>();
+  mesh.tets = from.array<Cells>();
+  mesh.region = from.array<Eigen::VectorXi>();
+  mesh.faces = from.array<Cells>();
+  mesh.face_patch = from.array<Eigen::VectorXi>();
+  mesh.patch_names = from.texts();
+  mesh.region_names = from.texts();
+  require(from.is_at_end(), "kept mesh: there are bytes after its end");
+  check(mesh);
+  return mesh;
+}
+
+std::optional<mesh::TetMesh> known(const Cache& cache, const std::string& name, Work& work) {
+  try {
+    if (const auto content = cache.content(name)) {
+      auto mesh = mesh_of_bytes(*content);
+      work.note("mesh of an earlier run");
+      return mesh;
+    }
+  } catch (const InvalidInput&) {
+    cache.drop(name);
+  } catch (const std::bad_alloc&) {
+    return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+mesh::TetMesh kept_mesh(const mesh::Surface& surface, const mesh::MesherOptions& options,
+                        Work& work) {
+  const auto cache = work.choices().cache;
+  if (!cache) return tetrahedralize(surface, options, work.progress());
+  const auto name = name_of(surface, options);
+  if (auto mesh = known(*cache, name, work)) return std::move(*mesh);
+  const Cache::Hold hold(*cache, name, work.progress());
+  if (auto mesh = known(*cache, name, work)) return std::move(*mesh);
+  auto mesh = tetrahedralize(surface, options, work.progress());
+  const auto refused = cache->keep(name, bytes_of(mesh));
+  if (!refused.empty()) work.note_once("the mesh is not kept for later runs: " + refused);
+  return mesh;
+}
+
+}  // namespace chladni::stage

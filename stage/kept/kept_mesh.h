@@ -1,0 +1,15 @@
+// Tetrahedra of a surface, meshed or taken from an earlier run that meshed the same.
+#pragma once
+
+#include "mesh/tetrahedralize.h"
+#include "stage/work.h"
+
+namespace chladni::stage {
+
+/// mesh::tetrahedralize, whose result is kept in the cache of `work`, where it has one. What is
+/// taken from there is checked as a mesh of a file is.
+/// @throws as mesh::tetrahedralize; never because of what is kept
+[[nodiscard]] mesh::TetMesh kept_mesh(const mesh::Surface& surface,
+                                      const mesh::MesherOptions& options, Work& work);
+
+}  // namespace chladni::stage

@@ -1,0 +1,173 @@
+#include "steps/compared.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "diagnosis/diagnosed_modes.h"
+#include "stage/channel_paths.h"
+#include "stage/diagnosis_structure.h"
+#include "steps/diagnosis/beside_measured.h"
+#include "steps/diagnosis/by_modes.h"
+#include "steps/diagnosis/responses_in_band.h"
+#include "steps/measured_modes.h"
+
+namespace chladni::steps {
+namespace {
+
+using Eigen::Index;
+
+// The measurement without held-out channels and lines.
+modal::FrfSet seen_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan) {
+  const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
+  if (plan.hold_out_high_hz <= 0.0) return part;
+  auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
+  const auto above = modal::band(part, std::nextafter(plan.hold_out_high_hz, HUGE_VAL),
+                                 part.frequency_hz.maxCoeff());
+  const Index lines = below.line_count() + above.line_count();
+  Eigen::VectorXd frequency(lines);
+  frequency << below.frequency_hz, above.frequency_hz;
+  below.frequency_hz = frequency;
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(below.value, above.value);
+  append(below.variance, above.variance);
+  append(below.noise_variance, above.noise_variance);
+  append(below.coherence, above.coherence);
+  return below;
+}
+
+// Number of time derivatives in the record of a sensor.
+Index derivatives(const study::Study& study, const std::string& sensor) {
+  const auto at = index_of(study.sensors, sensor);
+  if (at < 0) return 0;
+  const auto& quantity = study.sensors[static_cast<std::size_t>(at)].quantity;
+  return quantity == "acceleration" ? 2 : quantity == "velocity" ? 1 : 0;
+}
+
+std::optional<identification::ModalFit> compare(Compared& one, stage::Work& work) {
+  auto fit = modes_of(one.seen, work);
+  one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
+  return fit;
+}
+
+// Records without units have an unknown scale, so they get the scale of the simulation. Returns
+// true if the scale was changed.
+bool take_scale(Compared& one, stage::Work& work) {
+  const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
+  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
+  const double level = one.comparison.responses.level;
+  if (!(level > 0.0) || !std::isfinite(level)) return false;
+  work.note(
+      fmt::format("no units are stated: all responses are divided by {:.4g}, the median "
+                  "of measured over simulated; what scales them all is not told",
+                  level));
+  for (auto* set : {&one.measured.all, &one.seen}) {
+    for (auto& value : set->value) value /= level;
+    for (auto& variance : set->variance) variance /= level * level;
+  }
+  return true;
+}
+
+void take_structure(const study::Study& study, double band_hz, Compared& one, stage::Work& work) {
+  one.structure =
+      work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
+}
+
+}  // namespace
+
+std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
+                          const std::vector<std::string>& names) {
+  std::vector<Index> rows;
+  for (const auto& channel : channels) {
+    rows.push_back(std::ranges::find(names, channel.name) - names.begin());
+  }
+  return rows;
+}
+
+std::vector<Eigen::MatrixXcd> predicted(const study::Study& study,
+                                        const diagnosis::Structure& structure,
+                                        const study::Study& recorder,
+                                        const modal::FrfSet& measured) {
+  const auto model = diagnosis::reduced_model(structure);
+  const auto simulated = modal::frf(model, measured.frequency_hz);
+  modal::FrfSet set = measured;
+  const auto rows = places(measured.outputs, structure.outputs.names);
+  const auto cols = places(measured.inputs, structure.inputs.names);
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k] = simulated.value[k](rows, cols);
+    const std::complex<double> s(
+        0.0, 2.0 * std::numbers::pi * measured.frequency_hz(static_cast<Index>(k)));
+    for (std::size_t i = 0; i < measured.outputs.size(); ++i) {
+      const auto& sensor = measured.outputs[i].name;
+      const auto more = derivatives(study, sensor) - derivatives(recorder, sensor);
+      if (more != 0) set.value[k].row(static_cast<Index>(i)) *= std::pow(s, more);
+    }
+  }
+  return stage::without_paths(recorder, stage::recorded(study, std::move(set))).value;
+}
+
+ComparedResponses compare_responses(const study::Study& study, MeasuredFrfs measured, Compared& one,
+                                    stage::Work& work) {
+  const auto plan = plan_of(study);
+  const double highest_hz = 0.9 * one.before.modes.frequency_hz.tail(1)(0);
+  one.measured = within_band(std::move(measured), study, plan, highest_hz, work);
+  one.seen = seen_of(one.measured, plan);
+  ComparedResponses all;
+  all.band_hz = one.measured.all.frequency_hz.tail(1)(0);
+  take_structure(study, all.band_hz, one, work);
+  all.fit = work.timed("comparison", [&] {
+    auto found = compare(one, work);
+    all.scaled = !take_scale(one, work);
+    return all.scaled ? found : compare(one, work);
+  });
+  one.predictions.before = predicted(study, one.structure, study, one.measured.all);
+  return all;
+}
+
+double compare_modes(const study::Study& study, const diagnosis::MeasuredModes& all, Compared& one,
+                     stage::Work& work) {
+  one.modes = modes_below(0.9 * one.before.modes.frequency_hz.tail(1)(0), all, study, work);
+  const double band_hz = one.modes->frequency_hz.tail(1)(0);
+  take_structure(study, band_hz, one, work);
+  return band_hz;
+}
+
+bool is_by_modes(const study::Study& study) {
+  return study.measurement && has_modes(*study.measurement);
+}
+
+Compared compared(const study::Study& study, stage::Work& work) {
+  Compared one;
+  const auto solve = [&] {
+    one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  };
+  if (is_by_modes(study)) {  // missing data are reported before minutes of solving
+    const auto modes = measured_modes(study, work);
+    solve();
+    static_cast<void>(compare_modes(study, modes, one, work));
+    return one;
+  }
+  auto measured = measured_frfs(study, work);
+  solve();
+  static_cast<void>(compare_responses(study, std::move(measured), one, work));
+  return one;
+}
+
+std::vector<diagnosis::ModeTold> modes_beside(const study::Study& study, const Compared& one,
+                                              stage::Work& work) {
+  auto options = options_of(plan_of(study), work);
+  options.most_causes = 0;
+  auto told = diagnosis::diagnosed(one.structure, *one.modes, options).modes;
+  if (one.modes->outputs.empty() && one.modes->inputs.empty()) {
+    for (auto& mode : told) mode.mac_before = std::numeric_limits<double>::quiet_NaN();
+  }
+  return told;
+}
+
+}  // namespace chladni::steps
