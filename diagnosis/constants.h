@@ -1,5 +1,4 @@
-// The numbers that decide a diagnosis: thresholds, priors, margins, sizes of scans, counts of
-// starts.
+// The numbers that decide a diagnosis: thresholds, priors, margins, sizes of scans, starts.
 //
 // Each comment says unit, what the number decides, and its source. "Methods" are the rules on which
 // the room was built; "chosen" has no source but the cases with which it came. Effects keep their
@@ -38,8 +37,7 @@ struct Constants {
   double outside_prior = 0.1;
   /// [z] Such an effect leaves any excess up to this one. Chosen.
   double outside_excess = 60.0;
-  /// [1] Causes are believed to be all there is above this probability. It also limits a cause that
-  /// a second search does not name. Chosen: more likely than not.
+  /// [1] Causes are all there is above this probability. It limits causes in doubt, too. Chosen.
   double believed = 0.5;
   /// [1] The causes explain little if more than this part of the misfit is left. Chosen.
   double left_at_most = 0.2;
@@ -51,8 +49,7 @@ struct Constants {
   double extended_prior = 0.1;
   /// [1] A note says that causes of one kind are nearer than chance below this probability. Chosen.
   double near_by_chance = 0.05;
-  /// [1] Share of the ln likelihood lost to model errors that widens the variance of one number.
-  /// Chosen: the data have some 400 independent directions.
+  /// [1] Part of what model errors lost in ln likelihood that widens one number. Chosen: 1/200.
   double error_per_number = 0.005;
   /// [z] A note says that the stated variances are too large below this excess. Chosen.
   double too_little = -4.0;
@@ -65,6 +62,14 @@ struct Constants {
   double last_bits = 1e-9;
   /// [1] Bands into which lines are divided for errors and residuals. Chosen.
   int bands = 8;
+  /// [1] Parts of sensors that are held out in turn, at most. Chosen.
+  Eigen::Index sensor_parts = 8;
+  /// [1] Blocks of lines that are held out in turn, at most. Chosen.
+  Eigen::Index line_parts = 5;
+  /// [1] Upper part of the band that is held out. Methods.
+  double upper_part = 0.4;
+  /// [1] Largest loss on held-out sensors, over the gain on lines, or the reverse. Chosen.
+  double held_out_loss = 0.5;
 
   // The location of the unknown, and the next measurement.
   /// [1] A superclass explains at least this part of the excess. Chosen.
@@ -125,8 +130,7 @@ struct Constants {
   double own_frequencies = 3.0;
   /// [band] Modes up to this multiple have their own errors of shape. Chosen.
   double own_shapes = 1.6;
-  /// [ζ] Modes nearer than this multiple of the damping ratio share their deviations. Chosen: two
-  /// half-power bandwidths.
+  /// [ζ] Modes nearer than this share their deviations. Chosen: two half-power bandwidths.
   double one_cluster = 4.0;
   /// [1] The damping ratio counts as at least this for it. Chosen.
   double least_damping = 1e-4;
@@ -198,8 +202,7 @@ struct Constants {
   double as_promising = 0.8;
   /// [1] Other places that are tried, at most. Chosen.
   std::size_t other_places = 2;
-  /// [step] A place is off the rim if the surface goes on for so many finite-difference steps.
-  /// Chosen.
+  /// [step] A place is off the rim if the surface goes on for so many such steps. Chosen.
   double rim_steps = 10.0;
   /// [1] Frequencies of a probe without a place. Chosen.
   std::size_t probe_frequencies = 12;
@@ -296,7 +299,8 @@ struct Constants {
   double scattered = 4.0;
   /// [1] Levels that are lower, but by no less than this, are not looked at by themselves. Chosen.
   double levels_alike = 0.7;
-  /// [1] A start whose changes, over their deviations, have a smaller sum of squares is none. Chosen.
+  /// [1] A start whose changes, over their deviations, have a smaller sum of squares is none.
+  /// Chosen.
   double start_seen = 1.0;
   /// [ln] Deviation of the size of a residue that a side of channels does not see. Chosen.
   double unseen_size = 1.0;

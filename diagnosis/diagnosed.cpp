@@ -8,9 +8,13 @@
 
 #include "base/error.h"
 #include "dense/blas.h"
+#include "diagnosis/calibrated_responses.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/calibration/constants_told.h"
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
+#include "diagnosis/verdict/constants_fitted.h"
+#include "diagnosis/verdict/cross_validated.h"
 #include "diagnosis/verdict/last_fits.h"
 #include "diagnosis/verdict/measure_next.h"
 #include "diagnosis/verdict/nonlinearity.h"
@@ -88,10 +92,66 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   return diagnosis;
 }
 
-Found searched_in(const Prepared& given, const DiagnosisOptions& options) {
+// Tests the causes on data that are held out in turn. Returns a note, or nothing.
+std::string tested_on_held_out(const Prepared& given, const Problem& problem, const Found& found,
+                               const DiagnosisOptions& options, Diagnosis& diagnosis) {
+  const bool is_open = diagnosis.verdict == Verdict::unexplained;
+  if (diagnosis.best.causes.empty() || is_open) return "";
+  tell(options.progress, "data held out in turn");
   const Observed coarse = given.for_search(options.lines);
-  return searched({*given.structure, coarse, given.tolerable, given.solver_error},
-                  catalogue_of(options), limits_of(given, options), options.progress);
+  auto tested = cross_validated({*given.structure, coarse, given.tolerable, given.solver_error},
+                                given.observed, found.fits[diagnosis.best.fit], found.nothing);
+  if (tested.parts.empty()) return "";
+  diagnosis.cross_validation = std::move(tested);
+  auto note = doubt_what_does_not_pay(diagnosis);
+  if (diagnosis.verdict == Verdict::unexplained) {
+    diagnosis.superclass = superclass(problem, found.nothing);
+  }
+  return note;
+}
+
+// Constants that are calibrated in every hypothesis, and where their fits start.
+struct Calibration {
+  std::vector<HeldConstant> constants;
+  Eigen::VectorXd start;
+  std::vector<std::string> notes;
+};
+
+Calibration calibration_of(const Structure& structure, const DiagnosisOptions& options,
+                           const std::vector<CalibratedNumber>& start) {
+  Calibration calibration;
+  calibration.constants =
+      held_constants(structure, options.constants, options.tolerances, calibration.notes);
+  calibration.start = start_of(calibration.constants, start);
+  return calibration;
+}
+
+// The data with the constants as the last of the deviations that are no shapes.
+Prepared prepared_with(const Structure& structure, const modal::FrfSet& measured,
+                       const DiagnosisOptions& options, const Calibration& calibration) {
+  auto given = prepared(structure, measured,
+                        tolerances_left(calibration.constants, options.tolerances).tolerances);
+  for (auto& constant :
+       constant_deviations(*given.structure, calibration.constants, calibration.start)) {
+    given.tolerable.push_back(std::move(constant));
+  }
+  return given;
+}
+
+void tell_fitted_constants(const Prepared& given, const Calibration& calibration, const Fit& best,
+                           Diagnosis& diagnosis) {
+  if (calibration.constants.empty()) return;
+  const auto first = static_cast<Index>(given.tolerable.size() - calibration.constants.size());
+  const auto fitted = constants_of(best, calibration.constants, calibration.start, first);
+  tell_constants(calibration.constants, fitted.x, fitted.covariance, diagnosis);
+}
+
+Found searched_in(const Prepared& given, const Calibration& calibration,
+                  const DiagnosisOptions& options) {
+  const Observed coarse = given.for_search(options.lines);
+  const auto sought = sought_beside(calibration.constants, catalogue_of(options), *given.structure);
+  return searched({*given.structure, coarse, given.tolerable, given.solver_error}, sought,
+                  limits_of(given, options), options.progress);
 }
 
 }  // namespace
@@ -110,9 +170,15 @@ std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
+  return diagnosed(structure, measured, options, {});
+}
+
+Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
+                    const DiagnosisOptions& options, const std::vector<CalibratedNumber>& start) {
   const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
-  const auto given = prepared(structure, measured, options.tolerances);
-  const Found first = searched_in(given, options);
+  const auto calibration = calibration_of(structure, options, start);
+  const auto given = prepared_with(structure, measured, options, calibration);
+  const Found first = searched_in(given, calibration, options);
   tell(options.progress, "the last word");
   const Observed fine = thinned(given.observed, kConstants.last_fit_lines * options.lines);
   const auto deviations = given.all_deviations();
@@ -122,17 +188,21 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   Diagnosis diagnosis = told_of(problem, found, options);
   const Fit& best = found.fits[diagnosis.best.fit];
   auto notes = given.notes;
+  notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
+  notes.push_back(tested_on_held_out(given, problem, found, options, diagnosis));
   notes.push_back(nonlinearity_note(measured));
   notes.push_back(note_on_places(*given.structure, diagnosis.best));
   notes.push_back(note_on_convergence(best, found.nothing));
   notes.push_back(note_on_noise(best, fine.number_count()));
   if (is_doubtful(diagnosis, best)) {
     tell(options.progress, "the same with the last bits of the modes changed");
-    const auto other = prepared(nudged(structure), measured, options.tolerances);
-    notes.push_back(doubt(*given.structure, best, searched_in(other, options), diagnosis));
+    const auto other = prepared_with(nudged(structure), measured, options, calibration);
+    notes.push_back(
+        doubt(*given.structure, best, searched_in(other, calibration, options), diagnosis));
   }
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);
+  tell_fitted_constants(given, calibration, best, diagnosis);
   return diagnosis;
 }
 

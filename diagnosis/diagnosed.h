@@ -9,6 +9,8 @@
 #include "base/progress.h"
 #include "diagnosis/calibrated.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/cross_validation.h"
+#include "diagnosis/mode_told.h"
 #include "diagnosis/parameter.h"
 #include "diagnosis/proposal.h"
 #include "diagnosis/structure.h"
@@ -85,14 +87,6 @@ struct ErrorLevel {
   double determined = 0.0;  ///< number of errors of this class that the data show
 };
 
-/// A measured mode beside the modes before and after the causes. NaN: none.
-struct ModeTold {
-  double measured_hz = 0.0, before_hz = 0.0, after_hz = 0.0;
-  double mac_before = 0.0, mac_after = 0.0;  ///< at sensors times at actuators
-  /// In the reference; NaN: it has no such mode, or there is no reference.
-  double reference_hz = std::numeric_limits<double>::quiet_NaN();
-};
-
 /// Whether the levels of the model's errors are inferred, or are the tolerances.
 enum class Levels { learned, known };
 
@@ -123,6 +117,8 @@ struct Diagnosis {
   std::vector<Proposal> proposals;  ///< of modes: measurements that would, best first
   double excess_before = 0.0;       ///< z of the simulation within its tolerances
   Residue before, after;
+  /// Of the best causes, on parts of the data held out in turn; only where responses have causes.
+  std::optional<CrossValidation> cross_validation;
   std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
   /// Levels of the model's errors without a cause and beside the best causes; empty: known.
   std::vector<ErrorLevel> levels_before, levels_after;

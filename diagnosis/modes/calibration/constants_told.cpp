@@ -10,6 +10,7 @@
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/calibration/calibration.h"
+#include "diagnosis/modes/calibration/constants_told.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -75,15 +76,13 @@ MatrixXd correlation_of(const MatrixXd& covariance) {
 
 }  // namespace
 
-void tell_constants(const ModesProblem& problem, const ModesFit& best, Diagnosis& diagnosis) {
-  const auto& constants = problem.constants();
-  const auto c = static_cast<Index>(constants.size());
-  if (c == 0 || best.covariance.rows() < c) return;
-  const MatrixXd covariance = best.covariance.bottomRightCorner(c, c);
+void tell_constants(const std::vector<HeldConstant>& constants, const VectorXd& x,
+                    const MatrixXd& covariance, Diagnosis& diagnosis) {
+  const Index c = x.size();
   VectorXd kept(c);
   for (Index i = 0; i < c; ++i) {
     const auto& stated = constants[at(i)].stated;
-    const double value = stated.value * std::exp(best.constants(i));
+    const double value = stated.value * std::exp(x(i));
     const double std = std::sqrt(covariance(i, i));
     kept(i) = covariance(i, i) / std::pow(constants[at(i)].width, 2);
     diagnosis.constants.push_back({stated.name, stated.unit, stated.effect, stated.value, value,
@@ -98,6 +97,13 @@ void tell_constants(const ModesProblem& problem, const ModesFit& best, Diagnosis
           {constants[at(j)].stated.name, constants[at(i)].stated.name, correlation(i, j)});
     }
   }
+}
+
+void tell_constants(const ModesProblem& problem, const ModesFit& best, Diagnosis& diagnosis) {
+  const auto& constants = problem.constants();
+  const auto c = static_cast<Index>(constants.size());
+  if (c == 0 || best.covariance.rows() < c) return;
+  tell_constants(constants, best.constants, best.covariance.bottomRightCorner(c, c), diagnosis);
   note_other(constants, best, diagnosis);
 }
 

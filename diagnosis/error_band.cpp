@@ -1,0 +1,73 @@
+#include "diagnosis/error_band.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "dense/blas.h"
+#include "diagnosis/fit/fit.h"
+#include "diagnosis/verdict/prepared.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// Sums over the responses of each line: squares of the unweighted slopes by all deviations.
+Eigen::VectorXd model_power(const Problem& problem) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(std::ssize(problem.deviations));
+  const auto& observed = problem.observed;
+  const State state = state_of(problem, {}, rest);
+  const Solved now = solved(state, Body(state, observed.omega));
+  const Eigen::VectorXd power = sensitivities(problem, {}, rest, now).rowwise().squaredNorm();
+  const Index numbers = observed.value.size();
+  const Eigen::ArrayXXd weight2 = observed.weight.array().square();
+  const Eigen::ArrayXXd sum = (power.head(numbers) + power.tail(numbers))
+                                  .reshaped(observed.value.rows(), observed.value.cols())
+                                  .array();
+  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0).rowwise().sum();
+}
+
+}  // namespace
+
+ErrorBand error_band(const Structure& structure, const modal::FrfSet& measured,
+                     const Tolerances& tolerances) {
+  const dense::OneBlasThread one_thread;
+  constexpr Index lines_at_once = 128;
+  const auto given = prepared(structure, measured, tolerances);
+  const auto deviations = given.all_deviations();
+  const auto& all = given.observed;
+  const Index lines = all.line_count();
+  ErrorBand band{all.omega / (2.0 * std::numbers::pi), Eigen::VectorXd(lines),
+                 Eigen::VectorXd(lines)};
+  for (Index first = 0; first < lines; first += lines_at_once) {
+    const auto rows = Eigen::seqN(first, std::min(lines_at_once, lines - first));
+    Observed some = all;
+    some.omega = all.omega(rows);
+    some.value = all.value(rows, Eigen::all);
+    some.weight = all.weight(rows, Eigen::all);
+    band.model(rows) = model_power({*given.structure, some, deviations, given.solver_error});
+    const Eigen::ArrayXXd weight2 = some.weight.array().square();
+    band.noise(rows) = (weight2 > 0.0).select(2.0 / weight2.max(1e-300), 0.0).rowwise().sum();
+  }
+  return band;
+}
+
+Tolerances with_levels(Tolerances tolerances, const std::vector<ErrorLevel>& levels) {
+  constexpr std::array<std::pair<std::string_view, double Tolerances::*>, 5> classes{
+      {{"frequency", &Tolerances::frequency},
+       {"damping", &Tolerances::damping},
+       {"shape", &Tolerances::response},
+       {"gain", &Tolerances::gain},
+       {"place", &Tolerances::position}}};
+  for (const auto& [name, tolerance] : classes) {
+    const auto level = std::ranges::find(levels, name, &ErrorLevel::of);
+    if (level == levels.end()) continue;
+    tolerances.*tolerance = std::max(tolerances.*tolerance, level->value);
+  }
+  return tolerances;
+}
+
+}  // namespace chladni::diagnosis

@@ -1,0 +1,226 @@
+#include "diagnosis/verdict/cross_validated.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "dense/algebra.h"
+#include "dense/blas.h"
+#include "diagnosis/constants.h"
+#include "diagnosis/search/quadratic.h"
+#include "diagnosis/search/simpler.h"
+#include "diagnosis/verdict/held_out_parts.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Fit quickly_fitted(const Problem& problem, const Fit& start) {
+  return fitted(problem, start, {.iterations = kConstants.quick_iterations});
+}
+
+// Least ½(χ² + ηᵀη) over the deviations, to first order about eta.
+double penalised(const MatrixXd& slopes, const VectorXd& error, const VectorXd& eta) {
+  MatrixXd gram = MatrixXd::Zero(eta.size(), eta.size());
+  dense::add_gram(slopes, gram);
+  Quadratic quadratic{eta - slopes.transpose() * error, gram.selfadjointView<Eigen::Lower>()};
+  quadratic.curvature.diagonal().array() += 1.0;
+  return 0.5 * error.squaredNorm() + 0.5 * eta.squaredNorm() -
+         quadratic.promised(quadratic.step(0.0));
+}
+
+using Causes = std::vector<Supposed>;
+
+// A fit to all data, and the fits to the data without each part; none where no fit is possible.
+struct Trained {
+  Fit whole;
+  std::vector<std::optional<Fit>> rest;
+};
+
+Trained trained(const Problem& problem, const std::vector<DataPart>& parts, Fit whole) {
+  Trained result{std::move(whole), {}};
+  for (const auto& part : parts) {
+    throw_if_interrupted();
+    const Observed data = without(problem.observed, part);
+    try {
+      result.rest.emplace_back(quickly_fitted(
+          {problem.structure, data, problem.deviations, problem.solver_error}, result.whole));
+    } catch (const NumericalFailure&) {
+      result.rest.emplace_back(std::nullopt);
+    }
+  }
+  return result;
+}
+
+// True for each cause that the data without part f are evidence for, beside the other causes.
+std::vector<bool> supported(const Trained& all, const std::vector<Trained>& less, std::size_t f) {
+  std::vector<bool> is_supported(less.size(), false);
+  for (std::size_t c = 0; c < less.size(); ++c) {
+    if (!all.rest[f] || !less[c].rest[f]) continue;
+    is_supported[c] = all.rest[f]->evidence_at_best() > less[c].rest[f]->evidence_at_best();
+  }
+  return is_supported;
+}
+
+// The supported causes of a fit that may lack cause `without`.
+Causes kept(const std::optional<Fit>& fit, const std::vector<bool>& supported,
+            std::optional<std::size_t> without = {}) {
+  Causes causes;
+  if (!fit) return causes;
+  std::size_t n = 0;
+  for (std::size_t c = 0; c < supported.size(); ++c) {
+    if (c == without) continue;
+    if (supported[c]) causes.push_back(fit->causes[n]);
+    ++n;
+  }
+  return causes;
+}
+
+// ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best.
+std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>& parts,
+                            const Fit& fit, const std::vector<Causes>& causes) {
+  const State state = state_of(problem, fit.causes, fit.eta);
+  const Solved now = solved(state, Body(state, problem.observed.omega));
+  const MatrixXd slopes = sensitivities(problem, fit.causes, fit.eta, now);
+  const auto of_deviations = Eigen::seqN(slopes.cols() - fit.eta.size(), fit.eta.size());
+  std::vector<double> misfit;
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    const State other = state_of(problem, causes[f], fit.eta);
+    const VectorXd error = residual(problem.observed, responses(other, problem.observed.omega));
+    const auto rows = rows_of(problem.observed, parts[f]);
+    misfit.push_back(penalised(slopes(rows, of_deviations), error(rows), fit.eta));
+  }
+  return misfit;
+}
+
+// Σ |G − Ĝ|² over what was measured, with all deviations at 0.
+double squared_error(const Problem& problem, const Observed& data, const Causes& causes) {
+  const VectorXd rest = VectorXd::Zero(std::ssize(problem.deviations));
+  const Eigen::MatrixXcd value = responses(state_of(problem, causes, rest), data.omega);
+  return (data.weight.array() > 0.0).select((data.value - value).cwiseAbs2().array(), 0.0).sum();
+}
+
+PredictionErrors errors_of(const Problem& problem, const Observed& data,
+                           const std::vector<Supposed>& causes) {
+  const Eigen::ArrayXXd weight2 = data.weight.array().square();
+  PredictionErrors errors;
+  errors.before = squared_error(problem, data, {});
+  errors.after = causes.empty() ? errors.before : squared_error(problem, data, causes);
+  errors.size = (weight2 > 0.0).select(data.value.cwiseAbs2().array(), 0.0).sum();
+  errors.noise = (weight2 > 0.0).select(2.0 / weight2.max(1e-300), 0.0).sum();
+  return errors;
+}
+
+// The causes of each part: of all of them, or without one.
+std::vector<Causes> causes_of_parts(const Trained& fits, const std::vector<std::vector<bool>>& used,
+                                    std::optional<std::size_t> without = {}) {
+  std::vector<Causes> causes;
+  for (std::size_t f = 0; f < used.size(); ++f) {
+    causes.push_back(kept(fits.rest[f], used[f], without));
+  }
+  return causes;
+}
+
+std::vector<Trained> trained_without_each(const Problem& problem,
+                                          const std::vector<DataPart>& parts, const Fit& whole,
+                                          const Fit& nothing) {
+  std::vector<Trained> less;
+  for (std::size_t c = 0; c < whole.causes.size(); ++c) {
+    less.push_back(trained(problem, parts, without(problem, whole, c, nothing)));
+  }
+  return less;
+}
+
+}  // namespace
+
+PredictionErrors& PredictionErrors::operator+=(const PredictionErrors& more) {
+  before += more.before;
+  after += more.after;
+  size += more.size;
+  noise += more.noise;
+  return *this;
+}
+
+double CrossValidation::gain(HeldOutPart::Kind kind, std::optional<std::size_t> which) const {
+  double total = 0.0;
+  for (const auto& part : parts) {
+    if (part.kind == kind) total += which ? part.gain_of_cause[*which] : part.gain;
+  }
+  return total;
+}
+
+bool CrossValidation::pays(std::optional<std::size_t> which) const {
+  const auto [less, more] =
+      std::minmax({gain(HeldOutPart::Kind::sensors, which), gain(HeldOutPart::Kind::lines, which)});
+  return less + more > 0.0 && less >= -kConstants.held_out_loss * more;
+}
+
+PredictionErrors CrossValidation::errors(HeldOutPart::Kind kind) const {
+  PredictionErrors total;
+  for (const auto& part : parts) {
+    if (part.kind == kind) total += part.errors;
+  }
+  return total;
+}
+
+PredictionErrors CrossValidation::errors() const {
+  auto total = errors(HeldOutPart::Kind::sensors);
+  total += errors(HeldOutPart::Kind::lines);
+  return total;
+}
+
+CrossValidation cross_validated(const Problem& problem, const Observed& all, const Fit& best,
+                                const Fit& nothing) {
+  const dense::OneBlasThread one_thread;
+  const auto count = problem.deviations.size();
+  const Fit none = quickly_fitted(problem, with_deviations(nothing, count));
+  const auto parts = held_out_parts(problem.structure.outputs.names, all);
+  const auto with = trained(problem, parts, quickly_fitted(problem, with_deviations(best, count)));
+  const auto less = trained_without_each(problem, parts, with.whole, none);
+  std::vector<std::vector<bool>> used;
+  for (std::size_t f = 0; f < parts.size(); ++f) used.push_back(supported(with, less, f));
+  const auto causes = causes_of_parts(with, used);
+  const auto after = misfits(problem, parts, with.whole, causes);
+  const auto before = misfits(problem, parts, none, std::vector<Causes>(parts.size()));
+  std::vector<std::vector<double>> beside;
+  for (std::size_t c = 0; c < less.size(); ++c) {
+    beside.push_back(less.size() == 1 ? before
+                                      : misfits(problem, parts, less[c].whole,
+                                                causes_of_parts(less[c], used, c)));
+  }
+  CrossValidation result;
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    auto& part = result.parts.emplace_back(parts[f].told);
+    part.gain = before[f] - after[f];
+    for (const auto& misfit : beside) part.gain_of_cause.push_back(misfit[f] - after[f]);
+    part.errors = errors_of(problem, only(all, parts[f]), causes[f]);
+  }
+  return result;
+}
+
+std::string doubt_what_does_not_pay(Diagnosis& diagnosis) {
+  const auto& unseen = *diagnosis.cross_validation;
+  auto& causes = diagnosis.best.causes;
+  std::string names;
+  for (std::size_t c = 0; c < causes.size(); ++c) {
+    if (unseen.pays() && unseen.pays(c)) continue;
+    causes[c].probability = std::min(causes[c].probability, kConstants.believed);
+    names += (names.empty() ? "" : ", ") + causes[c].effect;
+  }
+  if (names.empty()) return "";
+  diagnosis.verdict = unseen.pays() ? Verdict::partial : Verdict::unexplained;
+  return fmt::format(
+      "data that were held out are predicted no better with {} (fitted to the others): it has a "
+      "probability of {} at most",
+      names, kConstants.believed);
+}
+
+}  // namespace chladni::diagnosis
