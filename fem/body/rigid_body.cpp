@@ -98,7 +98,12 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
   rotations -= c.leftCols(3) * (c.leftCols(3).transpose() * g * rotations);
   const Eigen::Matrix3d inertia = rotations.transpose() * g * rotations;
   c.rightCols(3) = rotations * principal_axes(inertia);
-  for (int i = 3; i < 6; ++i) c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+  // Where moments are equal but for a millionth, the axes nearest to x, y, z are not quite
+  // principal.
+  for (int i = 3; i < 6; ++i) {
+    for (int j = 3; j < i; ++j) c.col(i) -= c.col(j) * (c.col(j).transpose() * g * c.col(i));
+    c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+  }
   return c;
 }
 
