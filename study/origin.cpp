@@ -26,13 +26,16 @@ void add(std::vector<NamedFile>& files, const Study& study, const fs::path& file
   files.push_back({name.generic_string(), file});
 }
 
-void add_study(std::vector<NamedFile>& files, const Study& study, const fs::path& other) {
+// With `measured` also the files of its measurement. A truth stands by its modes alone: it may
+// extend the study that names it, and has then inherited itself as its truth.
+void add_study(std::vector<NamedFile>& files, const Study& study, const fs::path& other,
+               bool measured) {
   add(files, study, other);
   if (other.empty() || files.empty() || files.back().file != other) return;
   try {
     const auto read = read_study(other);
     if (!read.specimens.empty()) return;  // a series has no series as a specimen
-    for (const auto& one : named_files(read, true)) add(files, study, one.file);
+    for (const auto& one : named_files(read, measured)) add(files, study, one.file);
   } catch (const InvalidInput&) {
     return;  // the step that needs that study reports the error
   }
@@ -87,10 +90,10 @@ std::vector<NamedFile> named_files(const Study& study, bool measured) {
     const auto& plan = *study.measurement;
     for (const auto& file : {plan.frf, plan.time, plan.shapes, plan.modes_file, plan.reference})
       add(files, study, file);
-    add_study(files, study, plan.truth);
+    add_study(files, study, plan.truth, false);
   }
   if (study.diagnosis) add(files, study, study.diagnosis->tolerances_file);
-  for (const auto& specimen : study.specimens) add_study(files, study, specimen.file);
+  for (const auto& specimen : study.specimens) add_study(files, study, specimen.file, true);
   return files;
 }
 

@@ -20,7 +20,7 @@ struct NamedFile {
 };
 
 /// The file of the body. With `measured` also the files of the measurement: responses, recordings,
-/// shapes, tolerances, the truth and its files. Only files that exist.
+/// shapes, tolerances, the truth and its body. Only files that exist.
 [[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
 
 /// The sha256 of files, each of which is read once. Safe to share between threads.

@@ -53,6 +53,16 @@ TEST_F(Origins, AreTheFilesThatAResultStandsOn) {
   EXPECT_TRUE(says(page, "<dt>date</dt>"));
 }
 
+TEST_F(Origins, EndWhereATruthExtendsTheStudyThatNamesIt) {
+  write("study.toml",
+        std::string(kPlate) + channels() + "[measurement]\ntruth = \"real.toml\"\nmodes = 2\n");
+  write("real.toml", "extends = \"study.toml\"\ngeometry.plate.thickness = \"5.2 mm\"\n");
+  const auto ended = run({"interpolate", "study.toml", "-o", "out", "--no-pictures"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(json("interpolation.json").at("study").at("inputs").array()[0].at("file").string(),
+            "real.toml");
+}
+
 TEST_F(Origins, OfABodyFromAFileHaveTheFile) {
   fs::copy_file(CHLADNI_SOURCE_DIR "/models/garteur/airplane.off", folder_ / "airplane.off");
   write("study.toml", R"(geometry = { file = "airplane.off", unit = "mm" }
