@@ -2,8 +2,8 @@
 """Fails where the README is too long or says what is not so.
 
 check_readme.py ROOT MODULE SAMPLE
-What it prints of `chladni diagnose` must be what a tutorial prints, which a test runs. Its C++ must be the tested one. Its
-Python runs with the module, at every fourth landing.
+What it prints of `chladni diagnose` must be what a tutorial prints, which a test runs. Its C++ must be
+the tested one. Its Python runs with the module, at every fourth landing.
 """
 import os
 import pathlib

@@ -2,8 +2,9 @@
 """Draws docs/pictures/loose_part.png, the picture of the README, from models/oat/with_loose_part.
 
 loose_part.py CHLADNI FOLDER
-The results go to FOLDER, and are taken from there if it has them. Needs python3-matplotlib. Everything that is drawn is read from what `chladni diagnose` and
-`chladni modes` leave: responses are those of the state spaces of the study and of extended.toml.
+The results go to FOLDER, and are taken from there if it has them. Needs python3-matplotlib. Everything that
+is drawn is read from what `chladni diagnose` and `chladni modes` leave: responses are those of the state
+spaces of the study and of extended.toml.
 """
 import csv
 import gzip
@@ -75,7 +76,8 @@ def simulated(chladni, text, folder):
     """The state space of a study's simulation."""
     study = folder.with_suffix(".toml")
     study.write_text(text + "\n[state_space]\n")
-    return json.loads((run(chladni, "modes", study, folder) / "simulated_state_space.json").read_text())["continuous"]
+    model = run(chladni, "modes", study, folder) / "simulated_state_space.json"
+    return json.loads(model.read_text())["continuous"]
 
 
 def found(chladni, folder):
@@ -91,7 +93,8 @@ def found(chladni, folder):
 def draw_responses(axes, frequency_hz, data, model, title, label):
     fine = np.linspace(frequency_hz[0], frequency_hz[-1], 2000)
     axes.semilogy(frequency_hz, data, color=MEASURED, linewidth=2.2, label="measured")
-    axes.semilogy(fine, response(model, fine), color=MODEL, linewidth=1.3, linestyle=(0, (5, 1.5)), label=label)
+    axes.semilogy(fine, response(model, fine), color=MODEL, linewidth=1.3, linestyle=(0, (5, 1.5)),
+                  label=label)
     axes.set(title=title, xlabel="frequency [Hz]", xlim=(fine[0], fine[-1]))
     axes.set_ylim(0.4 * data.min(), 2.5 * data.max())
     axes.legend(loc="upper right", frameon=False)
@@ -100,11 +103,11 @@ def draw_responses(axes, frequency_hz, data, model, title, label):
 def draw_map(figure, axes, arrays, diagnosis):
     points = 1e3 * arrays["Points"].reshape(-1, 3)
     triangles = arrays["connectivity"].reshape(-1, 3)
-    painted = axes.tripcolor(points[:, 0], points[:, 1], triangles, 100 * arrays["explained"], shading="gouraud",
-                             cmap="viridis", vmin=0, vmax=100)
+    painted = axes.tripcolor(points[:, 0], points[:, 1], triangles, 100 * arrays["explained"],
+                             shading="gouraud", cmap="viridis", vmin=0, vmax=100)
     place = diagnosis["causes"][0]["parameters"]
-    axes.plot(*(1e3 * x for x in TRUE_PLACE), "o", markersize=17, markerfacecolor="none", markeredgecolor="white",
-              markeredgewidth=2, label="true place")
+    axes.plot(*(1e3 * x for x in TRUE_PLACE), "o", markersize=17, markerfacecolor="none",
+              markeredgecolor="white", markeredgewidth=2, label="true place")
     axes.plot(1e3 * place["u"]["value"], 1e3 * place["v"]["value"], "*", markersize=11, color="#ff3b30",
               markeredgecolor="white", markeredgewidth=0.5, label="found")
     axes.set(title="2  Where one thing would explain it", xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
@@ -122,7 +125,8 @@ def main():
     draw_responses(axes[0], frequency_hz, data, before, "1  What the simulation gets wrong", "simulated")
     axes[0].set_ylabel(f"{SENSOR} over {ACTUATOR} [m/N]")
     draw_map(figure, axes[1], arrays, diagnosis)
-    draw_responses(axes[2], frequency_hz, data, after, "3  With the cause in the simulation", "simulated, with it")
+    draw_responses(axes[2], frequency_hz, data, after, "3  With the cause in the simulation",
+                   "simulated, with it")
     figure.savefig(HERE / "loose_part.png", dpi=100, metadata={"Software": None})
     print(diagnosis["summary"])
     print("held out:", diagnosis["gain"]["held_out"], "noise", diagnosis["gain"]["held_out_noise_floor"])

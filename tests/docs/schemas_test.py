@@ -4,7 +4,6 @@
 schemas_test.py SOURCE CHLADNI SAMPLE
 Small studies are run. The diagnosis of responses has its turn at every fourth landing.
 """
-import copy
 import json
 import pathlib
 import subprocess
@@ -92,7 +91,7 @@ title = "thickness"
 base = "study.toml"
 [[axis]]
 key = "geometry.plate.thickness"
-values = ["8 mm", "nine"]
+values = ["8 mm", "9 mm"]
 [[result]]
 name = "first"
 file = "modes.json"
@@ -161,12 +160,13 @@ class Files(unittest.TestCase):
         cls.study.write_text(PLATE % "8 mm" + ON_IT % "40 g" + MEASURED + channels())
         cls.ran = set()
 
-    def run_verb(self, verb, study, *more, codes=(0,)):
+    def run_verb(self, verb, study, *more):
         out = self.folder / "out" / verb
-        pictures = [] if verb in ("check", "mesh", "export", "priors", "simulate", "sweep") else ["--no-pictures"]
+        paints = verb not in ("check", "mesh", "export", "priors", "simulate", "sweep")
+        pictures = ["--no-pictures"] if paints else []
         done = subprocess.run([CHLADNI, verb, study, "-o", out, "--threads", "1", *pictures, *more],
                               capture_output=True, text=True, check=False)
-        self.assertIn(done.returncode, codes, f"{verb}: {done.stdout}{done.stderr}")
+        self.assertEqual(done.returncode, 0, f"{verb}: {done.stdout}{done.stderr}")
         return out
 
     def agrees(self, file, schema_name=None):
@@ -174,7 +174,8 @@ class Files(unittest.TestCase):
         schema = schema_of(schema_name or file.name)
         content = json.loads(file.read_text())
         validator = jsonschema.Draft202012Validator(schema)
-        faults = [f"{file.name}: {list(e.absolute_path)}: {e.message}" for e in validator.iter_errors(content)]
+        faults = [f"{file.name}: {list(fault.absolute_path)}: {fault.message}"
+                  for fault in validator.iter_errors(content)]
         self.assertEqual(faults[:5], [])
         for key in schema["required"]:
             less = {k: v for k, v in content.items() if k != key}
@@ -218,10 +219,12 @@ class Files(unittest.TestCase):
         modes = self.run_verb("modes", self.study) / "modes.json"
         frequencies = json.loads(modes.read_text())["frequency_hz"][6:]
         (self.folder / "modes.csv").write_text(
-            "frequency_hz,std_frequency_hz\n" + "".join(f"{1.03 * f},{1e-3 * f}\n" for f in frequencies[:6]))
+            "frequency_hz,std_frequency_hz\n"
+            + "".join(f"{1.03 * f},{1e-3 * f}\n" for f in frequencies[:6]))
         sheet = (PLATE % "8 mm").replace('"70 GPa"', '{ value = "70 GPa", within = "10 %" }')
         for name in ("one", "two"):
-            (self.folder / f"{name}.toml").write_text(f'{sheet}{channels()}[measurement]\nmodes = "modes.csv"\n')
+            (self.folder / f"{name}.toml").write_text(
+                f'{sheet}{channels()}[measurement]\nmodes = "modes.csv"\n')
         self.all_agree(self.run_verb("diagnose", self.folder / "one.toml"), "diagnosis.json")
         several = self.folder / "several.toml"
         several.write_text(PLATE % "8 mm" + "".join(
@@ -230,7 +233,7 @@ class Files(unittest.TestCase):
 
     def test_of_a_sweep(self):
         plan = self.folder / "plan.toml"
-        plan.write_text(PLAN.replace('"nine"', '"9 mm"'))
+        plan.write_text(PLAN.replace('"9 mm"', '"9 mm"'))
         out = self.run_verb("sweep", plan)
         table = self.agrees(out / "sweep.json")
         self.assertEqual(len(table["variants"]), 2)
