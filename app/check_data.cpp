@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "io/frf_file.h"
+#include "io/node_shapes.h"
 #include "io/time_file.h"
 #include "show/version.h"
 
@@ -201,6 +202,53 @@ void show(const std::filesystem::path& path, const io::TimeFile& file, std::ostr
   show_notes(file.notes, results);
 }
 
+// "340 nodes, 676 elements, 2 trace lines"
+std::string geometry_of(const io::NodeShapes& file) {
+  std::string text = fmt::format("{} nodes with places", file.nodes);
+  if (file.elements > 0) text += fmt::format(", {} elements", file.elements);
+  if (file.trace_lines > 0) text += fmt::format(", {} trace lines", file.trace_lines);
+  return text;
+}
+
+bool is_complex(const io::NodeShape& mode) {
+  return std::ranges::any_of(mode.motion,
+                             [](const auto& node) { return !node.second.imag().isZero(0.0); });
+}
+
+io::Json summary(const std::filesystem::path& path, const io::NodeShapes& file) {
+  io::JsonArray modes;
+  for (const auto& mode : file.modes) {
+    modes.push_back(io::JsonObject{{"dataset", mode.dataset},
+                                   {"frequency_hz", mode.frequency_hz},
+                                   {"damping_ratio", mode.damping_ratio},
+                                   {"nodes", static_cast<long>(mode.motion.size())},
+                                   {"complex", is_complex(mode)}});
+  }
+  return io::JsonObject{{"chladni", show::version()},
+                        {"file", path.string()},
+                        {"format", "UFF"},
+                        {"holds", "modes"},
+                        {"modes", std::move(modes)},
+                        {"nodes", file.nodes},
+                        {"elements", file.elements},
+                        {"trace_lines", file.trace_lines},
+                        {"notes", io::Json::texts(file.notes)}};
+}
+
+void show(const std::filesystem::path& path, const io::NodeShapes& file, std::ostream& results) {
+  results << fmt::format("{}  UFF: {} mode{}, {}\n\n", path.filename().string(), file.modes.size(),
+                         file.modes.size() == 1 ? "" : "s", geometry_of(file));
+  results << fmt::format("  {:>4}{:>14}{:>16}{:>8}{:>9}\n", "mode", "Hz", "damping ratio", "nodes",
+                         "dataset");
+  int number = 0;
+  for (const auto& mode : file.modes) {
+    results << fmt::format("  {:>4}{:>14.4f}{:>16.6f}{:>8}{:>9}{}\n", ++number, mode.frequency_hz,
+                           mode.damping_ratio, mode.motion.size(), mode.dataset,
+                           is_complex(mode) ? "  complex" : "");
+  }
+  show_notes(file.notes, results);
+}
+
 template <typename File>
 int told(const std::filesystem::path& path, const File& file, const show::Options& options,
          std::ostream& results) {
@@ -221,6 +269,12 @@ int check_data(const std::filesystem::path& file, const show::Options& options,
     frf.unit = options.unit;
     return told(file, io::read_frf(file, frf), options, results);
   } catch (const io::NoResponses&) {
+    if (io::is_universal_file(file)) {
+      try {
+        return told(file, io::read_node_shapes(file), options, results);
+      } catch (const io::NoShapes&) {  // recordings, or nothing
+      }
+    }
     io::TimeOptions time;
     time.unit = options.unit;
     time.sample_time_s = options.sample_time_s;

@@ -56,6 +56,7 @@ struct ModesPlan {
   double damping_ratio = 0.0;  ///< of every flexible mode
   std::string
       engine;  ///< what starts the ranks that find them: "mpiexec -n 4"; empty: this process
+  std::string uff = "none";  ///< dataset of the shapes in modes.unv: "55" or "2414"
 };
 
 /// Attachments of fem/attachment.h before their places on the body are found.
@@ -207,6 +208,7 @@ struct IdentificationPlan {
   std::string gain = "tied";                               ///< or "thesis"
   std::string gain_errors = "none";  ///< side with wrong gains: "sensors", "actuators"
   int stabilisation = 0;             ///< highest order of the diagram; 0: none
+  std::string uff = "55";            ///< dataset of the shapes in identified.unv: or "2414", "none"
 };
 
 /// State spaces for the design and the running of a controller.
@@ -230,6 +232,7 @@ struct InterpolationPlan {
   std::vector<PointPlan> points;
   double table_pitch = 0.0;                 ///< [m] of the lookup table; 0: none
   int polynomial_degree = 0;                ///< in x and y; 0: none
+  std::string uff = "none";                 ///< dataset in mode_field.unv: "55" or "2414"
   std::string predicted = "predicted.csv";  ///< file of the responses without a sensor
 };
 

@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "io/measured/measured_format.h"
 #include "io/uff/uff.h"
 #include "io/uff/uff_channels.h"
 
@@ -19,17 +20,6 @@ bool is_mode(const UffShape& shape) {
   return std::ranges::find(kModal, shape.analysis) != kModal.end() && shape.values.cols() >= 3;
 }
 
-std::string nothing_found(const Uff& uff) {
-  const bool has_2414 = std::ranges::any_of(uff.notes, [](const std::string& note) {
-    return note.find("dataset 2414") != std::string::npos;
-  });
-  if (has_2414) {
-    return "modes in dataset 2414 are not read; expected them as datasets 55 or as a CSV table "
-           "with a first line such as \"frequency_hz,s1,s2\"";
-  }
-  return "no mode shape; expected datasets 55 of normal modes or complex eigenvalues";
-}
-
 void refuse_own_systems(const Uff& uff, const UffShape& shape, const std::string& name) {
   for (const auto node : shape.nodes) {
     const auto found = uff.node_systems.find(node);
@@ -42,7 +32,7 @@ void refuse_own_systems(const Uff& uff, const UffShape& shape, const std::string
 }
 
 NodeShape mode_of(const UffShape& shape) {
-  NodeShape mode{shape.frequency_hz, shape.damping_ratio, {}};
+  NodeShape mode{shape.dataset, shape.frequency_hz, shape.damping_ratio, {}};
   for (std::size_t n = 0; n < shape.nodes.size(); ++n) {
     const auto row = static_cast<Eigen::Index>(n);
     mode.motion.emplace(shape.nodes[n], shape.values.row(row).head(3).transpose());
@@ -54,18 +44,30 @@ NodeShape mode_of(const UffShape& shape) {
 
 NodeShapes parse_node_shapes(std::string_view bytes, const std::string& name) {
   const Uff uff = parse_uff(bytes, name);
-  NodeShapes result{{}, uff.notes};
+  NodeShapes result{.nodes = static_cast<Eigen::Index>(uff.nodes.size()),
+                    .trace_lines = static_cast<Eigen::Index>(uff.trace_lines.size()),
+                    .elements = static_cast<Eigen::Index>(uff.elements.size()),
+                    .modes = {},
+                    .notes = uff.notes};
   for (const auto& shape : uff.shapes) {
     if (!is_mode(shape)) continue;
     refuse_own_systems(uff, shape, name);
     result.modes.push_back(mode_of(shape));
   }
-  require(!result.modes.empty(), name + ": " + nothing_found(uff));
+  if (result.modes.empty()) {
+    throw NoShapes(name +
+                   ": no mode shape; expected datasets 55 or 2414 of normal modes or complex "
+                   "eigenvalues");
+  }
   return result;
 }
 
 NodeShapes read_node_shapes(const std::filesystem::path& file) {
   return parse_node_shapes(read_whole(file, reading_limit() / kMemoryPerByte), file.string());
+}
+
+bool is_universal_file(const std::filesystem::path& file) {
+  return measured_format(file) == MeasuredFormat::uff;
 }
 
 Eigen::Vector3d direction_in(std::string_view name, long long node) {

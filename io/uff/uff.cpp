@@ -94,8 +94,10 @@ class UffReader {
     if (number == "58" || number == "58b") {
       uff_.functions.push_back(uff_function(lines_, head, uff_.notes));
       uff_.functions.back().units = current_;
-    } else if (number == "55") {
-      if (auto shape = uff_shape(lines_, uff_.notes)) uff_.shapes.push_back(std::move(*shape));
+    } else if (number == "55" || number == "2414") {
+      auto shape =
+          number == "55" ? uff_shape_55(lines_, uff_.notes) : uff_shape_2414(lines_, uff_.notes);
+      if (shape) uff_.shapes.push_back(std::move(*shape));
     } else if (number == "151") {
       uff_.title = std::string(trimmed(lines_.record("model's name")));
       to_delimiter();
@@ -106,7 +108,16 @@ class UffReader {
     } else if (number == "2411" || number == "781") {
       while (!lines_.at_delimiter()) node_of_2411(number == "781");
     } else if (number == "18" || number == "2420") {
-      systems(number);
+      uff_.defines_systems = true;
+      as_far_as_readable("coordinate systems", [&] {
+        number == "18" ? read_systems_of_18(lines_, uff_.systems)
+                       : read_systems_of_2420(lines_, uff_.systems);
+      });
+    } else if (number == "82") {
+      as_far_as_readable("trace lines",
+                         [&] { uff_.trace_lines.push_back(uff_trace_line(lines_)); });
+    } else if (number == "2412") {
+      as_far_as_readable("elements", [&] { read_elements_of_2412(lines_, uff_.elements); });
     } else {
       ++unknown_[number];
       to_delimiter();
@@ -159,16 +170,14 @@ class UffReader {
     }
   }
 
-  // Reads coordinate systems. A system that cannot be read matters only to nodes that use it.
-  void systems(const std::string& number) {
-    uff_.defines_systems = true;
+  // Reads coordinate systems, lines or elements. What cannot be read of them is noted: it matters
+  // only to nodes that use such a system, or to a drawing.
+  template <class Read>
+  void as_far_as_readable(const char* what, Read read) {
     try {
-      number == "18" ? read_systems_of_18(lines_, uff_.systems)
-                     : read_systems_of_2420(lines_, uff_.systems);
+      read();
     } catch (const InvalidInput& e) {
-      uff_.notes.push_back(std::string(e.what()) +
-                           ": the coordinate systems from there on are "
-                           "not read");
+      uff_.notes.push_back(std::string(e.what()) + ": the " + what + " from there on are not read");
       to_delimiter();
     }
   }

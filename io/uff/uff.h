@@ -50,8 +50,9 @@ struct UffFunction {
   std::optional<UffUnits> units;  ///< from the dataset 164 that is valid here
 };
 
-/// Dataset 55: a mode shape at nodes.
+/// Dataset 55 or 2414: a mode shape at nodes.
 struct UffShape {
+  int dataset = 55;
   std::size_t line = 0;
   std::array<std::string, 5> id;
   int analysis = 0;  ///< 2 normal modes, 3 and 7 complex eigenvalues
@@ -86,14 +87,16 @@ struct Uff {
   bool defines_systems = false;  ///< there is a dataset 18 or 2420, readable or not
   std::vector<UffFunction> functions;
   std::vector<UffShape> shapes;
+  std::vector<std::vector<long long>> trace_lines;  ///< 82: nodes; a 0 lifts the pen
+  std::vector<std::vector<long long>> elements;     ///< 2412: nodes of each
   std::vector<std::string> notes;
 };
 
-/// Reads datasets 15, 18, 55, 58, 58b, 151, 164, 781, 2411 and 2420; other datasets are noted. It
-/// accepts Fortran's D exponents, numbers without blanks between them, blank lines, line ends of
-/// any kind, line feeds before and after binary data, either byte order in each dataset, and a
-/// missing last -1. No length is trusted. Cost: linear; memory is a multiple of the bytes for any
-/// content.
+/// Reads datasets 15, 18, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412, 2414 and 2420; other datasets
+/// are noted. It accepts Fortran's D exponents, numbers without blanks between them, blank lines,
+/// line ends of any kind, line feeds before and after binary data, either byte order in each
+/// dataset, and a missing last -1. No length is trusted. Cost: linear; memory is a multiple of the
+/// bytes for any content.
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
 /// @param limit  limit of the memory for all functions [bytes]
@@ -105,7 +108,9 @@ enum class UffEncoding { text, binary };
 /// The dataset of a function, with its lines of -1, in double precision.
 [[nodiscard]] std::string uff_dataset(const UffFunction& function, UffEncoding encoding);
 /// Datasets 151, 164 (SI) and, where there are nodes [m], 2411.
+/// @param program  with its version, which made the file
 [[nodiscard]] std::string uff_head(const std::string& title,
-                                   const std::map<long long, Eigen::Vector3d>& nodes);
+                                   const std::map<long long, Eigen::Vector3d>& nodes,
+                                   const std::string& program = "chladni");
 
 }  // namespace chladni::io

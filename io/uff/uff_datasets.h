@@ -10,8 +10,17 @@ namespace chladni::io {
 /// end it is before the closing -1.
 [[nodiscard]] UffFunction uff_function(UffLines& lines, std::string_view head,
                                        std::vector<std::string>& notes);
-/// Reads dataset 55 in the same way; none where its data are not translations or rotations.
-[[nodiscard]] std::optional<UffShape> uff_shape(UffLines& lines, std::vector<std::string>& notes);
+/// Read datasets 55 and 2414 in the same way; none where their data are not translations or
+/// rotations of nodes.
+[[nodiscard]] std::optional<UffShape> uff_shape_55(UffLines& lines,
+                                                   std::vector<std::string>& notes);
+[[nodiscard]] std::optional<UffShape> uff_shape_2414(UffLines& lines,
+                                                     std::vector<std::string>& notes);
+
+/// Reads dataset 82: the nodes of a trace line.
+[[nodiscard]] std::vector<long long> uff_trace_line(UffLines& lines);
+/// Reads dataset 2412: the nodes of each element.
+void read_elements_of_2412(UffLines& lines, std::vector<std::vector<long long>>& elements);
 
 /// Reads the `count` numbers of a function from text, up to the -1.
 [[nodiscard]] std::vector<double> uff_text_numbers(UffLines& lines, std::size_t count,

@@ -1,14 +1,49 @@
-// Reads dataset 55: mode shapes at nodes.
+// Reads datasets 55 and 2414: mode shapes at nodes.
 #include <cmath>
 #include <numbers>
 
 #include "io/scan.h"
 #include "io/uff/uff_datasets.h"
+#include "io/uff/uff_fields.h"
 
 namespace chladni::io {
 namespace {
 
-constexpr std::size_t kMostComponents = 6;
+constexpr long long kAtNodes = 1;  // of 2414
+constexpr long long kUnknown = 0;  // characteristic of the values
+
+// The data of a shape, from record 6 of dataset 55 and record 9 of dataset 2414.
+struct ShapeForm {
+  Eigen::Index components = 0;
+  bool is_complex = false, is_readable = false;
+};
+
+bool is_complex_mode(const UffShape& shape) {
+  return shape.analysis == kComplexFirstOrder || shape.analysis == kComplexSecondOrder;
+}
+
+ShapeForm read_shape_form(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
+  const std::string line(lines.filled_record("data form"));
+  const auto words = words_of(line);
+  if (words.size() < 6) lines.fail("found " + shown(line) + ", expected six whole numbers");
+  shape.analysis = static_cast<int>(uff_integer(lines, words[1], "analysis type") % 1000);
+  shape.type = static_cast<int>(uff_integer(lines, words[3], "type of data") % 1000);
+  const auto data_type = uff_integer(lines, words[4], "data type");
+  const auto components = uff_integer(lines, words[5], "values per node");
+  const bool is_complex = data_type == kComplexValues || data_type == kDoubleComplex;
+  const auto characteristic = uff_integer(lines, words[2], "characteristic of the data");
+  const bool is_motion = (components == 3 || components == 6) &&
+                         (characteristic == kUnknown || characteristic == kTranslations ||
+                          characteristic == kWithRotations);
+  const bool is_readable =
+      is_motion && (is_complex || data_type == kRealValues || data_type == kDoubleValues);
+  if (!is_readable) {
+    notes.push_back("dataset " + std::to_string(shape.dataset) + " from line " +
+                    std::to_string(shape.line) + " has " + std::to_string(components) +
+                    " values per node of type " + std::to_string(data_type) + ": not read");
+  }
+  return {static_cast<Eigen::Index>(components), is_complex, is_readable};
+}
 
 // Reads the real numbers of record 8, up to 6 per line.
 std::vector<double> reals(UffLines& lines, long long count, std::vector<std::string>& notes) {
@@ -18,7 +53,14 @@ std::vector<double> reals(UffLines& lines, long long count, std::vector<std::str
   return uff_text_numbers(lines, static_cast<std::size_t>(count), notes);
 }
 
-void read_analysis(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
+void take_eigenvalue(std::complex<double> eigenvalue, UffShape& shape) {
+  shape.eigenvalue = eigenvalue;
+  const double size = std::abs(eigenvalue);
+  shape.frequency_hz = size / (2.0 * std::numbers::pi);
+  shape.damping_ratio = size > 0.0 ? -eigenvalue.real() / size : 0.0;
+}
+
+void read_analysis_of_55(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
   const std::string line(lines.filled_record("analysis record"));
   const auto words = words_of(line);
   if (words.size() < 2)
@@ -28,21 +70,30 @@ void read_analysis(UffLines& lines, UffShape& shape, std::vector<std::string>& n
     static_cast<void>(lines.filled_record("integers of the analysis"));
   }
   const auto values = reals(lines, uff_integer(lines, words[1], "number of reals"), notes);
-  if (shape.analysis == 2 && values.size() >= 4) {
+  if (shape.analysis == kNormalMode && values.size() >= 4) {
     shape.frequency_hz = values[0];
     shape.modal_mass = values[1];
     shape.damping_ratio = values[2];
-  } else if ((shape.analysis == 3 || shape.analysis == 7) && values.size() >= 2) {
-    shape.eigenvalue = {values[0], values[1]};
-    const double size = std::abs(shape.eigenvalue);
-    shape.frequency_hz = size / (2.0 * std::numbers::pi);
-    shape.damping_ratio = size > 0.0 ? -shape.eigenvalue.real() / size : 0.0;
+  } else if (is_complex_mode(shape) && values.size() >= 2) {
+    take_eigenvalue({values[0], values[1]}, shape);
   }
 }
 
-void read_nodes(UffLines& lines, UffShape& shape, Eigen::Index components, bool is_complex,
+// Records 10 and 11 are eight whole numbers each; 12 and 13 are six reals each.
+void read_analysis_of_2414(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
+  static_cast<void>(lines.filled_record("integers of the analysis"));
+  static_cast<void>(lines.filled_record("integers of the analysis"));
+  const auto values = uff_text_numbers(lines, 12, notes);
+  shape.frequency_hz = values[1];
+  shape.modal_mass = values[3];
+  shape.damping_ratio = values[4];
+  const std::complex<double> eigenvalue(values[6], values[7]);
+  if (is_complex_mode(shape) && eigenvalue != 0.0) take_eigenvalue(eigenvalue, shape);
+}
+
+void read_nodes(UffLines& lines, UffShape& shape, const ShapeForm& form,
                 std::vector<std::string>& notes) {
-  const auto each = static_cast<std::size_t>(components) * (is_complex ? 2U : 1U);
+  const auto each = static_cast<std::size_t>(form.components) * (form.is_complex ? 2U : 1U);
   std::vector<double> values;
   while (!lines.at_delimiter()) {
     const auto node = trimmed(lines.take());
@@ -51,38 +102,60 @@ void read_nodes(UffLines& lines, UffShape& shape, Eigen::Index components, bool 
     const auto at_node = uff_text_numbers(lines, each, notes);
     values.insert(values.end(), at_node.begin(), at_node.end());
   }
-  shape.values.resize(static_cast<Eigen::Index>(shape.nodes.size()), components);
+  shape.values.resize(static_cast<Eigen::Index>(shape.nodes.size()), form.components);
   std::size_t at = 0;
   for (Eigen::Index n = 0; n < shape.values.rows(); ++n) {
-    for (Eigen::Index c = 0; c < components; ++c) {
+    for (Eigen::Index c = 0; c < form.components; ++c) {
       const double real = values[at++];
-      shape.values(n, c) = {real, is_complex ? values[at++] : 0.0};
+      shape.values(n, c) = {real, form.is_complex ? values[at++] : 0.0};
     }
   }
 }
 
+void skip_rest(UffLines& lines) {
+  while (!lines.at_delimiter()) lines.take();
+}
+
+void read_identification(UffLines& lines, UffShape& shape) {
+  for (auto& id : shape.id) id = std::string(trimmed(lines.record("identification lines")));
+}
+
 }  // namespace
 
-std::optional<UffShape> uff_shape(UffLines& lines, std::vector<std::string>& notes) {
+std::optional<UffShape> uff_shape_55(UffLines& lines, std::vector<std::string>& notes) {
   UffShape shape;
   shape.line = lines.line() - 1;
-  for (auto& id : shape.id) id = std::string(trimmed(lines.record("identification lines")));
-  const std::string line(lines.filled_record("data form"));
-  const auto words = words_of(line);
-  if (words.size() < 6) lines.fail("found " + shown(line) + ", expected six whole numbers");
-  shape.analysis = static_cast<int>(uff_integer(lines, words[1], "analysis type") % 1000);
-  shape.type = static_cast<int>(uff_integer(lines, words[3], "type of data") % 1000);
-  const auto data_type = uff_integer(lines, words[4], "data type");
-  const auto components = uff_integer(lines, words[5], "values per node");
-  if ((data_type != 2 && data_type != 5) || (components != 3 && components != 6)) {
-    notes.push_back("dataset 55 from line " + std::to_string(shape.line) + " has " +
-                    std::to_string(components) + " values per node of type " +
-                    std::to_string(data_type) + ": not read");
-    while (!lines.at_delimiter()) lines.take();
+  read_identification(lines, shape);
+  const ShapeForm form = read_shape_form(lines, shape, notes);
+  if (!form.is_readable) {
+    skip_rest(lines);
     return std::nullopt;
   }
-  read_analysis(lines, shape, notes);
-  read_nodes(lines, shape, components, data_type == 5, notes);
+  read_analysis_of_55(lines, shape, notes);
+  read_nodes(lines, shape, form, notes);
+  return shape;
+}
+
+std::optional<UffShape> uff_shape_2414(UffLines& lines, std::vector<std::string>& notes) {
+  UffShape shape;
+  shape.dataset = 2414;
+  shape.line = lines.line() - 1;
+  static_cast<void>(lines.record("label of the dataset"));
+  static_cast<void>(lines.record("name of the dataset"));
+  const auto location = uff_integer(lines, lines.record("location of the data"), "location");
+  read_identification(lines, shape);
+  const ShapeForm form = read_shape_form(lines, shape, notes);
+  if (location != kAtNodes && form.is_readable) {
+    notes.push_back("dataset 2414 from line " + std::to_string(shape.line) +
+                    " has data of location " + std::to_string(location) +
+                    ", expected 1 (at nodes): not read");
+  }
+  if (location != kAtNodes || !form.is_readable) {
+    skip_rest(lines);
+    return std::nullopt;
+  }
+  read_analysis_of_2414(lines, shape, notes);
+  read_nodes(lines, shape, form, notes);
   return shape;
 }
 

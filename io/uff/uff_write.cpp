@@ -3,34 +3,16 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "base/error.h"
 #include "io/scan.h"
 #include "io/uff/uff.h"
+#include "io/uff/uff_fields.h"
 
 namespace chladni::io {
 namespace {
-
-constexpr const char* kDelimiter = "    -1\n";
-
-// A number in 13 columns with a blank before it, with all its digits if they fit.
-std::string in_13(double value) {
-  std::array<char, 40> buffer;
-  auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  std::string digits(buffer.data(), end);
-  if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
-  for (int most = 11; digits.size() > 12 && most > 3; --most) {
-    end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                        std::chars_format::general, most)
-              .ptr;
-    digits.assign(buffer.data(), end);
-    if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
-  }
-  return fmt::format("{:>13}", digits);
-}
 
 double read_back(double value) { return number_in(trimmed(in_13(value))).value_or(0.0); }
 
@@ -44,12 +26,6 @@ bool is_even(const Eigen::VectorXd& x, double tolerance) {
     if (std::abs(found - x(k)) > tolerance * (std::abs(x(k)) + step)) return false;
   }
   return step > 0.0;
-}
-
-std::string line_80(const std::string& words) {
-  std::string line = words.empty() ? "NONE" : words.substr(0, 80);
-  for (char& c : line) c = c < ' ' ? ' ' : c;
-  return line + "\n";
 }
 
 std::string degree(const UffDof& dof) {
@@ -122,31 +98,28 @@ std::string uff_dataset(const UffFunction& function, UffEncoding encoding) {
                       even ? 1 : 0, in_13(first), in_13(step), in_13(0.0));
   head += axis_line(function.abscissa) + axis_line(function.ordinate) +
           axis_line(function.denominator) + axis_line({});
-  if (!binary)
-    return kDelimiter + std::string("    58\n") + head + text_values(function, even) + kDelimiter;
+  if (!binary) return uff_block(58, head + text_values(function, even));
   const std::string values = binary_values(function, even);
   constexpr int order = std::endian::native == std::endian::big ? 2 : 1;
-  return kDelimiter +
+  return kUffDelimiter +
          fmt::format("    58b{:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}\n", order, 2, 11, values.size(),
                      0, 0, 0, 0) +
-         head + values + "\n" + kDelimiter;
+         head + values + "\n" + kUffDelimiter;
 }
 
-std::string uff_head(const std::string& title, const std::map<long long, Eigen::Vector3d>& nodes) {
-  std::string text = kDelimiter + std::string("   151\n") + line_80(title);
-  text +=
-      line_80("written by chladni") + line_80("") + "\n" + line_80("chladni") + "\n\n" + kDelimiter;
-  text += kDelimiter + std::string("   164\n");
-  text += fmt::format("{:10}{:<20}{:10}\n", 1, "SI: metre, newton", 2);
-  text += fmt::format("{:25.17E}{:25.17E}{:25.17E}\n{:25.17E}\n", 1.0, 1.0, 1.0, 273.15);
-  text += kDelimiter;
+std::string uff_head(const std::string& title, const std::map<long long, Eigen::Vector3d>& nodes,
+                     const std::string& program) {
+  std::string text = uff_block(151, line_80(title) + line_80("written by chladni") +
+                                        line_80(program) + "\n" + "\n" + line_80(program) + "\n");
+  text += uff_block(164, fmt::format("{:10}{:<20}{:10}\n", 1, "SI: metre, newton", 2) + in_25(1.0) +
+                             in_25(1.0) + in_25(1.0) + "\n" + in_25(273.15) + "\n");
   if (nodes.empty()) return text;
-  text += kDelimiter + std::string("  2411\n");
+  std::string places;
   for (const auto& [label, place] : nodes) {
-    text += fmt::format("{:10}{:10}{:10}{:10}\n{:25.16E}{:25.16E}{:25.16E}\n", label, 0, 0, 11,
-                        place.x(), place.y(), place.z());
+    places += fmt::format("{:10}{:10}{:10}{:10}\n", label, 0, 0, 11) + in_25(place.x()) +
+              in_25(place.y()) + in_25(place.z()) + "\n";
   }
-  return text + kDelimiter;
+  return text + uff_block(2411, places);
 }
 
 }  // namespace chladni::io

@@ -9,6 +9,7 @@
 #include "io/shape_table.h"
 #include "modal/state_space.h"
 #include "show/control_models.h"
+#include "show/modes_uff.h"
 #include "show/identification.h"
 #include "show/rigid_body.h"
 #include "steps/identification.h"
@@ -324,6 +325,7 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
   io::write_shapes(run / "identified_shapes.csv",
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,
                     model.match.shapes, model.match.deviation});
+  leave_modes_uff(study, model, run);
   if (run.options().pictures) {
     tell(run.progress(), "drawing");
     run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });

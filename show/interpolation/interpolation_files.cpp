@@ -11,6 +11,7 @@
 #include "mesh/surface.h"
 #include "priors/polynomial.h"
 #include "show/interpolation.h"
+#include "show/modes_uff.h"
 #include "steps/interpolation.h"
 
 namespace chladni::show {
@@ -141,6 +142,7 @@ void leave_polynomials(const steps::Interpolated& result, int degree, Run& run) 
 void leave_interpolation(const study::Study& study, const stage::Solution& solution,
                          const steps::Interpolated& result, Run& run, bool main_result) {
   leave_vtu(study.title, result, run);
+  leave_modes_uff(study, result, run);
   const auto plan = study.interpolation.value_or(study::InterpolationPlan{});
   if (plan.table_pitch > 0.0) leave_table(result, solution, plan, run);
   if (plan.polynomial_degree > 0) leave_polynomials(result, plan.polynomial_degree, run);

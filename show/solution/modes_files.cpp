@@ -3,6 +3,7 @@
 #include "io/picture.h"
 #include "io/vtu.h"
 #include "show/control_models.h"
+#include "show/modes_uff.h"
 #include "show/solution.h"
 
 namespace chladni::show {
@@ -14,6 +15,7 @@ void leave_modes(const study::Study& study, const stage::Solution& solution, Run
   run.leave("modes.json", modes_json(study, solution), true);
   io::write_csv(run / "modes.csv", modes_columns(solution));
   io::write_modes_vtu(run / "modes.vtu", model.body, modes, study.title);
+  leave_modes_uff(study, solution, run);
   if (!markers.empty()) io::write_markers_vtu(run / "channels.vtu", markers);
   if (const int mode = run.options().animate; mode > 0) {
     require(mode <= modes.mode_count(), "--animate " + std::to_string(mode) + ": there are " +

@@ -153,7 +153,8 @@ const Schema<InterpolationPlan>& interpolation_schema() {
        quantity("table_pitch", "m", Sign::positive, &P::table_pitch,
                 "of a lookup table seen from above, mode_field.csv", "no table"),
        whole("polynomial_degree", 1, 30, &P::polynomial_degree,
-             "in x and y, of mode_field_polynomial.json", "no polynomial")}};
+             "in x and y, of mode_field_polynomial.json", "no polynomial"),
+       shape_dataset<P>("mode_field.unv, a universal file of the surface")}};
   return schema;
 }
 

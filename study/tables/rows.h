@@ -94,6 +94,12 @@ Key<Plan> motion(const std::string& meaning) {
           .json = [](const Plan& plan) { return motion_json(plan.direction); }};
 }
 
+/// "uff": the dataset of mode shapes in a universal file.
+template <typename Plan>
+Key<Plan> shape_dataset(const std::string& file) {
+  return choice("uff", {"none", "55", "2414"}, &Plan::uff, "dataset of the shapes in " + file);
+}
+
 /// For a key that study.json has nothing of, or shows elsewhere.
 template <typename Plan>
 std::optional<io::Json> not_shown(const Plan& /*plan*/) {

@@ -87,7 +87,8 @@ const Schema<ModesPlan>& modes_schema() {
                 "of every flexible mode, below 1"),
        text("engine", &P::engine,
             "\"mpiexec -n 4\": ranks of MPI find the modes; `--engine` overrules it",
-            "this process")}};
+            "this process"),
+       shape_dataset<P>("modes.unv, a universal file of the surface")}};
   return schema;
 }
 
@@ -191,7 +192,8 @@ const Schema<IdentificationPlan>& identification_schema() {
        choice("gain", {"tied", "thesis"}, &P::gain, "how the two sides of a mode get one scale"),
        choice("gain_errors", {"none", "sensors", "actuators"}, &P::gain_errors,
               "the side whose gains are corrected by the pairs"),
-       whole("stabilisation", 2, 200, &P::stabilisation, "highest order of the diagram", "none")}};
+       whole("stabilisation", 2, 200, &P::stabilisation, "highest order of the diagram", "none"),
+       shape_dataset<P>("identified.unv, a universal file of the channels")}};
   return schema;
 }
 

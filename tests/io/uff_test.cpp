@@ -181,7 +181,7 @@ TEST(Uff, ReadsHeadNodesAndPassesOverOthers) {
       "        12         0         0        11 -1.00000E+02-2.00000E+02  0.00000E+00\n    -1\n"
       "    -1\n  2411\n         3         0         0        11\n"
       "   1.5000000000000000D+02   0.0000000000000000D+00  -2.0000000000000000D+01\n    -1\n"
-      "    -1\n    82\n 1 2 3\n    -1\n";
+      "    -1\n  1858\n 1 2 3\n    -1\n";
   const auto uff = parse_uff(bytes, "t.uff");
   EXPECT_EQ(uff.title, "plate");
   ASSERT_TRUE(uff.units.has_value());
@@ -189,7 +189,7 @@ TEST(Uff, ReadsHeadNodesAndPassesOverOthers) {
   EXPECT_EQ(uff.nodes.at(1), Eigen::Vector3d(100.0, 200.0, 0.0));
   EXPECT_EQ(uff.nodes.at(12), Eigen::Vector3d(-100.0, -200.0, 0.0));
   EXPECT_EQ(uff.nodes.at(3), Eigen::Vector3d(150.0, 0.0, -20.0));
-  EXPECT_EQ(times(uff.notes, "dataset 82: not read"), 1);
+  EXPECT_EQ(times(uff.notes, "dataset 1858: not read"), 1);
   const auto set = parse_frf_uff(bytes + dataset_58({}), "t.uff").set;
   EXPECT_EQ(*set.outputs[0].position, Eigen::Vector3d(-0.1, -0.2, 0.0));
   EXPECT_EQ(*set.inputs[0].position, Eigen::Vector3d(0.15, 0.0, -0.02));

@@ -229,7 +229,8 @@ TEST_F(MeasuredModes, AreRefusedByFileAndPlace) {
   EXPECT_PRED2(says, refusal("modes.csv", "frequency_hz,top\n10,1\n"), "'top' is no sensor");
   EXPECT_PRED2(says, refusal("modes.csv", "frequency_hz,s1\n10,x\n"), "modes.csv: line 2: s1");
   EXPECT_PRED2(says, refusal("a.uff", "    -1\n   151\na\nb\n    -1\n"), "no mode shape");
-  EXPECT_PRED2(says, refusal("b.unv", "    -1\n  2414\n1\n    -1\n"), "2414 are not read");
+  EXPECT_PRED2(says, refusal("b.unv", "    -1\n  2414\n1\n    -1\n"),
+               "b.unv: dataset 2414 (from line 2), line 4");
   EXPECT_PRED2(says, refusal("c.unv", dataset_55(9.0, "        77\n  0.  0.  1.\n")),
                "no sensor of the study is at a node");
   EXPECT_PRED2(says, refusal("d.json", "{\"verdict\": 1}"), "expected the identified.json");
