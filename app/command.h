@@ -35,12 +35,14 @@ extern const Command study_command;
 [[nodiscard]] int list(std::string_view what, std::ostream& results);
 [[nodiscard]] std::vector<std::string> listable();
 [[nodiscard]] int cache(bool clear, bool json, std::ostream& results);
+/// @param unit  of what is read, where it states none
+/// @param hdf5  a .mat becomes version 7.3
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,
-                          const std::string& unit, std::ostream& results);
+                          const std::string& unit, bool hdf5, std::ostream& results);
 /// Measured data: the content of a file and suspect values; conversion between formats.
 [[nodiscard]] int check_data(const std::filesystem::path& file, const show::Options& options,
                              std::ostream& results);
 [[nodiscard]] int convert_data(const std::filesystem::path& from, const std::filesystem::path& to,
-                               const std::string& unit, std::ostream& results);
+                               const std::string& unit, bool hdf5, std::ostream& results);
 
 }  // namespace chladni::app

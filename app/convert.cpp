@@ -55,8 +55,10 @@ std::string stl_of(const mesh::Surface& surface) {
 }  // namespace
 
 int convert(const std::filesystem::path& from, const std::filesystem::path& to,
-            const std::string& unit, std::ostream& results) {
-  if (io::is_measured_file(from)) return convert_data(from, to, unit, results);
+            const std::string& unit, bool hdf5, std::ostream& results) {
+  require(!hdf5 || to.extension() == ".mat",
+          to.string() + ": --hdf5 writes version 7.3 of .mat; expected OUT to end in .mat");
+  if (io::is_measured_file(from)) return convert_data(from, to, unit, hdf5, results);
   const auto geometry = io::read_geometry(from, unit);
   for (const auto& note : geometry.notes) results << note << '\n';
   const auto* tets = std::get_if<mesh::TetMesh>(&geometry.body);

@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "base/error.h"
 #include "io/frf_file.h"
+#include "io/mat.h"
 #include "io/time_file.h"
 
 namespace chladni::app {
@@ -16,25 +17,26 @@ struct Converted {
 };
 
 Converted converted(const std::filesystem::path& from, const std::filesystem::path& to,
-                    const std::string& unit) {
+                    const std::string& unit, bool hdf5) {
+  const auto version = hdf5 ? io::MatVersion::mat_7_3 : io::MatVersion::mat_5;
   try {
     io::FrfOptions options;
     options.unit = unit;
     auto file = io::read_frf(from, options);
-    return {std::move(file.notes), io::write_frf(to, file.set)};
+    return {std::move(file.notes), io::write_frf(to, file.set, version)};
   } catch (const io::NoResponses&) {
     io::TimeOptions options;
     options.unit = unit;
     auto file = io::read_time(from, options);
-    return {std::move(file.notes), io::write_time(to, file.data)};
+    return {std::move(file.notes), io::write_time(to, file.data, version)};
   }
 }
 
 }  // namespace
 
 int convert_data(const std::filesystem::path& from, const std::filesystem::path& to,
-                 const std::string& unit, std::ostream& results) {
-  const auto done = converted(from, to, unit);
+                 const std::string& unit, bool hdf5, std::ostream& results) {
+  const auto done = converted(from, to, unit, hdf5);
   for (const auto& note : done.notes) results << "note: " << note << '\n';
   for (const auto& loss : done.lost) results << "lost: " << loss << '\n';
   results << fmt::format("{} -> {}\n", from.string(), to.string());

@@ -156,7 +156,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
 struct OtherVerbs {
   std::string what, unit;
   std::filesystem::path from, to;
-  bool force = false, clear = false, json = false;
+  bool force = false, hdf5 = false, clear = false, json = false;
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& status) {
@@ -167,10 +167,11 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
   convert->add_option("--unit", other.unit,
                       "unit of IN where it states none: of lengths, of responses");
   convert->add_flag("--force", other.force, "write over OUT where there is such a file");
+  convert->add_flag("--hdf5", other.hdf5, "write .mat as version 7.3, which is HDF5");
   convert->callback([&] {
     status = guarded(talk, [&] {
       show::require_new_output(other.from, other.to, other.force);
-      return app::convert(other.from, other.to, other.unit, std::cout);
+      return app::convert(other.from, other.to, other.unit, other.hdf5, std::cout);
     });
   });
   auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");

@@ -14,6 +14,8 @@
 
 namespace chladni::io {
 
+enum class MatVersion;  // io/mat.h
+
 /// The file is sound but holds no frequency responses (for example it holds recordings).
 class NoResponses : public InvalidInput {
  public:
@@ -47,11 +49,12 @@ struct FrfFile {
 /// @throws WorkerDied    the program that reads .mat is missing
 [[nodiscard]] FrfFile read_frf(const std::filesystem::path& file, const FrfOptions& options = {});
 
-/// Writes a file by its ending: .csv, .uff .unv (58b, all digits), .mat (v5).
+/// Writes a file by its ending: .csv, .uff .unv (58b, all digits), .mat.
+/// @param version  of a .mat
 /// @return  what the format cannot hold
 /// @throws InvalidInput  another ending, or a name that the format cannot hold
 [[nodiscard]] std::vector<std::string> write_frf(const std::filesystem::path& file,
-                                                 const modal::FrfSet& set);
+                                                 const modal::FrfSet& set, MatVersion version = {});
 
 /// Whether `file` has an ending of measured data.
 [[nodiscard]] bool is_measured_file(const std::filesystem::path& file);

@@ -1,4 +1,4 @@
-// MATLAB's .mat files. A worker reads them; they are written as version 5.
+// MATLAB's .mat files. A worker reads them; they are written as version 5 or 7.3.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,6 +38,10 @@ class MatValue {
   [[nodiscard]] Eigen::Index size() const;  ///< product of the dims
 };
 
+/// Version of a file that is written. 7.3 is HDF5: it holds variables of 2 GB and more, and Julia,
+/// Octave and libraries of HDF5 read it. The time of writing is part of its bytes.
+enum class MatVersion { mat_5, mat_7_3 };
+
 struct MatFile {
   std::string format;  ///< "MAT 4", "MAT 5", "MAT 7.3"
   MatFields variables;
@@ -51,10 +55,15 @@ struct MatFile {
 /// @throws WorkerDied    the program chladni-mat is missing
 [[nodiscard]] MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes);
 
-/// Writes version 5, uncompressed, whole or not at all. The same variables give the same bytes.
+/// The version that holds these variables: 5, or 7.3 where one has more than 2 GB.
+[[nodiscard]] MatVersion mat_version_for(const MatFields& variables);
+
+/// Writes the file, uncompressed, whole or not at all. In version 5 the same variables give the
+/// same bytes. Variables that are too large for version 5 are written as 7.3 in any case.
 /// @throws InvalidInput    a name that MATLAB does not take (a letter, then letters, digits and _,
 ///                         at most 63), a value that is `other`
 /// @throws OutOfResources  the file cannot be written
-void write_mat(const std::filesystem::path& file, const MatFields& variables);
+void write_mat(const std::filesystem::path& file, const MatFields& variables,
+               MatVersion version = MatVersion::mat_5);
 
 }  // namespace chladni::io

@@ -30,10 +30,12 @@ struct TimeFile {
 [[nodiscard]] TimeFile read_time(const std::filesystem::path& file,
                                  const TimeOptions& options = {});
 
-/// Writes a file by its ending: .csv, .uff .unv, .mat (v5). @return what the format cannot hold
+/// Writes a file by its ending: .csv, .uff .unv, .mat. @return what the format cannot hold
+/// @param version  of a .mat
 /// @throws InvalidInput  another ending, or a name that the format cannot hold
 [[nodiscard]] std::vector<std::string> write_time(const std::filesystem::path& file,
-                                                  const identification::TimeData& data);
+                                                  const identification::TimeData& data,
+                                                  MatVersion version = {});
 
 /// Reads the bytes of a CSV file. Its columns are named after channels; columns `time_s`,
 /// `experiment`, `realisation` and `period` (counted from 0) are optional. A name in a list of the

@@ -111,10 +111,23 @@ matvar_t* made(const std::string& name, const MatValue& value) {
   }
 }
 
-void write_all(const std::filesystem::path& file, const MatFields& variables) {
+// Bytes of the numbers and letters of a value.
+double bytes_of(const MatValue& value) {
+  double bytes = 8.0 * static_cast<double>(value.real.size() + value.imag.size());
+  for (const auto& line : value.text) bytes += 2.0 * static_cast<double>(line.size());
+  for (const auto& cell : value.cells) bytes += bytes_of(cell);
+  for (const auto& [name, field] : value.fields) bytes += bytes_of(field);
+  return bytes;
+}
+
+void write_all(const std::filesystem::path& file, const MatFields& variables, MatVersion version) {
+  const bool is_5 = version == MatVersion::mat_5;
   // The head has no date, so that the same input gives the same bytes.
   const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(
-      Mat_CreateVer(file.c_str(), "MATLAB 5.0 MAT-file, written by chladni", MAT_FT_MAT5),
+      Mat_CreateVer(file.c_str(),
+                    is_5 ? "MATLAB 5.0 MAT-file, written by chladni"
+                         : "MATLAB 7.3 MAT-file, written by chladni",
+                    is_5 ? MAT_FT_MAT5 : MAT_FT_MAT73),
       Mat_Close);
   if (!mat) throw OutOfResources(file.string() + ": cannot be written");
   for (const auto& [name, value] : variables) {
@@ -162,11 +175,21 @@ Eigen::Index MatValue::size() const {
   return product;
 }
 
-void write_mat(const std::filesystem::path& file, const MatFields& variables) {
+MatVersion mat_version_for(const MatFields& variables) {
+  constexpr double most = 2e9;  // MATLAB reads 2^31 - 1 bytes of a variable in version 5
+  const bool is_large = std::ranges::any_of(
+      variables, [&](const auto& variable) { return bytes_of(variable.second) > most; });
+  return is_large ? MatVersion::mat_7_3 : MatVersion::mat_5;
+}
+
+void write_mat(const std::filesystem::path& file, const MatFields& variables, MatVersion version) {
   for (const auto& [name, value] : variables) {
     require(is_name(name), "MAT: a variable cannot be called " + shown(name));
   }
-  write_atomically_at(file, [&](const std::filesystem::path& at) { write_all(at, variables); });
+  const auto least = mat_version_for(variables);
+  write_atomically_at(file, [&](const std::filesystem::path& at) {
+    write_all(at, variables, std::max(version, least));
+  });
 }
 
 }  // namespace chladni::io

@@ -55,7 +55,7 @@ FrfFile read_frf(const Path& file, const FrfOptions& options) {
   return result;
 }
 
-std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
+std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set, MatVersion version) {
   switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, frf_csv(set));
@@ -66,7 +66,7 @@ std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set) {
       return lost;
     }
     case MeasuredFormat::mat:
-      write_mat(file, mat_of_frf(set));
+      write_mat(file, mat_of_frf(set), version);
       return {};
     default:
       refuse_ending(file);

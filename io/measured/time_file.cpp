@@ -21,7 +21,7 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
 }
 
 std::vector<std::string> write_time(const std::filesystem::path& file,
-                                    const identification::TimeData& data) {
+                                    const identification::TimeData& data, MatVersion version) {
   switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, time_csv(data));
@@ -30,7 +30,7 @@ std::vector<std::string> write_time(const std::filesystem::path& file,
       write_atomically(file, time_uff(data, UffEncoding::binary));
       return {};
     case MeasuredFormat::mat:
-      write_mat(file, mat_of_time(data));
+      write_mat(file, mat_of_time(data), version);
       return {};
     default:
       refuse_ending(file);

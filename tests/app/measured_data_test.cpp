@@ -61,6 +61,20 @@ TEST_F(CommandLine, ConvertKeepsEveryBitThroughAllFormats) {
   EXPECT_TRUE(whole(folder_ / "d.csv") == whole(folder_ / "a.csv"));
 }
 
+TEST_F(CommandLine, ConvertWritesVersion73OfMatWhereItIsAskedTo) {
+  write("text.csv", responses());
+  EXPECT_EQ(run({"convert", "text.csv", "a.csv"}).status, 0);
+  EXPECT_EQ(run({"convert", "a.csv", "b.mat", "--hdf5"}).status, 0);
+  EXPECT_TRUE(says(run({"check", "b.mat"}).out, "b.mat  MAT 7.3: frequency responses"));
+  EXPECT_EQ(run({"convert", "b.mat", "c.csv"}).status, 0);
+  EXPECT_TRUE(whole(folder_ / "c.csv") == whole(folder_ / "a.csv"));
+  for (const auto* other : {"d.uff", "d.stl"}) {
+    const auto refused = run({"convert", "a.csv", other, "--hdf5"});
+    EXPECT_EQ(refused.status, 3) << other;
+    EXPECT_TRUE(says(refused.err, "expected OUT to end in .mat"));
+  }
+}
+
 TEST_F(CommandLine, ConvertWritesOverNothingThatItWasNotToldTo) {
   write("a.csv", responses());
   const std::string before = whole(folder_ / "a.csv");

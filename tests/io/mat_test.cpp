@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <numbers>
 
 #include "base/atomic_file.h"
@@ -156,6 +157,74 @@ TEST_F(Mat, ReadsVersion73) {
   EXPECT_EQ(back.format, "MAT 7.3");
   expect_same(back.set, set);
   expect_channels(back.set, set);
+}
+
+TEST_F(Mat, WritesVersion73ThatIsReadBackToTheLastBit) {
+  const TemporaryFile file("hdf5.mat");
+  const auto set = described_set();
+  EXPECT_TRUE(write_frf(file.path, set, MatVersion::mat_7_3).empty());
+  const auto bytes = read_whole(file.path);
+  EXPECT_TRUE(bytes.starts_with("MATLAB 7.3 MAT-file, written by chladni"));
+  EXPECT_EQ(bytes.substr(124, 4), std::string("\x00\x02IM", 4));         // version and byte order
+  EXPECT_EQ(bytes.substr(512, 8), std::string("\x89HDF\r\n\x1a\n", 8));  // behind MATLAB's head
+  const auto back = read_frf(file.path);
+  EXPECT_EQ(back.format, "MAT 7.3");
+  expect_same(back.set, set);
+  expect_channels(back.set, set);
+  EXPECT_EQ(back.set.averages, 8.0);
+}
+
+// Every kind of value that is written, in both versions.
+TEST_F(Mat, BothVersionsHoldTheSameValues) {
+  const MatFields inner{{"half", 0.5}, {"note", std::string("\xC3\xA4 b")}};
+  MatValue structure;
+  structure.kind = MatValue::Kind::structure;
+  structure.dims = {1, 1};
+  structure.fields = inner;
+  structure.class_name = "struct";
+  const Eigen::MatrixXd real = Eigen::RowVectorXd::LinSpaced(12, 0.1, 7.0).reshaped(3, 4);
+  const Eigen::MatrixXcd both = Complex(0.5, -3.0) * real;
+  const MatFields fields{{"number", -1e-300},
+                         {"matrix", real},
+                         {"complex", both},
+                         {"cube", {{2, 3, 4}, Eigen::VectorXd::LinSpaced(24, 1.0, 24.0)}},
+                         {"empty", Eigen::MatrixXd(0, 3)},
+                         {"text", std::string("one line")},
+                         {"texts", std::vector<std::string>{"a", "", "\xC3\xA4"}},
+                         {"structure", structure}};
+  const TemporaryFile file("both.mat");
+  for (const auto version : {MatVersion::mat_5, MatVersion::mat_7_3}) {
+    write_mat(file.path, fields, version);
+    const auto back = read_mat(file.path, kLimit);
+    EXPECT_EQ(back.format, version == MatVersion::mat_5 ? "MAT 5" : "MAT 7.3");
+    std::map<std::string, MatValue> by_name(back.variables.begin(), back.variables.end());
+    ASSERT_EQ(by_name.size(), fields.size());
+    for (const auto& [name, value] : fields) {
+      const auto& found = by_name.at(name);
+      EXPECT_EQ(found.kind, value.kind) << name;
+      EXPECT_EQ(found.real, value.real) << name;
+      EXPECT_EQ(found.imag, value.imag) << name;
+      EXPECT_EQ(found.cells.size(), value.cells.size()) << name;
+      if (value.kind == MatValue::Kind::number) {
+        EXPECT_EQ(found.dims, value.dims) << name;
+      }
+    }
+    EXPECT_EQ(by_name.at("text").text, std::vector<std::string>{"one line"});
+    EXPECT_EQ(by_name.at("texts").cells.at(0).text, std::vector<std::string>{"a"});
+    EXPECT_EQ(by_name.at("texts").cells.at(2).text, std::vector<std::string>{"\xC3\xA4"});
+    const auto& members = by_name.at("structure").fields;
+    ASSERT_EQ(members.size(), 2U);
+    EXPECT_EQ(members[0].second.real(0), 0.5);
+    EXPECT_EQ(members[1].second.text, std::vector<std::string>{"\xC3\xA4 b"});
+  }
+}
+
+// Memory that is never touched costs nothing.
+TEST_F(Mat, WhatVersion5CannotHoldIsVersion73) {
+  EXPECT_EQ(mat_version_for({{"a", 1.0}}), MatVersion::mat_5);
+  MatFields fields;
+  fields.emplace_back("large", MatValue({250'000'001, 1}, Eigen::VectorXd(250'000'001)));
+  EXPECT_EQ(mat_version_for(fields), MatVersion::mat_7_3);
 }
 
 FrfFile of(const MatFields& fields, const FrfOptions& options = {}) {
