@@ -11,6 +11,7 @@
 
 #include "app/command.h"
 #include "app/workers.h"
+#include "base/confinement.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -62,12 +63,14 @@ Finding found(const Worker& worker) {
               fmt::format("optional, not installed: no {}; apt-get install {}", serves,
                           worker.package)};
     }
-    try_worker(*program);
+    try_worker(*program, worker.confined);
     return {true, name, program->string()};
   } catch (const WorkerDied& e) {
     return {false, name, serves + " will not work: " + e.what()};
   }
 }
+
+Finding confinement() { return {true, "readers", confinement_support().text()}; }
 
 Finding display() {
   const char* name = std::getenv("DISPLAY");
@@ -125,7 +128,8 @@ int doctor(std::ostream& results) {
                                    {true, "threads", std::to_string(thread_count())},
                                    memory()};
   for (const auto& worker : kWorkers) findings.push_back(found(worker));
-  findings.insert(findings.end(), {display(), units(), factorisation(), modes_of_a_plate()});
+  findings.insert(findings.end(),
+                  {confinement(), display(), units(), factorisation(), modes_of_a_plate()});
   bool good = true;
   for (const auto& finding : findings) {
     good = good && finding.good;

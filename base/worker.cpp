@@ -16,8 +16,10 @@
 #include <new>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
+#include "base/confinement.h"
 #include "base/held_signal.h"
 #include "base/interrupt.h"
 #include "base/memory.h"
@@ -73,11 +75,12 @@ constexpr bool kSanitized = false;
 
 // Between fork and exec only calls that are safe in a signal handler are allowed.
 [[noreturn]] void become(char* const* arguments, const Pipes& pipes, const WorkerLimits& limits,
-                         pid_t parent) {
+                         Confinement* confinement, pid_t parent) {
   setpgid(0, 0);  // so that the processes which the worker starts can be ended with it
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ, SIGXCPU})
+    std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   pthread_sigmask(SIG_SETMASK, &none, nullptr);
@@ -88,7 +91,8 @@ constexpr bool kSanitized = false;
   dup2(pipes.input.read_end, STDIN_FILENO);
   dup2(pipes.output.write_end, STDOUT_FILENO);
   dup2(pipes.errors.write_end, STDERR_FILENO);
-  execv(arguments[0], arguments);
+  const bool is_confined = confinement == nullptr || confinement->apply();
+  if (is_confined) execv(arguments[0], arguments);
   const int error = errno;
   static_cast<void>(!write(pipes.start.write_end, &error, sizeof error));
   _exit(127);
@@ -99,7 +103,7 @@ constexpr bool kSanitized = false;
 class Worker {
  public:
   Worker(const fs::path& program, const std::vector<std::string>& arguments, Pipes& pipes,
-         const WorkerLimits& limits)
+         const WorkerLimits& limits, Confinement* confinement)
       : grace_(limits.grace) {
     std::string name = program.string();
     std::vector<std::string> copies = arguments;
@@ -108,7 +112,7 @@ class Worker {
     pointers.push_back(nullptr);
     const pid_t parent = getpid();
     process_ = fork();
-    if (process_ == 0) become(pointers.data(), pipes, limits, parent);
+    if (process_ == 0) become(pointers.data(), pipes, limits, confinement, parent);
     if (process_ < 0) {
       throw WorkerDied(program.filename().string() +
                        " could not start: " + std::generic_category().message(errno));
@@ -268,6 +272,15 @@ class Talk {
 void refuse_bad_end(const std::string& name, int status, const std::string& errors) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
+    if (signal == SIGSYS) {
+      throw ForbiddenCall(
+          name +
+          " was stopped: it tried what no reader of a file may do, such as to reach "
+          "the network or to start another program" +
+          last_line(errors));
+    }
+    if (signal == SIGXCPU) throw WorkerDied(name + " was stopped: it used all its processor time");
+    if (signal == SIGXFSZ) throw ForbiddenCall(name + " was stopped: it tried to write to a file");
     throw WorkerDied(name + " died: signal " + std::to_string(signal) + " (" + strsignal(signal) +
                      ")" + last_line(errors));
   }
@@ -277,26 +290,9 @@ void refuse_bad_end(const std::string& name, int status, const std::string& erro
   }
 }
 
-std::vector<fs::path>& added_folders() {
-  static std::vector<fs::path> folders;
-  return folders;
-}
-
-// The folders that may hold a worker, in the order in which they are tried.
-std::vector<fs::path> worker_folders() {
-  std::vector<fs::path> folders;
-  if (const char* chosen = std::getenv("CHLADNI_LIBEXEC"); chosen != nullptr && *chosen != '\0') {
-    folders.emplace_back(chosen);
-  }
-  folders.insert(folders.end(), added_folders().begin(), added_folders().end());
-  std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  if (!here.empty()) {
-    folders.push_back(here);
-    folders.push_back(here.parent_path() / "libexec" / "chladni");
-  }
-  folders.emplace_back(CHLADNI_INSTALLED_LIBEXEC);
-  return folders;
+// All processors may work for it during its whole time.
+std::chrono::seconds processor_time(const WorkerLimits& limits) {
+  return limits.time * std::max(1U, std::thread::hardware_concurrency());
 }
 
 struct Ended {
@@ -310,8 +306,10 @@ Ended ended_worker(const fs::path& program, const std::vector<std::string>& argu
   const auto deadline = Clock::now() + limits.time;
   const std::string name = program.filename().string();
   const std::size_t room = std::max(available_memory() / 4, kLeastOutput);
+  std::optional<Confinement> confinement;
+  if (limits.confined) confinement.emplace(program, limits.files, processor_time(limits));
   Pipes pipes;
-  Worker worker(program, arguments, pipes, limits);
+  Worker worker(program, arguments, pipes, limits, confinement ? &*confinement : nullptr);
   refuse_failed_start(program, pipes.start.read_end);
   Talk talk(name, pipes, input, std::min(limits.output_bytes, room));
   const auto refuse_late = [&] {
@@ -351,42 +349,11 @@ WorkerResult run_program(const fs::path& program, const std::vector<std::string>
   return std::move(ended.result);
 }
 
-void try_worker(const fs::path& program) {
-  const Ended ended = ended_worker(program, {}, "", {.time = std::chrono::seconds(10)});
+void try_worker(const fs::path& program, bool confined) {
+  const Ended ended =
+      ended_worker(program, {}, "", {.time = std::chrono::seconds(10), .confined = confined});
   const bool answered = WIFEXITED(ended.status) && WEXITSTATUS(ended.status) != kLibrariesMissing;
   if (!answered) refuse_bad_end(program.filename().string(), ended.status, ended.result.errors);
-}
-
-std::optional<fs::path> program_on_path(const std::string& name) {
-  const auto runs = [](const fs::path& file) {
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0;
-  };
-  if (name.find('/') != std::string::npos) {
-    return runs(name) ? std::optional<fs::path>(name) : std::nullopt;
-  }
-  const char* path = std::getenv("PATH");
-  std::string_view rest = path == nullptr ? "" : path;
-  while (!rest.empty() && !name.empty()) {
-    const auto end = rest.find(':');
-    const auto candidate = fs::path(rest.substr(0, end)) / name;
-    if (runs(candidate)) return candidate;
-    rest = end == std::string_view::npos ? "" : rest.substr(end + 1);
-  }
-  return std::nullopt;
-}
-
-void add_worker_folder(const fs::path& folder) { added_folders().push_back(folder); }
-
-fs::path worker_path(std::string_view name) {
-  std::string tried;
-  for (const auto& folder : worker_folders()) {
-    const fs::path candidate = folder / name;
-    if (access(candidate.c_str(), X_OK) == 0) return candidate;
-    tried += (tried.empty() ? "" : ", ") + folder.string();
-  }
-  throw WorkerDied(std::string(name) + " was not found in " + tried +
-                   "; build it, or set CHLADNI_LIBEXEC to its folder");
 }
 
 }  // namespace chladni

@@ -22,6 +22,10 @@ struct WorkerLimits {
   std::size_t output_bytes = std::size_t{4} << 30U;
   /// SIGTERM comes so long before SIGKILL, for a program that has others to end. 0: none comes.
   std::chrono::milliseconds grace{0};
+  /// Whether it is confined (base/confinement.h), as what meets foreign bytes should be, with the
+  /// files that it may read. Not for a program that starts others or needs a display.
+  bool confined = false;
+  std::vector<std::filesystem::path> files{};
 };
 
 /// The worker's answer is not that of a worker of this build. So the cause is not an input file.
@@ -35,6 +39,12 @@ struct WorkerResult {
   std::string errors;  ///< the last 64 KiB that it wrote to stderr
 };
 
+/// A confined worker asked the system for what it may not do. Its input made it do so.
+class ForbiddenCall : public WorkerDied {
+ public:
+  using WorkerDied::WorkerDied;
+};
+
 /// Starts `program arguments...`, writes `input` to its stdin, and reads its stdout and stderr
 /// until the program ends. Ctrl-C kills the program within 0.2 s.
 /// @throws WorkerDied    it could not start, ended by a signal or with a status other than 0, or
@@ -42,6 +52,7 @@ struct WorkerResult {
 ///                       ended ("mesher died: signal 6 (Aborted)", "... within 120 s"), then the
 ///                       last line of its stderr
 /// @throws UnusableReply   it wrote more than `limits.output_bytes`
+/// @throws ForbiddenCall   it was confined, and was stopped for what it tried
 /// @throws OutOfResources  there is no memory for its output
 /// @throws Interrupted     Ctrl-C
 [[nodiscard]] WorkerResult run_worker(const std::filesystem::path& program,
@@ -65,11 +76,12 @@ auto reply_of(const std::filesystem::path& worker, Read read) {
   }
 }
 
-/// Tries whether `program` can run: starts it without input and waits for its end, 10 s at most.
+/// Tries whether `program` can run, confined or not: starts it without input and waits for its end,
+/// 10 s at most.
 /// Any exit status counts as success, except 127: the program's libraries are missing.
 /// @throws WorkerDied  the program could not start, was ended by a signal, had the exit status 127
 ///                     or did not end in time
-void try_worker(const std::filesystem::path& program);
+void try_worker(const std::filesystem::path& program, bool confined = false);
 
 /// The path of a worker program. These folders are searched in order: $CHLADNI_LIBEXEC, the added
 /// folders, the folder of the running binary, libexec/chladni beside this folder, and the install

@@ -7,11 +7,16 @@ add_custom_target(programs)  # what ./chladni builds before it runs a verb
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/libexec)
 file(CREATE_LINK ../bin ${PROJECT_BINARY_DIR}/libexec/chladni SYMBOLIC)
 
-# add_worker(name "what it serves" [COMPONENT component]): an executable that the others start. It is
-# built by `programs` and installed where base/worker.cpp looks for it. One of another component than
+# add_worker(name "what it serves" [CONFINED] [COMPONENT component]): an executable that the others
+# start. One that runs CONFINED (base/confinement.h) is tried so by `chladni doctor`. It is built by
+# `programs` and installed where base/worker.cpp looks for it. One of another component than
 # `programs` is in a Debian package of its own, chladni-<component>, and may be missing.
 function(add_worker name serves)
-  cmake_parse_arguments(PARSE_ARGV 2 own "" COMPONENT "")
+  cmake_parse_arguments(PARSE_ARGV 2 own CONFINED COMPONENT "")
+  set(confined false)
+  if(own_CONFINED)
+    set(confined true)
+  endif()
   if(NOT own_COMPONENT)
     set(own_COMPONENT programs)
   endif()
@@ -23,13 +28,13 @@ function(add_worker name serves)
     set(package chladni-${own_COMPONENT})
   endif()
   set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
-               "    Worker{\"${name}\", \"${serves}\", \"${package}\", true},\n")
+               "    Worker{\"${name}\", \"${serves}\", \"${package}\", true, ${confined}},\n")
 endfunction()
 
 # absent_worker(name "what it would serve"): one that this build goes without.
 function(absent_worker name serves)
   set_property(GLOBAL APPEND_STRING PROPERTY CHLADNI_WORKERS
-               "    Worker{\"${name}\", \"${serves}\", \"\", false},\n")
+               "    Worker{\"${name}\", \"${serves}\", \"\", false, false},\n")
 endfunction()
 
 # Writes `header` with the workers that were added so far.
@@ -48,6 +53,7 @@ struct Worker {
   std::string_view name, serves;
   std::string_view package;  ///< the Debian package that alone has it; empty: that of `chladni`
   bool built;
+  bool confined;  ///< it runs without network, other files and other processes
 };
 
 inline constexpr auto kWorkers = std::to_array<Worker>({

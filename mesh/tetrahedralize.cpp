@@ -80,11 +80,14 @@ wire::Request request_for(const Surface& surface, const MesherOptions& options, 
 
 wire::Reply reply_to(const wire::Request& request, const MesherOptions& options,
                      double edge_length) {
-  const WorkerLimits limits{options.time_limit, options.memory_limit_bytes};
+  const WorkerLimits limits{
+      .time = options.time_limit, .memory_bytes = options.memory_limit_bytes, .confined = true};
   try {
     return wire::reply_from(
         run_worker(worker_path("chladni-tetgen"), {}, wire::bytes_of(request), limits).output);
   } catch (const UnusableReply&) {
+    throw;
+  } catch (const ForbiddenCall&) {
     throw;
   } catch (const WorkerDied& death) {
     throw WorkerDied("the mesher died on a surface of " + fmt::to_string(request.markers.size()) +

@@ -75,7 +75,7 @@ std::vector<std::int32_t> nested_dissection(const QuotientGraph& graph, std::siz
   } catch (const WorkerDied&) {  // a library without its programs: Ctrl-C then has to wait
     return metis_order(graph);
   }
-  const WorkerLimits limits{.time = std::chrono::hours(24), .memory_bytes = 0};
+  const WorkerLimits limits{.time = std::chrono::hours(24), .memory_bytes = 0, .confined = true};
   const auto reply = run_worker(worker, {}, bytes_of(graph), limits);
   return reply_of(worker, [&] { return order_from(reply.output, count); });
 }

@@ -18,7 +18,9 @@ WorkerLimits limits(const std::filesystem::path& file) {
   const std::size_t size = std::filesystem::file_size(file);
   return {.time = std::chrono::seconds(20 + size / 1'000'000),
           .memory_bytes = (std::size_t{1} << 30U) + 64 * size,
-          .output_bytes = (std::size_t{64} << 20U) + 64 * size};
+          .output_bytes = (std::size_t{64} << 20U) + 64 * size,
+          .confined = true,
+          .files = {file}};
 }
 
 mesh::TetMesh mesh_of(const Message& found) {
@@ -54,6 +56,8 @@ mesh::TetMesh read_vtu(const std::filesystem::path& file) {
     return mesh_of(reply_of(worker, [&] { return message(result.output); }));
   } catch (const UnusableReply&) {
     throw;
+  } catch (const ForbiddenCall& call) {
+    throw ForbiddenCall(file.string() + ": " + call.what());
   } catch (const WorkerDied& died) {
     throw InvalidInput(file.string() + ": not a readable .vtu of tetrahedra: " + died.what());
   } catch (const InvalidInput& error) {

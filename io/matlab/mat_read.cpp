@@ -83,9 +83,11 @@ MatFile file_of(const Message& found) {
 }
 
 // The limits of time and memory grow with the allowed content. A file that needs more is not valid.
-WorkerLimits limits(std::size_t limit_bytes) {
+WorkerLimits limits(const std::filesystem::path& file, std::size_t limit_bytes) {
   return {.time = std::chrono::seconds(30 + limit_bytes / 20'000'000),
-          .memory_bytes = (std::size_t{1} << 30U) + 4 * limit_bytes};
+          .memory_bytes = (std::size_t{1} << 30U) + 4 * limit_bytes,
+          .confined = true,
+          .files = {file}};
 }
 
 }  // namespace
@@ -96,10 +98,12 @@ MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
   const std::filesystem::path worker = worker_path("chladni-mat");
   try {
     const std::vector<std::string> arguments{file.string(), std::to_string(limit_bytes)};
-    const auto result = run_worker(worker, arguments, "", limits(limit_bytes));
+    const auto result = run_worker(worker, arguments, "", limits(file, limit_bytes));
     return reply_of(worker, [&] { return file_of(message(result.output)); });
   } catch (const UnusableReply&) {
     throw;
+  } catch (const ForbiddenCall& call) {
+    throw ForbiddenCall(file.string() + ": " + call.what());
   } catch (const WorkerDied& died) {
     throw InvalidInput(file.string() + ": not a readable .mat file: " + died.what());
   } catch (const InvalidInput& error) {

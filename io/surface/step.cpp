@@ -131,10 +131,12 @@ Geometry read_step(const std::filesystem::path& file, const std::string& unit) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(file.string() + ": " + error.what());
   }
+  const auto path = std::filesystem::absolute(file);
   const WorkerLimits limits{.time = std::chrono::seconds(120),
                             .memory_bytes = (std::size_t{2} << 30U) + 64 * bytes.size(),
-                            .output_bytes = (std::size_t{64} << 20U) + 64 * bytes.size()};
-  const auto path = std::filesystem::absolute(file);
+                            .output_bytes = (std::size_t{64} << 20U) + 64 * bytes.size(),
+                            .confined = true,
+                            .files = {path}};
   const auto worker = worker_path("chladni-step");
   const auto result = run_worker(worker, {path.string()}, "", limits);
   const Message reply = reply_of(worker, [&] { return message(result.output); });
