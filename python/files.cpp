@@ -26,14 +26,15 @@ using io::FrfFile;
 using io::TimeFile;
 using modal::MeasuredChannel;
 using Names = std::vector<std::string>;
+using FrfClass = py::class_<FrfFile, std::shared_ptr<FrfFile>>;
 
 constexpr const char* kQuantities[] = {"displacement", "velocity", "acceleration"};
 
 const char* quantity_of(modal::FrfKind kind) { return kQuantities[static_cast<int>(kind)]; }
 
 modal::FrfKind kind_called(const std::string& quantity) {
-  for (const auto kind : {modal::FrfKind::receptance, modal::FrfKind::mobility,
-                          modal::FrfKind::accelerance}) {
+  for (const auto kind :
+       {modal::FrfKind::receptance, modal::FrfKind::mobility, modal::FrfKind::accelerance}) {
     if (quantity == quantity_of(kind)) return kind;
   }
   throw InvalidInput("the quantity \"" + quantity +
@@ -109,9 +110,8 @@ py::object array_or_none(const std::vector<Matrix>& lines, const modal::FrfSet& 
 }
 
 std::shared_ptr<FrfFile> read_frf(const std::filesystem::path& file, const std::string& unit,
-                                  const std::optional<std::string>& quantity,
-                                  const Names& sensors, const Names& actuators,
-                                  const std::string& length_unit) {
+                                  const std::optional<std::string>& quantity, const Names& sensors,
+                                  const Names& actuators, const std::string& length_unit) {
   io::FrfOptions options;
   options.unit = unit;
   options.sensor_names = sensors;
@@ -123,8 +123,8 @@ std::shared_ptr<FrfFile> read_frf(const std::filesystem::path& file, const std::
 }
 
 std::shared_ptr<TimeFile> read_time(const std::filesystem::path& file, const std::string& unit,
-                                    double sample_time_s, Eigen::Index period,
-                                    const Names& sensors, const Names& actuators) {
+                                    double sample_time_s, Eigen::Index period, const Names& sensors,
+                                    const Names& actuators) {
   io::TimeOptions options;
   options.unit = unit;
   options.sample_time_s = sample_time_s;
@@ -177,16 +177,15 @@ void add_channel(py::module_& module) {
       .def("__repr__", &channel_text);
 }
 
-void add_frf(py::module_& module) {
-  py::class_<FrfFile, std::shared_ptr<FrfFile>>(
-      module, "Frf", "Frequency responses, each lines x outputs x inputs, with e^{+jwt}.")
+void add_frf_arrays(FrfClass& bound) {
+  bound
       .def(py::init(&frf_with), py::arg("frequency_hz"), py::arg("value"), py::arg("outputs"),
            py::arg("inputs"), py::kw_only(), py::arg("variance") = py::none(),
            py::arg("coherence") = py::none(), py::arg("averages") = 0.0,
            "nan where nothing was measured; outputs and inputs are Channels, or names. variance: "
            "E|G - G0|^2.")
-      .def_property_readonly("frequency_hz",
-                             [](const FrfFile& f) -> const auto& { return f.set.frequency_hz; })
+      .def_property_readonly(
+          "frequency_hz", [](const FrfFile& f) -> const auto& { return f.set.frequency_hz; })
       .def_property_readonly(
           "value", [](const FrfFile& f) { return array_or_none<Complexes>(f.set.value, f.set); },
           "a copy, complex")
@@ -202,25 +201,35 @@ void add_frf(py::module_& module) {
       .def_property_readonly("inputs", [](const FrfFile& f) { return f.set.inputs; })
       .def_property_readonly("averages", [](const FrfFile& f) { return f.set.averages; })
       .def_readonly("format", &FrfFile::format)
-      .def_readonly("notes", &FrfFile::notes, "what was assumed, skipped or suspicious")
-      .def("converted",
-           [](const FrfFile& f, const std::string& quantity) {
-             return changed(f, modal::converted(f.set, kind_called(quantity)));
-           },
-           py::arg("quantity"), "Every output as displacement, velocity or acceleration.")
-      .def("band",
-           [](const FrfFile& f, double low_hz, double high_hz) {
-             return changed(f, modal::band(f.set, low_hz, high_hz));
-           },
-           py::arg("low_hz"), py::arg("high_hz"))
-      .def("part",
-           [](const FrfFile& f, const std::optional<Names>& outputs,
-              const std::optional<Names>& inputs) {
-             return changed(f, modal::part(f.set, rows_called(f.set.outputs, outputs),
-                                           rows_called(f.set.inputs, inputs)));
-           },
-           py::arg("outputs") = py::none(), py::arg("inputs") = py::none(),
-           "Channels of these names, in this order.")
+      .def_readonly("notes", &FrfFile::notes, "what was assumed, skipped or suspicious");
+}
+
+void add_frf(py::module_& module) {
+  FrfClass bound(module, "Frf",
+                 "Frequency responses, each lines x outputs x inputs, with e^{+jwt}.");
+  add_frf_arrays(bound);
+  bound
+      .def(
+          "converted",
+          [](const FrfFile& f, const std::string& quantity) {
+            return changed(f, modal::converted(f.set, kind_called(quantity)));
+          },
+          py::arg("quantity"), "Every output as displacement, velocity or acceleration.")
+      .def(
+          "band",
+          [](const FrfFile& f, double low_hz, double high_hz) {
+            return changed(f, modal::band(f.set, low_hz, high_hz));
+          },
+          py::arg("low_hz"), py::arg("high_hz"))
+      .def(
+          "part",
+          [](const FrfFile& f, const std::optional<Names>& outputs,
+             const std::optional<Names>& inputs) {
+            return changed(f, modal::part(f.set, rows_called(f.set.outputs, outputs),
+                                          rows_called(f.set.inputs, inputs)));
+          },
+          py::arg("outputs") = py::none(), py::arg("inputs") = py::none(),
+          "Channels of these names, in this order.")
       .def("__repr__", &frf_text);
 }
 
@@ -238,30 +247,32 @@ void add_recordings(py::module_& module) {
       .def_property_readonly("references", [](const TimeFile& t) { return t.data.references; })
       .def_property_readonly("sample_time_s",
                              [](const TimeFile& t) { return t.data.sample_time_s; })
-      .def_property_readonly("period", [](const TimeFile& t) { return t.data.period; },
-                             "[samples] of a periodic excitation; 0: none")
-      .def_property_readonly("records",
-                             [](const py::object& self) {
-                               py::list records;
-                               for (const auto& one : self.cast<const TimeFile&>().data.records) {
-                                 records.append(py::cast(
-                                     one, py::return_value_policy::reference_internal, self));
-                               }
-                               return records;
-                             })
+      .def_property_readonly(
+          "period", [](const TimeFile& t) { return t.data.period; },
+          "[samples] of a periodic excitation; 0: none")
+      .def_property_readonly(
+          "records",
+          [](const py::object& self) {
+            py::list records;
+            for (const auto& one : self.cast<const TimeFile&>().data.records) {
+              records.append(py::cast(one, py::return_value_policy::reference_internal, self));
+            }
+            return records;
+          })
       .def_readonly("format", &TimeFile::format)
       .def_readonly("notes", &TimeFile::notes)
-      .def("frf",
-           [](const TimeFile& file, double low_hz, double high_hz) {
-             const LongCall call;
-             auto found = identification::frf_estimate(
-                 file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
-             return std::make_shared<FrfFile>(
-                 FrfFile{file.format, std::move(found.set), std::move(found.notes)});
-           },
-           py::arg("low_hz") = 0.0, py::arg("high_hz") = 0.0,
-           "Responses with variances, of a periodic excitation in open loop; high_hz 0: all "
-           "excited lines.");
+      .def(
+          "frf",
+          [](const TimeFile& file, double low_hz, double high_hz) {
+            const LongCall call;
+            auto found = identification::frf_estimate(
+                file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
+            return std::make_shared<FrfFile>(
+                FrfFile{file.format, std::move(found.set), std::move(found.notes)});
+          },
+          py::arg("low_hz") = 0.0, py::arg("high_hz") = 0.0,
+          "Responses with variances, of a periodic excitation in open loop; high_hz 0: all "
+          "excited lines.");
 }
 
 void add_functions(py::module_& module) {

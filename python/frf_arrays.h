@@ -14,8 +14,7 @@
 namespace chladni::python {
 
 using Complexes =
-    pybind11::array_t<std::complex<double>,
-                      pybind11::array::c_style | pybind11::array::forcecast>;
+    pybind11::array_t<std::complex<double>, pybind11::array::c_style | pybind11::array::forcecast>;
 using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
 
 /// Lines × rows × columns as one matrix for each line.

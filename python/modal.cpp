@@ -34,10 +34,14 @@ void add_state_space(py::module_& module) {
   using modal::ControlModel;
   py::class_<ControlModel>(module, "StateSpace",
                            "y = C x + D u with a delay of each channel. Arrays are views.")
-      .def_property_readonly("A", [](const ControlModel& m) -> const auto& { return m.space.a; })
-      .def_property_readonly("B", [](const ControlModel& m) -> const auto& { return m.space.b; })
-      .def_property_readonly("C", [](const ControlModel& m) -> const auto& { return m.space.c; })
-      .def_property_readonly("D", [](const ControlModel& m) -> const auto& { return m.space.d; })
+      .def_property_readonly(
+          "A", [](const ControlModel& m) -> const auto& { return m.space.a; })
+      .def_property_readonly(
+          "B", [](const ControlModel& m) -> const auto& { return m.space.b; })
+      .def_property_readonly(
+          "C", [](const ControlModel& m) -> const auto& { return m.space.c; })
+      .def_property_readonly(
+          "D", [](const ControlModel& m) -> const auto& { return m.space.d; })
       .def_property_readonly(
           "sample_time_s", [](const ControlModel& m) { return m.space.sample_time_s; },
           "0: continuous")
@@ -56,16 +60,17 @@ void add_state_space(py::module_& module) {
       .def_property_readonly(
           "output_delay", [](const ControlModel& m) -> const auto& { return m.output_delay; },
           "[s], or samples of a discrete model")
-      .def("frf",
-           [](const ControlModel& model, const Eigen::VectorXd& frequency_hz) {
-             std::vector<Eigen::MatrixXcd> values;
-             {
-               const LongCall call;
-               for (const double f : frequency_hz) values.push_back(modal::response(model, f));
-             }
-             return array_of<Complexes>(values, model.space.c.rows(), model.space.b.cols());
-           },
-           py::arg("frequency_hz"), "lines x outputs x inputs, delays included")
+      .def(
+          "frf",
+          [](const ControlModel& model, const Eigen::VectorXd& frequency_hz) {
+            std::vector<Eigen::MatrixXcd> values;
+            {
+              const LongCall call;
+              for (const double f : frequency_hz) values.push_back(modal::response(model, f));
+            }
+            return array_of<Complexes>(values, model.space.c.rows(), model.space.b.cols());
+          },
+          py::arg("frequency_hz"), "lines x outputs x inputs, delays included")
       .def("with_delay_states", &modal::with_delay_states,
            "The delays of a discrete model as states.");
 }
@@ -75,8 +80,7 @@ void add_state_space(py::module_& module) {
 void add_modal(py::module_& module) {
   add_state_space(module);
   module.def(
-      "mac",
-      [](const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) { return modal::mac(a, b); },
+      "mac", [](const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) { return modal::mac(a, b); },
       py::arg("a"), py::arg("b"),
       "Modal assurance criterion of the columns of a and b, real or complex; in [0, 1].");
 }

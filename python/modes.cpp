@@ -88,7 +88,7 @@ void add_mesh(py::module_& module) {
       .def_property_readonly("order", &TetMesh::order);
 }
 
-void add_numbers(ModesClass& bound) {
+void add_arrays(ModesClass& bound) {
   // A view of a member of the solution, which lives as long as the array.
   const auto view = [&bound](const char* name, auto member, const char* text) {
     bound.def_property_readonly(
@@ -96,22 +96,33 @@ void add_numbers(ModesClass& bound) {
         text);
   };
   using stage::Solution;
-  view("frequency_hz", [](const Solution& s) -> const auto& { return s.modes.frequency_hz; },
-       "m, ascending; rigid-body modes come first with 0");
-  view("damping_ratio", [](const Solution& s) -> const auto& { return s.modes.damping_ratio; },
-       "m, fraction of critical; 0: not known");
-  view("shapes", [](const Solution& s) -> const auto& { return s.modes.shapes; },
-       "3 nodes x m [kg^-1/2], rows x0 y0 z0 x1 ..., mass-normalised");
-  view("residual", [](const Solution& s) -> const auto& { return s.summary.residual; },
-       "m, relative");
-  view("frequency_error", [](const Solution& s) -> const auto& { return s.frequency_error; },
-       "m, relative: what the mesh leaves");
-  view("free_dof", [](const Solution& s) -> const auto& { return s.system->dofs.free_dof; },
-       "for x0 y0 z0 x1 ... and what attachments add: row of K and M, or -1 where it is held");
-  view("mesh", [](const Solution& s) -> const auto& { return s.model.body; }, "the body");
+  view(
+      "frequency_hz", [](const Solution& s) -> const auto& { return s.modes.frequency_hz; },
+      "m, ascending; rigid-body modes come first with 0");
+  view(
+      "damping_ratio", [](const Solution& s) -> const auto& { return s.modes.damping_ratio; },
+      "m, fraction of critical; 0: not known");
+  view(
+      "shapes", [](const Solution& s) -> const auto& { return s.modes.shapes; },
+      "3 nodes x m [kg^-1/2], rows x0 y0 z0 x1 ..., mass-normalised");
+  view(
+      "residual", [](const Solution& s) -> const auto& { return s.summary.residual; },
+      "m, relative");
+  view(
+      "frequency_error", [](const Solution& s) -> const auto& { return s.frequency_error; },
+      "m, relative: what the mesh leaves");
+  view(
+      "free_dof", [](const Solution& s) -> const auto& { return s.system->dofs.free_dof; },
+      "for x0 y0 z0 x1 ... and what attachments add: row of K and M, or -1 where it is held");
+  view(
+      "mesh", [](const Solution& s) -> const auto& { return s.model.body; }, "the body");
+}
+
+void add_numbers(ModesClass& bound) {
   bound
-      .def_property_readonly("rigid_body_modes",
-                             [](const ModesResult& one) { return one.solution()->modes.rigid_count; })
+      .def_property_readonly(
+          "rigid_body_modes",
+          [](const ModesResult& one) { return one.solution()->modes.rigid_count; })
       .def_property_readonly(
           "complete", [](const ModesResult& one) { return one.solution()->summary.complete; },
           "an inertia count proves that no mode below counted_below_hz is missing")
@@ -120,8 +131,8 @@ void add_numbers(ModesClass& bound) {
           [](const ModesResult& one) { return one.solution()->summary.counted_below_hz; })
       .def_property_readonly("summary",
                              [](const ModesResult& one) { return one.solution()->summary.text; })
-      .def_property_readonly("mass_kg",
-                             [](const ModesResult& one) { return one.solution()->model.mass.mass_kg; })
+      .def_property_readonly(
+          "mass_kg", [](const ModesResult& one) { return one.solution()->model.mass.mass_kg; })
       .def_property_readonly(
           "centre_m", [](const ModesResult& one) { return one.solution()->model.mass.centre_m; })
       .def_property_readonly("inertia_kg_m2", [](const ModesResult& one) {
@@ -160,6 +171,7 @@ study::Study with_state_space(study::Study study, double sample_rate_hz, int sta
 void add_modes(py::module_& module) {
   add_mesh(module);
   ModesClass bound(module, "Modes", "Natural frequencies and shapes of a study's body.");
+  add_arrays(bound);
   add_numbers(bound);
   bound
       .def("at", &values_at, py::arg("points"), py::arg("direction") = py::none(),
@@ -173,7 +185,8 @@ void add_modes(py::module_& module) {
            py::arg("states") = 0, py::arg("pade_order") = 0, py::arg("progress") = py::none(),
            "From the study's actuators to its sensors; discrete with a sample rate. states after "
            "balanced reduction, 0: as [state_space] says, or all.")
-      .def("_stiffness", [](const ModesResult& one) { return whole(one.solution()->system->stiffness); })
+      .def("_stiffness",
+           [](const ModesResult& one) { return whole(one.solution()->system->stiffness); })
       .def("_mass", [](const ModesResult& one) { return whole(one.solution()->system->mass); })
       .def("_damping", [](const ModesResult& one) -> py::object {
         const auto& damping = one.solution()->system->damping;

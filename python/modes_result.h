@@ -15,9 +15,7 @@ class ModesResult : public Result {
   void leave(show::Run& run) const override;
   [[nodiscard]] std::string page() const override;
 
-  [[nodiscard]] const std::shared_ptr<const stage::Solution>& solution() const {
-    return solution_;
-  }
+  [[nodiscard]] const std::shared_ptr<const stage::Solution>& solution() const { return solution_; }
   [[nodiscard]] const mesh::SiteFinder& finder() const { return finder_; }
 
  private:

@@ -95,8 +95,9 @@ fs::path program() {
   }
   const auto there = program_on_path("chladni");
   if (!there) {
-    throw WorkerDied("there is no program chladni beside the module or on the PATH; expected "
-                     "one, built by ./chladni or installed");
+    throw WorkerDied(
+        "there is no program chladni beside the module or on the PATH; expected "
+        "one, built by ./chladni or installed");
   }
   return *there;
 }

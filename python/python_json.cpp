@@ -30,8 +30,7 @@ py::object object_of(const io::JsonObject& members) {
 }  // namespace
 
 py::object python_of(const io::Json& json) {
-  return std::visit([](const auto& value) -> py::object { return object_of(value); },
-                    json.value());
+  return std::visit([](const auto& value) -> py::object { return object_of(value); }, json.value());
 }
 
 }  // namespace chladni::python

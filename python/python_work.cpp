@@ -1,5 +1,7 @@
 #include "python/python_work.h"
 
+#include <pybind11/stl.h>
+
 namespace chladni::python {
 namespace {
 
@@ -64,10 +66,7 @@ Said PythonWork::said() {
 }
 
 void warn_python(const std::vector<std::string>& warnings) {
-  if (warnings.empty()) return;
-  const auto warn = py::module_::import("warnings").attr("warn");
-  const auto category = py::module_::import("chladni._chladni").attr("ChladniWarning");
-  for (const auto& text : warnings) warn(text, category);
+  if (!warnings.empty()) py::module_::import("chladni._progress").attr("warn")(warnings);
 }
 
 }  // namespace chladni::python

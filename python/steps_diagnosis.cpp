@@ -28,13 +28,24 @@ class DiagnosisResult : public Result {
   [[nodiscard]] io::JsonObject json() const override { return show::diagnosis_json(found_); }
   void leave(show::Run& run) const override {
     auto left = found_;
-    if (left.extended) left.extended = steps::extended_for(study(), found_, run);
+    if (left.extended) lead_paths(run, left);
     show::leave_diagnosis(study(), left, run, true);
   }
   [[nodiscard]] std::string page() const override { return show::diagnosis_page(study(), found_); }
   [[nodiscard]] const steps::Diagnosed& found() const { return found_; }
 
  private:
+  // Paths of the extended study start in the folder of the study until it is left elsewhere.
+  void lead_paths(const stage::Work& work, steps::Diagnosed& left) const {
+    auto allowed = opened()->allowed;
+    const auto folder = std::filesystem::absolute(study().file).parent_path();
+    allowed.push_back(folder);
+    left.extended->text =
+        steps::extended_study(left.extended->text, folder / "extended.toml", left.structure.surface,
+                              {}, work.choices().folder, allowed)
+            .text;
+  }
+
   steps::Diagnosed found_;
 };
 
@@ -44,9 +55,7 @@ class SpecimensResult : public Result {
                   steps::DiagnosedSpecimens found)
       : Result(std::move(opened), std::move(said)), found_(std::move(found)) {}
   [[nodiscard]] std::string text() const override { return show::specimens_table(found_.result); }
-  [[nodiscard]] io::JsonObject json() const override {
-    return show::specimens_json(found_.result);
-  }
+  [[nodiscard]] io::JsonObject json() const override { return show::specimens_json(found_.result); }
   void leave(show::Run& run) const override { show::leave_specimens(found_, run); }
 
  private:
@@ -63,8 +72,7 @@ py::object diagnose(const py::object& source, const py::object& progress,
         std::make_shared<SpecimensResult>(subject.opened, work.said(), std::move(found)));
   }
   auto found = work.done([&] { return steps::diagnosed(subject.study(), work); });
-  return py::cast(
-      std::make_shared<DiagnosisResult>(subject.opened, work.said(), std::move(found)));
+  return py::cast(std::make_shared<DiagnosisResult>(subject.opened, work.said(), std::move(found)));
 }
 
 // The place of each cause in the body's frame [m]; None: it has no place.
@@ -134,10 +142,11 @@ void add_diagnosis_step(py::module_& module) {
       .def_property_readonly("predictions", &predictions_of,
                              "responses on the lines of measured: of the study, the extended "
                              "study, the fitted model; each lines x outputs x inputs, or None")
-      .def_property_readonly("extended_text", [](const DiagnosisResult& one) {
-        const auto& text = one.found().extended;
-        return text ? std::optional<std::string>(text->text) : std::nullopt;
-      })
+      .def_property_readonly("extended_text",
+                             [](const DiagnosisResult& one) {
+                               const auto& text = one.found().extended;
+                               return text ? std::optional<std::string>(text->text) : std::nullopt;
+                             })
       .def("extended_study", &extended, "The study with the causes; None where none was named.");
   py::class_<SpecimensResult, std::shared_ptr<SpecimensResult>, Result>(
       module, "SpecimensDiagnosis", "Several specimens of one design, diagnosed together.");

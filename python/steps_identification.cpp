@@ -179,34 +179,51 @@ py::object identified_in(const StudyField& field) {
   return py::cast(std::make_shared<IdentifiedResult>(field.opened(), field.said(), model));
 }
 
-void add_identified(py::module_& module) {
-  using Class = py::class_<IdentifiedResult, std::shared_ptr<IdentifiedResult>, Result>;
-  Class bound(module, "Identified", "A modal model of measured responses. Arrays are views.");
+using IdentifiedClass = py::class_<IdentifiedResult, std::shared_ptr<IdentifiedResult>, Result>;
+
+void add_identified_arrays(IdentifiedClass& bound) {
   const auto view = [&bound](const char* name, auto member, const char* text) {
     bound.def_property_readonly(
         name, [member](const IdentifiedResult& one) -> const auto& { return member(one.model()); },
         text);
   };
   using Model = steps::IdentifiedModel;
-  view("frequency_hz", [](const Model& m) -> const auto& { return m.found.fit.model.frequency_hz; },
-       "m; rigid-body modes first with 0");
-  view("frequency_std_hz", [](const Model& m) -> const auto& { return m.found.fit.frequency_std_hz; },
-       "m");
-  view("damping_ratio", [](const Model& m) -> const auto& { return m.found.fit.model.damping_ratio; },
-       "m");
-  view("damping_std", [](const Model& m) -> const auto& { return m.found.fit.damping_std; }, "m");
-  view("output_matrix", [](const Model& m) -> const auto& { return m.found.fit.model.output_shapes; },
-       "L, p x m");
-  view("output_std", [](const Model& m) -> const auto& { return m.found.fit.output_std; }, "p x m");
-  view("input_matrix", [](const Model& m) -> const auto& { return m.found.fit.model.input_shapes; },
-       "R, m x q");
-  view("input_std", [](const Model& m) -> const auto& { return m.found.fit.input_std; }, "m x q");
-  view("residual", [](const Model& m) -> const auto& { return m.found.fit.model.residual; },
-       "p x q [m/N]: the modes above the band");
-  view("shapes", [](const Model& m) -> const auto& { return m.match.shapes; },
-       "mass-normalised shapes at all places [kg^-1/2], in one scale for both sides");
-  view("shapes_std", [](const Model& m) -> const auto& { return m.match.deviation; },
-       "of shapes; infinite where a mode has no known scale");
+  view(
+      "frequency_hz", [](const Model& m) -> const auto& { return m.found.fit.model.frequency_hz; },
+      "m; rigid-body modes first with 0");
+  view(
+      "frequency_std_hz",
+      [](const Model& m) -> const auto& { return m.found.fit.frequency_std_hz; }, "m");
+  view(
+      "damping_ratio",
+      [](const Model& m) -> const auto& { return m.found.fit.model.damping_ratio; }, "m");
+  view(
+      "damping_std", [](const Model& m) -> const auto& { return m.found.fit.damping_std; }, "m");
+  view(
+      "output_matrix",
+      [](const Model& m) -> const auto& { return m.found.fit.model.output_shapes; }, "L, p x m");
+  view(
+      "output_std", [](const Model& m) -> const auto& { return m.found.fit.output_std; }, "p x m");
+  view(
+      "input_matrix", [](const Model& m) -> const auto& { return m.found.fit.model.input_shapes; },
+      "R, m x q");
+  view(
+      "input_std", [](const Model& m) -> const auto& { return m.found.fit.input_std; }, "m x q");
+  view(
+      "residual", [](const Model& m) -> const auto& { return m.found.fit.model.residual; },
+      "p x q [m/N]: the modes above the band");
+  view(
+      "shapes", [](const Model& m) -> const auto& { return m.match.shapes; },
+      "mass-normalised shapes at all places [kg^-1/2], in one scale for both sides");
+  view(
+      "shapes_std", [](const Model& m) -> const auto& { return m.match.deviation; },
+      "of shapes; infinite where a mode has no known scale");
+}
+
+void add_identified(py::module_& module) {
+  IdentifiedClass bound(module, "Identified",
+                        "A modal model of measured responses. Arrays are views.");
+  add_identified_arrays(bound);
   bound
       .def_property_readonly(
           "poles", [](const IdentifiedResult& i) { return steps::poles(i.model()); },
@@ -221,9 +238,9 @@ void add_identified(py::module_& module) {
       .def_property_readonly(
           "error", [](const IdentifiedResult& i) { return steps::overall_error(i.model()); },
           "|G - model| over |G|, over all responses and lines")
-      .def_property_readonly("noise",
-                             [](const IdentifiedResult& i) { return steps::noise(i.model()); },
-                             "the error of a perfect model")
+      .def_property_readonly(
+          "noise", [](const IdentifiedResult& i) { return steps::noise(i.model()); },
+          "the error of a perfect model")
       .def_property_readonly(
           "measured",
           [](const IdentifiedResult& i) {
@@ -241,17 +258,17 @@ void add_identified(py::module_& module) {
 void add_field(py::module_& module) {
   py::class_<StudyField, std::shared_ptr<StudyField>, Result>(
       module, "StudyField", "Mode shapes on the body of a study, and its responses there.")
-      .def("at", &shapes_near, py::arg("points"), py::arg("direction") = py::none(),
-           py::arg("method") = "",
-           "Mean and standard deviation, each n x m, at the places of the surface nearest to points "
-           "(n x 3 [m], within 1 mm), along direction (3 or n x 3) or the outward normal.")
+      .def(
+          "at", &shapes_near, py::arg("points"), py::arg("direction") = py::none(),
+          py::arg("method") = "",
+          "Mean and standard deviation, each n x m, at the places of the surface nearest to points "
+          "(n x 3 [m], within 1 mm), along direction (3 or n x 3) or the outward normal.")
       .def("frf", &responses_near, py::arg("points"), py::arg("frequency_hz"),
            py::arg("direction") = py::none(), py::arg("method") = "",
            "G between the sensors: value and standard deviation, each lines x n x actuators "
            "[m/N]. Needs measured responses.")
       .def_property_readonly(
-          "frequency_hz",
-          [](const StudyField& field) -> const auto& {
+          "frequency_hz", [](const StudyField& field) -> const auto& {
             return field.found().measured.shapes.frequency_hz;
           },
           "of the measured modes")

@@ -50,7 +50,9 @@ class PlacementResult : public ResultOfModes<steps::BestPlaces> {
 class PriorsResult : public ResultOfModes<steps::LearnedPriors> {
  public:
   using ResultOfModes::ResultOfModes;
-  [[nodiscard]] std::string text() const override { return show::priors_table(solution(), found()); }
+  [[nodiscard]] std::string text() const override {
+    return show::priors_table(solution(), found());
+  }
   [[nodiscard]] io::JsonObject json() const override {
     return show::priors_json(solution(), found());
   }
@@ -115,18 +117,24 @@ void add_placement_result(py::module_& module) {
         text);
   };
   using steps::BestPlaces;
-  view("points", [](const BestPlaces& b) -> const auto& { return b.surface.sites.position; },
-       "n x 3 [m]: places of the surface");
-  view("normals", [](const BestPlaces& b) -> const auto& { return b.surface.sites.normal; },
-       "n x 3, outward");
-  view("areas", [](const BestPlaces& b) -> const auto& { return b.surface.sites.area; }, "n [m^2]");
-  view("triangles", [](const BestPlaces& b) -> const auto& { return b.surface.triangles; },
-       "t x 3, rows of points");
-  view("score", [](const BestPlaces& b) -> const auto& { return b.maps[b.chosen].score; },
-       "n: the heat map of the study's criterion; more is better");
+  view(
+      "points", [](const BestPlaces& b) -> const auto& { return b.surface.sites.position; },
+      "n x 3 [m]: places of the surface");
+  view(
+      "normals", [](const BestPlaces& b) -> const auto& { return b.surface.sites.normal; },
+      "n x 3, outward");
+  view(
+      "areas", [](const BestPlaces& b) -> const auto& { return b.surface.sites.area; }, "n [m^2]");
+  view(
+      "triangles", [](const BestPlaces& b) -> const auto& { return b.surface.triangles; },
+      "t x 3, rows of points");
+  view(
+      "score", [](const BestPlaces& b) -> const auto& { return b.maps[b.chosen].score; },
+      "n: the heat map of the study's criterion; more is better");
   bound
       .def_property_readonly(
-          "criterion", [](const PlacementResult& p) { return std::string(p.found().criterion->name); })
+          "criterion",
+          [](const PlacementResult& p) { return std::string(p.found().criterion->name); })
       .def_property_readonly("admissible", &admissible, "n: where a device may be")
       .def_property_readonly("maps", &maps_of, "the heat map of each criterion, n each")
       .def_property_readonly(
@@ -157,8 +165,8 @@ void add_placement_step(py::module_& module) {
              py::arg("seed") = py::none(),
              "Where collocated pairs and all devices belong. study: a Study, its Modes, a file or "
              "a dict.");
-  module.def("priors", &learned, py::arg("study"), py::kw_only(),
-             py::arg("progress") = py::none(), py::arg("seed") = py::none(),
+  module.def("priors", &learned, py::arg("study"), py::kw_only(), py::arg("progress") = py::none(),
+             py::arg("seed") = py::none(),
              "Length scales, amplitudes and noise that the modes teach.");
 }
 

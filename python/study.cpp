@@ -123,14 +123,16 @@ void add_study(StudyClass& bound) {
 void add_result(py::module_& module) {
   py::class_<Result, std::shared_ptr<Result>>(module, "Result", "What all results have.")
       .def("__str__", &Result::text)
-      .def("to_dict", [](const Result& result) { return python_of(result.json()); },
-           "The content of the JSON file that the verb leaves.")
+      .def(
+          "to_dict", [](const Result& result) { return python_of(result.json()); },
+          "The content of the JSON file that the verb leaves.")
       .def("save", &save, py::arg("folder"), py::kw_only(), py::arg("pictures") = true,
            py::arg("progress") = py::none(), "Leaves the files of the verb in folder.")
       .def("_page", &page_of)
-      .def_property_readonly(
-          "study",
-          [](const Result& result) { return std::const_pointer_cast<OpenedStudy>(result.opened()); })
+      .def_property_readonly("study",
+                             [](const Result& result) {
+                               return std::const_pointer_cast<OpenedStudy>(result.opened());
+                             })
       .def_property_readonly("notes", [](const Result& result) { return result.said().notes; })
       .def_property_readonly("warnings",
                              [](const Result& result) { return result.said().warnings; })

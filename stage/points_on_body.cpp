@@ -42,9 +42,10 @@ Points directions_at(const std::vector<mesh::Site>& sites,
     }
     return result;
   }
-  require(directions->rows() == 1 || directions->rows() == n,
-          fmt::format("there are {} directions for {} points; expected one for all, or one for each",
-                      directions->rows(), n));
+  require(
+      directions->rows() == 1 || directions->rows() == n,
+      fmt::format("there are {} directions for {} points; expected one for all, or one for each",
+                  directions->rows(), n));
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::RowVector3d given = directions->row(directions->rows() == 1 ? 0 : i);
     require(given.allFinite() && given.norm() > 0.0,

@@ -38,13 +38,18 @@ std::vector<std::filesystem::path> allowed_for(const study::Study& study, const 
 // Writes the extended study, and solves it in full if a cause changed it.
 void extend(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
             stage::Work& work) {
-  one.extended = extended_for(study, one, work);
-  if (one.extended->unexpressed.size() == causes_to_extend(one).size()) return;
+  const auto causes = causes_to_extend(one);
+  const auto allowed = allowed_for(study, work);
+  const auto& body = one.before.model.body;
+  const bool fits =
+      stage::has_the_axes_of_variations(stage::diagnosed_faces(study, body).chart, body);
+  one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
+                                work.choices().folder, allowed, fits);
+  if (one.extended->unexpressed.size() == causes.size()) return;
   if (one.reference) return;  // solved again, it would be off by what the study is off by
   const auto part = work.part("extended: ");
   const study::Study extended = stage::with_modes_for_diagnosis(
-      study::parse_study(one.extended->text, work.choices().folder / "extended.toml",
-                         allowed_for(study, work)));
+      study::parse_study(one.extended->text, work.choices().folder / "extended.toml", allowed));
   one.after = solve(extended, work);
   if (one.modes) {
     retell_modes(extended, *one.after, options_of(plan_of(extended), work), one);
@@ -225,15 +230,6 @@ Diagnosed diagnosed(const study::Study& study, stage::Solution before, stage::Wo
                               solve_in_full);
   }
   return diagnosed(study, measured_frfs(study, work), std::move(before), work, solve_in_full);
-}
-
-ExtendedStudy extended_for(const study::Study& study, const Diagnosed& one,
-                           const stage::Work& work) {
-  const auto& body = one.before.model.body;
-  const bool fits =
-      stage::has_the_axes_of_variations(stage::diagnosed_faces(study, body).chart, body);
-  return extended_study(study.text, study.file, one.structure.surface, causes_to_extend(one),
-                        work.choices().folder, allowed_for(study, work), fits);
 }
 
 }  // namespace chladni::steps

@@ -53,8 +53,4 @@ using SolveStudy = std::function<stage::Solution(const study::Study& study, stag
 [[nodiscard]] Diagnosed diagnosed(const study::Study& study, stage::Work& work,
                                   const SolveStudy& solve_extended);
 
-/// The study with the causes that were named, for the folder of `work`: its paths start there.
-[[nodiscard]] ExtendedStudy extended_for(const study::Study& study, const Diagnosed& diagnosed,
-                                         const stage::Work& work);
-
 }  // namespace chladni::steps

@@ -182,8 +182,7 @@ void widen_by_scale(const Interpolated& result, Interpolation& interpolation) {
   if (interpolation.field->summary().includes_scale) return;
   const auto off = with_scale_off(result.measured);
   if (!off) return;
-  interpolation.with_scale_off =
-      priors::mode_field(*interpolation.method, *off, result.simulation);
+  interpolation.with_scale_off = priors::mode_field(*interpolation.method, *off, result.simulation);
   widen(interpolation, result.measured.hidden.places, interpolation.hidden);
   widen(interpolation, result.point_places, interpolation.points);
   widen(interpolation, result.unmeasured_places, interpolation.unmeasured);

@@ -219,8 +219,8 @@ modal::FrfSet simulated_responses(const study::Study& study, const stage::Soluti
   const auto model = stage::at_channels(study, solution);
   set.value.assign(static_cast<std::size_t>(frequency_hz.size()),
                    Eigen::MatrixXcd(set.output_count(), set.input_count()));
-  for (const auto kind : {modal::FrfKind::receptance, modal::FrfKind::mobility,
-                          modal::FrfKind::accelerance}) {
+  for (const auto kind :
+       {modal::FrfKind::receptance, modal::FrfKind::mobility, modal::FrfKind::accelerance}) {
     std::vector<Eigen::Index> rows;
     for (Eigen::Index i = 0; i < set.output_count(); ++i) {
       if (set.outputs[static_cast<std::size_t>(i)].kind == kind) rows.push_back(i);

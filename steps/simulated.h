@@ -27,8 +27,8 @@ struct Simulated {
   double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };
 
-/// Responses of the simulation without noise, from the study's actuators to its sensors, each in its
-/// quantity and as its channel records it. Cost: that of stage::at_channels.
+/// Responses of the simulation without noise, from the study's actuators to its sensors, each in
+/// its quantity and as its channel records it. Cost: that of stage::at_channels.
 /// @throws InvalidInput  no sensor or no actuator; as modal::frf
 [[nodiscard]] modal::FrfSet simulated_responses(const study::Study& study,
                                                 const stage::Solution& solution,

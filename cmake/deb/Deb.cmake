@@ -27,8 +27,10 @@ set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-chladni)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, chladni")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-scipy, python3-pandas")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION
-"This package has the Python module chladni, with NumPy's arrays.")
+"This package has the Python package chladni: every verb of the program, on
+ NumPy's arrays.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libchladni-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
@@ -70,7 +72,7 @@ install(FILES ${CMAKE_CURRENT_LIST_DIR}/chladni.fish
         DESTINATION ${share}/fish/vendor_completions.d COMPONENT programs)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models DESTINATION ${share}/chladni COMPONENT programs)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${share}/doc/chladni COMPONENT programs
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.json")
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.json" PATTERN "*.ipynb")
 foreach(component programs python development cluster)
   string(TOUPPER ${component} upper)
   set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})

@@ -1,6 +1,10 @@
-"""Who is told of the progress of a long step."""
+"""Who is told of the progress of a long step, and of its warnings."""
+import pathlib
 import sys
 import time
+import warnings
+
+from ._chladni import ChladniWarning
 
 _QUIET = 0.5  # [s]: a step that takes less shows no bar
 _WIDTH = 24
@@ -52,3 +56,13 @@ def listener(progress):
         raise TypeError(f"progress is {progress!r}; expected a function of the step's name and the "
                         "part that is done (or None), or False")
     return progress
+
+
+def warn(texts):
+    """Warns at the line outside this package that asked for the step."""
+    package = str(pathlib.Path(__file__).parent)
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(package):
+        level, frame = level + 1, frame.f_back
+    for text in texts:
+        warnings.warn(text, ChladniWarning, stacklevel=level)

@@ -51,7 +51,7 @@ def _built(settings):
     build = build if build.is_absolute() else ROOT / build
     jobs = settings.get("jobs") or str(os.cpu_count())
     if own or not (build / "build.ninja").exists():
-        _run("cmake", "--preset", "release", "-B", build, "-DCHLADNI_BUILD_TESTS=OFF", *own)
+        _run("cmake", "--preset", "release", "-B", build, *own)
     _run("cmake", "--build", build, "--parallel", jobs, "--target", "programs", "chladni_python")
     return build
 

@@ -1,6 +1,9 @@
 """Small studies that several tests share."""
 import copy
 import os
+import pathlib
+import subprocess
+import unittest
 
 PLATE = {
     "title": "plate",
@@ -30,3 +33,16 @@ def channels(sensors=SENSORS):
 def patience():
     """How much longer a step may take where more is to do than there are processors."""
     return max(1.0, os.getloadavg()[0] / os.cpu_count())
+
+
+def every_fourth_landing(kind):
+    """For a test of some twenty seconds: it runs where the rest by four of the landings is `kind`, as
+    tests/rotation draws; CHLADNI_STUDIES=all, or a number, asks for others."""
+    asked = os.environ.get("CHLADNI_STUDIES", "")
+    if asked == "all":
+        return lambda test: test
+    root = pathlib.Path(__file__).parent
+    said = subprocess.run(["git", "-C", root, "rev-list", "--count", "--first-parent", "HEAD"],
+                          capture_output=True, text=True, check=False).stdout
+    number = int(asked or said or 2)
+    return unittest.skipUnless(number % 4 == kind, "at every fourth landing; CHLADNI_STUDIES=all")
