@@ -5,6 +5,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 import unittest.mock
 import warnings
@@ -183,6 +184,30 @@ class Modes(unittest.TestCase):
             with unittest.mock.patch.dict(sys.modules, {package: None}):
                 with self.assertRaisesRegex(ImportError, f"needs the package {package}"):
                     call()
+
+    def test_what_other_packages_are_given(self):
+        # Stand-ins that keep what they get: the real packages are rarely installed.
+        class Kept:
+            def __init__(self, *values, **more):
+                self.values, self.more, self.point_data = values, more, {}
+        module = types.SimpleNamespace(UnstructuredGrid=Kept, PolyData=Kept, ss=Kept)
+        modes = self.modes
+        with unittest.mock.patch.dict(sys.modules, {"pyvista": module, "control": module}):
+            grid = modes.to_pyvista()
+            surface = chladni.place(modes).to_pyvista()
+            loop = modes.to_control(sample_rate_hz=20000)
+        cells, kinds, points = grid.values
+        cells = cells.reshape(len(kinds), -1)
+        self.assertTrue((kinds == 71).all() and (cells[:, 0] == 20).all())  # VTK's Lagrange tetrahedra
+        np.testing.assert_array_equal(cells[:, 1:], modes.mesh.cells)
+        np.testing.assert_array_equal(points, modes.mesh.nodes)
+        name = f"mode_008_{modes.frequency_hz[7]:.2f}Hz"
+        np.testing.assert_array_equal(grid.point_data[name].ravel(), modes.shapes[:, 7])
+        self.assertEqual(surface.values[1].reshape(-1, 4)[:, 1:].max() + 1, len(surface.values[0]))
+        self.assertIn("weakest_mode", surface.point_data)
+        self.assertEqual(len(loop.values), 5)
+        self.assertEqual(loop.more["inputs"], ["a1", "a2"])
+        self.assertEqual(len(loop.more["states"]), len(loop.values[0]))
 
     def test_a_table_goes_to_pandas(self):
         self.assertEqual(len(self.modes.table), len(self.modes.frequency_hz))
