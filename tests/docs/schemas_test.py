@@ -171,9 +171,11 @@ class Files(unittest.TestCase):
 
     def agrees(self, file, schema_name=None):
         """The file agrees with its schema, and would not without any of the keys required."""
-        schema = schema_of(schema_name or file.name)
+        name = schema_name or file.name
+        schema = schema_of(name)
         content = json.loads(file.read_text())
-        validator = jsonschema.Draft202012Validator(schema)
+        others = jsonschema.RefResolver((SCHEMAS / name).as_uri(), schema)
+        validator = jsonschema.Draft202012Validator(schema, resolver=others)
         faults = [f"{file.name}: {list(fault.absolute_path)}: {fault.message}"
                   for fault in validator.iter_errors(content)]
         self.assertEqual(faults[:5], [])
@@ -201,6 +203,7 @@ class Files(unittest.TestCase):
         self.all_agree(self.run_verb("identify", self.study), "identified.json", "state_space.json")
         self.all_agree(self.run_verb("interpolate", self.study), "interpolation.json", "spatio_temporal.json",
                        "mode_field_polynomial.json")
+        self.all_agree(self.run_verb("compare", self.study), "comparison.json")
         self.diagnosed_modes()
         if not (why := why_skipped("docs.schemas.diagnosis", SAMPLE, SOURCE)):
             self.diagnosed_responses()
@@ -226,6 +229,7 @@ class Files(unittest.TestCase):
             (self.folder / f"{name}.toml").write_text(
                 f'{sheet}{channels()}[measurement]\nmodes = "modes.csv"\n')
         self.all_agree(self.run_verb("diagnose", self.folder / "one.toml"), "diagnosis.json")
+        self.all_agree(self.run_verb("compare", self.folder / "one.toml"), "comparison.json")
         several = self.folder / "several.toml"
         several.write_text(PLATE % "8 mm" + "".join(
             f'[[specimen]]\nname = "{n}"\nstudy = "{n}.toml"\n' for n in ("one", "two")))
