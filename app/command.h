@@ -23,6 +23,7 @@ extern const Command modes_command;
 extern const Command export_command;
 extern const Command place_command;
 extern const Command priors_command;
+extern const Command experiment_command;
 extern const Command simulate_command;
 extern const Command identify_command;
 extern const Command interpolate_command;

@@ -30,10 +30,11 @@ using app::ExitCode;
 
 // In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
-    &app::check_command,    &app::mesh_command,     &app::modes_command,
-    &app::export_command,   &app::place_command,    &app::priors_command,
-    &app::simulate_command, &app::identify_command, &app::interpolate_command,
-    &app::compare_command,  &app::diagnose_command, &app::study_command,
+    &app::check_command,       &app::mesh_command,     &app::modes_command,
+    &app::export_command,      &app::place_command,    &app::priors_command,
+    &app::experiment_command,  &app::simulate_command, &app::identify_command,
+    &app::interpolate_command, &app::compare_command,  &app::diagnose_command,
+    &app::study_command,
 };
 
 /// Runs `work` and turns any exception into a message and an exit code.

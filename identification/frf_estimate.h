@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identification/estimate/spectra.h"
@@ -15,6 +16,9 @@
 namespace chladni::identification {
 
 struct FrfEstimateOptions {
+  /// The transient of the start is taken off all periods, and none is dropped (local_transient.h).
+  /// For recordings: spectra have lost what lies between their lines.
+  bool remove_transient = false;
   std::optional<Eigen::Index> drop;    ///< periods at the start; none: transient() decides
   double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all excited lines
   /// Variances are averaged over this number of lines on each side. None: enough lines that a
@@ -35,11 +39,24 @@ struct FrfEstimate {
 ///                       not excited themselves
 [[nodiscard]] FrfEstimate frf_estimate(const Spectra& spectra,
                                        const FrfEstimateOptions& options = {});
+/// @throws InvalidInput  also as without_start(), where the transient is to be removed
 [[nodiscard]] FrfEstimate frf_estimate(const TimeData& data,
                                        const FrfEstimateOptions& options = {});
 
+/// The spectra of recordings that the options ask for, and the options for them. `about` receives
+/// the transient that was seen before anything was done about it.
+[[nodiscard]] std::pair<Spectra, FrfEstimateOptions> prepared(const TimeData& data,
+                                                              const FrfEstimateOptions& options,
+                                                              TransientReport& about);
+
+/// States what was done: true periods, and the transient that was taken off.
+void tell_removed(const TimeData& data, const TransientReport& about, FrfEstimate& estimate);
+
 /// The excited lines of the band. @throws InvalidInput  none
 [[nodiscard]] Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options);
+
+/// Lines on each side over which a variance of so many degrees of freedom is averaged.
+[[nodiscard]] Eigen::Index lines_for_freedom(Eigen::Index freedom);
 
 /// Mean over ±half lines; at the ends over the lines that exist.
 [[nodiscard]] std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,

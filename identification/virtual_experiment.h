@@ -60,6 +60,14 @@ struct VirtualExperimentPlan {
 [[nodiscard]] TimeData realisation(const VirtualRig& rig, const VirtualExperimentPlan& plan,
                                    int number, Draw& draw, double* crest_factor = nullptr);
 
+/// What the rig records while given signals are played.
+/// @param excitation  inputs of one period per record, in the rig's order
+/// @param crest_factor  of the signals
+/// @throws InvalidInput  other inputs or another sampling than the rig has
+[[nodiscard]] TimeData played(const VirtualRig& rig, const TimeData& excitation,
+                              Eigen::Index periods, Eigen::Index warm_up, Draw& draw,
+                              double* crest_factor = nullptr);
+
 /// All realisations in one data set.
 [[nodiscard]] TimeData virtual_experiment(const VirtualRig& rig, const VirtualExperimentPlan& plan,
                                           int realisations, unsigned seed,

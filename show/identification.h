@@ -1,6 +1,8 @@
 // An identified model as text, JSON, pictures and files.
 #pragma once
 
+#include <optional>
+
 #include "io/picture_file.h"
 #include "io/report.h"
 #include "io/result_table.h"
@@ -16,6 +18,13 @@ namespace chladni::show {
 /// "trust: ...", then a line for each doubtful mode and outlying line.
 [[nodiscard]] std::string trust_text(const steps::IdentifiedModel& model);
 [[nodiscard]] io::Json trust_json(const steps::IdentifiedModel& model);
+
+/// How good recordings are, in which band, and what was done to them; empty or null for responses.
+[[nodiscard]] std::string quality_text(const steps::IdentifiedModel& model);
+[[nodiscard]] io::Json quality_json(const steps::IdentifiedModel& model);
+[[nodiscard]] std::optional<io::ResultTable> quality_table(const steps::IdentifiedModel& model);
+/// detection_lines.csv, where there are lines that nothing excites.
+void leave_detection_lines(const steps::IdentifiedModel& model, Run& run);
 
 [[nodiscard]] io::JsonObject identified_json(const steps::IdentifiedModel& model);
 

@@ -116,6 +116,11 @@ io::Section identification_section(const steps::IdentifiedModel& model) {
       curves.caption;
   section.blocks.emplace_back(std::move(curves));
   section.blocks.emplace_back(io::report_table(identified_modes_table(model)));
+  if (const auto quality = quality_table(model)) {
+    section.blocks.emplace_back(io::Note{
+        io::Note::Tone::plain, "The recordings: " + model.measured.quality->verdict + "."});
+    section.blocks.emplace_back(io::report_table(*quality));
+  }
   section.blocks.emplace_back(io::Note{
       io::Note::Tone::plain,
       fmt::format("The responses are fitted to {} % of their size; the noise "

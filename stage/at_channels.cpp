@@ -8,12 +8,19 @@
 namespace chladni::stage {
 namespace {
 
-SparseMatrix columns_of(const fem::DofMap& dofs, const std::vector<study::Channel>& channels,
-                        const std::vector<mesh::Site>& sites) {
-  std::vector<Eigen::SparseVector<double>> rows;
+using Rows = std::vector<Eigen::SparseVector<double>>;
+
+void add_rows(const fem::DofMap& dofs, const std::vector<study::Channel>& channels,
+              const std::vector<mesh::Site>& sites, Rows& rows) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
     rows.push_back(mesh::row_at(sites[i], channels[i].direction, dofs.node_count));
   }
+}
+
+SparseMatrix columns_of(const fem::DofMap& dofs, const std::vector<study::Channel>& channels,
+                        const std::vector<mesh::Site>& sites) {
+  Rows rows;
+  add_rows(dofs, channels, sites, rows);
   return fem::columns_on_free(dofs, rows);
 }
 
@@ -47,6 +54,17 @@ modal::ReducedModel at_channels(const study::Study& study, const Solution& solut
   const auto& system = *solution.system;
   return fem::reduced(system, on_free(system.dofs, solution, count),
                       columns_of(system.dofs, study.sensors, model.sensors),
+                      columns_of(system.dofs, study.actuators, model.actuators));
+}
+
+modal::ReducedModel at_channels_and_drives(const study::Study& study, const Solution& solution) {
+  const auto& model = solution.model;
+  const auto& system = *solution.system;
+  Rows rows;
+  add_rows(system.dofs, study.sensors, model.sensors, rows);
+  add_rows(system.dofs, study.actuators, model.actuators, rows);
+  return fem::reduced(system, on_free(system.dofs, solution, solution.modes.mode_count()),
+                      fem::columns_on_free(system.dofs, rows),
                       columns_of(system.dofs, study.actuators, model.actuators));
 }
 

@@ -13,4 +13,9 @@ namespace chladni::stage {
 [[nodiscard]] modal::ReducedModel at_channels(const study::Study& study, const Solution& solution,
                                               Eigen::Index mode_count = 0);
 
+/// The same on all modes, with further outputs below those of the sensors: the displacement at each
+/// actuator along its direction.
+[[nodiscard]] modal::ReducedModel at_channels_and_drives(const study::Study& study,
+                                                         const Solution& solution);
+
 }  // namespace chladni::stage

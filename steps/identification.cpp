@@ -8,8 +8,10 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/turn.h"
 #include "identification/constants.h"
 #include "identification/delay_scan.h"
+#include "identification/hammer.h"
 #include "identification/matrix_fraction.h"
 #include "identification/model_error.h"
 #include "steps/identification/identification_gains.h"
@@ -179,6 +181,32 @@ std::string drift_warning(const IdentifiedModel& model) {
       name(high), 1e6 * (most - least), name(low));
 }
 
+// The modes without the decay of an exponential window, and the data as they would be without it:
+// what the fit left of them stays. Residues do not change (identification/hammer.h). Deviations of
+// damping ratios go with the frequency.
+void take_off_window(IdentifiedModel& model) {
+  const double added = model.measured.added_decay;
+  if (added == 0.0) return;
+  auto& fit = model.found.fit;
+  require(!fit.complex && fit.model.rigid_count == 0,
+          model.measured.file +
+              ": an exponential window beside general damping or modes at 0 Hz; expected longer "
+              "records, or damping = \"modal\" and rigid_body_modes = 0");
+  const Eigen::MatrixXcd windowed = identification::responses(fit, model.data.frequency_hz);
+  const auto poles = identification::true_poles(identification::start_at(fit.model).pole, added);
+  for (Eigen::Index k = 0; k < poles.size(); ++k) {
+    const double before = fit.model.frequency_hz(k);
+    fit.model.frequency_hz(k) = std::abs(poles(k)) / kTwoPi;
+    fit.model.damping_ratio(k) = -poles(k).real() / std::abs(poles(k));
+    const double scale = before / fit.model.frequency_hz(k);
+    fit.damping_std(k) *= scale;
+    auto& covariance = fit.mode_covariance[static_cast<std::size_t>(k)];
+    covariance.row(1) *= scale;
+    covariance.col(1) *= scale;
+  }
+  model.data.value += identification::responses(fit, model.data.frequency_hz) - windowed;
+}
+
 // The fit of the study's responses, as close as their noise and the study's model error allow.
 IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study::Study& study,
                              stage::Work& work) {
@@ -203,6 +231,7 @@ IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study:
     forget_interrupt();
     work.warn("the fit was stopped by Ctrl-C: its best so far is written");
   }
+  take_off_window(model);
   return model;
 }
 

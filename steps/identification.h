@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "identification/channel_gains.h"
+#include "identification/data_quality.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
 #include "modal/frf_set.h"
@@ -19,7 +21,10 @@ namespace chladni::steps {
 struct MeasuredFrfs {
   std::string file;
   modal::FrfSet all;
-  std::vector<Eigen::Index> outputs, inputs;  ///< channels that a fit may use
+  std::vector<Eigen::Index> outputs, inputs;           ///< channels that a fit may use
+  std::optional<identification::DataQuality> quality;  ///< of recordings
+  double added_decay =
+      0.0;  ///< [rad/s] by an exponential window: in the responses, not in the model
 };
 
 /// True if `[measurement]` names a file of responses or recordings.

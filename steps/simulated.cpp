@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "identification/closed_loop.h"
 #include "identification/delay.h"
+#include "io/time_file.h"
 #include "stage/at_channels.h"
 #include "stage/channel_paths.h"
 
@@ -163,6 +164,30 @@ void set_noise(const study::Study& study, unsigned seed, Bench& bench) {
   if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
 }
 
+// The excitation of each realisation.
+std::vector<identification::TimeData> parts_of(const identification::TimeData& excitation) {
+  std::vector<identification::TimeData> parts;
+  for (const auto& record : excitation.records) {
+    if (parts.empty() || parts.back().records.back().realisation != record.realisation) {
+      parts.push_back(excitation);
+      parts.back().records.clear();
+    }
+    parts.back().records.push_back(record);
+  }
+  return parts;
+}
+
+// Signals of a file instead of drawn ones.
+void set_excitation_of_file(const study::Study& study, Bench& bench) {
+  const auto& path = study.experiment->excitation;
+  if (path.empty()) return;
+  io::TimeOptions options;
+  options.actuator_names = study::names_of(study.actuators);
+  options.sample_time_s = bench.rig.sample_time_s;
+  bench.excitation = io::read_time(path, options).data;
+  bench.plan.multisine.period = bench.excitation.records.front().inputs.rows();
+}
+
 // Advises the warm-up that leaves less than a tenth of a deviation.
 void advise(const study::ExperimentPlan& plan, identification::FrfEstimate& estimate) {
   const auto& seen = estimate.transient;
@@ -191,6 +216,7 @@ Bench bench_of(const study::Study& study, stage::Work& work) {
   rig.outputs = channels_of(study.sensors, true);
   rig.inputs = channels_of(study.actuators, false);
   set_excitation(plan, bench);
+  set_excitation_of_file(study, bench);
   set_structure(study, work, bench);
   if (plan.cubic_stiffness != 0.0) {
     rig.spring =
@@ -242,9 +268,13 @@ Simulated simulated(const study::Study& study, const Bench& bench, stage::Work& 
   Simulated result;
   Spectra all;
   const auto progress = work.progress();
-  for (int r = 0; r < plan.realisations; ++r) {
-    tell(progress, "shaking", static_cast<double>(r) / plan.realisations);
-    auto data = realisation(bench.rig, bench.plan, r, draw, &result.crest_factor);
+  const auto sets = parts_of(bench.excitation);
+  const int count = sets.empty() ? plan.realisations : static_cast<int>(sets.size());
+  for (int r = 0; r < count; ++r) {
+    tell(progress, "shaking", static_cast<double>(r) / count);
+    auto data = sets.empty() ? realisation(bench.rig, bench.plan, r, draw, &result.crest_factor)
+                             : played(bench.rig, sets[static_cast<std::size_t>(r)], plan.periods,
+                                      plan.warm_up, draw, &result.crest_factor);
     const auto& sine = bench.plan.multisine;
     append(all, spectra(data, sine.low_hz, sine.high_hz));
     if (!plan.leaves_time) continue;

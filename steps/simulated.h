@@ -12,8 +12,9 @@ namespace chladni::steps {
 struct Bench {
   identification::VirtualRig rig;
   identification::VirtualExperimentPlan plan;
-  std::vector<std::string> notes;  ///< assumptions that were made
-  Eigen::Index modes = 0;          ///< in the structure; 0: the chain, which has all its poles
+  identification::TimeData excitation;  ///< of a file, one period each; no records: drawn anew
+  std::vector<std::string> notes;       ///< assumptions that were made
+  Eigen::Index modes = 0;               ///< in the structure; 0: the chain, which has all its poles
 };
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the

@@ -28,6 +28,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeshPlan>& mesh_schema();
 [[nodiscard]] const Schema<ModesPlan>& modes_schema();
 [[nodiscard]] const Schema<ExperimentPlan>& experiment_schema();
+[[nodiscard]] const Schema<ExcitationPlan>& design_schema();
 /// What stands above all tables.
 [[nodiscard]] const Schema<Study>& top_schema();
 [[nodiscard]] const Schema<Channel>& sensor_schema();

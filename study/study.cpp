@@ -89,7 +89,8 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_layouts(root, study);
   read_placement(root, study);
   read_measurement(root, folder, study);
-  read_experiment(root, study);
+  read_experiment(root, folder, study);
+  read_design(root, study);
   read_identification(root, study);
   read_state_space(root, study);
   read_interpolation(root, study);

@@ -15,7 +15,9 @@
 #include "fem/material.h"
 #include "mesh/bodies.h"
 #include "study/diagnosis_plan.h"
+#include "study/excitation_plan.h"
 #include "study/place.h"
+#include "study/recording_plan.h"
 #include "study/variation_plan.h"
 
 namespace chladni::study {
@@ -147,8 +149,9 @@ struct MeasurementPlan {
   std::filesystem::path modes_file;   ///< measured modes, for a diagnosis; or empty
   std::filesystem::path reference;    ///< modes measured before something changed; or empty
   std::vector<std::string> hold_out;  ///< names of channels that are held out of every fit
-  std::string source;  ///< where to get files that do not come with the study; or empty
-  double mass = 0.0;   ///< [kg], as scales have it; 0: not weighed
+  std::string source;       ///< where to get files that do not come with the study; or empty
+  double mass = 0.0;        ///< [kg], as scales have it; 0: not weighed
+  RecordingPlan recording;  ///< how responses are estimated from `time`
 };
 
 /// "; it does not come with the study: SOURCE"; empty if the plan states none.
@@ -182,7 +185,8 @@ struct ExperimentPlan {
   std::string cubic_sensor, cubic_actuator;  ///< its place: a collocated pair
   std::vector<std::string> controlled;       ///< actuators in the loop; empty: open
   double bandwidth_hz = 0.0;
-  bool leaves_time = false;  ///< writes the recordings instead of the responses
+  bool leaves_time = false;          ///< writes the recordings instead of the responses
+  std::filesystem::path excitation;  ///< recordings whose inputs are played instead; or empty
 };
 
 /// The fit of a modal model to the measurement.
@@ -292,6 +296,7 @@ struct Study {
   std::optional<PlacementPlan> placement;
   std::optional<MeasurementPlan> measurement;
   std::optional<ExperimentPlan> experiment;
+  std::optional<ExcitationPlan> design;
   std::optional<IdentificationPlan> identification;
   std::optional<StateSpacePlan> state_space;
   std::optional<InterpolationPlan> interpolation;

@@ -116,7 +116,11 @@ ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOpt
 }
 
 ClosedLoopEstimate closed_loop_estimate(const TimeData& data, const FrfEstimateOptions& options) {
-  return closed_loop_estimate(spectra(data, options.low_hz, options.high_hz), options);
+  TransientReport about;
+  const auto [all, own] = prepared(data, options, about);
+  auto result = closed_loop_estimate(all, own);
+  if (options.remove_transient) tell_removed(data, about, result.estimate);
+  return result;
 }
 
 }  // namespace chladni::identification

@@ -1,11 +1,14 @@
 #include "identification/frf_estimate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "base/error.h"
 #include "identification/constants.h"
+#include "identification/estimate/local_transient.h"
 
 namespace chladni::identification {
 namespace {
@@ -17,14 +20,17 @@ std::vector<ChannelChoice> all_of(Side side, std::size_t count) {
 }
 
 Eigen::Index smoothing(const FrfEstimateOptions& options, Eigen::Index freedom) {
-  if (options.smooth_lines) return *options.smooth_lines;
+  return options.smooth_lines ? *options.smooth_lines : lines_for_freedom(freedom);
+}
+
+}  // namespace
+
+Eigen::Index lines_for_freedom(Eigen::Index freedom) {
   if (freedom < 1) return 0;
   const double lines = std::ceil(Constants::enough_freedom / static_cast<double>(freedom));
   return std::min(Constants::most_smoothing,
                   static_cast<Eigen::Index>(std::ceil(0.5 * (lines - 1.0))));
 }
-
-}  // namespace
 
 Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options) {
   auto places = excited_lines(all);
@@ -110,8 +116,41 @@ FrfEstimate frf_estimate(const Spectra& all, const FrfEstimateOptions& options) 
   return result;
 }
 
+std::pair<Spectra, FrfEstimateOptions> prepared(const TimeData& data,
+                                                const FrfEstimateOptions& options,
+                                                TransientReport& about) {
+  auto all = spectra(data, options.low_hz, options.high_hz);
+  if (!options.remove_transient) return {std::move(all), options};
+  about = transient(excited_part(all, options));
+  auto own = options;
+  own.drop = 0;
+  return {without_start(data, options.low_hz, options.high_hz), own};
+}
+
+void tell_removed(const TimeData& data, const TransientReport& about, FrfEstimate& estimate) {
+  Eigen::Index periods = data.records.front().outputs.rows() / data.period;
+  for (const auto& record : data.records) {
+    periods = std::min(periods, record.outputs.rows() / data.period);
+  }
+  estimate.periods = periods;
+  std::erase(estimate.notes, estimate.transient.text);
+  estimate.transient = about;
+  estimate.transient.drop = 0;
+  estimate.transient.remaining = 0.0;
+  if (!about.seen) return;
+  estimate.transient.text = fmt::format(
+      "a transient of which each period leaves {:.3g} was taken off all {} periods by what lies "
+      "between the lines; none was dropped",
+      about.decay, periods);
+  estimate.notes.push_back(estimate.transient.text);
+}
+
 FrfEstimate frf_estimate(const TimeData& data, const FrfEstimateOptions& options) {
-  return frf_estimate(spectra(data, options.low_hz, options.high_hz), options);
+  TransientReport about;
+  const auto [all, own] = prepared(data, options, about);
+  auto result = frf_estimate(all, own);
+  if (options.remove_transient) tell_removed(data, about, result);
+  return result;
 }
 
 }  // namespace chladni::identification

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "identification/constants.h"
 #include "identification/estimate/fft.h"
+#include "identification/frf_estimate.h"
 
 namespace chladni::identification {
 namespace {
@@ -131,7 +132,23 @@ modal::FrfSet empty_set(const TimeData& data, const Lines& lines, bool variance)
   return set;
 }
 
-void fill(const Sums& sums, Eigen::Index input, modal::FrfSet& set, bool second) {
+// K×p: power that the force does not explain, S_yy − |S_fy|²/S_ff, averaged over ±half lines.
+Eigen::MatrixXd unexplained(const Sums& sums, Eigen::Index half) {
+  const Eigen::MatrixXd power =
+      (sums.response - sums.force.cwiseInverse().asDiagonal() * sums.cross.cwiseAbs2())
+          .cwiseMax(0.0);
+  Eigen::MatrixXd result(power.rows(), power.cols());
+  for (Eigen::Index k = 0; k < power.rows(); ++k) {
+    const auto first = std::max<Eigen::Index>(0, k - half);
+    const auto count = std::min(power.rows() - 1, k + half) - first + 1;
+    result.row(k) = power.middleRows(first, count).colwise().mean();
+  }
+  return result;
+}
+
+void fill(const Sums& sums, Eigen::Index input, Eigen::Index half, modal::FrfSet& set,
+          bool second) {
+  const auto noise = unexplained(sums, half);
   for (std::size_t k = 0; k < set.value.size(); ++k) {
     const auto line = static_cast<Eigen::Index>(k);
     for (Eigen::Index i = 0; i < set.output_count(); ++i) {
@@ -144,8 +161,8 @@ void fill(const Sums& sums, Eigen::Index input, modal::FrfSet& set, bool second)
       set.value[k](i, input) = value;
       set.coherence[k](i, input) = coherence;
       if (set.variance.empty()) continue;
-      set.variance[k](i, input) =
-          std::norm(value) * (1.0 - coherence) / (std::max(coherence, 1e-300) * (sums.hits - 1.0));
+      const double turned = second && coherence > 0.0 ? 1.0 / (coherence * coherence) : 1.0;
+      set.variance[k](i, input) = turned * noise(line, i) / (sums.force(line) * (sums.hits - 1.0));
     }
   }
 }
@@ -171,11 +188,16 @@ HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& option
   }
   result.h1 = empty_set(data, lines, fewest > 1.0);
   result.h2 = result.h1;
-  for (std::size_t j = 0; j < all.size(); ++j) {
-    fill(all[j], static_cast<Eigen::Index>(j), result.h1, false);
-    fill(all[j], static_cast<Eigen::Index>(j), result.h2, true);
+  const auto half = lines_for_freedom(static_cast<Eigen::Index>(fewest) - 1);
+  if (half > 0) {
+    result.notes.push_back("variances are averaged over " + std::to_string(2 * half + 1) +
+                           " lines");
   }
-  result.h1.averages = result.h2.averages = fewest - 1.0;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    fill(all[j], static_cast<Eigen::Index>(j), half, result.h1, false);
+    fill(all[j], static_cast<Eigen::Index>(j), half, result.h2, true);
+  }
+  result.h1.averages = result.h2.averages = (fewest - 1.0) * static_cast<double>(2 * half + 1);
   if (fewest < 2.0) {
     result.notes.emplace_back("one hit only: coherence is 1 and nothing tells the variance");
   }

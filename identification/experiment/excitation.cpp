@@ -36,20 +36,20 @@ void check(const MultisinePlan& plan) {
 double amplitude_at(const MultisinePlan& plan, double hz) {
   const auto n = plan.shape.size();
   if (n == 0) return 1.0;
-  if (hz <= plan.shape_hz(0)) return plan.shape(0);
-  for (Eigen::Index i = 1; i < n; ++i) {
-    if (hz > plan.shape_hz(i)) continue;
-    const double t = (hz - plan.shape_hz(i - 1)) / (plan.shape_hz(i) - plan.shape_hz(i - 1));
-    return std::exp((1.0 - t) * std::log(plan.shape(i - 1)) + t * std::log(plan.shape(i)));
-  }
-  return plan.shape(n - 1);
+  const double* begin = plan.shape_hz.data();
+  const Eigen::Index i = std::lower_bound(begin, begin + n, hz) - begin;
+  if (i == 0) return plan.shape(0);
+  if (i == n) return plan.shape(n - 1);
+  const double t = (hz - plan.shape_hz(i - 1)) / (plan.shape_hz(i) - plan.shape_hz(i - 1));
+  return std::exp((1.0 - t) * std::log(plan.shape(i - 1)) + t * std::log(plan.shape(i)));
 }
 
 struct Choice {
   std::vector<Eigen::Index> excited, left_out;
 };
 
-Choice lines_of(const MultisinePlan& plan, Draw& draw) {
+Choice lines_of(const MultisinePlan& plan) {
+  Draw draw(plan.detection_seed);
   const double lines_per_hz = static_cast<double>(plan.period) * plan.sample_time_s;
   const double rounding = 1e-9 * static_cast<double>(plan.period);
   const auto first = std::max<Eigen::Index>(
@@ -118,7 +118,7 @@ void lower_crest(const MultisinePlan& plan, Multisine& result) {
 
 // ±1 (Sylvester) for a power of 2, else the roots of unity; W Wᴴ = q.
 std::complex<double> orthogonal_entry(Eigen::Index row, Eigen::Index column, Eigen::Index q) {
-  if ((q & (q - 1)) == 0) {
+  if (differ_in_sign_only(q)) {
     int bits = 0;
     for (auto both = row & column; both != 0; both >>= 1) bits += static_cast<int>(both & 1);
     return bits % 2 == 0 ? 1.0 : -1.0;
@@ -136,7 +136,7 @@ double crest_factor(const Eigen::Ref<const Eigen::VectorXd>& signal) {
 
 Multisine multisine(const MultisinePlan& plan, Draw& draw) {
   check(plan);
-  auto choice = lines_of(plan, draw);
+  auto choice = lines_of(plan);
   Multisine result;
   result.lines = std::move(choice.excited);
   result.detection = std::move(choice.left_out);
@@ -147,33 +147,52 @@ Multisine multisine(const MultisinePlan& plan, Draw& draw) {
   return result;
 }
 
-ExperimentSet experiments(const MultisinePlan& plan, Eigen::Index inputs, InputScheme scheme,
-                          Draw& draw) {
-  check(plan);
-  require(inputs >= 1, "multisine: no inputs to excite");
-  require(scheme == InputScheme::one_at_a_time || plan.crest_iterations == 0,
-          "multisine: the crest factor of orthogonal multisines cannot be lowered");
-  const auto choice = lines_of(plan, draw);
+bool differ_in_sign_only(Eigen::Index inputs) { return (inputs & (inputs - 1)) == 0; }
+
+ExperimentSet experiments(const std::vector<MultisinePlan>& plans, InputScheme scheme, Draw& draw) {
+  require(!plans.empty(), "multisine: no inputs to excite");
+  const auto q = static_cast<Eigen::Index>(plans.size());
+  const auto& first = plans.front();
+  for (const auto& plan : plans) {
+    check(plan);
+    require(plan.period == first.period && plan.sample_time_s == first.sample_time_s &&
+                plan.low_hz == first.low_hz && plan.high_hz == first.high_hz &&
+                plan.lines == first.lines,
+            "multisine: the inputs have different lines; expected one period, one band");
+    require(scheme == InputScheme::one_at_a_time || plan.crest_iterations == 0 ||
+                differ_in_sign_only(q),
+            "multisine: the crest factor of orthogonal multisines of " + std::to_string(q) +
+                " inputs cannot be lowered; expected 2, 4, 8, ... inputs, or one at a time");
+  }
+  const auto choice = lines_of(first);
   ExperimentSet result{.inputs = {}, .lines = choice.excited, .detection = choice.left_out};
-  result.inputs.assign(static_cast<std::size_t>(inputs),
-                       Eigen::MatrixXd::Zero(plan.period, inputs));
-  for (Eigen::Index j = 0; j < inputs; ++j) {
+  result.inputs.assign(plans.size(), Eigen::MatrixXd::Zero(first.period, q));
+  for (Eigen::Index j = 0; j < q; ++j) {
+    const auto& plan = plans[static_cast<std::size_t>(j)];
     Multisine own{.signal = {}, .lines = choice.excited, .detection = {}, .coefficient = {}};
     own.coefficient = random_phases(plan, choice.excited, draw);
-    for (Eigen::Index e = 0; e < inputs; ++e) {
+    own.signal = signal_of(choice.excited, own.coefficient, plan.period);
+    own.crest_factor = crest_factor(own.signal);
+    lower_crest(plan, own);
+    for (Eigen::Index e = 0; e < q; ++e) {
       if (scheme == InputScheme::one_at_a_time && e != j) continue;
-      own.signal = signal_of(choice.excited, own.coefficient, plan.period);
+      Eigen::VectorXd signal = own.signal;
       if (scheme == InputScheme::orthogonal) {
-        own.signal = signal_of(choice.excited, own.coefficient * orthogonal_entry(j, e, inputs),
-                               plan.period);
+        signal =
+            signal_of(choice.excited, own.coefficient * orthogonal_entry(j, e, q), plan.period);
       }
-      own.crest_factor = crest_factor(own.signal);
-      lower_crest(plan, own);
-      result.inputs[static_cast<std::size_t>(e)].col(j) = own.signal;
-      result.crest_factor = std::max(result.crest_factor, own.crest_factor);
+      result.crest_factor = std::max(result.crest_factor, crest_factor(signal));
+      result.inputs[static_cast<std::size_t>(e)].col(j) = signal;
     }
   }
   return result;
+}
+
+ExperimentSet experiments(const MultisinePlan& plan, Eigen::Index inputs, InputScheme scheme,
+                          Draw& draw) {
+  require(inputs >= 1, "multisine: no inputs to excite");
+  return experiments(std::vector<MultisinePlan>(static_cast<std::size_t>(inputs), plan), scheme,
+                     draw);
 }
 
 }  // namespace chladni::identification

@@ -22,6 +22,9 @@ struct MultisinePlan {
   double sample_time_s = 0.0;          ///< the lines are k / (N T)
   double low_hz = 0.0, high_hz = 0.0;  ///< the band with both ends; never 0 Hz nor N/2
   ExcitedLines lines = ExcitedLines::all;
+  /// Of the choice of silent odd lines: all realisations have the same ones, so that each excited
+  /// line is excited in all of them.
+  unsigned detection_seed = 1;
   double rms = 1.0;  ///< rms value of the signal
   /// Shape of the amplitude spectrum: amplitudes at these frequencies [Hz, ascending]. In between
   /// the logarithm of the amplitude is linear in frequency. Empty: flat.
@@ -60,7 +63,16 @@ struct ExperimentSet {
   double crest_factor = 0.0;  ///< the largest of all inputs
 };
 
-/// @throws InvalidInput  as multisine(); no inputs; crest_iterations with `orthogonal`
+/// True if the columns of the orthogonal scheme differ in sign only: q is a power of 2.
+[[nodiscard]] bool differ_in_sign_only(Eigen::Index inputs);
+
+/// One plan for each input: they may differ in rms and shape, and in nothing else.
+/// @throws InvalidInput  as multisine(); no inputs; plans of different lines; crest_iterations with
+///                       `orthogonal` where the experiments differ in more than signs
+[[nodiscard]] ExperimentSet experiments(const std::vector<MultisinePlan>& plans, InputScheme scheme,
+                                        Draw& draw);
+
+/// The same plan for all inputs.
 [[nodiscard]] ExperimentSet experiments(const MultisinePlan& plan, Eigen::Index inputs,
                                         InputScheme scheme, Draw& draw);
 

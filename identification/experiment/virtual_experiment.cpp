@@ -276,34 +276,83 @@ Record recorded(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
   return record;
 }
 
+namespace {
+
+TimeData empty_data(const VirtualRig& rig, Eigen::Index period) {
+  TimeData data{.outputs = rig.outputs,
+                .inputs = rig.inputs,
+                .references = {},
+                .sample_time_s = rig.sample_time_s,
+                .period = period,
+                .records = {}};
+  if (rig.controller) {
+    data.references = rig.inputs;
+    for (auto& channel : data.references) channel.name = "r_" + channel.name;
+  }
+  return data;
+}
+
+// One experiment: `inputs` is one period.
+Record periodic_record(const VirtualRig& rig, const Eigen::MatrixXd& inputs, Eigen::Index periods,
+                       Eigen::Index warm_up, Draw& draw) {
+  throw_if_interrupted();
+  const auto kept = periods * inputs.rows();
+  const Eigen::MatrixXd command = inputs.replicate(warm_up + periods, 1);
+  Record record = recorded(rig, command, draw);
+  record.outputs = Eigen::MatrixXd(record.outputs.bottomRows(kept));
+  record.inputs = Eigen::MatrixXd(record.inputs.bottomRows(kept));
+  record.references =
+      rig.controller ? Eigen::MatrixXd(command.bottomRows(kept)) : Eigen::MatrixXd(kept, 0);
+  return record;
+}
+
+}  // namespace
+
 TimeData realisation(const VirtualRig& rig, const VirtualExperimentPlan& plan, int number,
                      Draw& draw, double* crest_factor) {
   require(plan.periods >= 1 && plan.warm_up >= 0,
           "virtual experiment: the number of periods is not positive");
   const auto set = experiments(plan.multisine, count(rig.inputs), plan.scheme, draw);
   if (crest_factor != nullptr) *crest_factor = std::max(*crest_factor, set.crest_factor);
-  TimeData data{.outputs = rig.outputs,
-                .inputs = rig.inputs,
-                .references = {},
-                .sample_time_s = rig.sample_time_s,
-                .period = plan.multisine.period,
-                .records = {}};
-  if (rig.controller) {
-    data.references = rig.inputs;
-    for (auto& channel : data.references) channel.name = "r_" + channel.name;
-  }
+  auto data = empty_data(rig, plan.multisine.period);
   int experiment = 0;
-  const auto kept = plan.periods * plan.multisine.period;
   for (const auto& inputs : set.inputs) {
-    throw_if_interrupted();
-    const Eigen::MatrixXd command = inputs.replicate(plan.warm_up + plan.periods, 1);
-    Record record = recorded(rig, command, draw);
-    record.outputs = Eigen::MatrixXd(record.outputs.bottomRows(kept));
-    record.inputs = Eigen::MatrixXd(record.inputs.bottomRows(kept));
-    record.references =
-        rig.controller ? Eigen::MatrixXd(command.bottomRows(kept)) : Eigen::MatrixXd(kept, 0);
+    auto record = periodic_record(rig, inputs, plan.periods, plan.warm_up, draw);
     record.experiment = experiment++;
     record.realisation = number;
+    data.records.push_back(std::move(record));
+  }
+  return data;
+}
+
+TimeData played(const VirtualRig& rig, const TimeData& excitation, Eigen::Index periods,
+                Eigen::Index warm_up, Draw& draw, double* crest_factor) {
+  require(std::abs(excitation.sample_time_s / rig.sample_time_s - 1.0) < 1e-6,
+          "virtual experiment: the excitation is sampled at " +
+              std::to_string(1.0 / excitation.sample_time_s) + " Hz, and the rig at " +
+              std::to_string(1.0 / rig.sample_time_s) + " Hz");
+  std::vector<Eigen::Index> columns;
+  for (const auto& input : rig.inputs) {
+    const auto found =
+        std::ranges::find(excitation.inputs, input.name, &modal::MeasuredChannel::name);
+    require(found != excitation.inputs.end(),
+            "virtual experiment: the excitation has no input \"" + input.name + "\"");
+    columns.push_back(found - excitation.inputs.begin());
+  }
+  require(!excitation.records.empty(), "virtual experiment: the excitation has no record");
+  auto data = empty_data(rig, excitation.records.front().inputs.rows());
+  for (const auto& one : excitation.records) {
+    require(one.inputs.rows() == data.period,
+            "virtual experiment: records of the excitation differ in length; expected one period");
+    const Eigen::MatrixXd inputs = one.inputs(Eigen::all, columns);
+    if (crest_factor != nullptr) {
+      for (const auto& column : inputs.colwise()) {
+        *crest_factor = std::max(*crest_factor, identification::crest_factor(column));
+      }
+    }
+    auto record = periodic_record(rig, inputs, periods, warm_up, draw);
+    record.experiment = one.experiment;
+    record.realisation = one.realisation;
     data.records.push_back(std::move(record));
   }
   return data;

@@ -1,4 +1,6 @@
 // Recordings as a table with one line per sample.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -104,6 +106,40 @@ std::vector<Stretch> stretches_of(const CsvTable& table, const RecordLayout& lay
   return found;
 }
 
+// What is wrong with the time of a recording whose steps are not all alike: samples that are
+// missing, or another sample rate. Empty: neither.
+struct TimeFault {
+  Index row = -1;
+  std::string what;
+};
+
+TimeFault fault_of(const Eigen::VectorXd& time, Index first, Index end) {
+  std::vector<double> steps;
+  for (Index row = first + 1; row < end; ++row) steps.push_back(time(row) - time(row - 1));
+  auto sorted = steps;
+  std::ranges::nth_element(sorted, sorted.begin() + std::ssize(sorted) / 2);
+  const double usual = sorted[sorted.size() / 2];
+  if (!(usual > 0.0)) return {};
+  const auto differs = [&](double step) { return std::abs(step - usual) > 0.1 * usual; };
+  const auto odd = std::ranges::find_if(steps, differs);
+  if (odd == steps.end()) return {};
+  const Index row = first + 1 + (odd - steps.begin());
+  const double ratio = *odd / usual;
+  const bool stays = odd + 1 < steps.end() && std::abs(odd[1] - *odd) < 0.1 * std::abs(*odd);
+  if (ratio > 1.5 && std::abs(ratio - std::round(ratio)) < 0.1 && !stays) {
+    const double missing = std::round(ratio) - 1.0;
+    return {row, fmt::format("{:.0f} sample{} missing before it", missing,
+                             missing == 1.0 ? " is" : "s are")};
+  }
+  const auto changes = [&](Index at, double before, double after) {
+    return TimeFault{at, fmt::format("the sample rate changes from {:.6g} to {:.6g} Hz",
+                                     1.0 / before, 1.0 / after)};
+  };
+  if (odd != steps.begin()) return changes(row, *(odd - 1), *odd);
+  const auto next = std::ranges::find_if_not(steps, differs);
+  return changes(first + 1 + (next - steps.begin()), *odd, usual);
+}
+
 // The time step of the first recording. The other recordings must have the same step.
 double sample_time(const CsvTable& table, const RecordLayout& layout,
                    const std::vector<Stretch>& stretches, const TimeOptions& options) {
@@ -125,6 +161,12 @@ double sample_time(const CsvTable& table, const RecordLayout& layout,
       const double expected =
           time(stretch.first) + result * static_cast<double>(row - stretch.first);
       if (std::abs(time(row) - expected) < 0.01 * result) continue;
+      if (const auto fault = fault_of(time, stretch.first, stretch.end); fault.row >= 0) {
+        fail(table, fault.row,
+             table.names[static_cast<std::size_t>(layout.time)] + " is " +
+                 fmt::format("{:.9g}: ", time(fault.row)) + fault.what +
+                 "; expected one step from sample to sample");
+      }
       fail(table, row,
            table.names[static_cast<std::size_t>(layout.time)] + " is " + std::to_string(time(row)) +
                ", expected " + std::to_string(expected) + ": one step from sample to sample");

@@ -243,10 +243,11 @@ io::ResultTable identified_modes_table(const steps::IdentifiedModel& model) {
 std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
-  std::string text = fmt::format("{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{}",
-                                 data.outputs, data.inputs, data.line_count(), data.frequency_hz(0),
-                                 data.frequency_hz(data.line_count() - 1),
-                                 io::text(identified_modes_table(model)));
+  std::string text = quality_text(model);
+  text += fmt::format("{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{}", data.outputs,
+                      data.inputs, data.line_count(), data.frequency_hz(0),
+                      data.frequency_hz(data.line_count() - 1),
+                      io::text(identified_modes_table(model)));
   if (fit.complex) text += complex_table(fit);
   text += fmt::format("\nresponses off by {} of their size, {} {}",
                       percent(steps::overall_error(model)),
@@ -298,6 +299,7 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
                       {"notes", io::Json::texts(fit.notes)}};
+  if (model.measured.quality) json.emplace_back("data_quality", quality_json(model));
   if (fit.complex) {
     json.emplace_back("complex_shapes", complex_json(*fit.complex));
     json.emplace_back("imaginary_shapes",
@@ -321,6 +323,7 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
     for (const auto& note : body->notes) run.warn(note);
     run.show(rigid_body_text(*body));
   }
+  leave_detection_lines(model, run);
   io::write_mat(run / "identified.mat", variables);
   io::write_shapes(run / "identified_shapes.csv",
                    {row_names(model), extended.frequency_hz, extended.damping_ratio,

@@ -105,6 +105,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("placement", study::placement_schema(), study.placement);
   add("measurement", study::measurement_schema(), study.measurement);
   add("experiment", study::experiment_schema(), study.experiment);
+  add("design", study::design_schema(), study.design);
   add("identification", study::identification_schema(), study.identification);
   add("state_space", study::state_space_schema(), study.state_space);
   add("interpolation", study::interpolation_schema(), study.interpolation);

@@ -4,14 +4,11 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "identification/closed_loop.h"
-#include "identification/frf_estimate.h"
-#include "identification/hammer.h"
 #include "io/frf_file.h"
-#include "io/time_file.h"
 #include "stage/channel_paths.h"
 #include "steps/identification.h"
 #include "steps/measured/measured_channels.h"
+#include "steps/measured/recorded_frfs.h"
 
 namespace chladni::steps {
 namespace {
@@ -36,34 +33,6 @@ modal::FrfSet read_responses(const study::Study& study, const std::filesystem::p
   auto file = io::read_frf(path, options);
   for (const auto& note : file.notes) work.note(path.string() + ": " + note);
   return std::move(file.set);
-}
-
-// Periodic recordings with references come from a closed loop; those without a period, from a
-// hammer test.
-modal::FrfSet responses_of(const identification::TimeData& data, std::vector<std::string>& notes) {
-  if (data.period == 0) {
-    auto hits = identification::hammer_estimate(data);
-    notes = std::move(hits.notes);
-    return std::move(hits.h1);
-  }
-  auto estimate = data.references.empty() ? identification::frf_estimate(data)
-                                          : identification::closed_loop_estimate(data).estimate;
-  notes = std::move(estimate.notes);
-  return std::move(estimate.set);
-}
-
-modal::FrfSet estimated_responses(const study::Study& study, const std::filesystem::path& path,
-                                  stage::Work& work) {
-  io::TimeOptions options;
-  options.sensor_names = study::names_of(study.sensors);
-  options.actuator_names = study::names_of(study.actuators);
-  if (study.identification) options.unit = study.identification->unit;
-  const auto file = io::read_time(path, options);
-  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
-  std::vector<std::string> notes;
-  auto set = responses_of(file.data, notes);
-  for (const auto& note : notes) work.note(path.string() + ": " + note);
-  return set;
 }
 
 std::vector<Eigen::Index> places_of(const std::vector<MatchedChannel>& matched) {
@@ -142,14 +111,23 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work) {
   const auto& path = plan.frf.empty() ? plan.time : plan.frf;
   require(std::filesystem::exists(path),
           path.string() + ": there is no such file" + study::source_text(plan));
-  auto set =
-      plan.frf.empty() ? estimated_responses(study, path, work) : read_responses(study, path, work);
+  RecordedFrfs recorded;
+  if (plan.frf.empty()) {
+    recorded = recorded_frfs(study, work);
+  } else {
+    recorded.set = read_responses(study, path, work);
+  }
+  const auto& set = recorded.set;
   const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), work);
   const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), work);
   require(!outputs.empty() && !inputs.empty(),
           path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
               set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");
-  MeasuredFrfs result{path.string(), part_of(set, outputs, inputs), {}, {}};
+  MeasuredFrfs result;
+  result.file = path.string();
+  result.all = part_of(set, outputs, inputs);
+  result.quality = std::move(recorded.quality);
+  result.added_decay = recorded.added_decay;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     set_kind(result.all.outputs[i], *outputs[i].channel, result.file);
     rename(result.all.outputs[i], *outputs[i].channel);

@@ -21,6 +21,15 @@ Key<MeasurementPlan> data_file(const std::string& name,
       [=](const MeasurementPlan& plan) { return io::Json((plan.*value).filename().string()); });
 }
 
+/// A key of the recordings as one of the measurement.
+Key<MeasurementPlan> of_recording(const Key<RecordingPlan>& key) {
+  return {
+      .text = key.text,
+      .json_name = key.json_name,
+      .read = [key](TableReader& table, MeasurementPlan& plan) { key.read(table, plan.recording); },
+      .json = [key](const MeasurementPlan& plan) { return key.json(plan.recording); }};
+}
+
 void read_points(TableReader& table, InterpolationPlan& plan) {
   Names names("point");
   for (auto& point : table.tables("point")) {
@@ -102,10 +111,32 @@ io::Json whole_numbers(const std::vector<int>& numbers) {
 
 const Schema<MeasurementPlan>& measurement_schema() {
   using P = MeasurementPlan;
+  using R = RecordingPlan;
   static const Schema<P> schema = {
       "measurement",
       {data_file("frf", &P::frf, "responses"),
        data_file("time", &P::time, "recordings that responses are estimated from"),
+       of_recording(whole("period", 4, kLongestPeriod, &R::period,
+                          "samples of the periodic excitation in `time`",
+                          "as in the file; none: "
+                          "blows of a hammer")),
+       of_recording(quantity("sample_rate", "Hz", Sign::positive, &R::sample_rate_hz,
+                             "of `time` where the file has none", "as in the file")),
+       of_recording(choice("inputs", {"commands", "forces"}, &R::inputs,
+                           "what the inputs of `time` are: commands that are held from sample to "
+                           "sample, or measured forces")),
+       of_recording(choice("transient", {"remove", "drop"}, &R::transient,
+                           "what is done about the start of a periodic excitation: taken off all "
+                           "periods, or the first periods dropped")),
+       of_recording(quantity("force_window", "s", Sign::positive, &R::force_window,
+                             "time after a blow in which the force counts", "all of the record")),
+       of_recording(quantity("exponential_window", "s", Sign::positive, &R::exponential_window,
+                             "time constant of the window that ends records of blows; its damping "
+                             "is taken off the modes again",
+                             "none")),
+       of_recording(choice("hammer", {"h1", "h2"}, &R::hammer,
+                           "estimate from blows: h1 bears noise of the sensors, h2 that of the "
+                           "force")),
        data_file("shapes", &P::shapes, "a table of measured mode shapes"),
        data_file("truth", &P::truth,
                  "a study whose modes stand for measured ones, instead of shapes"),

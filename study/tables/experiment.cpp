@@ -72,7 +72,7 @@ void read_cubic_spring(TableReader& table, const Study& study, ExperimentPlan& p
 
 }  // namespace
 
-void read_experiment(TableReader& root, Study& study) {
+void read_experiment(TableReader& root, const StudyFolder& folder, Study& study) {
   auto table = root.table("experiment");
   if (!table) return;
   auto& plan = study.experiment.emplace();
@@ -81,6 +81,7 @@ void read_experiment(TableReader& root, Study& study) {
   read_noise(*table, study, plan);
   read_loop(*table, study, plan);
   read_cubic_spring(*table, study, plan);
+  plan.excitation = read_path(*table, folder, "excitation");
   table->refuse_unknown();
 }
 

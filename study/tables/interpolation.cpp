@@ -75,6 +75,22 @@ void require_data(TableReader& table) {
                 "ones)");
 }
 
+// Keys of recordings that change nothing beside the others.
+void refuse_idle_recording_keys(TableReader& table, const MeasurementPlan& plan) {
+  for (const auto* key : {"period", "sample_rate", "inputs", "transient", "force_window",
+                          "exponential_window", "hammer"}) {
+    if (!table.has(key) || !plan.time.empty()) continue;
+    table.wrong(
+        *table.find(key),
+        table.name(key) + " changes nothing here; expected time = \"recorded.csv\" beside it");
+  }
+  if (plan.recording.exponential_window > 0.0 && table.has("hold_out")) {
+    table.wrong(*table.find("hold_out"), table.name("hold_out") +
+                                             " cannot be scored beside an exponential_window: the "
+                                             "window is in its responses; expected longer records");
+  }
+}
+
 }  // namespace
 
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study) {
@@ -94,6 +110,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
     table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");
   }
   plan.hold_out = table->texts("hold_out");
+  refuse_idle_recording_keys(*table, plan);
   refuse_strangers(*table, "hold_out", "channel of the study", plan.hold_out, channel_names(study));
   table->refuse_unknown();
 }

@@ -140,7 +140,12 @@ const Schema<ExperimentPlan>& experiment_schema() {
        quantity("bandwidth", "Hz", Sign::positive, &P::bandwidth_hz,
                 "of the loop; beside controlled", "none"),
        either("leaves", {"frf", "time"}, "time", &P::leaves_time,
-              "responses, or recordings as time_data.csv")}};
+              "responses, or recordings as time_data.csv"),
+       special<P>({"excitation", "a path", "drawn anew",
+                   "recordings whose inputs are played, one period each: the excitation.csv of "
+                   "`chladni experiment`"},
+                  "excitation",
+                  [](const P& plan) { return io::Json(plan.excitation.filename().string()); })}};
   return schema;
 }
 
@@ -263,6 +268,7 @@ std::vector<TableText> tables_of_a_study() {
   add(choose_schema());
   add(measurement_schema());
   add(experiment_schema());
+  add(design_schema());
   add(identification_schema());
   add(state_space_schema());
   add(interpolation_schema());

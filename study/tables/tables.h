@@ -31,7 +31,9 @@ void read_channels(TableReader& root, Study& study);  ///< sensors and actuators
 void read_layouts(TableReader& root, Study& study);   ///< after the channels
 void read_placement(TableReader& root, Study& study);
 void read_measurement(TableReader& root, const StudyFolder& folder, Study& study);
-void read_experiment(TableReader& root, Study& study);  ///< after the channels
+/// After the channels.
+void read_experiment(TableReader& root, const StudyFolder& folder, Study& study);
+void read_design(TableReader& root, Study& study);
 void read_identification(TableReader& root, Study& study);
 void read_state_space(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);

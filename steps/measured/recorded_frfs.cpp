@@ -1,0 +1,152 @@
+#include "steps/measured/recorded_frfs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/turn.h"
+#include "identification/closed_loop.h"
+#include "identification/delay.h"
+#include "identification/frf_estimate.h"
+#include "identification/hammer.h"
+#include "io/time_file.h"
+
+namespace chladni::steps {
+namespace {
+
+using identification::TimeData;
+
+TimeData recordings_of(const study::Study& study, stage::Work& work) {
+  const auto& plan = *study.measurement;
+  io::TimeOptions options;
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
+  options.period = plan.recording.period;
+  if (plan.recording.sample_rate_hz > 0.0) {
+    options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
+  }
+  if (study.identification) options.unit = study.identification->unit;
+  auto file = io::read_time(plan.time, options);
+  for (const auto& note : file.notes) work.note(plan.time.string() + ": " + note);
+  return std::move(file.data);
+}
+
+void refuse_losses(const study::MeasurementPlan& plan,
+                   const identification::RecordingFaults& faults) {
+  if (faults.lost.empty()) return;
+  std::string text = plan.time.string() + ": " + faults.lost.front();
+  if (faults.lost.size() > 1) {
+    text += fmt::format("; and {} records more", faults.lost.size() - 1);
+  }
+  throw InvalidInput(text + "; expected recordings in which every period is whole");
+}
+
+void estimate_blows(const study::MeasurementPlan& plan, const TimeData& data,
+                    std::vector<std::string>& notes, RecordedFrfs& result) {
+  const auto& how = plan.recording;
+  auto hits = identification::hammer_estimate(
+      data, {.force_window_s = how.force_window, .exponential_s = how.exponential_window});
+  notes = std::move(hits.notes);
+  result.set = how.hammer == "h2" ? std::move(hits.h2) : std::move(hits.h1);
+  result.added_decay = hits.added_decay;
+  auto& done = result.quality->done;
+  done.push_back(fmt::format("{} blows, {}", data.records.size(),
+                             how.hammer == "h2" ? "H2: noise of the force does not shift it"
+                                                : "H1: noise of the sensors does not shift it"));
+  if (how.force_window > 0.0) {
+    done.push_back(fmt::format("force window of {:.4g} ms", 1e3 * how.force_window));
+  }
+  if (how.exponential_window > 0.0) {
+    done.push_back(fmt::format(
+        "exponential window of {:.4g} s; its decay of {:.4g} rad/s is taken off the modes",
+        how.exponential_window, hits.added_decay));
+  }
+}
+
+// Part of a force that a hold takes away: 1 − sin x / x, x = ωT/2.
+double hold_loss(double hz, double sample_time_s) {
+  const double x = 0.5 * kTwoPi * hz * sample_time_s;
+  return 1.0 - std::sin(x) / x;
+}
+
+void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data,
+                      std::vector<std::string>& notes, RecordedFrfs& result) {
+  const auto& how = plan.recording;
+  require(how.force_window == 0.0 && how.exponential_window == 0.0 && how.hammer == "h1",
+          plan.time.string() +
+              ": windows and h2 are for blows of a hammer, and these recordings "
+              "are periodic; expected neither");
+  identification::FrfEstimateOptions options;
+  options.remove_transient =
+      how.transient == "remove" && data.records.front().outputs.rows() >= 2 * data.period;
+  auto estimate = data.references.empty()
+                      ? identification::frf_estimate(data, options)
+                      : identification::closed_loop_estimate(data, options).estimate;
+  notes = std::move(estimate.notes);
+  result.set = std::move(estimate.set);
+  auto& quality = *result.quality;
+  quality.done.push_back(
+      fmt::format("{} realisations of {} periods, {} dropped{}", estimate.realisations,
+                  estimate.periods + estimate.dropped, estimate.dropped,
+                  options.remove_transient ? "; the transient of the start is taken off" : ""));
+  if (how.inputs == "commands") {
+    result.set = identification::without_delay(result.set, 0.0, data.sample_time_s);
+    quality.done.push_back(fmt::format(
+        "the hold of the commands is taken off: half a sample, and {:.2g} % at {:.4g} Hz",
+        100.0 * hold_loss(result.set.frequency_hz.tail(1)(0), data.sample_time_s),
+        result.set.frequency_hz.tail(1)(0)));
+  }
+  const auto all = identification::spectra(data);
+  // Trends are looked for where no transient is left: after the first period at least.
+  const auto drop = std::max<Eigen::Index>(estimate.dropped, estimate.transient.seen ? 2 : 1);
+  quality.detection = identification::detection_levels(all, drop);
+  quality.drift = identification::period_drift(identification::excited_part(all, {}), drop);
+}
+
+std::string verdict_of(const RecordedFrfs& result) {
+  const auto& quality = *result.quality;
+  std::string text = identification::trusted_bands(result.set, quality.bands);
+  if (!quality.faults.clipped.empty()) text += "; clipped: " + quality.faults.clipped.front();
+  return text;
+}
+
+}  // namespace
+
+RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work) {
+  const auto& plan = *study.measurement;
+  const auto data = recordings_of(study, work);
+  RecordedFrfs result;
+  result.quality.emplace();
+  result.quality->faults = identification::recording_faults(data);
+  refuse_losses(plan, result.quality->faults);
+  for (const auto& fault : result.quality->faults.clipped) {
+    work.warn(plan.time.string() + ": " + fault);
+  }
+  std::vector<std::string> notes;
+  if (data.period == 0) {
+    estimate_blows(plan, data, notes, result);
+  } else {
+    estimate_periods(plan, data, notes, result);
+  }
+  for (const auto& note : notes) work.note(plan.time.string() + ": " + note);
+  for (const auto& input : result.set.inputs) {
+    for (const auto& output : result.set.outputs) {
+      result.quality->responses.push_back(output.name + "/" + input.name);
+    }
+  }
+  for (const auto& output : result.set.outputs) result.quality->outputs.push_back(output.name);
+  result.quality->bands = identification::band_qualities(result.set);
+  result.quality->verdict = verdict_of(result);
+  for (const auto& drift : result.quality->drift) {
+    work.warn(
+        fmt::format("{}: {} changes by {:.2g} % from the first to the last period, {:.0f} "
+                    "deviations more than noise",
+                    plan.time.string(), data.outputs[static_cast<std::size_t>(drift.output)].name,
+                    100.0 * drift.relative, drift.excess));
+  }
+  return result;
+}
+
+}  // namespace chladni::steps

@@ -1,0 +1,25 @@
+// Frequency responses from the study's recordings, with how good they are.
+#pragma once
+
+#include <optional>
+
+#include "identification/data_quality.h"
+#include "modal/frf_set.h"
+#include "stage/work.h"
+#include "study/study.h"
+
+namespace chladni::steps {
+
+struct RecordedFrfs {
+  modal::FrfSet set;
+  std::optional<identification::DataQuality> quality;
+  double added_decay = 0.0;  ///< [rad/s], of an exponential window
+};
+
+/// Periodic recordings with references come from a closed loop; those without a period are blows of
+/// a hammer, one actuator each (`experiment`). The hold of commands is taken off.
+/// @throws InvalidInput  as io::read_time; samples were lost; windows for a periodic excitation; as
+///                       the estimates
+[[nodiscard]] RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work);
+
+}  // namespace chladni::steps
