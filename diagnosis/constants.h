@@ -299,8 +299,7 @@ struct Constants {
   double scattered = 4.0;
   /// [1] Levels that are lower, but by no less than this, are not looked at by themselves. Chosen.
   double levels_alike = 0.7;
-  /// [1] A start whose changes, over their deviations, have a smaller sum of squares is none.
-  /// Chosen.
+  /// [1] A start whose changes over their deviations have a smaller sum of squares is none. Chosen.
   double start_seen = 1.0;
   /// [ln] Deviation of the size of a residue that a side of channels does not see. Chosen.
   double unseen_size = 1.0;

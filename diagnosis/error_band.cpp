@@ -15,19 +15,31 @@ namespace {
 
 using Eigen::Index;
 
-// Sums over the responses of each line: squares of the unweighted slopes by all deviations.
+// Σ |x|² over the measured responses of each line, of weighted real parts and imaginary parts.
+Eigen::ArrayXd power_of_lines(const Observed& observed, const Eigen::VectorXd& weighted) {
+  const Index numbers = observed.value.size();
+  const Eigen::ArrayXXd weight2 = observed.weight.array().square();
+  const Eigen::ArrayXXd power =
+      (weighted.head(numbers).array().square() + weighted.tail(numbers).array().square())
+          .reshaped(observed.value.rows(), observed.value.cols());
+  return (weight2 > 0.0).select(power / weight2.max(1e-300), 0.0).rowwise().sum();
+}
+
+// Σ over the deviations. What moves a resonance far changes a response by no more than its size,
+// so each slope is bounded by it.
 Eigen::VectorXd model_power(const Problem& problem) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(std::ssize(problem.deviations));
   const auto& observed = problem.observed;
   const State state = state_of(problem, {}, rest);
   const Solved now = solved(state, Body(state, observed.omega));
-  const Eigen::VectorXd power = sensitivities(problem, {}, rest, now).rowwise().squaredNorm();
-  const Index numbers = observed.value.size();
-  const Eigen::ArrayXXd weight2 = observed.weight.array().square();
-  const Eigen::ArrayXXd sum = (power.head(numbers) + power.tail(numbers))
-                                  .reshaped(observed.value.rows(), observed.value.cols())
-                                  .array();
-  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0).rowwise().sum();
+  const Eigen::MatrixXd slopes = sensitivities(problem, {}, rest, now);
+  const Eigen::ArrayXd size = power_of_lines(observed, weighted(observed, now.value)).max(1e-300);
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(observed.line_count());
+  for (Index d = 0; d < slopes.cols(); ++d) {
+    const Eigen::ArrayXd power = power_of_lines(observed, slopes.col(d));
+    sum += power / (1.0 + power / size);
+  }
+  return sum;
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace chladni::diagnosis {
 struct ErrorBand {
   Eigen::VectorXd frequency_hz;  ///< k
   Eigen::VectorXd noise;         ///< k: Σ σ² [m²/N²]
-  /// k: Σ |dG/dη|² over all tolerances [m²/N²], to first order about the simulation as it is.
+  /// k: Σ |dG/dη|² over all tolerances [m²/N²], to first order about the simulation as it is; by
+  /// each of them at most the square of the simulated responses.
   Eigen::VectorXd model;
 };
 

@@ -17,9 +17,6 @@ namespace chladni::show {
 /// A warning and its reason, if the result should not be used; then the verdict.
 [[nodiscard]] std::string verdict_text(const steps::Diagnosed& diagnosed);
 
-/// Origin of the responses after the diagnosis, one line each.
-[[nodiscard]] std::vector<std::string> gain_lines(const steps::Gain& gain);
-
 [[nodiscard]] io::JsonObject diagnosis_json(const steps::Diagnosed& diagnosed);
 
 /// The verdict with its numbers and the next step; then the tables behind it.
@@ -34,8 +31,8 @@ namespace chladni::show {
 /// True if a fit used the measured response of output i and input j.
 [[nodiscard]] bool is_fitted(const steps::Diagnosed& diagnosed, Eigen::Index i, Eigen::Index j);
 
-/// diagnosis.json, extended.toml, cause_map.vtu and .png; of responses also prediction.png and
-/// mac.png
+/// diagnosis.json, extended.toml, cause_map.vtu and .png; of responses also prediction.png,
+/// errors_over_frequency.png and mac.png
 void leave_diagnosis(const study::Study& study, const steps::Diagnosed& diagnosed, Run& run,
                      bool main_result);
 

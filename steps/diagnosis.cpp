@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "diagnosis/calibrated_responses.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/hypothesis.h"
 #include "diagnosis/observed.h"
@@ -20,6 +21,7 @@
 #include "stage/diagnosis_structure.h"
 #include "steps/diagnosis/beside_measured.h"
 #include "steps/diagnosis/by_modes.h"
+#include "steps/diagnosis/errors_told.h"
 #include "steps/diagnosis/responses_in_band.h"
 #include "steps/measured_modes.h"
 
@@ -55,8 +57,11 @@ void extend(const study::Study& study, double band_hz, const SolveStudy& solve, 
     retell_modes(extended, *one.after, options_of(plan_of(extended), work), one);
     return;
   }
-  one.predictions.extended = predicted(extended, stage::structure_of(extended, *one.after, band_hz),
-                                       study, one.measured.all);
+  const auto structure = stage::structure_of(extended, *one.after, band_hz);
+  one.predictions.extended = predicted(extended, structure, study, one.measured.all);
+  if (one.identified) {
+    one.modes_compared = modes_of_responses(one, *one.identified, &structure);
+  }
 }
 
 // If a wrong unit or quantity applies to all sensors of the fit, it also applies to those held out.
@@ -138,7 +143,9 @@ void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve
                 [&] { one.predictions.fitted = fitted_model(one); });
     }
   }
-  one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions);
+  const auto& tested = one.result.cross_validation;
+  one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions,
+                     tested ? &*tested : nullptr);
   const auto advice = advice_against(one.gain);
   if (advice.empty()) return;
   work.warn(advice);
@@ -168,19 +175,22 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   Diagnosed one;
   one.before = std::move(before);
   const auto found = compare_responses(study, std::move(measured), one, work);
+  one.identified = found.fit;
   auto options = prepare(study, one, work);
   // What scales all records alike is not told by records without units.
   if (!found.scaled) options.tolerances.scale = std::max(options.tolerances.scale, 0.3);
-  one.result = work.timed("diagnosis",
-                          [&] { return diagnosis::diagnosed(one.structure, one.seen, options); });
-  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
-    diagnose_modes_of_responses(one, found.fit ? &*found.fit : nullptr, found.scaled, options,
-                                work);
-  });
+  if (one.identified) one.modes_compared = modes_of_responses(one, *one.identified, nullptr);
+  const auto start = calibrated_by_modes(one, found.scaled, options, work);
+  one.result = work.timed(
+      "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, options, start); });
+  attempted("the modes of the responses cannot be diagnosed", one, work,
+            [&] { diagnose_modes_of_responses(one, found.scaled, options, work); });
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   add_gain(study, found.band_hz, solve_extended, one, work);
   believe_what_pays(one);
+  one.errors = work.timed("errors over frequency",
+                          [&] { return errors_over_frequency(one, options.tolerances); });
   return one;
 }
 

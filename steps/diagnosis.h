@@ -28,6 +28,10 @@ struct Diagnosed : Compared {
   double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence
   std::optional<ExtendedStudy> extended;          ///< if a cause was named
   std::optional<stage::Solution> after;           ///< the extended study, solved in full
+  /// Modes of `seen`; none: they were not identified.
+  std::optional<identification::ModalFit> identified;
+  std::vector<diagnosis::ModeTold> modes_compared;  ///< these, before and in the extended study
+  ErrorsOverFrequency errors;                       ///< of `predictions`
   Gain gain;
 };
 

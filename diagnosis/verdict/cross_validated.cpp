@@ -216,6 +216,7 @@ std::string doubt_what_does_not_pay(Diagnosis& diagnosis) {
     names += (names.empty() ? "" : ", ") + causes[c].effect;
   }
   if (names.empty()) return "";
+  diagnosis.best.probability = std::min(diagnosis.best.probability, kConstants.believed);
   diagnosis.verdict = unseen.pays() ? Verdict::partial : Verdict::unexplained;
   return fmt::format(
       "data that were held out are predicted no better with {} (fitted to the others): it has a "

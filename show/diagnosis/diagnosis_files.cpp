@@ -11,6 +11,7 @@
 #include "io/vtu.h"
 #include "show/comparison.h"
 #include "show/diagnosis.h"
+#include "show/diagnosis/errors_told.h"
 #include "stage/diagnosis_faces.h"
 #include "steps/diagnosis.h"
 
@@ -123,6 +124,8 @@ void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run
   run.paint("prediction.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before, after, seen);
   });
+  run.paint("errors_over_frequency.png",
+            [&](const auto& png) { draw_errors_over_frequency(png, one.errors); });
   run.paint("mac.png", [&](const auto& png) { draw_mac(png, one.comparison); });
 }
 

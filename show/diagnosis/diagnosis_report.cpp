@@ -12,30 +12,14 @@
 #include "show/diagnosis.h"
 #include "show/diagnosis/constants_told.h"
 #include "show/diagnosis/detectable_text.h"
+#include "show/diagnosis/errors_told.h"
+#include "show/diagnosis/gain_told.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/solution.h"
 #include "steps/diagnosis.h"
 
 namespace chladni::show {
 namespace {
-
-io::Table gain_table(const steps::Gain& gain) {
-  io::Table table{"Relative error of the predicted responses [%]",
-                  {{"", false}, {"before"}, {"after"}, {"noise"}},
-                  {}};
-  const auto add = [&](const std::string& what, double before, double after, double noise) {
-    const bool changed = gain.from != steps::GainFrom::nothing;
-    table.rows.push_back(
-        {{what, percent_cell(before), percent_cell(changed ? after : steps::Gain::kNone),
-          percent_cell(noise)}});
-  };
-  add("fitted: " + steps::words(gain.fitted), gain.fit_before, gain.fit_after, gain.noise_floor);
-  if (!gain.held_out.empty()) {
-    add(fmt::format("held out: {}", fmt::join(gain.held_out, ", ")), gain.held_out_before,
-        gain.held_out_after, gain.held_out_noise);
-  }
-  return table;
-}
 
 io::Table modes_table(const diagnosis::ModeComparison& modes) {
   io::Table table{"Simulated and measured modes",
@@ -123,12 +107,22 @@ void add_mac(io::Section& section, const steps::Diagnosed& one, const Run* run) 
 
 // What only responses tell: the gain, their picture, their identified modes, what would be seen.
 void add_responses(io::Section& section, const steps::Diagnosed& one, const Run* run) {
-  section.blocks.emplace_back(gain_table(one.gain));
-  for (auto line : gain_lines(one.gain)) {
+  section.blocks.emplace_back(io::report_table(gain_table(one)));
+  for (auto line : gain_lines(one)) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::quiet, sentence(std::move(line))});
   }
   add_curves(section, one);
+  add_picture(section, run, "errors_over_frequency.png",
+              "Error of all responses together over frequency, before and after, above the band of "
+              "noise and of the errors that a sound model has.");
+  section.blocks.emplace_back(io::report_table(errors_table(one.errors)));
   add_errors(section, one, run);
+  if (auto line = place_of_error(one); !line.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, sentence(std::move(line))});
+  }
+  if (!steps::is_of_modes(one) && !one.modes_compared.empty() && one.after) {
+    section.blocks.emplace_back(io::report_table(modes_told_table(one.modes_compared, true)));
+  }
   add_modes(section, one.comparison.modes);
   add_mac(section, one, run);
   if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {

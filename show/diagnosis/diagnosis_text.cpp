@@ -9,6 +9,8 @@
 #include "show/diagnosis.h"
 #include "show/diagnosis/constants_told.h"
 #include "show/diagnosis/detectable_text.h"
+#include "show/diagnosis/errors_told.h"
+#include "show/diagnosis/gain_told.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/readable.h"
 #include "steps/diagnosis.h"
@@ -99,57 +101,6 @@ io::JsonObject superclass_json(const diagnosis::Superclass& one) {
   return json;
 }
 
-io::Json bands_json(const std::vector<std::pair<double, double>>& bands) {
-  io::JsonArray array;
-  for (const auto& [low, high] : bands) array.push_back(io::JsonArray{low, high});
-  return array;
-}
-
-io::JsonObject gain_json(const steps::Gain& gain) {
-  io::JsonObject json{
-      {"from", gain.from == steps::GainFrom::nothing
-                   ? io::Json()
-                   : io::Json(std::string(steps::name(gain.from)))},
-      {"fit", io::JsonObject{{"before", gain.fit_before}, {"after", gain.fit_after}}},
-      {"held_out",
-       io::JsonObject{{"before", gain.held_out_before}, {"after", gain.held_out_after}}},
-      {"fitted", io::JsonObject{{"sensors", io::Json::texts(gain.fitted.sensors)},
-                                {"actuators", io::Json::texts(gain.fitted.actuators)},
-                                {"bands_hz", bands_json(gain.fitted.bands_hz)},
-                                {"lines", static_cast<long long>(gain.fitted.lines)}}},
-      {"held_out_channels", io::Json::texts(gain.held_out)},
-      {"held_out_bands_hz", bands_json(gain.held_out_band_hz)},
-      {"noise_floor", gain.noise_floor},
-      {"held_out_noise_floor", gain.held_out_noise},
-      {"pays", gain.pays ? io::Json(*gain.pays) : io::Json()}};
-  if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
-    json.emplace_back("extended_study", io::JsonObject{{"fit", gain.fit_extended},
-                                                       {"held_out", gain.held_out_extended}});
-  }
-  const auto advice = steps::advice_against(gain);
-  if (!advice.empty()) json.emplace_back("advice", advice);
-  return json;
-}
-
-std::string gain_row(const char* what, double before, double after, double noise, bool changed,
-                     const std::string& of) {
-  return fmt::format("  {:<20} {:<10} {:<10} {:<10} {}\n", what, percent(before),
-                     changed ? percent(after) : "-", percent(noise), of);
-}
-
-std::string gain_text(const steps::Gain& gain) {
-  const bool changed = gain.from != steps::GainFrom::nothing;
-  std::string text = "\nresponses off by       before     after      noise\n";
-  text += gain_row("fitted", gain.fit_before, gain.fit_after, gain.noise_floor, changed,
-                   steps::words(gain.fitted));
-  if (!gain.held_out.empty()) {
-    text += gain_row("held out", gain.held_out_before, gain.held_out_after, gain.held_out_noise,
-                     changed, fmt::format("{}", fmt::join(gain.held_out, ", ")));
-  }
-  for (const auto& line : gain_lines(gain)) text += "  " + line + "\n";
-  return text;
-}
-
 std::string name_of(const diagnosis::Cause& cause) {
   if (cause.channels.empty()) return cause.effect;
   return fmt::format("{} of {}", cause.effect, fmt::join(cause.channels, ", "));
@@ -229,9 +180,11 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
   const bool is_of_modes = !result.modes.empty();
   switch (result.verdict) {
     case diagnosis::Verdict::no_discrepancy:
-      if (is_of_modes && !result.constants.empty()) {
-        return "Beyond constants that were not known, which are calibrated, the measured modes "
-               "give no reason to change the simulation.";
+      if (!result.constants.empty()) {
+        return std::string("Beyond constants that were not known, which are calibrated, ") +
+               (is_of_modes ? "the measured modes give no reason to change the simulation."
+                            : "the simulation agrees with what was measured, within noise and "
+                              "tolerances.");
       }
       if (has_reference(result)) {
         return "Nothing changed since the reference, beyond what two measurements differ by.";
@@ -258,24 +211,20 @@ std::string verdict_text(const steps::Diagnosed& one) {
   return (advice.empty() ? advice : advice + " ") + verdict_text(one.result);
 }
 
-std::vector<std::string> gain_lines(const steps::Gain& gain) {
-  std::vector<std::string> lines;
-  if (gain.from == steps::GainFrom::extended_study) {
-    lines.emplace_back("after: the finite elements of extended.toml");
-  }
-  if (gain.from == steps::GainFrom::fitted_model) {
-    lines.emplace_back(
-        "after: the reduced model of the fit with all causes (extended.toml lacks one, or was not "
-        "solved)");
-  }
-  if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
-    lines.push_back(fmt::format("extended.toml alone: off by {} fitted, by {} held out",
-                                percent(gain.fit_extended), percent(gain.held_out_extended)));
-  }
-  return lines;
+namespace {
+
+// Modes, and errors over frequency and over the body, before and after.
+std::string before_and_after(const steps::Diagnosed& one) {
+  std::string text;
+  if (!steps::is_of_modes(one)) text += modes_told_text(one.modes_compared, one.after.has_value());
+  text += "\n" + io::text(errors_table(one.errors));
+  if (const auto line = place_of_error(one); !line.empty()) text += line + "\n";
+  return text;
 }
 
-namespace {
+const std::vector<diagnosis::ModeTold>& modes_of(const steps::Diagnosed& one) {
+  return steps::is_of_modes(one) ? one.result.modes : one.modes_compared;
+}
 
 // The tables behind a verdict of responses.
 std::string tables_behind(const steps::Diagnosed& one, bool all) {
@@ -283,6 +232,7 @@ std::string tables_behind(const steps::Diagnosed& one, bool all) {
   const auto verdict = one.result.verdict;
   const bool is_open = verdict == Verdict::partial || verdict == Verdict::unexplained;
   std::string text;
+  if (all) text += before_and_after(one);
   if (all || is_open) text += "\n" + comparison_table(one.comparison);
   const auto sizes = all ? detectable_table(one.detectable, one.least_evidence)
                          : detectable_sentence(one.detectable, one.least_evidence);
@@ -309,7 +259,7 @@ std::string diagnosis_table(const steps::Diagnosed& one, bool all) {
   }
   if (!result.measure_next.empty()) text += "measure next: " + result.measure_next + "\n";
   for (const auto& note : result.notes) text += "note: " + note + "\n";
-  if (!one.modes) text += gain_text(one.gain);
+  if (!one.modes) text += gain_text(one);
   text += modes_told_text(result.modes, changes_modes(result));
   if (one.modes && changes_modes(result)) {
     text += one.after ? "  after: the finite elements of extended.toml\n"
@@ -333,10 +283,10 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"measure_next", result.measure_next},
                       {"proposals", proposals_json(result.proposals)},
                       {"excess_after", result.best.excess},
-                      {"gain", gain_json(one.gain)},
+                      {"gain", gain_json(one)},
                       {"detectable", detectable_json(one.detectable)},
                       {"levels", levels_json(result)},
-                      {"modes", io::json_rows(modes_told_table(result.modes, true))},
+                      {"modes", io::json_rows(modes_told_table(modes_of(one), true))},
                       {"reference", one.reference_file},
                       {"breaches", io::Json::texts(result.breaches)},
                       {"notes", io::Json::texts(result.notes)}};
@@ -345,6 +295,10 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
     json.emplace_back("not_in_extended_study", io::Json::texts(one.extended->unexpressed));
   }
   if (one.by_modes) json.emplace_back("by_modes", by_modes_json(*one.by_modes));
+  if (!one.modes) {
+    json.emplace_back("errors_over_frequency", errors_json(one.errors));
+    json.emplace_back("error_on_body", error_on_body_json(one));
+  }
   if (result.superclass) json.emplace_back("superclass", superclass_json(*result.superclass));
   return json;
 }

@@ -100,6 +100,11 @@ io::ResultTable modes_told_table(const std::vector<ModeTold>& modes, bool has_ca
     table.columns[i].gap = i == 0 ? 0 : 1;
     if (i >= 4) table.columns[i].is_shown = has_causes && i < 7;
   }
+  const Eigen::VectorXd deviation = values(&ModeTold::measured_std_hz);
+  if (!deviation.array().isFinite().any()) return table;
+  auto column = io::number_column("+-", "Hz", deviation, {"{:.2g}"}, 9, "measured_std_hz");
+  column.gap = 1;
+  table.columns.insert(table.columns.begin() + 1, std::move(column));
   return table;
 }
 

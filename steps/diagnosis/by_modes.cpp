@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <limits>
 #include <utility>
 
@@ -55,6 +56,17 @@ std::string reason_in_words(const diagnosis::Diagnosis& by_modes) {
          levels;
 }
 
+// The modes identified from the responses; none: there are none.
+std::optional<diagnosis::MeasuredModes> modes_of_fit(const Diagnosed& one, bool scaled) {
+  if (!one.identified) return std::nullopt;
+  const auto& lines = one.seen.frequency_hz;
+  auto modes = diagnosis::measured_modes(*one.identified, names_of(one.seen.outputs),
+                                         names_of(one.seen.inputs), lines(0), lines.tail(1)(0));
+  modes.scaled = scaled;
+  if (modes.count() == 0) return std::nullopt;
+  return modes;
+}
+
 // The causes that the modes name become the answer.
 void answer_by_modes(Diagnosed& one) {
   const auto& by_modes = *one.by_modes;
@@ -66,6 +78,7 @@ void answer_by_modes(Diagnosed& one) {
   result.measure_next = by_modes.measure_next;
   result.proposals = by_modes.proposals;
   result.breaches = by_modes.breaches;
+  result.cross_validation.reset();  // that of other causes
   result.modes = by_modes.modes;
   result.constants = by_modes.constants;
   result.constants_in_pairs = by_modes.constants_in_pairs;
@@ -118,18 +131,41 @@ std::vector<diagnosis::CalibratedConstant> constants_of(const study::Study& stud
   return constants;
 }
 
-void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
+std::vector<diagnosis::CalibratedNumber> calibrated_by_modes(
+    const Diagnosed& one, bool scaled, const diagnosis::DiagnosisOptions& options,
+    stage::Work& work) {
+  if (options.constants.empty()) return {};
+  const auto modes = modes_of_fit(one, scaled);
+  if (!modes) {
+    work.note("no modes were identified: the fits of the constants start at the study's values");
+    return {};
+  }
+  auto alone = options;
+  alone.most_causes = 0;
+  return work.timed("constants by the modes", [&] {
+    const auto at_values = [&](const std::exception& e) {
+      work.warn(std::string("the fits of the constants start at the study's values: ") + e.what());
+      return std::vector<diagnosis::CalibratedNumber>{};
+    };
+    try {
+      return diagnosis::diagnosed(one.structure, *modes, alone).constants;
+    } catch (const InvalidInput& e) {
+      return at_values(e);
+    } catch (const NumericalFailure& e) {
+      return at_values(e);
+    }
+  });
+}
+
+void diagnose_modes_of_responses(Diagnosed& one, bool scaled,
                                  const diagnosis::DiagnosisOptions& options, stage::Work& work) {
   const auto verdict = one.result.verdict;
   const bool is_settled = verdict != Verdict::unexplained && verdict != Verdict::partial;
-  if (fit == nullptr || is_settled || options.levels == diagnosis::Levels::known) return;
-  const auto& lines = one.seen.frequency_hz;
-  auto modes = diagnosis::measured_modes(*fit, names_of(one.seen.outputs),
-                                         names_of(one.seen.inputs), lines(0), lines.tail(1)(0));
-  modes.scaled = scaled;
-  if (modes.count() == 0) return;
+  if (is_settled || options.levels == diagnosis::Levels::known) return;
+  const auto modes = modes_of_fit(one, scaled);
+  if (!modes) return;
   one.by_modes = work.timed("diagnosis of the modes",
-                            [&] { return diagnosis::diagnosed(one.structure, modes, options); });
+                            [&] { return diagnosis::diagnosed(one.structure, *modes, options); });
   one.result.levels_before = one.by_modes->levels_before;
   one.result.levels_after = one.by_modes->levels_after;
   if (one.result.measure_next.empty()) {
@@ -157,8 +193,10 @@ void believe_what_pays(Diagnosed& one) {
 std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
   if (one.result.verdict == Verdict::unexplained) return {};
   auto causes = one.result.best.causes;
-  if (!is_of_modes(one)) return causes;
-  std::erase_if(causes, [](const diagnosis::Cause& cause) { return cause.probability < kLikely; });
+  if (is_of_modes(one)) {
+    std::erase_if(causes,
+                  [](const diagnosis::Cause& cause) { return cause.probability < kLikely; });
+  }
   std::vector<diagnosis::Cause> all;
   for (const auto& constant : one.result.constants) {
     if (constant.determined) all.push_back(as_cause(constant));

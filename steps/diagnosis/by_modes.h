@@ -19,11 +19,17 @@ namespace chladni::steps {
 [[nodiscard]] std::vector<diagnosis::CalibratedConstant> constants_of(
     const study::Study& study, const diagnosis::Surface& chart);
 
+/// The study's constants at which the modes of the responses fit best without a cause, for the fits
+/// of the responses to start from. Empty, with a note, if there are no constants or no modes.
+/// @param scaled  the responses have a known scale
+[[nodiscard]] std::vector<diagnosis::CalibratedNumber> calibrated_by_modes(
+    const Diagnosed& one, bool scaled, const diagnosis::DiagnosisOptions& options,
+    stage::Work& work);
+
 /// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
 /// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
-/// @param fit     modes of `one.seen`; or null
 /// @param scaled  the responses have a known scale
-void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit* fit, bool scaled,
+void diagnose_modes_of_responses(Diagnosed& one, bool scaled,
                                  const diagnosis::DiagnosisOptions& options, stage::Work& work);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the
@@ -31,7 +37,7 @@ void diagnose_modes_of_responses(Diagnosed& one, const identification::ModalFit*
 void believe_what_pays(Diagnosed& one);
 
 /// The causes that belong into the extended study: all of responses; of modes, those that are
-/// likelier than not, and before them the constants that were calibrated. None where the verdict is
+/// likelier than not. Before them the constants that were calibrated. None where the verdict is
 /// `unexplained`.
 [[nodiscard]] std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one);
 

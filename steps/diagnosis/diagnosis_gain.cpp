@@ -73,6 +73,20 @@ std::string band_text(const std::pair<double, double>& band) {
   return fmt::format("{:.6g} to {:.6g} Hz", band.first, band.second);
 }
 
+// The values held out are those of the parts that were held out in turn.
+void take_parts(const diagnosis::CrossValidation& tested, Gain& gain) {
+  const auto errors = tested.errors();
+  gain.in_turn = true;
+  gain.held_out_before = errors.relative(errors.before);
+  gain.held_out_after = errors.relative(errors.after);
+  gain.held_out_noise = errors.relative(errors.noise);
+  gain.held_out_extended = Gain::kNone;
+  for (const auto& part : tested.parts) {
+    if (part.kind != diagnosis::HeldOutPart::Kind::upper_band) gain.held_out.push_back(words(part));
+  }
+  if (gain.pays) gain.pays = tested.pays() && !worse(gain.fit_extended, gain.fit_before);
+}
+
 }  // namespace
 
 std::string_view name(GainFrom from) {
@@ -86,7 +100,8 @@ bool line_held_out(const study::DiagnosisPlan& plan, double frequency_hz) {
 }
 
 Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
-             const std::vector<std::string>& held_out_channels, const Predictions& predictions) {
+             const std::vector<std::string>& held_out_channels, const Predictions& predictions,
+             const diagnosis::CrossValidation* tested) {
   const auto error = [&](const std::vector<Eigen::MatrixXcd>& response, bool held_out) {
     return sums_of(measured, plan, response, held_out).relative();
   };
@@ -117,6 +132,7 @@ Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
     gain.held_out_band_hz.emplace_back(plan.hold_out_low_hz, plan.hold_out_high_hz);
     gain.held_out.push_back(band_text(gain.held_out_band_hz.front()));
   }
+  if (tested != nullptr && gain.held_out.empty()) take_parts(*tested, gain);
   return gain;
 }
 
@@ -132,11 +148,18 @@ std::string advice_against(const Gain& gain) {
         "not recommended.",
         who, what, percent(after), percent(before));
   };
-  if (worse(held, gain.held_out_before)) {
+  if (!gain.in_turn && worse(held, gain.held_out_before)) {
     return says("were held out", held, gain.held_out_before);
   }
   if (worse(seen, gain.fit_before)) return says("the fit saw", seen, gain.fit_before);
   return "";
+}
+
+std::string words(const diagnosis::HeldOutPart& part) {
+  if (part.kind != diagnosis::HeldOutPart::Kind::sensors) {
+    return band_text({part.low_hz, part.high_hz});
+  }
+  return fmt::format("{}", fmt::join(part.sensors, ", "));
 }
 
 std::string words(const MeasuredPart& part) {

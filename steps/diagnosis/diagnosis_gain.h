@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/cross_validation.h"
 #include "steps/identification.h"
 #include "study/diagnosis_plan.h"
 
@@ -42,9 +43,21 @@ struct Gain {
   MeasuredPart fitted;
   std::vector<std::string> held_out;                        ///< in words: channels, bands
   std::vector<std::pair<double, double>> held_out_band_hz;  ///< one or none
+  /// True where the study states no hold-out: the values held out are those of sensors and blocks
+  /// of lines that were held out in turn, with the reduced model in `after`.
+  bool in_turn = false;
   /// True if the extended study is nearer to the measurement, on held-out data and (if known) on
-  /// fitted data; none if no extended study was solved.
+  /// fitted data; none if no extended study was solved. In turn, the gain of the cross-validation
+  /// stands for the held-out data.
   std::optional<bool> pays;
+};
+
+/// Relative errors |G − Ĝ| over |G| of each line, over all its responses; k each. NaN: not known.
+struct ErrorsOverFrequency {
+  Eigen::VectorXd frequency_hz;
+  Eigen::VectorXd before, after;  ///< `after` is empty where nothing was predicted anew
+  Eigen::VectorXd noise;          ///< by the stated deviations
+  Eigen::VectorXd expected;       ///< by noise and errors of a sound model (tolerances, or levels)
 };
 
 /// Responses [k], each p×q as MeasuredFrfs::all; empty: not known.
@@ -53,13 +66,18 @@ struct Predictions {
 };
 
 /// @param predictions  `before` for every measured line
+/// @param tested       used where no channel and no band is held out; or null
 [[nodiscard]] Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
                            const std::vector<std::string>& held_out_channels,
-                           const Predictions& predictions);
+                           const Predictions& predictions,
+                           const diagnosis::CrossValidation* tested = nullptr);
 
 /// The reason not to use the named causes, or empty: "The extended study predicts what was held out
 /// worse than the study does (38 % off, 24 % before): it is not recommended."
 [[nodiscard]] std::string advice_against(const Gain& gain);
+
+/// "s1, s3" for a part of sensors; "20 to 97.4 Hz" for one of lines.
+[[nodiscard]] std::string words(const diagnosis::HeldOutPart& part);
 
 /// "s1, s2 by a1, a2; 300 lines, 20 to 900 Hz"
 [[nodiscard]] std::string words(const MeasuredPart& part);

@@ -81,6 +81,57 @@ TEST(Gain, OfCausesThatNoStudyExpressesIsThatOfTheFittedModel) {
   EXPECT_TRUE(both.pays.value_or(false));
 }
 
+// A sensor at 40 % of its size before and 10 % after, a block of lines at 20 and 10 %.
+diagnosis::CrossValidation tested_in_turn(double gain) {
+  using Kind = diagnosis::HeldOutPart::Kind;
+  diagnosis::CrossValidation tested;
+  tested.parts.push_back({.kind = Kind::sensors,
+                          .sensors = {"s1"},
+                          .low_hz = 100.0,
+                          .high_hz = 140.0,
+                          .errors = {16.0, 1.0, 100.0, 0.25},
+                          .gain = gain,
+                          .gain_of_cause = {gain}});
+  tested.parts.push_back({.kind = Kind::lines,
+                          .sensors = {"s1", "s2"},
+                          .low_hz = 100.0,
+                          .high_hz = 120.0,
+                          .errors = {4.0, 1.0, 100.0, 0.25},
+                          .gain = 5.0,
+                          .gain_of_cause = {5.0}});
+  tested.parts.push_back({.kind = Kind::upper_band,
+                          .sensors = {"s1", "s2"},
+                          .low_hz = 124.0,
+                          .high_hz = 140.0,
+                          .errors = {1.0, 9.0, 100.0, 0.25},
+                          .gain = -100.0,
+                          .gain_of_cause = {-100.0}});
+  return tested;
+}
+
+TEST(Gain, IsThatOfPartsInTurnWhereNothingIsHeldOut) {
+  const auto pays = tested_in_turn(3.0);
+  auto all_seen = measured();
+  all_seen.outputs = {0, 1};
+  const steps::Predictions predictions{off_by(0.3, 0.3), off_by(0.1, 0.1), {}};
+  const auto found = steps::gain_of(all_seen, {}, {}, predictions, &pays);
+  EXPECT_TRUE(found.in_turn);
+  EXPECT_NEAR(found.held_out_before, std::sqrt(20.0 / 200.0), 1e-12);
+  EXPECT_NEAR(found.held_out_after, std::sqrt(2.0 / 200.0), 1e-12);
+  EXPECT_NEAR(found.held_out_noise, std::sqrt(0.5 / 200.0), 1e-12);
+  EXPECT_EQ(found.held_out, (std::vector<std::string>{"s1", "100 to 120 Hz"}));
+  EXPECT_TRUE(found.pays.value_or(false));
+  EXPECT_EQ(steps::advice_against(found), "");
+
+  const auto loses = tested_in_turn(-3.0);  // more than half of what the lines gain
+  EXPECT_FALSE(steps::gain_of(all_seen, {}, {}, predictions, &loses).pays.value_or(true));
+  // What is stated goes first.
+  const auto stated = steps::gain_of(measured(), {}, {"s2"}, predictions, &pays);
+  EXPECT_FALSE(stated.in_turn);
+  EXPECT_EQ(stated.held_out, std::vector<std::string>{"s2"});
+  EXPECT_NEAR(stated.held_out_before, 0.3, 1e-12);
+}
+
 TEST(Gain, SaysWhatWasFittedAndWhatWasHeldOut) {
   study::DiagnosisPlan plan;
   plan.hold_out_low_hz = 115.0;

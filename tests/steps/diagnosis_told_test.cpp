@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "base/error.h"
 #include "diagnosis/hypothesis.h"
@@ -85,6 +87,17 @@ class Told : public testing::Test {
     std::ofstream(file) << text;
     write_responses(causes, study::parse_study(text, file));
     return study::read_study(file);
+  }
+
+  // The same without a part of its text; nothing is held out.
+  study::Study changed(const study::Study& study, const std::string& from, const std::string& to) {
+    std::string text = study.text;
+    for (const auto& [was, is] : {std::pair{from, to}, {"hold_out = [\"s3\"]\n", ""}}) {
+      EXPECT_NE(text.find(was), std::string::npos) << was;
+      text.replace(text.find(was), was.size(), is);
+    }
+    std::ofstream(study.file) << text;
+    return study::read_study(study.file);
   }
 
   steps::Diagnosed diagnosed_of(const study::Study& study) {
@@ -277,6 +290,92 @@ TEST_F(Told, WhatResponsesDoNotExplainIsAskedOfTheirModes) {
   EXPECT_NE(show::diagnosis_table(one).find("learned from their modes"), std::string::npos);
   study.diagnosis->levels = "known";
   EXPECT_FALSE(diagnosed_of(study).by_modes);
+}
+
+// A study that holds nothing out: parts of the data are held out in turn, and it is said which.
+TEST_F(Told, AGainIsMeasuredOnUnseenDataWithoutBeingAsked) {
+  const auto study =
+      changed(study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
+                       "\"point_mass\""),
+              "", "");
+  const auto one = diagnosed_of(study);
+  ASSERT_EQ(one.result.verdict, Verdict::named) << show::diagnosis_table(one);
+  ASSERT_TRUE(one.result.cross_validation);
+  EXPECT_TRUE(one.gain.in_turn);
+  EXPECT_TRUE(one.gain.pays.value_or(false));
+  EXPECT_GT(one.gain.held_out_before, 0.2);
+  EXPECT_LT(one.gain.held_out_after, 0.02);
+  const auto text = show::diagnosis_table(one);
+  for (const auto* part : {"each sensor in turn", "s1; s2; s3", "lines in turn", "upper band"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+  const auto json = io::parse_json(left("diagnosis.json"));
+  const auto& gain = json.at("gain");
+  EXPECT_NEAR(gain.at("held_out").at("after").number(), one.gain.held_out_after, 1e-12);
+  EXPECT_EQ(gain.at("cross_validation").at("parts").array().size(),
+            one.result.cross_validation->parts.size());
+  EXPECT_GT(gain.at("cross_validation").at("log_likelihood_gain_sensors").number(), 100.0);
+}
+
+// Modes and errors, before and after: of the text, the JSON and the pictures.
+TEST_F(Told, BeforeAndAfterStandSideBySide) {
+  EVERY_FOURTH_LANDING();
+  const auto study = study_of({cause("point_mass", {}, {{"mass", 0.2}, {"u", 0.1}, {"v", -0.05}})},
+                              "\"point_mass\"");
+  const auto one = diagnosed_of(study);
+  ASSERT_FALSE(one.modes_compared.empty());
+  double before = 0.0, after = 0.0;
+  for (const auto& mode : one.modes_compared) {
+    EXPECT_GT(mode.measured_std_hz, 0.0);
+    if (!std::isfinite(mode.before_hz + mode.after_hz)) continue;
+    before = std::max(before, std::abs(mode.before_hz / mode.measured_hz - 1.0));
+    after = std::max(after, std::abs(mode.after_hz / mode.measured_hz - 1.0));
+  }
+  EXPECT_GT(before, 5e-3);
+  EXPECT_LT(after, 1e-3);
+  // After, the error is within the band.
+  const auto& errors = one.errors;
+  ASSERT_EQ(errors.frequency_hz.size(), 120);
+  EXPECT_TRUE((errors.expected.array() >= errors.noise.array()).all());
+  EXPECT_LT(errors.after.mean(), 2.0 * errors.expected.mean());
+  EXPECT_GT(errors.before.mean(), 5.0 * errors.after.mean());
+  const auto text = show::diagnosis_table(one);
+  EXPECT_NE(text.find("sound model"), std::string::npos) << text;
+  EXPECT_NE(text.find("on the body: one thing at ("), std::string::npos) << text;
+  const auto json = io::parse_json(left("diagnosis.json"));
+  EXPECT_EQ(json.at("modes").array().size(), one.modes_compared.size());
+  EXPECT_GT(json.at("modes").array().front().at("measured_std_hz").number(), 0.0);
+  EXPECT_EQ(json.at("errors_over_frequency").at("after").array().size(), 120U);
+  // Near the mass, by the distance of the scan's places.
+  const auto& place = json.at("error_on_body").at("place_m").array();
+  EXPECT_NEAR(place[0].number(), 0.1, 0.08);
+  EXPECT_NEAR(place[1].number(), -0.05, 0.08);
+}
+
+// Responses 6 % stiffer than the study, whose modulus is known to 10 %: calibrated, and no cause.
+TEST_F(Told, AConstantThatIsNotKnownIsCalibratedByResponses) {
+  EVERY_FOURTH_LANDING();
+  const auto study = changed(study_of({cause("youngs_modulus", {}, {{"relative", 0.06}})},
+                                      "\"youngs_modulus\", \"sensor_gain\", \"point_mass\""),
+                             "youngs_modulus = \"70 GPa\"",
+                             "youngs_modulus = { value = \"70 GPa\", within = \"10 %\" }");
+  const auto one = diagnosed_of(study);
+  ASSERT_EQ(one.result.verdict, Verdict::no_discrepancy) << show::diagnosis_table(one);
+  ASSERT_EQ(one.result.constants.size(), 1U);
+  const auto& modulus = one.result.constants.front();
+  EXPECT_TRUE(modulus.determined);
+  EXPECT_NEAR(modulus.value, 1.06 * 70e9, 0.02 * 70e9);
+  // Frequencies of so coarse a mesh may be some percent off, all of them.
+  EXPECT_LT(modulus.std, 0.7 * 0.1 * modulus.value);
+  EXPECT_NEAR(modulus.value, 1.06 * 70e9, 3.0 * modulus.std);
+  EXPECT_NE(show::diagnosis_table(one).find("material.youngs_modulus"), std::string::npos);
+  EXPECT_LT(one.gain.fit_after, 0.5 * one.gain.fit_before);
+  const auto extended = study::read_study(at("out/extended.toml"), {study.file.parent_path()});
+  const auto& constants = extended.materials.front().constants;
+  const auto written =
+      std::ranges::find(constants, "youngs_modulus", &std::pair<std::string, double>::first);
+  ASSERT_NE(written, constants.end());
+  EXPECT_NEAR(written->second, modulus.value, 1e-4 * modulus.value);
 }
 
 TEST_F(Told, CtrlCIsNoNote) {
