@@ -39,8 +39,10 @@ constexpr std::array kFormats = std::to_array<Row>({
     {".inp", "read: C3D4 and C3D10 of Abaqus and CalculiX; sets become regions and patches"},
     {".vtu", "read and written: tetrahedra of VTK, modes for ParaView"},
     {".csv .csv.gz", "read and written: measured responses and recordings; written: results"},
-    {".uff .unv", "read (58, 58b, 15, 55, 151, 164, 781, 2411) and written: measured data"},
-    {".mat", "read (4 to 7.3) and written (5): measured data, state space"},
+    {".uff .unv",
+     "read (58, 58b, 55, 2414, 15, 18, 82, 151, 164, 781, 2411, 2412, 2420) and written: "
+     "measured data, modes"},
+    {".mat", "read (4 to 7.3) and written (5, 7.3): measured data, state space"},
     {".json", "written: results"},
 });
 constexpr std::array kMaterials = std::to_array<Row>({

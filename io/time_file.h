@@ -11,6 +11,8 @@
 
 namespace chladni::io {
 
+enum class MatVersion;  // io/mat.h
+
 /// Information that a file of recordings does not contain.
 struct TimeOptions {
   std::vector<std::string> sensor_names, actuator_names, reference_names;
