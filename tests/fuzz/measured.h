@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "io/node_shapes.h"
 #include "io/uff/frf_uff.h"
 #include "io/uff/time_uff.h"
 
@@ -25,6 +26,16 @@ namespace chladni::io {
   return true;
 }
 
+// A motion may be NaN, not measured, but not infinite.
+[[nodiscard]] inline bool is_sound(const NodeShapes& file) {
+  for (const auto& mode : file.modes) {
+    for (const auto& [node, motion] : mode.motion) {
+      if (motion.real().array().isInf().any() || motion.imag().array().isInf().any()) return false;
+    }
+  }
+  return !file.modes.empty();
+}
+
 inline FrfOptions limited(std::string_view bytes) {
   FrfOptions options;
   options.limit_bytes = (std::size_t{1} << 16U) + 64 * bytes.size();
@@ -43,6 +54,10 @@ inline TimeFile read_time_csv(std::string_view bytes) {
   TimeOptions options;
   options.sample_time_s = 0.1;
   return parse_time_csv(bytes, "f.csv", options);
+}
+
+inline NodeShapes read_shapes_uff(std::string_view bytes) {
+  return parse_node_shapes(bytes, "f.unv");
 }
 
 inline TimeFile read_time_uff(std::string_view bytes) { return parse_time_uff(bytes, "f.uff"); }

@@ -8,7 +8,8 @@ set(fuzzed_measured
   base/atomic_file base/control_group base/memory base/quantity modal/frf_set
   io/measured/channel_names io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff
   io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/measured/time_csv
-  io/uff/time_uff io/uff/uff io/uff/uff_binary io/uff/uff_channels io/uff/uff_fields io/uff/uff_function io/uff/uff_geometry
+  io/measured/measured_format io/bytes/gzip io/uff/node_shapes io/uff/time_uff io/uff/uff
+  io/uff/uff_binary io/uff/uff_channels io/uff/uff_fields io/uff/uff_function io/uff/uff_geometry
   io/uff/uff_lines io/uff/uff_shape io/uff/uff_systems io/uff/uff_write
   study/toml/study_source io/bytes/escape io/bytes/json io/bytes/message
   io/measured/shape_table)

@@ -138,7 +138,7 @@ struct Parser {
 
 void PrintTo(const Parser& parser, std::ostream* out) { *out << parser.name; }
 
-const std::array<Parser, 10> kParsers{{
+const std::array<Parser, 11> kParsers{{
     {"stl", [](std::string_view bytes) { return is_sound(parse_stl(bytes)); }},
     {"off", [](std::string_view bytes) { return is_sound(parse_off(bytes)); }},
     {"ply", [](std::string_view bytes) { return is_sound(parse_ply(bytes)); }},
@@ -152,6 +152,8 @@ const std::array<Parser, 10> kParsers{{
     {"time_csv", [](std::string_view bytes) { return is_sound(read_time_csv(bytes)); },
      kMeasuredMemoryPerByte},
     {"time_uff", [](std::string_view bytes) { return is_sound(read_time_uff(bytes)); },
+     kMeasuredMemoryPerByte},
+    {"shapes_uff", [](std::string_view bytes) { return is_sound(read_shapes_uff(bytes)); },
      kMeasuredMemoryPerByte},
 }};
 
