@@ -66,9 +66,9 @@ io::JsonObject content_of(const study::Study& study, const steps::Bench& bench,
       {"structure", plan.structure},
       {"modes", static_cast<long long>(bench.modes)},
       {"sample_rate_hz", plan.sample_rate_hz},
-      {"samples", plan.samples},
+      {"samples", static_cast<long long>(bench.plan.multisine.period)},
       {"periods", plan.periods},
-      {"realisations", plan.realisations},
+      {"realisations", static_cast<long long>(estimate.realisations)},
       {"inputs", plan.inputs},
       {"lines", plan.lines},
       {"amplitude_n", plan.amplitude},
@@ -95,9 +95,9 @@ std::string told(const study::Study& study, const steps::Bench& bench,
   std::string text = fmt::format(
       "{} realisations of {} periods, {} sensors x {} actuators, {} lines {:.6g} to {:.6g} Hz\n"
       "crest factor {:.2f}, {} of {} periods dropped\n",
-      plan.realisations, plan.periods, set.outputs.size(), set.inputs.size(), set.line_count(),
-      set.frequency_hz(0), set.frequency_hz.tail(1)(0), found.crest_factor, found.estimate.dropped,
-      plan.periods);
+      found.estimate.realisations, plan.periods, set.outputs.size(), set.inputs.size(),
+      set.line_count(), set.frequency_hz(0), set.frequency_hz.tail(1)(0), found.crest_factor,
+      found.estimate.dropped, plan.periods);
   for (const auto& note : bench.notes) text += "note: " + note + "\n";
   for (const auto& note : found.estimate.notes) text += "note: " + note + "\n";
   return text + "left in " + file.string() + "\n";

@@ -299,7 +299,6 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
                       {"notes", io::Json::texts(fit.notes)}};
-  if (model.measured.quality) json.emplace_back("data_quality", quality_json(model));
   if (fit.complex) {
     json.emplace_back("complex_shapes", complex_json(*fit.complex));
     json.emplace_back("imaginary_shapes",
@@ -317,6 +316,7 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
   const auto body = steps::rigid_body_of_channels(study, model);
   auto variables = matlab_variables(study, model, extended);
   auto json = identified_json(model);
+  if (model.measured.quality) json.emplace_back("data_quality", quality_json(model));
   if (body) {
     variables.emplace_back("rigid_body", rigid_body_mat(*body));
     json.emplace_back("rigid_body", rigid_body_json(*body));

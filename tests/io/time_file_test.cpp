@@ -169,5 +169,33 @@ TEST(MeasuredData, AHitIsReadAsARecording) {
   EXPECT_NEAR(static_cast<double>(file.data.records[0].outputs.rows()) / 48000.0, 2.0, 0.01);
 }
 
+// A time column in which samples are missing, or whose step changes, is refused with the place.
+TEST(TimeFile, NamesMissingSamplesAndAnotherRate) {
+  const auto refusal = [](const std::vector<double>& times) {
+    std::string text = "time_s,y1,u1\n";
+    for (const double time : times) text += std::to_string(time) + ",1,2\n";
+    try {
+      (void)parse_time_csv(text, "t.csv");
+    } catch (const InvalidInput& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  std::vector<double> sound, missing, faster;
+  for (int n = 0; n < 40; ++n) {
+    sound.push_back(0.01 * n);
+    missing.push_back(0.01 * (n < 20 ? n : n + 3));
+    faster.push_back(n < 25 ? 0.01 * n : 0.24 + 0.005 * (n - 24));
+  }
+  EXPECT_EQ(refusal(sound), "");
+  EXPECT_NE(refusal(missing).find("line 22: time_s is 0.23: 3 samples are missing before it"),
+            std::string::npos)
+      << refusal(missing);
+  EXPECT_NE(
+      refusal(faster).find("line 27: time_s is 0.245: the sample rate changes from 100 to 200 Hz"),
+      std::string::npos)
+      << refusal(faster);
+}
+
 }  // namespace
 }  // namespace chladni::io
