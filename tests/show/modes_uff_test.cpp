@@ -1,0 +1,102 @@
+// Which nodes the channels of an identified model become in a universal file, and how they move.
+#include "show/modes_uff.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace chladni::show {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+struct Seen {
+  std::string name;
+  Vector3d place, direction;
+  std::optional<long long> node;
+};
+
+// A model of two modes whose rows are these sensors, and one actuator more.
+steps::IdentifiedModel model_of(const std::vector<Seen>& sensors, const Seen& actuator,
+                                const Eigen::MatrixXd& shapes) {
+  steps::IdentifiedModel model;
+  const auto add = [](const Seen& one, std::vector<modal::MeasuredChannel>& side) {
+    auto& channel = side.emplace_back();
+    channel.name = one.name;
+    channel.node = one.node;
+    channel.direction = one.direction;
+    channel.position = one.place;
+  };
+  for (const auto& sensor : sensors) {
+    model.match.rows.push_back({false, std::ssize(model.seen.outputs)});
+    add(sensor, model.seen.outputs);
+  }
+  add(actuator, model.seen.inputs);
+  model.match.rows.push_back({true, 0});
+  model.match.shapes = shapes;
+  model.match.modes.resize(2);
+  model.match.modes[1].by = identification::MatchedBy::pairs;
+  model.found.fit.model.frequency_hz = Eigen::Vector2d(10.0, 20.0);
+  model.found.fit.model.damping_ratio = Eigen::Vector2d(0.01, 0.02);
+  return model;
+}
+
+Vector3d motion(const io::UffModes& modes, long long node, Index mode) {
+  const auto at = std::ranges::find(modes.node, node);
+  EXPECT_NE(at, modes.node.end()) << node;
+  return modes.shapes.col(mode).segment<3>(3 * (at - modes.node.begin()));
+}
+
+TEST(ChannelModesUff, ChannelsAtOnePlaceAreOneNode) {
+  const Vector3d corner(0.1, 0.2, 0.0), middle(0.0, 0.0, 0.0), far(0.5, 0.0, 0.0);
+  const Vector3d oblique = Vector3d(1.0, 0.0, 1.0).normalized();
+  const std::vector<Seen> sensors{
+      {"cx", corner, Vector3d::UnitX(), {}},  {"cy", corner, Vector3d::UnitY(), 7},
+      {"cz", corner, -Vector3d::UnitZ(), {}}, {"m1", middle, oblique, {}},
+      {"f1", far, Vector3d::UnitZ(), 1},      {"f2", far, Vector3d::UnitZ(), 1}};
+  Eigen::MatrixXd shapes(7, 2);
+  shapes << 1, -1, 2, -2, 3, -3, 4, 0.5, 6, 1, 8, 3, 9, -5;
+  const auto model = model_of(sensors, {"a1", middle, Vector3d::UnitY(), {}}, shapes);
+  study::Study study;
+  study.title = "three nodes";
+  study::Channel stated;
+  stated.name = "m1";
+  stated.node = 30;  // the study's number counts, whatever the file says
+  study.sensors = {stated};
+  const auto modes = channel_modes_uff(study, model);
+  EXPECT_EQ(modes.node, (std::vector<long long>{7, 30, 1}));
+  EXPECT_EQ(modes.place.row(0), corner.transpose());
+  EXPECT_EQ(modes.lines.size(), 2U);
+  EXPECT_EQ(modes.has_scale, (std::vector<bool>{false, true}));
+  EXPECT_TRUE(motion(modes, 7, 0).isApprox(Vector3d(1.0, 2.0, -3.0), 1e-12));
+  // The shortest motion with 4 along the oblique direction and 9 along y.
+  EXPECT_TRUE(motion(modes, 30, 0).isApprox(4.0 * oblique + Vector3d(0.0, 9.0, 0.0), 1e-12));
+  // Two sensors that see the same: their mean.
+  EXPECT_TRUE(motion(modes, 1, 0).isApprox(Vector3d(0.0, 0.0, 7.0), 1e-12));
+  EXPECT_TRUE(motion(modes, 1, 1).isApprox(Vector3d(0.0, 0.0, 2.0), 1e-12));
+}
+
+TEST(ChannelModesUff, ChannelsWithoutANodeGetTheLowestFreeNumbers) {
+  const auto at = [](double x) { return Vector3d(x, 0.0, 0.0); };
+  const Vector3d z = Vector3d::UnitZ();
+  const auto model = model_of({{"s1", at(1), z, {}}, {"s2", at(2), z, 2}, {"s3", at(3), z, {}}},
+                              {"a1", at(4), z, 1}, Eigen::MatrixXd::Identity(4, 2));
+  EXPECT_EQ(channel_modes_uff({}, model).node, (std::vector<long long>{3, 2, 4, 1}));
+}
+
+TEST(ChannelModesUff, AChannelThatWasNotMeasuredIsNoNode) {
+  const auto at = [](double x) { return Vector3d(x, 0.0, 0.0); };
+  const Vector3d z = Vector3d::UnitZ();
+  Eigen::MatrixXd shapes = Eigen::MatrixXd::Ones(3, 2);
+  shapes(1, 0) = NAN;
+  const auto model =
+      model_of({{"s1", at(1), z, {}}, {"s2", at(2), z, {}}}, {"a1", at(3), z, {}}, shapes);
+  const auto modes = channel_modes_uff({}, model);
+  EXPECT_EQ(modes.node, (std::vector<long long>{1, 2}));
+  EXPECT_EQ(modes.place(1, 0), 3.0);
+  EXPECT_NE(io::modes_uff(modes, io::ShapeDataset::nodes_55), "");
+}
+
+}  // namespace
+}  // namespace chladni::show
