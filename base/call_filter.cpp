@@ -31,7 +31,7 @@ constexpr std::uint32_t refusal(int error) {
 using Calls = std::initializer_list<int>;
 
 // No reading of a file needs these, and no library tries them in passing.
-constexpr Calls kEnding = {
+constexpr Calls kFatal = {
     SYS_connect,
     SYS_bind,
     SYS_listen,
@@ -172,7 +172,7 @@ class CallFilter {
 std::vector<sock_filter> call_filter() {
   constexpr std::uint32_t changes = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   CallFilter filter;
-  filter.each(kEnding, kEnd);
+  filter.each(kFatal, kEnd);
   filter.each(kRefused, refusal(EACCES));
   filter.each({SYS_clone3, SYS_openat2}, refusal(ENOSYS));  // their flags cannot be seen
   filter.if_bits(SYS_clone, 0, CLONE_THREAD, kAllow, kEnd);
