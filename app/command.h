@@ -35,6 +35,14 @@ extern const Command study_command;
 [[nodiscard]] int doctor(std::ostream& results);
 [[nodiscard]] int list(std::string_view what, std::ostream& results);
 [[nodiscard]] std::vector<std::string> listable();
+/// What the command line says of a first study.
+struct NewStudy {
+  std::string what;              ///< a kind of body, or the file to write
+  std::filesystem::path from;    ///< the body's file; empty: by its dimensions
+  std::filesystem::path output;  ///< the file to write; empty: `what`, or named after the kind
+  std::string unit;
+};
+[[nodiscard]] int new_study(const NewStudy& wanted, std::ostream& results);
 [[nodiscard]] int cache(bool clear, bool json, std::ostream& results);
 /// @param unit  of what is read, where it states none
 /// @param hdf5  a .mat becomes version 7.3

@@ -13,6 +13,7 @@
 #include "placement/layout.h"
 #include "priors/interpolator.h"
 #include "priors/kernel.h"
+#include "study/named_materials.h"
 #include "study/schemas.h"
 
 namespace chladni::app {
@@ -61,11 +62,24 @@ constexpr std::array kAttachments = std::to_array<Row>({
     {"resonator",
      "a mass on a spring: direction, mass, frequency or stiffness, damping or "
      "damping_ratio"},
+    {"kinematic_mount", "a ball in a groove, two springs: stiffness, lateral_stiffness, groove"},
+    {"air_bearing", "a pad, six springs: stiffness, diameter, damping, direction"},
 });
 
 template <std::size_t N>
 void print(const std::array<Row, N>& rows, std::ostream& results) {
   for (const auto& [name, summary] : rows) results << fmt::format("{:<16} {}\n", name, summary);
+}
+
+void print_materials(std::ostream& results) {
+  results << "by their constants\n";
+  print(kMaterials, results);
+  results << "by name: typical values at room temperature\n";
+  for (const auto& one : study::named_materials()) {
+    std::string constants;
+    for (const auto& [key, value] : one.constants) constants += fmt::format("{} {}, ", key, value);
+    results << fmt::format("{:<20} {}[{}]\n", one.name, constants, one.source);
+  }
 }
 
 void print_criteria(std::ostream& results) {
@@ -111,7 +125,7 @@ int list(std::string_view what, std::ostream& results) {
   if (what == "attachments") print(kAttachments, results);
   if (what == "bodies") print(kBodies, results);
   if (what == "formats") print(kFormats, results);
-  if (what == "materials") print(kMaterials, results);
+  if (what == "materials") print_materials(results);
   if (what == "criteria") print_criteria(results);
   if (what == "effects") print_effects(results);
   if (what == "interpolations") print_interpolations(results);

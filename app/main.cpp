@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "dense/blas.h"
 #include "io/frf_file.h"
+#include "show/excerpt.h"
 #include "show/new_output.h"
 #include "show/version.h"
 #include "study/problems.h"
@@ -37,15 +38,23 @@ constexpr const app::Command* kCommands[] = {
     &app::study_command,
 };
 
+/// How an error is told.
+struct ErrorStyle {
+  bool excerpts = true;  ///< with the line of the file that it names
+  bool json = false;     ///< on the standard output too
+};
+
 /// Runs `work` and turns any exception into a message and an exit code.
-int guarded(show::Talk& talk, const std::function<int()>& work) {
-  const auto failed = [&](const std::exception& e, ExitCode code) {
-    talk.error(e.what());
+int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle& style = {}) {
+  const auto told = [&](const std::string& what, ExitCode code) {
+    talk.error(style.excerpts ? show::with_excerpts(what) : what);
+    if (style.json) std::cout << chladni::io::text(show::error_json(what, code)) << std::flush;
     return code;
   };
+  const auto failed = [&](const std::exception& e, ExitCode code) { return told(e.what(), code); };
   const auto unforeseen = [&](const std::string& what) {
-    talk.error("chladni cannot go on: " + what + "; this is a fault of Chladni " + show::version());
-    return kNumericalFailure;
+    return told("chladni cannot go on: " + what + "; this is a fault of Chladni " + show::version(),
+                kNumericalFailure);
   };
   try {
     const int status = work();
@@ -62,13 +71,13 @@ int guarded(show::Talk& talk, const std::function<int()>& work) {
   } catch (const chladni::NumericalFailure& e) {
     return failed(e, kNumericalFailure);
   } catch (const std::bad_alloc&) {
-    talk.error("out of memory; choose a longer mesh.edge_length or a lower mesh.order");
-    return kOutOfResources;
+    return told("out of memory; choose a longer mesh.edge_length or a lower mesh.order",
+                kOutOfResources);
   } catch (const std::filesystem::filesystem_error& e) {
     const bool named = !e.path1().empty();
-    talk.error((named ? e.path1().string() + ": " : "") + e.code().message() +
-               "; expected a path that can be used");
-    return kInvalidInput;
+    return told((named ? e.path1().string() + ": " : "") + e.code().message() +
+                    "; expected a path that can be used",
+                kInvalidInput);
   } catch (const std::system_error& e) {
     return failed(e, kOutOfResources);
   } catch (const std::exception& e) {
@@ -84,8 +93,11 @@ std::string with_file(const std::filesystem::path& file, const std::string& mess
 }
 
 int run(const app::Command& command, const std::filesystem::path& file, show::Options options) {
-  show::Talk talk(std::cerr, show::manner_of_stderr(options.quiet));
-  return guarded(talk, [&]() -> int {
+  auto manner = show::manner_of_stderr(options.quiet);
+  manner.all = options.all;
+  show::Talk talk(std::cerr, manner);
+  const ErrorStyle style{.excerpts = !options.quiet, .json = options.json};
+  const auto work = [&]() -> int {
     if (command.name == "check" && chladni::io::is_measured_file(file)) {
       return app::check_data(file, options, std::cout);
     }
@@ -101,7 +113,8 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
     std::cout.flush();
     if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
     return kDone;
-  });
+  };
+  return guarded(talk, work, style);
 }
 
 void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
@@ -158,6 +171,7 @@ struct OtherVerbs {
   std::string what, unit;
   std::filesystem::path from, to;
   bool force = false, hdf5 = false, clear = false, json = false;
+  app::NewStudy fresh;
 };
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& status) {
@@ -175,6 +189,16 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
       return app::convert(other.from, other.to, other.unit, other.hdf5, std::cout);
     });
   });
+  auto* fresh = cli.add_subcommand("new", "a first study, by asking or from a body's file");
+  fresh
+      ->add_option("WHAT", other.fresh.what,
+                   "beam, plate, disc or wafer_table, or the study to write")
+      ->required();
+  fresh->add_option("--from", other.fresh.from, "the body's file: .step, .stl, .inp, ...");
+  fresh->add_option("--unit", other.fresh.unit, "of its lengths, where it states none: mm");
+  fresh->add_option("-o,--output", other.fresh.output, "the study to write [WHAT.toml]");
+  fresh->callback(
+      [&] { status = guarded(talk, [&] { return app::new_study(other.fresh, std::cout); }); });
   auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");
   list->add_option("WHAT", other.what, "what")->required()->check(CLI::IsMember(app::listable()));
   list->callback([&] { status = guarded(talk, [&] { return app::list(other.what, std::cout); }); });

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "study/named_materials.h"
+#include "study/tables/array_places.h"
 
 namespace chladni::study {
 namespace {
@@ -18,14 +20,9 @@ constexpr std::size_t kMostBases = 8;
 
 using Kind = TomlNode::Kind;
 
-std::string name_of(const TomlNode& node) {
-  const auto* name = node.kind == Kind::table ? member(node, "name") : nullptr;
-  return name != nullptr && name->kind == Kind::text ? name->text : std::string();
-}
-
 bool are_named(const TomlNode& node) {
   return node.kind == Kind::array && !node.elements.empty() &&
-         std::ranges::all_of(node.elements, [](const auto& e) { return !name_of(e).empty(); });
+         std::ranges::all_of(node.elements, [](const auto& e) { return !element_name(e).empty(); });
 }
 
 void put_at(TomlNode& node, const TomlNode& place) {
@@ -41,14 +38,21 @@ void put_at(TomlNode& node, const TomlNode& place) {
 // Changes the base's file names so that they start at the folder of the study that extends it.
 void lead_files(TomlNode& base, const fs::path& folder) {
   if (folder.empty() || folder == ".") return;
-  for (auto* file : relative_files(base)) {
-    file->text = (folder / file->text).lexically_normal().generic_string();
+  const auto lead = [&](TomlNode& file) {
+    file.text = (folder / file.text).lexically_normal().generic_string();
+  };
+  for (auto* file : relative_files(base)) lead(*file);
+  for (const auto* key : {"sensor", "actuator", "attachment"}) {
+    auto* list = member(base, key);
+    for (std::size_t i = 0; list != nullptr && i < list->elements.size(); ++i) {
+      auto& element = list->elements[i];
+      if (!is_array_of_devices(element)) continue;
+      auto* csv = member(*member(element, "at"), "csv");
+      if (csv != nullptr && csv->kind == Kind::text && !fs::path(csv->text).is_absolute()) {
+        lead(*csv);
+      }
+    }
   }
-}
-
-bool is_removed(const TomlNode& element) {
-  const auto* removed = member(element, "removed");
-  return removed != nullptr && removed->kind == Kind::truth && removed->truth;
 }
 
 // Merges `own` into `base`.
@@ -88,10 +92,13 @@ class Merge {
   }
 
   void named(std::string_view key, TomlNode& base, const TomlNode& own) const {
+    const bool has_arrays = std::ranges::any_of(base.elements, is_array_of_devices);
     for (const auto& element : own.elements) {
-      const auto name = name_of(element);
-      const auto at = std::ranges::find(base.elements, name, name_of);
-      if (is_removed(element)) {
+      const auto name = element_name(element);
+      const auto at = std::ranges::find(base.elements, name, element_name);
+      if (is_removed(element) && at == base.elements.end() && has_arrays) {
+        base.elements.push_back(element);  // of an array, perhaps: expand_arrays finds it
+      } else if (is_removed(element)) {
         require(at != base.elements.end(),
                 fmt::format("{}:{}:{}: {} \"{}\" is to be removed, but the study that is extended "
                             "has none of that name",
@@ -133,6 +140,7 @@ void merge(TomlNode& base, const TomlNode& own, const std::string& file) {
 
 WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& read) {
   WholeDocument whole{std::move(own), {}};
+  put_material_names_into_tables(whole.tree);
   const auto folder = fs::absolute(file).parent_path();
   while (const auto extends = taken_out(whole.tree, file)) {
     fs::path base_file;
@@ -149,6 +157,7 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
             place_of(file, *extends) + "more than eight studies that extend each other");
     whole.bases.push_back(base_file);
     TomlNode base = parse_toml(text, base_file.string());
+    put_material_names_into_tables(base);
     std::erase_if(base.members, [](const auto& entry) {
       return entry.key == "expect" || entry.key == "specimen";
     });

@@ -16,6 +16,7 @@ std::string json_name(const std::string& name, const std::string& si_unit) {
                                                               {"N s/m", "_n_s_per_m"},
                                                               {"N m/rad", "_n_m_per_rad"},
                                                               {"N m s/rad", "_n_m_s_per_rad"},
+                                                              {"rad", "_rad"},
                                                               {"s", "_s"},
                                                               {"V", "_v"},
                                                               {"N/V", "_n_per_v"}};

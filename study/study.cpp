@@ -5,7 +5,9 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "study/device_arrays.h"
 #include "study/extends.h"
+#include "study/named_materials.h"
 #include "study/schemas.h"
 #include "study/tables/known.h"
 #include "study/tables/tables.h"
@@ -61,6 +63,15 @@ WholeDocument whole_document(std::string_view bytes, const fs::path& file,
   return with_bases(parse_toml(bytes, file.string()), file, read);
 }
 
+// Materials by name and arrays of devices. What they stand for is what all else sees.
+bool replace_short_forms(TomlNode& tree, const StudyFolder& folder, Problems& problems,
+                         Study& study) {
+  const bool materials = complete_materials(tree, problems);
+  const auto resolved = [&](const std::string& text) { return folder.resolved(text); };
+  const bool arrays = expand_arrays(tree, resolved, problems, study.bases);
+  return materials || arrays;
+}
+
 }  // namespace
 
 Study parse_study(std::string_view bytes, const fs::path& file,
@@ -72,9 +83,11 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   const StudyFolder folder{fs::absolute(file).parent_path(), allowed};
   auto document = whole_document(bytes, file, folder);
   study.bases = std::move(document.bases);
-  study.text = study.bases.empty() ? std::string(bytes) : toml_text(document.tree);
   TomlNode& tree = document.tree;
   Problems problems(file.string());
+  const bool extends = !study.bases.empty();
+  const bool replaced = replace_short_forms(tree, folder, problems, study);
+  study.text = !extends && !replaced ? std::string(bytes) : toml_text(tree);
   const auto known = without_statements(tree, problems);
   TableReader root(tree, "", problems);
   top_schema().read(root, study);

@@ -276,8 +276,12 @@ struct Study {
   std::string name;            ///< name of the default output folder
   std::filesystem::path file;  ///< as written on the command line
   std::string sha256;          ///< of the file's bytes
-  std::string text;            ///< the file's; with `extends` that of the whole, without comments
-  std::vector<std::filesystem::path> bases;  ///< the studies that it extends, the nearest first
+  /// The file's. With `extends`, materials by name or arrays of devices that of the whole, without
+  /// comments.
+  std::string text;
+  /// The files of which it is a part: studies that it extends, the nearest first, then the CSV
+  /// files of its arrays of devices.
+  std::vector<std::filesystem::path> bases;
   std::optional<unsigned> seed;
   Geometry geometry;
   std::vector<StudyMaterial> materials;
@@ -307,6 +311,9 @@ struct Study {
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< implausible values: "<file>:<line>:<column>: ..."
 };
+
+/// True if a body's file does not state the unit of its lengths: .stl, .off, ...
+[[nodiscard]] bool needs_unit(const std::filesystem::path& file);
 
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Channel>& channels);
 /// Names of the sensors, then of the actuators.

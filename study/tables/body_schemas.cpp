@@ -273,7 +273,10 @@ const Schema<StudyMaterial>& material_schema() {
   using P = StudyMaterial;
   static const Schema<P> schema = {
       "material",
-      {text("region", &P::region, "of the body that is made of it",
+      {special<P>({"name", "a name of `chladni list materials`", "none",
+                   "gives the constants that are not stated; also `material = \"zerodur\"`"},
+                  "name", not_shown<P>),
+       text("region", &P::region, "of the body that is made of it",
             "every region without a material of its own"),
        choice("symmetry", {"isotropic", "cubic", "orthotropic"}, &P::symmetry,
               "says which constants are needed", quoted({"isotropic"})),

@@ -38,7 +38,7 @@ std::string ending_of(const std::filesystem::path& file) {
 
 void check_unit(TableReader& table, const FileGeometry& geometry) {
   const std::string ending = ending_of(geometry.file);
-  const bool needs = std::find(kNeedUnit.begin(), kNeedUnit.end(), ending) != kNeedUnit.end();
+  const bool needs = needs_unit(geometry.file);
   const bool carries = std::find(kCarryUnit.begin(), kCarryUnit.end(), ending) != kCarryUnit.end();
   if (!needs && !carries) {
     table.wrong(*table.find("file"),
@@ -89,6 +89,10 @@ decltype(Geometry::body) parametric_of(const std::string& kind, TableReader& tab
 }
 
 }  // namespace
+
+bool needs_unit(const std::filesystem::path& file) {
+  return std::find(kNeedUnit.begin(), kNeedUnit.end(), ending_of(file)) != kNeedUnit.end();
+}
 
 void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& study) {
   const std::string expected =

@@ -80,6 +80,7 @@ StudyMaterial material_of(TableReader& table, const TomlNode& node) {
   StudyMaterial out;
   out.symmetry = "isotropic";
   material_schema().read(table, out);
+  static_cast<void>(table.text("name"));  // its constants are there by now
   try {
     read_constants(table, out);
   } catch (const InvalidInput& e) {

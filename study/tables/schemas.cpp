@@ -3,6 +3,7 @@
 
 #include <fmt/ranges.h>
 
+#include "study/device_arrays.h"
 #include "study/tables/known.h"
 #include "study/tables/rows.h"
 
@@ -262,6 +263,10 @@ std::vector<TableText> tables_of_a_study() {
   add(torsion_spring_schema(), "of kind `torsion_spring`");
   add(link_schema(), "of kind `link`");
   add(resonator_schema(), "of kind `resonator`");
+  add(mount_schema(), "of kind `kinematic_mount`");
+  add(air_bearing_schema(), "of kind `air_bearing`");
+  add(ring_schema(), "and of actuators and attachments");
+  add(hexagon_schema(), "likewise; `sensor.at.grid` has the keys of `placement.grid`");
   add(placement_schema());
   add(grid_schema());
   add(uncertainty_schema());

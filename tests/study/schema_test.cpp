@@ -81,7 +81,9 @@ TEST(Schema, LeavesTheOtherKeysOfAMeasurementByDefault) {
 std::string head_of(const std::string& heading) {
   if (!heading.starts_with('`')) return "";  // above all tables
   const auto end = heading.find('`', 1);
-  const auto head = heading.substr(1, end - 1) + "\n";
+  const bool in_sensor = heading.starts_with("`[sensor.");
+  const auto head =
+      (in_sensor ? "[[sensor]]\nname = \"s\"\n" : "") + heading.substr(1, end - 1) + "\n";
   const auto kind = heading.find("of kind `");
   if (kind == std::string::npos) return head;
   const auto word = heading.substr(kind + 9);
