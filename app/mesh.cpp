@@ -8,8 +8,7 @@ namespace {
 
 void run_mesh(const study::Study& study, show::Run& run) {
   const stage::Outline outline = stage::introduced(study, run).outline;
-  const auto body =
-      run.timed("mesh", [&] { return stage::body_of(study, outline, run); });
+  const auto body = run.timed("mesh", [&] { return stage::body_of(study, outline, run); });
   run.show(show::mesh_text(body));
   show::leave_mesh(body, run, true);
   show::paint_patches(study, body, run);

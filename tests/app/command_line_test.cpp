@@ -330,7 +330,7 @@ TEST_F(ModelStudies, AllPassTheirCheckOrSayWhereTheirDataAre) {
   const auto studies = model_studies();
   EXPECT_GE(studies.size(), 37U);
   for (const auto& study : studies) {
-    const auto check = run({"check", study, "-o", "out", "--allow-outside",
+    const auto check = run({"check", study, "-o", "out", "--quiet", "--allow-outside",
                             fs::path(CHLADNI_SOURCE_DIR).parent_path().parent_path().string()});
     if (check.status == 3 && says(check.err, "measurement.frf")) {
       EXPECT_TRUE(says(check.err, "it does not come with the study: ")) << study << check.err;
