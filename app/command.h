@@ -28,6 +28,7 @@ extern const Command simulate_command;
 extern const Command identify_command;
 extern const Command interpolate_command;
 extern const Command compare_command;
+extern const Command observe_command;
 extern const Command diagnose_command;
 extern const Command study_command;
 

@@ -34,8 +34,8 @@ constexpr const app::Command* kCommands[] = {
     &app::check_command,       &app::mesh_command,     &app::modes_command,
     &app::export_command,      &app::place_command,    &app::priors_command,
     &app::experiment_command,  &app::simulate_command, &app::identify_command,
-    &app::interpolate_command, &app::compare_command,  &app::diagnose_command,
-    &app::study_command,
+    &app::interpolate_command, &app::observe_command,  &app::compare_command,
+    &app::diagnose_command,    &app::study_command,
 };
 
 /// How an error is told.

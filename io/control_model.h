@@ -25,6 +25,7 @@ struct CHeaderText {
   std::string title;             ///< of the study
   std::vector<double> position;  ///< factor of the position state of each mode: q_m = factor x_2m;
                                  ///< empty where the states are not those of modes
+  std::string prefix = "chladni";  ///< of all names, so that a program may hold several models
 };
 
 /// A C99 header that needs only <string.h>: the model, `chladni_reset`, `chladni_step` and, for

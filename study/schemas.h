@@ -53,6 +53,9 @@ namespace chladni::study {
 [[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
 [[nodiscard]] const Schema<StateSpacePlan>& state_space_schema();
+[[nodiscard]] const Schema<ObserverPlan>& observer_schema();
+[[nodiscard]] const Schema<DisturbancePlan>& disturbance_schema();
+[[nodiscard]] const Schema<ObserverLoopPlan>& observer_loop_schema();
 [[nodiscard]] const Schema<InterpolationPlan>& interpolation_schema();
 [[nodiscard]] const Schema<PriorsPlan>& priors_schema();
 [[nodiscard]] const Schema<DiagnosisPlan>& diagnosis_schema();

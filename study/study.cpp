@@ -107,6 +107,7 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_identification(root, study);
   read_state_space(root, study);
   read_interpolation(root, study);
+  read_observer(root, folder, study);
   read_priors(root, study);
   read_diagnosis(root, folder, study);
   read_specimens(root, folder, study);

@@ -16,6 +16,7 @@
 #include "mesh/bodies.h"
 #include "study/diagnosis_plan.h"
 #include "study/excitation_plan.h"
+#include "study/observer_plan.h"
 #include "study/place.h"
 #include "study/recording_plan.h"
 #include "study/variation_plan.h"
@@ -303,6 +304,7 @@ struct Study {
   std::optional<ExcitationPlan> design;
   std::optional<IdentificationPlan> identification;
   std::optional<StateSpacePlan> state_space;
+  std::optional<ObserverPlan> observer;
   std::optional<InterpolationPlan> interpolation;
   std::optional<PriorsPlan> priors;
   std::optional<DiagnosisPlan> diagnosis;

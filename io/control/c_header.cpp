@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "base/error.h"
 #include "io/control_model.h"
@@ -70,6 +71,20 @@ std::string names(const char* side, const std::vector<modal::Signal>& signals) {
         fmt::format("\n   {}  {} [{}]", i, harmless(signals[i].name), harmless(signals[i].unit));
   }
   return text + " */\n";
+}
+
+// The same text with another prefix than "chladni" of all names.
+std::string renamed(const std::string& text, const std::string& prefix) {
+  std::string upper = prefix;
+  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto name = std::string_view(text).substr(at, 8);
+    const bool own = name == "chladni_" || name == "CHLADNI_";
+    result += own ? (name[0] == 'c' ? prefix : upper) + "_" : text.substr(at, 1);
+    at += own ? 8 : 1;
+  }
+  return result;
 }
 
 constexpr const char* kFunctions = R"(
@@ -161,7 +176,7 @@ std::string control_model_c(const modal::ControlModel& model, const CHeaderText&
     header += fmt::format("\nenum {{ CHLADNI_MODES = {} }};\n", text.position.size());
     header += array("double", "chladni_position", text.position) + kDisplacement;
   }
-  return header + "\n#endif\n";
+  return renamed(header + "\n#endif\n", text.prefix);
 }
 
 }  // namespace chladni::io

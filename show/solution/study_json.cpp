@@ -108,6 +108,7 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   add("design", study::design_schema(), study.design);
   add("identification", study::identification_schema(), study.identification);
   add("state_space", study::state_space_schema(), study.state_space);
+  add("observer", study::observer_schema(), study.observer);
   add("interpolation", study::interpolation_schema(), study.interpolation);
   add("priors", study::priors_schema(), study.priors);
   add("diagnosis", study::diagnosis_schema(), study.diagnosis);

@@ -5,9 +5,9 @@
 #include "study/tables/tables.h"
 
 namespace chladni::study {
-namespace {
 
 std::string sensor_unit(const Study& study) {
+  if (study.sensors.empty()) return "m";
   const auto& first = study.sensors.front().quantity;
   for (const auto& sensor : study.sensors) {
     if (sensor.quantity != first) return "";
@@ -16,8 +16,10 @@ std::string sensor_unit(const Study& study) {
   return first == "acceleration" ? "m/s^2" : "m";
 }
 
+namespace {
+
 void read_noise(TableReader& table, const Study& study, ExperimentPlan& plan) {
-  const auto unit = study.sensors.empty() ? std::string("m") : sensor_unit(study);
+  const auto unit = sensor_unit(study);
   for (const auto* key : {"noise", "quantisation"}) {
     if (unit.empty() && table.has(key)) {
       table.wrong(*table.find(key), table.name(key) +

@@ -276,6 +276,9 @@ std::vector<TableText> tables_of_a_study() {
   add(design_schema());
   add(identification_schema());
   add(state_space_schema());
+  add(observer_schema());
+  add(disturbance_schema());
+  add(observer_loop_schema());
   add(interpolation_schema());
   add(priors_schema());
   add(diagnosis_schema());

@@ -37,6 +37,7 @@ void read_design(TableReader& root, Study& study);
 void read_identification(TableReader& root, Study& study);
 void read_state_space(TableReader& root, Study& study);
 void read_interpolation(TableReader& root, Study& study);
+void read_observer(TableReader& root, const StudyFolder& folder, Study& study);
 void read_priors(TableReader& root, Study& study);
 void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
 void read_specimens(TableReader& root, const StudyFolder& folder, Study& study);
@@ -60,6 +61,9 @@ void read_expectations(TableReader& root, Study& study);
 void read_motion(TableReader& table, std::optional<Eigen::Vector3d>& direction, bool& along_normal);
 /// The same in study.json.
 [[nodiscard]] io::Json motion_json(const std::optional<Eigen::Vector3d>& direction);
+
+/// The SI unit of all sensors; "m" without sensors, empty where their quantities differ.
+[[nodiscard]] std::string sensor_unit(const Study& study);
 
 /// "mass", "spring", ...
 [[nodiscard]] const std::vector<std::string>& attachment_kinds();

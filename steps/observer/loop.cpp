@@ -1,0 +1,289 @@
+// Feedback on the estimate against feedback on the sensors, on the model and on drawn models.
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/draw.h"
+#include "base/error.h"
+#include "base/turn.h"
+#include "identification/virtual_experiment.h"
+#include "modal/feedback.h"
+#include "steps/observer_loop.h"
+#include "steps/predicted.h"
+
+namespace chladni::steps {
+namespace {
+
+constexpr Eigen::Index kLines = 60;  // of the margin
+
+Eigen::VectorXd margin_lines(const Observer& observer) {
+  return Eigen::VectorXd::LinSpaced(kLines, std::log(0.5), std::log(0.5 / observer.sample_time_s))
+      .array()
+      .exp();
+}
+
+// The lowest modes: the body on its suspension, or free.
+Eigen::Index axes_of(const identification::ModalFit& fit, double bandwidth_hz) {
+  const auto axes = (fit.model.frequency_hz.array() < 0.5 * bandwidth_hz).count();
+  require(
+      axes > 0,
+      fmt::format("observer.loop: no mode lies below half of the bandwidth, {:.6g} Hz; expected "
+                  "a bandwidth above twice that of the suspension, {:.6g} Hz",
+                  0.5 * bandwidth_hz, fit.model.frequency_hz(0)));
+  return axes;
+}
+
+// The places of the observer with the coordinates of the axes as further points.
+identification::ObservedPlaces with_axes(const identification::ObservedPlaces& places,
+                                         Eigen::Index axes, bool complex) {
+  auto result = places;
+  auto& rows = result.at_points;
+  const auto m = rows.shapes.cols();
+  const auto n = rows.shapes.rows();
+  const auto add = [&](Eigen::MatrixXd& matrix, const Eigen::MatrixXd& below) {
+    matrix.conservativeResize(n + axes, matrix.cols());
+    matrix.bottomRows(axes) = below;
+  };
+  for (Eigen::Index k = 0; k < axes; ++k) result.points.push_back(fmt::format("axis_{}", k + 1));
+  add(rows.shapes, Eigen::MatrixXd::Identity(axes, m));
+  add(rows.residual, Eigen::MatrixXd::Zero(axes, rows.residual.cols()));
+  if (complex) add(rows.imaginary, Eigen::MatrixXd::Zero(axes, m));
+  return result;
+}
+
+// The law with the coordinates of the axes in and the forces of the actuators out.
+modal::FeedbackLaw law_of(const IdentifiedModel& model, Eigen::Index axes,
+                          const std::vector<Eigen::Index>& actuators, double bandwidth_hz,
+                          double sample_time_s) {
+  auto unit = model.found.fit.model;
+  unit.output_shapes = Eigen::MatrixXd::Identity(axes, unit.mode_count());
+  unit.input_shapes = model.match.input_shapes;
+  unit.residual = Eigen::MatrixXd::Zero(axes, unit.input_count());
+  const auto law = identification::stabiliser(unit, axes, actuators, bandwidth_hz, sample_time_s);
+  return {law.a, law.b, law.c, law.d};
+}
+
+std::vector<Eigen::Index> driven(const study::Study& study, const IdentifiedModel& model) {
+  std::vector<Eigen::Index> actuators;
+  for (const auto& name : study.observer->loop->actuators) {
+    actuators.push_back(index_of(model.seen.inputs, name));
+    require(actuators.back() >= 0,
+            "observer.loop: \"" + name + "\" is held out of the fit; expected an actuator of it");
+  }
+  return actuators;
+}
+
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m) {
+  return m.completeOrthogonalDecomposition().pseudoInverse();
+}
+
+// What both loops share, and the model that they run on.
+struct LoopModels {
+  modal::DisturbedModel nominal;
+  modal::Feedback sensors, estimate;
+};
+
+modal::DisturbedModel disturbed(const Observer& observer, const modal::ControlModel& plant) {
+  const auto& system = observer.filter.system;
+  return modal::disturbed_model(plant, system.known, observer.disturbances, system.sensor_rms,
+                                observer.sample_time_s);
+}
+
+modal::ControlModel plant_with_axes(const Observer& observer, const identification::ModalFit& fit,
+                                    const identification::ObservedPlaces& places) {
+  const auto& model = identified_of(*observer.shapes);
+  auto plant = identification::observed_plant(fit, model.match, model.seen.outputs,
+                                              model.seen.inputs, places);
+  plant.input_delay = observer.plant.input_delay;
+  plant.output_delay.head(observer.plant.output_delay.size() - std::ssize(observer.names())) =
+      observer.plant.output_delay.head(observer.plant.output_delay.size() -
+                                       std::ssize(observer.names()));
+  return plant;
+}
+
+LoopModels loop_models(const study::Study& study, const Observer& observer, LoopTrial& trial) {
+  const auto& model = identified_of(*observer.shapes);
+  const auto& plan = *study.observer->loop;
+  const auto& fit = model.found.fit;
+  const auto axes = trial.axes;
+  const auto p = std::ssize(model.seen.outputs);
+  require(p >= axes,
+          fmt::format("observer.loop: {} sensors for {} axes; expected as many or more", p, axes));
+  for (const auto& output : model.seen.outputs) {
+    require(output.kind == modal::FrfKind::receptance,
+            "observer.loop: the loop on the sensors needs sensors of displacement; \"" +
+                output.name + "\" is none");
+  }
+  const auto places = with_axes(observer.places, axes, fit.complex.has_value());
+  LoopModels result;
+  result.nominal = disturbed(observer, plant_with_axes(observer, fit, places));
+  auto& sensors = result.sensors;
+  sensors.actuators = driven(study, model);
+  sensors.law = law_of(model, axes, sensors.actuators, plan.bandwidth_hz, observer.sample_time_s);
+  sensors.sensors = pseudo_inverse(model.match.shapes.topRows(p).leftCols(axes));
+  sensors.delay = std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(std::ceil(plan.delay / observer.sample_time_s - 1e-9)));
+  trial.delay_s = static_cast<double>(sensors.delay) * observer.sample_time_s;
+  result.estimate = sensors;
+  result.estimate.sensors.resize(0, 0);
+  result.estimate.filter = modal::kalman_filter(result.nominal);
+  // The first point moves by φ q of the axes and its flexible part: the law sees axes that move it
+  // as it is estimated to move.
+  const auto n = std::ssize(observer.names());
+  const Eigen::RowVectorXd at_point = observer.places.at_points.shapes.row(0).head(axes);
+  const Eigen::VectorXd back = pseudo_inverse(at_point);
+  auto& points = result.estimate.points = Eigen::MatrixXd::Zero(axes, n + axes);
+  points.rightCols(axes) = Eigen::MatrixXd::Identity(axes, axes) - back * at_point;
+  points.col(0) = back;
+  return result;
+}
+
+// A draw from a covariance; entries without one stay. Negative eigenvalues are rounding.
+Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, Draw& draw) {
+  Eigen::VectorXd normal(covariance.rows());
+  for (double& value : normal) value = draw.normal();
+  Eigen::MatrixXd known = covariance;
+  for (Eigen::Index i = 0; i < known.rows(); ++i) {
+    if (known.row(i).allFinite() && std::isfinite(known(i, i))) continue;
+    known.row(i).setZero();
+    known.col(i).setZero();
+  }
+  const Eigen::VectorXd scale = known.diagonal().unaryExpr(
+      [](double variance) { return variance > 0.0 ? std::sqrt(variance) : 1.0; });
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(inverse.asDiagonal() * known * inverse.asDiagonal()));
+  return scale.cwiseProduct(solver.eigenvectors() *
+                            solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(normal));
+}
+
+// Poles and shapes of the flexible modes as the fit leaves them open; the damping stays positive.
+identification::ModalFit drawn_fit(identification::ModalFit fit, Draw& draw) {
+  auto& model = fit.model;
+  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
+    const auto change = drawn(fit.mode_covariance[static_cast<std::size_t>(m)], draw);
+    const auto p = model.output_count();
+    const auto q = model.input_count();
+    // To first order the draw itself, but never negative.
+    const auto factor = [](double relative) { return std::exp(std::clamp(relative, -0.5, 0.5)); };
+    model.frequency_hz(m) *= factor(change(0) / (kTwoPi * model.frequency_hz(m)));
+    if (model.damping_ratio(m) > 0.0) {
+      model.damping_ratio(m) *= factor(change(1) / model.damping_ratio(m));
+    }
+    model.output_shapes.col(m) += change.segment(2, p);
+    model.input_shapes.row(m) += change.segment(2 + p, q).transpose();
+  }
+  return fit;
+}
+
+identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
+                                            const Observer& observer, Draw& draw) {
+  const auto& deviation = observer.places.at_points.deviation;
+  for (Eigen::Index m = 0; m < deviation.cols(); ++m) {
+    for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
+      const double normal = draw.normal();
+      if (std::isfinite(deviation(i, m))) {
+        places.at_points.shapes(i, m) += deviation(i, m) * normal;
+      }
+    }
+  }
+  return places;
+}
+
+std::vector<double> listed(const Eigen::VectorXd& rms, Eigen::Index count) {
+  if (rms.size() == 0) {
+    return std::vector<double>(static_cast<std::size_t>(count),
+                               std::numeric_limits<double>::quiet_NaN());
+  }
+  return {rms.data(), rms.data() + count};
+}
+
+LoopCase nominal_case(const LoopModels& models, const modal::Feedback& feedback,
+                      const Eigen::VectorXd& lines, Eigen::Index points) {
+  const auto loop = modal::closed_loop(models.nominal, feedback);
+  LoopCase result;
+  result.stable = loop.spectral_radius < 1.0;
+  result.rms = listed(loop.rms, points);
+  if (result.stable) result.modulus_margin = modal::modulus_margin(models.nominal, feedback, lines);
+  return result;
+}
+
+// The rms of each drawn model, sorted at each point.
+class Draws {
+ public:
+  explicit Draws(Eigen::Index points) : rms_(static_cast<std::size_t>(points)) {}
+
+  void add(const modal::DisturbedModel& plant, const modal::Feedback& feedback,
+           const Eigen::VectorXd& lines) {
+    const auto loop = modal::closed_loop(plant, feedback);
+    if (!(loop.spectral_radius < 1.0)) {
+      worst_margin_ = 0.0;
+      return;
+    }
+    ++stable_;
+    worst_margin_ = std::min(worst_margin_, modal::modulus_margin(plant, feedback, lines));
+    for (std::size_t i = 0; i < rms_.size(); ++i) {
+      rms_[i].push_back(loop.rms(static_cast<Eigen::Index>(i)));
+    }
+  }
+
+  void tell(LoopCase& into) {
+    into.stable_draws = stable_;
+    into.worst_margin = stable_ > 0 ? worst_margin_ : 0.0;
+    for (auto& all : rms_) {
+      if (all.empty()) continue;
+      std::ranges::sort(all);
+      into.median_rms.push_back(all[all.size() / 2]);
+      into.worst_rms.push_back(all.back());
+    }
+  }
+
+ private:
+  int stable_ = 0;
+  double worst_margin_ = std::numeric_limits<double>::infinity();
+  std::vector<std::vector<double>> rms_;
+};
+
+}  // namespace
+
+LoopTrial loop_trial(const study::Study& study, const Observer& observer, stage::Work& work) {
+  const auto& model = identified_of(*observer.shapes);
+  const auto& fit = model.found.fit;
+  LoopTrial trial;
+  trial.bandwidth_hz = study.observer->loop->bandwidth_hz;
+  trial.axes = axes_of(fit, trial.bandwidth_hz);
+  trial.points = observer.names();
+  trial.open_rms = listed(observer.without, observer.without.size());
+  const auto models = loop_models(study, observer, trial);
+  const auto lines = margin_lines(observer);
+  const auto points = std::ssize(trial.points);
+  trial.on_sensors = nominal_case(models, models.sensors, lines, points);
+  trial.on_estimate = nominal_case(models, models.estimate, lines, points);
+  if (fit.complex) {
+    trial.notes.emplace_back("no models are drawn: those of complex shapes are not implemented");
+    return trial;
+  }
+  Draw draw(work.seed());
+  Draws on_sensors(points);
+  Draws on_estimate(points);
+  const auto places = with_axes(observer.places, trial.axes, false);
+  for (int k = 0; k < kLoopDraws; ++k) {
+    tell(work.progress(), "drawn models", static_cast<double>(k) / kLoopDraws);
+    const auto other = drawn_fit(fit, draw);
+    const auto plant =
+        disturbed(observer, plant_with_axes(observer, other, drawn_places(places, observer, draw)));
+    on_sensors.add(plant, models.sensors, lines);
+    on_estimate.add(plant, models.estimate, lines);
+  }
+  work.clear_progress();
+  trial.draws = kLoopDraws;
+  on_sensors.tell(trial.on_sensors);
+  on_estimate.tell(trial.on_estimate);
+  return trial;
+}
+
+}  // namespace chladni::steps

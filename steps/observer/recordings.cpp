@@ -1,0 +1,124 @@
+// The recordings over which an observer runs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "io/time_file.h"
+#include "stage/channel_paths.h"
+#include "steps/measured/measured_channels.h"
+#include "steps/observer.h"
+
+namespace chladni::steps {
+namespace {
+
+// A column of a record, with the sign that the study gives it.
+struct Column {
+  Eigen::Index of_file = 0;
+  double sign = 1.0;
+};
+
+std::filesystem::path file_of(const study::Study& study) {
+  if (study.observer && !study.observer->replay.empty()) return study.observer->replay;
+  return study.measurement ? study.measurement->time : std::filesystem::path{};
+}
+
+Column column(const std::vector<MatchedChannel>& matched, const std::string& name,
+              const std::string& file) {
+  const auto found =
+      std::ranges::find_if(matched, [&](const auto& one) { return one.channel->name == name; });
+  require(found != matched.end(),
+          file + ": \"" + name + "\" is not in it; expected every sensor and actuator of the fit");
+  return {found->of_file, found->turned ? -1.0 : 1.0};
+}
+
+Eigen::MatrixXd columns(const Eigen::MatrixXd& all, const std::vector<Column>& wanted) {
+  Eigen::MatrixXd part(all.rows(), std::ssize(wanted));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    part.col(static_cast<Eigen::Index>(i)) = wanted[i].sign * all.col(wanted[i].of_file);
+  }
+  return part;
+}
+
+// rms of white noise in each column. Third differences leave 20 times its variance, and next to
+// nothing of motion that is slow beside the samples.
+Eigen::VectorXd white_part(const Eigen::MatrixXd& values) {
+  const auto n = values.rows() - 3;
+  const Eigen::MatrixXd third = values.bottomRows(n) - 3.0 * values.middleRows(2, n) +
+                                3.0 * values.middleRows(1, n) - values.topRows(n);
+  return (third.cwiseAbs2().colwise().mean().transpose() / 20.0).cwiseSqrt();
+}
+
+// From the difference of the last two periods of each record: the excitation is not in it.
+Eigen::VectorXd noise_of(const identification::TimeData& data, const Recordings& result) {
+  const auto sensors = result.records.empty() ? 0 : result.records[0].sensors.cols();
+  const auto all = sensors + std::ssize(result.judges);
+  Eigen::VectorXd square = Eigen::VectorXd::Zero(all);
+  double count = 0.0;
+  for (const auto& record : result.records) {
+    const auto n = record.sensors.rows();
+    if (data.period < 8 || n < 2 * data.period) continue;
+    Eigen::MatrixXd outputs(n, all);
+    outputs << record.sensors, record.judges;
+    square += white_part(outputs.bottomRows(data.period) -
+                         outputs.middleRows(n - 2 * data.period, data.period))
+                  .cwiseAbs2();
+    count += 2.0;
+  }
+  if (count == 0.0) {
+    return Eigen::VectorXd::Constant(all, std::numeric_limits<double>::quiet_NaN());
+  }
+  return (square / count).cwiseSqrt();
+}
+
+}  // namespace
+
+bool has_recordings(const study::Study& study) { return !file_of(study).empty(); }
+
+Recordings recordings(const study::Study& study, const IdentifiedModel& model, stage::Work& work) {
+  const auto path = file_of(study);
+  require(std::filesystem::exists(path), path.string() + ": there is no such file");
+  require(!stage::has_paths(study), study.file.string() +
+                                        ": recordings pass through no gain, delay or low_pass of a "
+                                        "channel; expected channels without them");
+  io::TimeOptions options;
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
+  if (study.identification) options.unit = study.identification->unit;
+  const auto file = io::read_time(path, options);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
+  Recordings result;
+  result.file = path.string();
+  result.sample_time_s = file.data.sample_time_s;
+  require(result.sample_time_s > 0.0, result.file + ": the sample time is not known");
+  const auto outputs = matched_channels(file.data.outputs, study.sensors, result.file, work);
+  const auto inputs = matched_channels(file.data.inputs, study.actuators, result.file, work);
+  std::vector<Column> sensors;
+  std::vector<Column> judges;
+  std::vector<Column> actuators;
+  for (const auto& one : model.seen.outputs) {
+    sensors.push_back(column(outputs, one.name, result.file));
+  }
+  for (const auto& one : model.seen.inputs) {
+    actuators.push_back(column(inputs, one.name, result.file));
+  }
+  for (const auto& one : outputs) {
+    const auto& hold_out = study.measurement->hold_out;
+    if (std::ranges::find(hold_out, one.channel->name) == hold_out.end()) continue;
+    if (one.channel->quantity != "displacement") continue;
+    result.judges.push_back(one.channel->name);
+    judges.push_back({one.of_file, one.turned ? -1.0 : 1.0});
+  }
+  for (const auto& record : file.data.records) {
+    result.records.push_back({columns(record.inputs, actuators), columns(record.outputs, sensors),
+                              columns(record.outputs, judges)});
+  }
+  result.noise = noise_of(file.data, result);
+  if (study.observer && study.observer->noise > 0.0)
+    result.noise.setConstant(study.observer->noise);
+  return result;
+}
+
+}  // namespace chladni::steps

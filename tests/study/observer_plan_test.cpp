@@ -1,0 +1,100 @@
+// [observer] of a study: what is read and what is refused.
+#include "study/observer_plan.h"
+
+#include <gtest/gtest.h>
+
+#include "study/schemas.h"
+#include "tests/refusal.h"
+
+namespace chladni::study {
+namespace {
+
+Study study_with(const std::string& tables) {
+  return parse_study(R"(
+[geometry]
+plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
+[material]
+youngs_modulus = "70 GPa"
+poissons_ratio = 0.33
+density = "2700 kg/m^3"
+[[sensor]]
+name = "s1"
+at = ["0 mm", "0 mm"]
+direction = "z"
+[[actuator]]
+name = "a1"
+at = ["0 mm", "0 mm"]
+direction = "z"
+)" + tables,
+                     "plate.toml");
+}
+
+const std::string kWhole = R"([observer]
+noise = "2 nm"
+sample_rate = "10 kHz"
+[[observer.point]]
+name = "tool"
+at = ["10 mm", "20 mm"]
+direction = "z"
+[[observer.disturbance]]
+name = "amplifier"
+kind = "actuators"
+density = "4 mN^2/Hz"
+[[observer.disturbance]]
+name = "floor"
+kind = "floor"
+rms = "1 mm/s^2"
+band = ["1 Hz", "80 Hz"]
+[[observer.disturbance]]
+name = "hose"
+kind = "force"
+at = ["100 mm", "0 mm"]
+rms = "0.2 N"
+drift_time = "10 s"
+[observer.loop]
+actuators = ["a1"]
+bandwidth = "20 Hz"
+)";
+
+TEST(ObserverPlan, IsReadInSiUnits) {
+  const auto plan = *study_with(kWhole).observer;
+  EXPECT_DOUBLE_EQ(plan.noise, 2e-9);
+  EXPECT_DOUBLE_EQ(plan.sample_rate_hz, 1e4);
+  ASSERT_EQ(plan.points.size(), 1U);
+  EXPECT_EQ(plan.points[0].at.point, Eigen::Vector3d(0.01, 0.02, 0.0));
+  ASSERT_EQ(plan.disturbances.size(), 3U);
+  EXPECT_DOUBLE_EQ(plan.disturbances[0].density, 4e-6);
+  EXPECT_DOUBLE_EQ(plan.disturbances[1].rms, 1e-3);
+  EXPECT_EQ(plan.disturbances[1].high_hz, 80.0);
+  EXPECT_EQ(plan.disturbances[2].drift_time, 10.0);
+  EXPECT_EQ(plan.loop->bandwidth_hz, 20.0);
+}
+
+TEST(ObserverPlan, RefusesWhatCannotBeMeant) {
+  const auto refused = [](const std::string& keys) {
+    return refusal_of([&] { return study_with("[observer]\n" + keys); });
+  };
+  const auto disturbed = [&](const std::string& keys) {
+    return refused("[[observer.disturbance]]\nname = \"d\"\n" + keys);
+  };
+  const auto says = [](const std::string& found, const std::string& part) {
+    EXPECT_NE(found.find(part), std::string::npos) << found;
+  };
+  says(refused("noise = \"2 nm\"\n"), "disturbance");
+  says(refused("noise = \"2 N\"\n"), "observer.noise");
+  says(disturbed("kind = \"actuators\"\n"), "either rms = \"0.1 N\"");
+  says(disturbed("kind = \"floor\"\nrms = \"1 N\"\n"), "rms");
+  says(disturbed("kind = \"wind\"\nrms = \"1 N\"\n"), "kind");
+  says(disturbed("kind = \"force\"\nrms = \"1 N\"\n"), "at");
+  says(disturbed("kind = \"floor\"\nrms = \"1 m/s^2\"\nat = [\"0 mm\", \"0 mm\"]\n"),
+       "changes nothing of kind \"floor\"");
+  says(disturbed("kind = \"actuators\"\nrms = \"1 N\"\nactuators = [\"a2\"]\n"), "\"a2\"");
+  says(disturbed("kind = \"actuators\"\nrms = \"1 N\"\nband = [\"1 Hz\", \"2 Hz\"]\ndrift_time = "
+                 "\"1 s\"\n"),
+       "a drift has an rms");
+  says(disturbed("kind = \"actuators\"\nrms = \"1 N\"\n[observer.loop]\nbandwidth = \"2 Hz\"\n"),
+       "those that it drives");
+}
+
+}  // namespace
+}  // namespace chladni::study
