@@ -192,18 +192,6 @@ Eigen::VectorXd sensor_noise(const study::Study& study, Eigen::Index sensors,
   return found;
 }
 
-// Responses that were estimated from recordings have the half sample of the hold in their delay;
-// the sampled model brings it again.
-void take_out_hold(const study::Study& study, double sample_time_s, modal::ControlModel& plant) {
-  if (!study.measurement->frf.empty()) return;
-  const double half = 0.5 * sample_time_s;
-  if (plant.input_delay.maxCoeff() > 0.0) {
-    plant.input_delay = (plant.input_delay.array() - half).max(0.0);
-  } else {
-    plant.output_delay = (plant.output_delay.array() - half).max(0.0);
-  }
-}
-
 // Second moments of the states under the disturbances alone; empty where a state drifts.
 Eigen::MatrixXd open_moments(const modal::DisturbedModel& system) {
   const Eigen::MatrixXd moved = system.noise_inputs();
@@ -282,7 +270,6 @@ Observer observer(const study::Study& study, const stage::Solution& solution,
   result.sample_time_s = sample_time(study, recorded);
   result.plant = identification::observed_plant(model.found.fit, model.match, model.seen.outputs,
                                                 model.seen.inputs, result.places);
-  take_out_hold(study, result.sample_time_s, result.plant);
   result.coordinates = modal_coordinates(model);
   const auto sensors = std::ssize(model.seen.outputs);
   result.filter = work.timed("observer", [&] {
