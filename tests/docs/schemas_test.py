@@ -82,6 +82,15 @@ samples = [25, 50]
 [interpolation]
 point = [{ name = "middle", at = ["0 mm", "0 mm"] }]
 polynomial_degree = 4
+[observer]
+noise = "20 nm"
+[[observer.point]]
+name = "middle"
+at = ["0 mm", "0 mm"]
+[[observer.disturbance]]
+name = "amplifier"
+kind = "actuators"
+rms = "0.2 N"
 [diagnosis]
 effects = ["point_mass", "sensor_gain"]
 lines = 60
@@ -204,6 +213,7 @@ class Files(unittest.TestCase):
         self.all_agree(self.run_verb("interpolate", self.study), "interpolation.json", "spatio_temporal.json",
                        "mode_field_polynomial.json")
         self.all_agree(self.run_verb("compare", self.study), "comparison.json")
+        self.all_agree(self.run_verb("observe", self.study), "observe.json")
         self.diagnosed_modes()
         if not (why := why_skipped("docs.schemas.diagnosis", SAMPLE, SOURCE)):
             self.diagnosed_responses()
@@ -234,6 +244,11 @@ class Files(unittest.TestCase):
         several.write_text(PLATE % "8 mm" + "".join(
             f'[[specimen]]\nname = "{n}"\nstudy = "{n}.toml"\n' for n in ("one", "two")))
         self.all_agree(self.run_verb("diagnose", several), "diagnosis.json")
+
+    def test_of_designed_experiments(self):
+        for name in ("experiment", "hammer_design"):
+            study = SOURCE / "models/recordings" / f"{name}.toml"
+            self.all_agree(self.run_verb("experiment", study), "experiment.json")
 
     def test_of_a_sweep(self):
         plan = self.folder / "plan.toml"
