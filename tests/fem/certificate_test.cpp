@@ -143,8 +143,9 @@ TEST(Modes, ThatWereMissedAreFoundByRestarts) {
       EXPECT_NEAR(found.modes.frequency_hz(i) * 2.0 * std::numbers::pi / omega, 1.0, 1e-6) << i;
     }
     EXPECT_LT(found.summary.orthogonality, 1e-10);
-    // As far as the tolerance asks, and said since it is more than 1e-9.
-    EXPECT_LT(found.summary.residual.maxCoeff(), 1e-6);
+    // A restart is orthogonal to shapes that are as good as the tolerance: each copy of a mode adds
+    // their error, up to the ratio of the eigenvalues, 9. It is said since it is more than 1e-9.
+    EXPECT_LT(found.summary.residual.maxCoeff(), 9.0 * chains * 1e-6);
     const auto& warnings = found.summary.warnings;
     EXPECT_EQ(found.summary.clusters.size(), 3U);
     ASSERT_EQ(warnings.empty(), found.summary.residual.maxCoeff() <= 1e-9);
