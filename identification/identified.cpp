@@ -219,13 +219,28 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   return result;
 }
 
+// Fits again with modes at 0 Hz where springs hold the body and a fit without is far from the
+// noise. Poles far below the lines are as good for a vector fit, but their residues cannot be told
+// apart.
+Identified on_springs(const FitData& measured, const IdentificationOptions& options) {
+  auto found = from_all_responses(measured, options);
+  if (!options.on_springs || !measured.noise_known ||
+      noise_level(found.fit, measured) < Constants::bad_level) {
+    return found;
+  }
+  auto with = options;
+  with.rigid_count = -1;
+  auto rigid = from_all_responses(measured, with);
+  return rigid.fit.cost < found.fit.cost ? rigid : found;
+}
+
 // Finds poles from a few random combinations of the channels, then fits all directions that matter.
 Identified from_compressed(const Compressed& small, const FitData& measured,
                            const IdentificationOptions& options) {
   const auto sketch = sketched(small.data, Constants::sketch);
   auto of_sketch = options;
   of_sketch.drift = false;  // each sketched response mixes all responses
-  auto result = from_all_responses(sketch, of_sketch);
+  auto result = on_springs(sketch, of_sketch);
   if (sketch.response_count() < small.data.response_count()) {
     const double delay = result.fit.delay_s;
     const auto data = options.fit.delay ? undelayed(small.data, delay) : small.data;
@@ -256,7 +271,7 @@ Identified identified(const FitData& measured, const IdentificationOptions& opti
       return from_compressed(*small, measured, options);
     }
   }
-  return from_all_responses(measured, options);
+  return on_springs(measured, options);
 }
 
 ModalFit refitted(const FitData& data, const ModalFit& fit, const FitOptions& options) {

@@ -15,6 +15,9 @@ struct IdentificationOptions {
   Eigen::Index modes = 0;        ///< flexible modes; 0: found
   Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the rank of the term in 1/s²; −1: found
   Eigen::Index most_rigid = 6;   ///< largest number that the search may find
+  /// Springs hold the body, and rigid_count is 0: where the lines begin far above the modes of this
+  /// suspension, these are fitted as modes at 0 Hz, if the data need them.
+  bool on_springs = false;
   Eigen::Index most_modes = 80;
   bool drift = true;  ///< search for drift where no variance is stated
   FitOptions fit = {};

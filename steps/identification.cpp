@@ -44,7 +44,10 @@ identification::IdentificationOptions fit_options(const study::IdentificationPla
   identification::IdentificationOptions options;
   options.modes = plan.modes;
   options.rigid_count = plan.rigid_body_modes;
-  if (plan.rigid_body_modes < 0 && is_held(study)) options.rigid_count = 0;
+  if (plan.rigid_body_modes < 0 && is_held(study)) {
+    options.rigid_count = 0;
+    options.on_springs = study.supports.empty();
+  }
   if (plan.damping == "general") options.fit.damping = identification::Damping::general;
   options.fit.delay = plan.delay;
   options.fit.delay_of = delay_of(plan);
