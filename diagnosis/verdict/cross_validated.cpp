@@ -199,8 +199,13 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
   CrossValidation result;
   for (std::size_t f = 0; f < parts.size(); ++f) {
     auto& part = result.parts.emplace_back(parts[f].told);
-    part.gain = before[f] - after[f];
-    for (const auto& misfit : beside) part.gain_of_cause.push_back(misfit[f] - after[f]);
+    // A part without a cause says nothing of it: the fits that never had the cause stretch the
+    // deviations of its channel for it, the others do not.
+    const bool whole = std::ranges::find(used[f], false) == used[f].end();
+    part.gain = whole ? before[f] - after[f] : 0.0;
+    for (std::size_t c = 0; c < beside.size(); ++c) {
+      part.gain_of_cause.push_back(used[f][c] ? beside[c][f] - after[f] : 0.0);
+    }
     part.errors = errors_of(problem, only(all, parts[f]), causes[f]);
   }
   return result;
