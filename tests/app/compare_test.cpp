@@ -47,8 +47,8 @@ mass = "40 g"
 )";
 
 constexpr const char* kExperiment = R"([experiment]
-sample_rate = "4096 Hz"
-samples = 4096
+sample_rate = "8192 Hz"
+samples = 8192
 band = ["60 Hz", "1500 Hz"]
 realisations = 3
 noise_ratio = 0.002
