@@ -30,20 +30,10 @@ std::vector<std::string> names() {
   return all;
 }
 
-TomlNode at_place_of(const TomlNode& node, Kind kind) {
-  TomlNode made;
-  made.kind = kind;
-  made.line = node.line;
-  made.column = node.column;
-  made.end_line = node.end_line;
-  made.end_column = node.end_column;
-  return made;
-}
-
 // A constant as a text with its unit, or as a number.
 TomlNode constant(std::string_view written, const TomlNode& place) {
   const bool is_number = written.find(' ') == std::string_view::npos;
-  auto node = at_place_of(place, is_number ? Kind::real : Kind::text);
+  auto node = node_at(place, is_number ? Kind::real : Kind::text);
   node.text = written;
   if (is_number) node.number = std::stod(node.text);
   return node;
@@ -74,7 +64,7 @@ bool complete(TomlNode& material, Problems& problems) {
                      "; leave symmetry out, or leave the name out and give all constants");
     return true;
   }
-  auto kind = at_place_of(place, Kind::text);
+  auto kind = node_at(place, Kind::text);
   kind.text = known->symmetry;
   put(material, "symmetry", std::move(kind));
   for (const auto& [key, written] : known->constants) put(material, key, constant(written, place));
@@ -128,7 +118,7 @@ const NamedMaterial* named_material(std::string_view name) {
 void put_material_names_into_tables(TomlNode& document) {
   auto* material = member(document, "material");
   if (material == nullptr || material->kind != Kind::text) return;
-  auto table = at_place_of(*material, Kind::table);
+  auto table = node_at(*material, Kind::table);
   put(table, "name", *material);
   *material = std::move(table);
 }

@@ -239,13 +239,8 @@ std::vector<ArrayPlace> array_places(
 }
 
 TomlNode text_node(const std::string& text, const TomlNode& like) {
-  TomlNode node;
-  node.kind = NodeKind::text;
+  auto node = node_at(like, NodeKind::text);
   node.text = text;
-  node.line = like.line;
-  node.column = like.column;
-  node.end_line = like.end_line;
-  node.end_column = like.end_column;
   return node;
 }
 

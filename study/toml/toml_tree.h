@@ -29,6 +29,17 @@ struct TomlMember {
   TomlNode value;
 };
 
+/// A node without content, at the place of another one.
+[[nodiscard]] inline TomlNode node_at(const TomlNode& place, TomlNode::Kind kind) {
+  TomlNode node;
+  node.kind = kind;
+  node.line = place.line;
+  node.column = place.column;
+  node.end_line = place.end_line;
+  node.end_column = place.end_column;
+  return node;
+}
+
 /// The member of a table; null if it has none of that name, or is not a table.
 template <typename Node>
 [[nodiscard]] Node* member(Node& table, std::string_view key) {
