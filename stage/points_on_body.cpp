@@ -32,6 +32,11 @@ std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points&
   return sites;
 }
 
+std::optional<mesh::Site> site_at(const mesh::SiteFinder& finder, const study::Place& place) {
+  if (place.from_above) return finder.from_above(place.point.x(), place.point.y());
+  return finder.nearest(place.point);
+}
+
 Points directions_at(const std::vector<mesh::Site>& sites,
                      const std::optional<Points>& directions) {
   const auto n = static_cast<Eigen::Index>(sites.size());

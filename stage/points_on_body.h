@@ -6,6 +6,7 @@
 
 #include "base/arrays.h"
 #include "mesh/site.h"
+#include "study/place.h"
 
 namespace chladni::stage {
 
@@ -14,6 +15,11 @@ namespace chladni::stage {
 ///                       names its row, its place and the nearest one
 [[nodiscard]] std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder,
                                                  const Points& points);
+
+/// The place of a study on a body: seen from above, or the nearest one. None if nothing is below a
+/// place that is seen from above; how far the nearest may be is the caller's to say.
+[[nodiscard]] std::optional<mesh::Site> site_at(const mesh::SiteFinder& finder,
+                                                const study::Place& place);
 
 /// The direction at each site, n×3, unit: one for all, one for each, or (none) the outward normals.
 /// @throws InvalidInput  another number of rows, or a direction of length 0

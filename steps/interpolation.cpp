@@ -12,6 +12,7 @@
 #include "placement/interpolation.h"
 #include "stage/corrections.h"
 #include "stage/faces.h"
+#include "stage/points_on_body.h"
 
 namespace chladni::steps {
 namespace {
@@ -75,8 +76,7 @@ void add_points(const study::Study& study, const study::InterpolationPlan& plan,
   Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
   for (const auto& point : plan.points) {
     const auto& at = point.at;
-    auto site = at.from_above ? finder.from_above(at.point.x(), at.point.y())
-                              : std::optional(finder.nearest(at.point));
+    const auto site = stage::site_at(finder, at);
     require(site.has_value(), study.file.string() + ":" + std::to_string(at.line) + ": point \"" +
                                   point.name + "\" is not on the body");
     directions.row(static_cast<Eigen::Index>(sites.size())) =

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "dense/riccati.h"
+#include "stage/points_on_body.h"
 #include "steps/predicted.h"
 #include "steps/rigid_body.h"
 
@@ -23,8 +24,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // The place of the study on the body.
 mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
                    const study::Place& at, const std::string& what) {
-  const auto site = at.from_above ? finder.from_above(at.point.x(), at.point.y())
-                                  : std::optional(finder.nearest(at.point));
+  const auto site = stage::site_at(finder, at);
   require(site && site->distance <= kFarthest,
           fmt::format("{}:{}: {} is not on the body{}", study.file.string(), at.line, what,
                       site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));

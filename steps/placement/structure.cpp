@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "mesh/surface.h"
+#include "stage/points_on_body.h"
 #include "steps/placement/placing.h"
 
 namespace chladni::steps {
@@ -34,8 +35,7 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   const auto& finder = sampler.finder();
   std::vector<mesh::Site> points;
   for (const auto& place : plan.interest) {
-    auto site = place.from_above ? finder.from_above(place.point.x(), place.point.y())
-                                 : std::optional(finder.nearest(place.point));
+    const auto site = stage::site_at(finder, place);
     require(site && site->distance < 1e-3, study.file.string() + ":" + std::to_string(place.line) +
                                                ": a point of interest is not on the body");
     points.push_back(*site);
