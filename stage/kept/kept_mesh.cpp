@@ -1,6 +1,5 @@
 #include "stage/kept/kept_mesh.h"
 
-#include <new>
 #include <optional>
 
 #include "base/error.h"
@@ -8,6 +7,7 @@
 #include "base/packed.h"
 #include "base/sha256.h"
 #include "base/worker.h"
+#include "stage/kept/kept_content.h"
 
 namespace chladni::stage {
 namespace {
@@ -44,18 +44,9 @@ mesh::TetMesh mesh_of_bytes(std::string_view bytes) {
 }
 
 std::optional<mesh::TetMesh> known(const Cache& cache, const std::string& name, Work& work) {
-  try {
-    if (const auto content = cache.content(name)) {
-      auto mesh = mesh_of_bytes(*content);
-      work.note("mesh of an earlier run");
-      return mesh;
-    }
-  } catch (const InvalidInput&) {
-    cache.drop(name);
-  } catch (const std::bad_alloc&) {
-    return {};
-  }
-  return {};
+  auto mesh = kept_content(cache, name, mesh_of_bytes);
+  if (mesh) work.note("mesh of an earlier run");
+  return mesh;
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <new>
 
 #include "base/error.h"
 #include "base/packed.h"
 #include "base/sha256.h"
 #include "fem/error_estimate.h"
+#include "stage/kept/kept_content.h"
 #include "stage/kept/modes_bytes.h"
 
 namespace chladni::stage {
@@ -83,15 +83,8 @@ struct Entries {
 };
 
 std::optional<SolvedModes> read(const Cache& cache, const std::string& name, Eigen::Index dofs) {
-  try {
-    const auto content = cache.content(name);
-    if (content) return modes_of_bytes(*content, dofs);
-  } catch (const InvalidInput&) {
-    cache.drop(name);
-  } catch (const std::bad_alloc&) {
-    return {};
-  }
-  return {};
+  return kept_content(cache, name,
+                      [&](const std::string& bytes) { return modes_of_bytes(bytes, dofs); });
 }
 
 bool suffice(const modal::Modes& modes, const ModesRequest& request) {
