@@ -11,7 +11,6 @@
 #include "identification/delay.h"
 #include "identification/frf_estimate.h"
 #include "identification/hammer.h"
-#include "io/time_file.h"
 
 namespace chladni::steps {
 namespace {
@@ -21,16 +20,11 @@ using identification::TimeData;
 TimeData recordings_of(const study::Study& study, stage::Work& work) {
   const auto& plan = *study.measurement;
   io::TimeOptions options;
-  options.sensor_names = study::names_of(study.sensors);
-  options.actuator_names = study::names_of(study.actuators);
   options.period = plan.recording.period;
   if (plan.recording.sample_rate_hz > 0.0) {
     options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
   }
-  if (study.identification) options.unit = study.identification->unit;
-  auto file = io::read_time(plan.time, options);
-  for (const auto& note : file.notes) work.note(plan.time.string() + ": " + note);
-  return std::move(file.data);
+  return read_recordings(study, plan.time, std::move(options), work).data;
 }
 
 void refuse_losses(const study::MeasurementPlan& plan,
@@ -113,6 +107,16 @@ std::string verdict_of(const RecordedFrfs& result) {
 }
 
 }  // namespace
+
+io::TimeFile read_recordings(const study::Study& study, const std::filesystem::path& path,
+                             io::TimeOptions options, stage::Work& work) {
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
+  if (study.identification) options.unit = study.identification->unit;
+  auto file = io::read_time(path, options);
+  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
+  return file;
+}
 
 RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work) {
   const auto& plan = *study.measurement;

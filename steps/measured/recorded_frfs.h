@@ -1,9 +1,11 @@
 // Frequency responses from the study's recordings, with how good they are.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
 #include "identification/data_quality.h"
+#include "io/time_file.h"
 #include "modal/frf_set.h"
 #include "stage/work.h"
 #include "study/study.h"
@@ -15,6 +17,14 @@ struct RecordedFrfs {
   std::optional<identification::DataQuality> quality;
   double added_decay = 0.0;  ///< [rad/s], of an exponential window
 };
+
+/// Recordings of a file on the channels of a study, whose names and unit they take where the file
+/// has none; notes of the file are told.
+/// @param options  what else is known of the file
+/// @throws InvalidInput  as io::read_time
+[[nodiscard]] io::TimeFile read_recordings(const study::Study& study,
+                                           const std::filesystem::path& path,
+                                           io::TimeOptions options, stage::Work& work);
 
 /// Periodic recordings with references come from a closed loop; those without a period are blows of
 /// a hammer, one actuator each (`experiment`). The hold of commands is taken off.

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "base/error.h"
-#include "io/time_file.h"
 #include "stage/channel_paths.h"
 #include "steps/measured/measured_channels.h"
+#include "steps/measured/recorded_frfs.h"
 #include "steps/observer.h"
 
 namespace chladni::steps {
@@ -73,17 +73,6 @@ Eigen::VectorXd noise_of(const identification::TimeData& data, const Recordings&
   return (square / count).cwiseSqrt();
 }
 
-io::TimeFile read_recordings(const study::Study& study, const std::filesystem::path& path,
-                             stage::Work& work) {
-  io::TimeOptions options;
-  options.sensor_names = study::names_of(study.sensors);
-  options.actuator_names = study::names_of(study.actuators);
-  if (study.identification) options.unit = study.identification->unit;
-  auto file = io::read_time(path, options);
-  for (const auto& note : file.notes) work.note(path.string() + ": " + note);
-  return file;
-}
-
 }  // namespace
 
 bool has_recordings(const study::Study& study) { return !file_of(study).empty(); }
@@ -94,7 +83,7 @@ Recordings recordings(const study::Study& study, const IdentifiedModel& model, s
   require(!stage::has_paths(study), study.file.string() +
                                         ": recordings pass through no gain, delay or low_pass of a "
                                         "channel; expected channels without them");
-  const auto file = read_recordings(study, path, work);
+  const auto file = read_recordings(study, path, {}, work);
   Recordings result;
   result.file = path.string();
   result.sample_time_s = file.data.sample_time_s;
