@@ -15,16 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-NEEDS = {"Prescott": {"pni"}, "Haswell": {"avx2", "fma"}, "Zen": {"avx2", "fma"},
-         "SkylakeX": {"avx512f", "avx512dq", "avx512bw", "avx512vl"},
-         "Cooperlake": {"avx512f", "avx512_bf16"}}
-
-
-def flags_of_processor():
-    for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-        if line.startswith("flags"):
-            return set(line.split(":", 1)[1].split())
-    return set()
+from blas_kernels import NEEDS, kernels as kernels_of_processor
 
 
 def diagnosed(chladni, study, kernel, threads, more):
@@ -57,10 +48,10 @@ def main():
     parser.add_argument("--allow-outside", dest="outside")
     told = parser.parse_args()
     more = ["--allow-outside", told.outside] if told.outside else []
-    there = flags_of_processor()
+    there = kernels_of_processor()
     kernels = []
     for kernel in told.kernels.split(","):
-        if NEEDS.get(kernel, set()) <= there:
+        if kernel in there:
             kernels.append(kernel)
         else:
             print(f"{kernel}: this processor lacks it")
