@@ -47,6 +47,7 @@ DrawnSample drawn_sample(const std::string& asked, const TreeState& tree) {
     require(is_number(asked),
             fmt::format("CHLADNI_STUDIES is '{}', expected 'all' or a number", asked));
     sample.number = static_cast<unsigned>(std::stoul(asked));
+    sample.half = sample.number / 4 % 2;
     sample.from = "CHLADNI_STUDIES";
   } else if (tree.commit.size() < 8) {
     sample.from = "no git here";
@@ -54,6 +55,7 @@ DrawnSample drawn_sample(const std::string& asked, const TreeState& tree) {
     const auto hash = std::stoul(tree.commit.substr(0, 8), nullptr, 16);
     const auto quarter = tree.is_shallow ? hash / 1000 : tree.landings;
     sample.number = static_cast<unsigned>(quarter % 4);
+    sample.half = static_cast<unsigned>(quarter / 4 % 2);
     sample.from = fmt::format("commit {}{}", tree.commit.substr(0, 8),
                               tree.is_shallow ? ", of a shallow clone" : "");
   }

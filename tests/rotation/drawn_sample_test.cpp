@@ -31,6 +31,26 @@ TEST(DrawnSample, FourInARowHaveEveryKind) {
   }
 }
 
+TEST(DrawnSample, EightInARowHaveEveryDearKind) {
+  for (const unsigned long first : {1UL, 320UL, 4711UL}) {
+    std::set<std::size_t> kinds;
+    for (unsigned long n = first; n < first + 8; ++n) {
+      auto tree = kTree;
+      tree.landings = n;
+      const auto sample = drawn_sample("", tree);
+      for (std::size_t kind = 0; kind < 24; ++kind) {
+        if (!sample.has_half(kind)) continue;
+        EXPECT_TRUE(sample.has(kind));
+        EXPECT_TRUE(kinds.insert(kind).second) << kind;  // each once
+      }
+    }
+    EXPECT_EQ(kinds.size(), 24U) << first;
+  }
+  EXPECT_TRUE(drawn_sample("7", {}).has_half(7));
+  EXPECT_FALSE(drawn_sample("7", {}).has_half(3));
+  EXPECT_TRUE(drawn_sample("all", kTree).has_half(3));
+}
+
 TEST(DrawnSample, IsRepeatedByItsNumber) {
   const auto drawn = drawn_sample("", kTree);
   const auto again = drawn_sample(std::to_string(drawn.number), {});
