@@ -55,8 +55,7 @@ struct Constants {
   double too_little = -4.0;
   /// [1] A note says that the structure is not linear above this share of the variance. Chosen.
   double nonlinear_share = 0.5;
-  /// [σ] What differs from zero by more than this is not noise: a tolerance, a change between
-  /// lines, a response, a shape. Chosen: the usual three deviations.
+  /// [σ] What differs from zero by more than this is not noise. Chosen: the usual three deviations.
   double significant = 3.0;
   /// [1] Relative change of the modes for a second search. Chosen: last bits of another solver.
   double last_bits = 1e-9;
@@ -180,6 +179,10 @@ struct Constants {
   int nothing_iterations = 25;
   /// [ln] A fit has converged if one more step promises less. Chosen.
   double nothing_more = 0.5;
+  /// [1] Part of a bandwidth to which a start takes a measured frequency. Chosen.
+  double start_bandwidth = 0.1;
+  /// [ln] Deviation to which it takes a measured damping ratio. Chosen.
+  double start_damping = 0.2;
   /// [ln] A promise counts up to this, where the quadratic model is reliable. Chosen.
   double promise_at_most = 8.0;
   /// [ln] A fit this much lower in density may still have more evidence. Chosen.
@@ -294,8 +297,7 @@ struct Constants {
   double nearby = 0.15;
   /// [ln] Modes nearer than this mix as if they were so far apart. Chosen.
   double least_gap = 0.02;
-  /// [1] Gains or places that scatter more than usual may scatter so many times less without one
-  /// bad channel. Chosen.
+  /// [1] Gains or places may scatter so many times less without one bad channel. Chosen.
   double scattered = 4.0;
   /// [1] Levels that are lower, but by no less than this, are not looked at by themselves. Chosen.
   double levels_alike = 0.7;
@@ -345,11 +347,9 @@ struct Constants {
   double neighbours = 0.05;
   /// [1] Error of a shape value over that of the body, at most. Chosen.
   double blindest = 10.0;
-  /// [1] Error of a predicted change of a mode, over that change. A shape that is 5 % off changes
-  /// the frequency by a mass 10 % off. Chosen.
+  /// [1] Error of a predicted change of a mode, over that change. Chosen: of a shape 5 % off.
   double change_error = 0.1;
-  /// [ln] Usual difference of a frequency in two measurements of an unchanged structure. Chosen: a
-  /// body on soft supports, within a day.
+  /// [ln] Usual difference of a frequency in two measurements of one structure. Chosen: in a day.
   double repeated_frequency = 2e-4;
   /// [ln] The same of a damping ratio. Chosen.
   double repeated_damping = 0.05;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,8 @@
 #include "diagnosis/calibrated_responses.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/calibration/constants_told.h"
+#include "diagnosis/modes/deviations_by_modes.h"
+#include "diagnosis/modes/given.h"
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/constants_fitted.h"
@@ -118,11 +121,11 @@ struct Calibration {
 };
 
 Calibration calibration_of(const Structure& structure, const DiagnosisOptions& options,
-                           const std::vector<CalibratedNumber>& start) {
+                           const FitStart& start) {
   Calibration calibration;
   calibration.constants =
       held_constants(structure, options.constants, options.tolerances, calibration.notes);
-  calibration.start = start_of(calibration.constants, start);
+  calibration.start = start_of(calibration.constants, start.constants);
   return calibration;
 }
 
@@ -146,12 +149,34 @@ void tell_fitted_constants(const Prepared& given, const Calibration& calibration
   tell_constants(calibration.constants, fitted.x, fitted.covariance, diagnosis);
 }
 
+// Deviations at which the structure has the modes of the responses; empty: these are not known, or
+// are not its own.
+Eigen::VectorXd start_of_deviations(const Prepared& given,
+                                    const std::optional<MeasuredModes>& modes) {
+  if (!modes) return {};
+  try {
+    return deviations_by_modes(*given.structure, given.tolerable,
+                               diagnosis::given(*given.structure, *modes).measured);
+  } catch (const NumericalFailure&) {
+    return {};
+  }
+}
+
 Found searched_in(const Prepared& given, const Calibration& calibration,
-                  const DiagnosisOptions& options) {
+                  const std::optional<MeasuredModes>& modes, const DiagnosisOptions& options) {
   const Observed coarse = given.for_search(options.lines);
   const auto sought = sought_beside(calibration.constants, catalogue_of(options), *given.structure);
   return searched({*given.structure, coarse, given.tolerable, given.solver_error}, sought,
-                  limits_of(given, options), options.progress);
+                  limits_of(given, options), options.progress, start_of_deviations(given, modes));
+}
+
+std::string note_on_starts(const Found& found) {
+  if (std::abs(found.by_start) < kConstants.nothing_more) return "";
+  return fmt::format(
+      "without a cause, the fit that starts at the identified modes explains the responses {} than "
+      "the one that starts at the simulation, by {:.3g} in ln likelihood: {}",
+      found.by_start > 0.0 ? "better" : "worse", std::abs(found.by_start),
+      found.by_start > 0.0 ? "it is used" : "the latter is used");
 }
 
 }  // namespace
@@ -170,15 +195,15 @@ std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options) {
-  return diagnosed(structure, measured, options, {});
+  return diagnosed(structure, measured, options, FitStart{});
 }
 
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
-                    const DiagnosisOptions& options, const std::vector<CalibratedNumber>& start) {
+                    const DiagnosisOptions& options, const FitStart& start) {
   const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
   const auto calibration = calibration_of(structure, options, start);
   const auto given = prepared_with(structure, measured, options, calibration);
-  const Found first = searched_in(given, calibration, options);
+  const Found first = searched_in(given, calibration, start.modes, options);
   tell(options.progress, "the last word");
   const Observed fine = thinned(given.observed, kConstants.last_fit_lines * options.lines);
   const auto deviations = given.all_deviations();
@@ -192,13 +217,14 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   notes.push_back(tested_on_held_out(given, problem, found, options, diagnosis));
   notes.push_back(nonlinearity_note(measured));
   notes.push_back(note_on_places(*given.structure, diagnosis.best));
+  notes.push_back(note_on_starts(first));
   notes.push_back(note_on_convergence(best, found.nothing));
   notes.push_back(note_on_noise(best, fine.number_count()));
   if (is_doubtful(diagnosis, best)) {
     tell(options.progress, "the same with the last bits of the modes changed");
     const auto other = prepared_with(nudged(structure), measured, options, calibration);
-    notes.push_back(
-        doubt(*given.structure, best, searched_in(other, calibration, options), diagnosis));
+    notes.push_back(doubt(*given.structure, best,
+                          searched_in(other, calibration, start.modes, options), diagnosis));
   }
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);

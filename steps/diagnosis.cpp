@@ -180,7 +180,7 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   // What scales all records alike is not told by records without units.
   if (!found.scaled) options.tolerances.scale = std::max(options.tolerances.scale, 0.3);
   if (one.identified) one.modes_compared = modes_of_responses(one, *one.identified, nullptr);
-  const auto start = calibrated_by_modes(one, found.scaled, options, work);
+  const auto start = start_by_modes(one, found.scaled, options, work);
   one.result = work.timed(
       "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, options, start); });
   attempted("the modes of the responses cannot be diagnosed", one, work,

@@ -37,16 +37,6 @@ Tolerances believable(Tolerances tolerances, bool learned) {
 
 namespace {
 
-double root_mean_square(const MatrixXd& matrix) {
-  return matrix.size() == 0 ? 1.0 : matrix.norm() / std::sqrt(static_cast<double>(matrix.size()));
-}
-
-ShapeUnits units_of(const Structure& structure) {
-  const Index flexible = structure.mode_count() - structure.rigid_count;
-  return {root_mean_square(structure.outputs.shapes.rightCols(flexible)),
-          root_mean_square(structure.inputs.shapes.rightCols(flexible))};
-}
-
 // A constant that is calibrated is no error of the body.
 std::vector<BodyError> body_errors_beside(const Structure& structure,
                                           const std::vector<HeldConstant>& constants,
@@ -77,7 +67,7 @@ ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& meas
       constants_(std::move(constants)),
       tolerances_(tolerances),
       prior_(prior),
-      units_(units_of(structure)),
+      units_(shape_units(structure)),
       smooth_(smooth_factor(structure)),
       body_(body_errors_beside(structure, constants_, tolerances_)),
       solver_(state_of(structure), structure.mode_count()),

@@ -147,6 +147,14 @@ Complex phase_of(const VectorXcd& shape) {
   return std::polar(1.0, 0.5 * std::arg(square));
 }
 
+ShapeUnits shape_units(const Structure& structure) {
+  const auto unit = [&](const MatrixXd& shapes) {
+    const MatrixXd flexible = shapes.rightCols(structure.mode_count() - structure.rigid_count);
+    return flexible.size() == 0 ? 1.0 : root_mean_square(flexible);
+  };
+  return {unit(structure.outputs.shapes), unit(structure.inputs.shapes)};
+}
+
 double PartnerSide::blindness() const { return root_mean_square(weight); }
 
 double Partner::mac() const { return mac_of(sensors) * mac_of(actuators); }

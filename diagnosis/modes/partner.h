@@ -12,6 +12,7 @@ namespace chladni::diagnosis {
 struct ShapeUnits {
   double outputs = 1.0, inputs = 1.0;
 };
+[[nodiscard]] ShapeUnits shape_units(const Structure& structure);
 
 /// One side of a measured mode: the channels that have a value.
 struct PartnerSide {

@@ -21,6 +21,7 @@
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/search/starts.h"
+#include "diagnosis/search/without_causes.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -356,25 +357,13 @@ std::vector<Supposed> grow_from_readings(const Level& level, Found& found) {
   return causes;
 }
 
-// Fits the tolerances alone also from the tolerances of the best fit, as its rivals were.
-void fit_nothing_again(const Problem& problem, Found& found) {
-  const Fit again = nothing_beside(problem, found.nothing, found.fits.front());
-  if (again.objective >= found.nothing.objective) return;
-  found.nothing = again;
-  std::erase_if(found.fits, [](const Fit& fit) { return fit.causes.empty(); });
-  keep(found.fits, again);
-}
-
 }  // namespace
 
 Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
-               const SearchLimits& limits, const Progress& progress) {
+               const SearchLimits& limits, const Progress& progress, const VectorXd& start) {
   const dense::OneBlasThread one_thread;
-  Found found;
-  found.nothing.eta = VectorXd::Zero(static_cast<Index>(problem.deviations.size()));
   tell(progress, "the simulation within its tolerances");
-  found.nothing = fitted(problem, found.nothing, {.iterations = kConstants.nothing_iterations});
-  found.fits = {found.nothing};
+  Found found = fitted_without_causes(problem, start);
   const auto read = grow_from_readings({problem, catalogue, limits, progress, 1}, found);
   fit_nothing_again(problem, found);
   // Resonances may be so wrong that a zero response would be almost as good. Then a cause that

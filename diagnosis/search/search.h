@@ -32,6 +32,9 @@ struct SearchLimits {
 struct Found {
   Fit nothing;            ///< fit of the tolerances alone
   std::vector<Fit> fits;  ///< all fits in full, descending evidence, with `nothing`
+  /// [ln] Objective of the fit of the tolerances alone from the simulation, minus that from the
+  /// given start. 0: there was none.
+  double by_start = 0.0;
 };
 
 /// Starts at each level from the best explanations so far. Every effect of the catalogue is tried
@@ -41,7 +44,10 @@ struct Found {
 /// two or more causes, each is then exchanged or left out in turn, and stays out if that costs too
 /// little.
 /// @param catalogue  the effects that are tried
+/// @param start  deviations from which the fit of the tolerances alone is made a second time, as
+///               deviations_by_modes gives them; the better fit is kept. Empty: none
 [[nodiscard]] Found searched(const Problem& problem, const std::vector<const Effect*>& catalogue,
-                             const SearchLimits& limits, const Progress& progress = {});
+                             const SearchLimits& limits, const Progress& progress = {},
+                             const Eigen::VectorXd& start = {});
 
 }  // namespace chladni::diagnosis

@@ -85,6 +85,28 @@ void answer_by_modes(Diagnosed& one) {
   result.notes.push_back(reason_in_words(by_modes));
 }
 
+// Constants of the study as modes of the responses have them, without a cause.
+std::vector<diagnosis::CalibratedNumber> calibrated_by(const diagnosis::MeasuredModes& modes,
+                                                       const Diagnosed& one,
+                                                       const diagnosis::DiagnosisOptions& options,
+                                                       stage::Work& work) {
+  auto alone = options;
+  alone.most_causes = 0;
+  return work.timed("constants by the modes", [&] {
+    const auto at_values = [&](const std::exception& e) {
+      work.warn(std::string("the fits of the constants start at the study's values: ") + e.what());
+      return std::vector<diagnosis::CalibratedNumber>{};
+    };
+    try {
+      return diagnosis::diagnosed(one.structure, modes, alone).constants;
+    } catch (const InvalidInput& e) {
+      return at_values(e);
+    } catch (const NumericalFailure& e) {
+      return at_values(e);
+    }
+  });
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> told_levels(
@@ -131,30 +153,16 @@ std::vector<diagnosis::CalibratedConstant> constants_of(const study::Study& stud
   return constants;
 }
 
-std::vector<diagnosis::CalibratedNumber> calibrated_by_modes(
-    const Diagnosed& one, bool scaled, const diagnosis::DiagnosisOptions& options,
-    stage::Work& work) {
-  if (options.constants.empty()) return {};
-  const auto modes = modes_of_fit(one, scaled);
-  if (!modes) {
+diagnosis::FitStart start_by_modes(const Diagnosed& one, bool scaled,
+                                   const diagnosis::DiagnosisOptions& options, stage::Work& work) {
+  diagnosis::FitStart start{{}, modes_of_fit(one, scaled)};
+  if (options.constants.empty()) return start;
+  if (start.modes) {
+    start.constants = calibrated_by(*start.modes, one, options, work);
+  } else {
     work.note("no modes were identified: the fits of the constants start at the study's values");
-    return {};
   }
-  auto alone = options;
-  alone.most_causes = 0;
-  return work.timed("constants by the modes", [&] {
-    const auto at_values = [&](const std::exception& e) {
-      work.warn(std::string("the fits of the constants start at the study's values: ") + e.what());
-      return std::vector<diagnosis::CalibratedNumber>{};
-    };
-    try {
-      return diagnosis::diagnosed(one.structure, *modes, alone).constants;
-    } catch (const InvalidInput& e) {
-      return at_values(e);
-    } catch (const NumericalFailure& e) {
-      return at_values(e);
-    }
-  });
+  return start;
 }
 
 void diagnose_modes_of_responses(Diagnosed& one, bool scaled,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/calibrated_responses.h"
 #include "identification/modal_fit.h"
 #include "steps/diagnosis.h"
 
@@ -19,12 +20,12 @@ namespace chladni::steps {
 [[nodiscard]] std::vector<diagnosis::CalibratedConstant> constants_of(
     const study::Study& study, const diagnosis::Surface& chart);
 
-/// The study's constants at which the modes of the responses fit best without a cause, for the fits
-/// of the responses to start from. Empty, with a note, if there are no constants or no modes.
+/// Where the fits of the responses start: their modes, and the study's constants at which these fit
+/// best without a cause. A note tells of constants without modes.
 /// @param scaled  the responses have a known scale
-[[nodiscard]] std::vector<diagnosis::CalibratedNumber> calibrated_by_modes(
-    const Diagnosed& one, bool scaled, const diagnosis::DiagnosisOptions& options,
-    stage::Work& work);
+[[nodiscard]] diagnosis::FitStart start_by_modes(const Diagnosed& one, bool scaled,
+                                                 const diagnosis::DiagnosisOptions& options,
+                                                 stage::Work& work);
 
 /// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
 /// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
