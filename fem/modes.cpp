@@ -96,11 +96,12 @@ void refuse_what_does_not_fit(const Need& needed, const System& system, double h
   const double need = needed.total();
   if (need <= have) return;
   const auto gib = [](double bytes) { return fmt::format("{:.3g} GiB", bytes / (1 << 30)); };
-  throw OutOfResources(
+  throw FactorTooLarge(
       fmt::format("modes: {} degrees of freedom need {} (factor {}, and work {} or vectors {}; "
                   "count {}) and there is {}; use a coarser mesh: edge_length times {:.2f}",
                   system.mass.rows(), gib(need), gib(needed.factor), gib(needed.work),
-                  gib(needed.vectors), gib(needed.count), gib(have), std::sqrt(need / have)));
+                  gib(needed.vectors), gib(needed.count), gib(have), std::sqrt(need / have)),
+      {.total_bytes = need, .factor_bytes = needed.factor}, have);
 }
 
 struct Search {
@@ -197,6 +198,13 @@ void merge(const System& system, Found& into, const Found& more) {
 }
 
 }  // namespace
+
+MemoryForecast memory_forecast(const System& system, const ModesOptions& options) {
+  const auto analysis = system.kept_factor->symbolic(system.stiffness, system.mass);
+  const auto needed =
+      memory_needed(*analysis, system, options, kShareToKeep * memory_there(options));
+  return {.total_bytes = needed.total(), .factor_bytes = needed.factor};
+}
 
 ModesResult modes(const System& system, const ModesOptions& options, const Progress& progress) {
   check_input(system, options);

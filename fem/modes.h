@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/progress.h"
 #include "fem/system.h"
 #include "modal/modes.h"
@@ -35,8 +36,8 @@ struct ModesSummary {
   std::vector<Cluster> clusters;      ///< of two and more
   std::vector<std::string> warnings;  ///< residuals that are above 1e-9 and not refused
   int block_steps = 0, solves = 0;
-  int restarts = 0;        ///< new start blocks after a count said that modes were missing
-  int count_attempts = 0;  ///< shifts that were tried, in all counts together
+  int restarts = 0;             ///< new start blocks after a count said that modes were missing
+  int count_attempts = 0;       ///< shifts that were tried, in all counts together
   double forecast_bytes = 0.0;  ///< memory beside K and M, from the pattern alone
   double factor_bytes = 0.0, factor_seconds = 0.0, iterate_seconds = 0.0, certify_seconds = 0.0;
   std::string text;  ///< one line: "modes below 2000 Hz: 34 found, 34 counted"
@@ -45,6 +46,25 @@ struct ModesSummary {
 struct ModesResult {
   modal::Modes modes;  ///< shapes on the free degrees of freedom, n×m
   ModesSummary summary;
+};
+
+/// Memory that `modes` needs beside K and M [bytes].
+struct MemoryForecast {
+  double total_bytes = 0.0;   ///< at the peak
+  double factor_bytes = 0.0;  ///< of LLᵀ alone
+};
+
+/// From the pattern of K and M. The analysis is kept in the system for `modes`.
+/// @throws Interrupted
+[[nodiscard]] MemoryForecast memory_forecast(const System& system, const ModesOptions& options);
+
+/// The factor does not fit: the forecast, and what there is.
+class FactorTooLarge : public OutOfResources {
+ public:
+  FactorTooLarge(const std::string& what, MemoryForecast need, double have)
+      : OutOfResources(what), forecast(need), have_bytes(have) {}
+  MemoryForecast forecast;
+  double have_bytes;
 };
 
 /// The rigid-body modes and the `count` lowest flexible ones of K φ = ω² M φ.
@@ -57,7 +77,7 @@ struct ModesResult {
 /// entry positive.
 ///
 /// @throws InvalidInput      K and M differ in shape, or there are fewer than `count` modes
-/// @throws OutOfResources    the factor does not fit (forecast from the symbolic analysis)
+/// @throws FactorTooLarge    what it needs does not fit (forecast from the symbolic analysis)
 /// @throws NumericalFailure  M is not positive definite, K not semidefinite; a motion costs no
 ///                           energy and is not among system.rigid (a mechanism); a residual is 1e-4
 ///                           or more; the eigenvalues cannot be counted; modes are still missing

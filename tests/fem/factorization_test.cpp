@@ -1,14 +1,11 @@
 #include "fem/factor/factorization.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <random>
 #include <string>
 #include <thread>
@@ -21,6 +18,7 @@
 #include "fem/factor/elimination_tree.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
+#include "tests/fem/peak_memory.h"
 
 namespace chladni::fem {
 namespace {
@@ -205,44 +203,11 @@ TEST(Symbolic, ForecastsTheEntriesOfTheFactor) {
   EXPECT_LT(symbolic.forecast().entries, 1.5 * exact);
 }
 
-// The peak of a process of its own, from what it held before, against what was forecast.
-struct Peak {
-  double forecast = 0.0, used = 0.0;  // bytes
-};
-
-double status(const char* key) {
-  std::ifstream in("/proc/self/status");
-  for (std::string word; in >> word;) {
-    double kib = 0.0;
-    if (word == key && in >> kib) return 1024.0 * kib;
-  }
-  return 0.0;
-}
-
-Peak peak_of_modes(const System& system, const ModesOptions& options) {
-  std::array<int, 2> pipe_ends{};
-  if (pipe(pipe_ends.data()) != 0) return {};
-  const pid_t child = fork();
-  if (child == 0) {
-    std::ofstream("/proc/self/clear_refs") << "5";  // the peak counts from here
-    Peak peak;
-    const double before = status("VmRSS:");
-    peak.forecast = modes(system, options).summary.forecast_bytes;
-    peak.used = status("VmHWM:") - before;
-    _exit(write(pipe_ends[1], &peak, sizeof peak) == ssize_t{sizeof peak} ? 0 : 1);
-  }
-  Peak peak;
-  const auto got = read(pipe_ends[0], &peak, sizeof peak);
-  int ended = 0;
-  waitpid(child, &ended, 0);
-  for (const int end : pipe_ends) close(end);
-  return got == ssize_t{sizeof peak} && ended == 0 ? peak : Peak{};
-}
-
 TEST(Modes, TakeTheMemoryThatTheyForecast) {
   const auto system = plate(0.012);
   for (const int count : {5, 60}) {
-    const auto peak = peak_of_modes(system, {.count = count});
+    const ModesOptions options{.count = count};
+    const auto peak = peak_of([&] { return modes(system, options).summary.forecast_bytes; });
     ASSERT_GT(peak.used, 0.0);
     EXPECT_LT(peak.used, 1.1 * peak.forecast + 8e6) << count;  // libraries and small vectors
     EXPECT_GT(peak.used, 0.6 * peak.forecast) << count;
