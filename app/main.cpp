@@ -18,12 +18,14 @@
 #include "show/excerpt.h"
 #include "show/new_output.h"
 #include "show/version.h"
+#include "stage/remedies.h"
 #include "study/problems.h"
 
 namespace {
 
 namespace app = chladni::app;
 namespace show = chladni::show;
+namespace stage = chladni::stage;
 namespace study = chladni::study;
 
 using enum app::ExitCode;
@@ -46,9 +48,12 @@ struct ErrorStyle {
 
 /// Runs `work` and turns any exception into a message and an exit code.
 int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle& style = {}) {
-  const auto told = [&](const std::string& what, ExitCode code) {
+  const auto told = [&](const std::string& what, ExitCode code,
+                        const std::vector<stage::Remedy>& remedies = {}) {
     talk.error(style.excerpts ? show::with_excerpts(what) : what);
-    if (style.json) std::cout << chladni::io::text(show::error_json(what, code)) << std::flush;
+    if (style.json) {
+      std::cout << chladni::io::text(show::error_json(what, code, remedies)) << std::flush;
+    }
     return code;
   };
   const auto failed = [&](const std::exception& e, ExitCode code) { return told(e.what(), code); };
@@ -66,6 +71,8 @@ int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle
     return failed(e, kInterrupted);
   } catch (const chladni::WorkerDied& e) {
     return failed(e, kWorkerDied);
+  } catch (const stage::DoesNotFit& e) {
+    return told(e.what(), kOutOfResources, e.remedies);
   } catch (const chladni::OutOfResources& e) {
     return failed(e, kOutOfResources);
   } catch (const chladni::NumericalFailure& e) {

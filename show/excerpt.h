@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/json.h"
+#include "stage/remedies.h"
 
 namespace chladni::show {
 
@@ -23,7 +24,10 @@ struct PlacedError {
 /// the column. A file that cannot be read is left out.
 [[nodiscard]] std::string with_excerpts(const std::string& message);
 
-/// { "error": { "exit": 3, "errors": [ { "file", "line", "column", "message" } ] } }
-[[nodiscard]] io::Json error_json(const std::string& message, int exit);
+/// { "error": { "exit": 3, "errors": [ { "file", "line", "column", "message" } ] } }; where there
+/// are remedies also "remedies": [ { "kind", "study", "options", ... } ], of which "study" has the
+/// keys to write.
+[[nodiscard]] io::Json error_json(const std::string& message, int exit,
+                                  const std::vector<stage::Remedy>& remedies = {});
 
 }  // namespace chladni::show

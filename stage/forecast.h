@@ -24,11 +24,14 @@ namespace chladni::stage {
 [[nodiscard]] double frequency_of(double flexible, const Understood& body,
                                   const fem::Material& material);
 
-/// @param have_bytes  the memory that there is; 0: what is available now
-/// @throws InvalidInput    more modes below a frequency than the mesh can have
-/// @throws OutOfResources  more memory than there is; an estimate without a mesh is reduced first,
-///                         because it is right only to a third
-void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost,
-                            std::size_t have_bytes = 0);
+/// @throws InvalidInput  more modes below a frequency than the mesh can have
+void refuse_too_many_modes(const study::Study& study, const Understood& body, const Cost& cost);
+
+/// True where so much memory suffices. An estimate without a mesh is reduced first, because it is
+/// right only to a third.
+[[nodiscard]] bool fits(const Cost& cost, double have_bytes);
+
+/// "0.52 GB", "140 MB".
+[[nodiscard]] std::string bytes_text(double bytes);
 
 }  // namespace chladni::stage

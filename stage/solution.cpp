@@ -8,10 +8,12 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/memory.h"
 #include "stage/estimates/blind_spots.h"
 #include "stage/faces.h"
 #include "stage/forecast.h"
 #include "stage/kept/solved_modes.h"
+#include "stage/remedies.h"
 #include "study/problems.h"
 
 namespace chladni::stage {
@@ -59,12 +61,20 @@ SolvedModes modes_of(const study::Study& study, const Solution& solution, int fl
   request.options.seed = work.seed();
   request.options.memory_limit_bytes = work.choices().memory_limit_bytes;
   request.up_to_hz = study.modes.up_to_hz;
+  request.mirrors = study.modes.mirrors;
   request.launcher = engine_of(study, work);
   if (!request.launcher.empty()) {
     request.guess_hz = frequency_of(kMore * request.options.count, solution.introduction.body,
                                     study.materials.front().material);
   }
-  auto solved = solved_modes(solution.model, *solution.system, study.supports, request, work);
+  auto solved = [&] {
+    try {
+      return solved_modes(solution.model, *solution.system, study.supports, request, work);
+    } catch (const fem::FactorTooLarge& e) {
+      refuse(study, solution.introduction,
+             {e.forecast.total_bytes, e.have_bytes, e.forecast.factor_bytes}, work);
+    }
+  }();
   auto& modes = solved.result.modes;
   modes.damping_ratio.tail(modes.mode_count() - modes.rigid_count)
       .setConstant(study.modes.damping_ratio);
@@ -158,14 +168,21 @@ std::string engine_of(const study::Study& study, const Work& work) {
 }
 
 void refuse_what_cannot_fit(const study::Study& study, const Introduction& introduction,
-                            const Work& work) {
+                            Work& work) {
+  refuse_too_many_modes(study, introduction.body, introduction.cost);
   auto cost = introduction.cost;
   if (!engine_of(study, work).empty()) cost.memory_bytes = cost.memory_beside_ranks_bytes;
-  refuse_what_cannot_fit(study, introduction.body, cost, work.choices().memory_limit_bytes);
+  const auto limit = work.choices().memory_limit_bytes;
+  const auto have = static_cast<double>(limit > 0 ? limit : available_memory());
+  if (fits(cost, have)) return;
+  refuse(study, introduction, {.need_bytes = cost.memory_bytes, .have_bytes = have}, work);
 }
 
 Introduction introduced(const study::Study& study, Work& work) {
   require_modes(study);
+  require(study.modes.mirrors.empty() || engine_of(study, work).empty(),
+          study.file.string() +
+              ": the ranks of --engine take the whole body; leave out modes.mirrors or the engine");
   Introduction introduction;
   introduction.warnings = study.warnings;
   for (const auto& warning : study.warnings) work.warn(warning);

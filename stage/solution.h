@@ -37,9 +37,10 @@ struct Solution {
 [[nodiscard]] std::string engine_of(const study::Study& study, const Work& work);
 
 /// Refuses what does not fit in this process, alone or beside the ranks that find the modes.
-/// @throws as refuse_what_cannot_fit of stage/forecast.h
+/// @throws InvalidInput  more modes below a frequency than the mesh can have
+/// @throws DoesNotFit    more memory than there is, with what helps (stage/remedies.h)
 void refuse_what_cannot_fit(const study::Study& study, const Introduction& introduction,
-                            const Work& work);
+                            Work& work);
 
 /// Everything before the modes: geometry, mesh, places, K and M. The memory that a solution would
 /// need is not asked for.

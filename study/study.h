@@ -59,6 +59,8 @@ struct ModesPlan {
   double damping_ratio = 0.0;  ///< of every flexible mode
   std::string
       engine;  ///< what starts the ranks that find them: "mpiexec -n 4"; empty: this process
+  /// "x", "y", "z": the body is its own mirror image across them, and its modes are found in parts.
+  std::vector<std::string> mirrors;
   std::string uff = "none";  ///< dataset of the shapes in modes.unv: "55" or "2414"
 };
 

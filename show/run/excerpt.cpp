@@ -93,6 +93,35 @@ std::string excerpt(const PlacedError& error) {
   return text;
 }
 
+io::Json remedy_json(const stage::Remedy& remedy) {
+  io::JsonObject mesh;
+  if (remedy.edge_length_m > 0.0) {
+    mesh.emplace_back("edge_length", stage::millimetres(remedy.edge_length_m));
+  }
+  if (remedy.order > 0) mesh.emplace_back("order", static_cast<long long>(remedy.order));
+  io::JsonObject study;
+  if (!mesh.empty()) study.emplace_back("mesh", std::move(mesh));
+  if (!remedy.mirrors.empty()) {
+    study.emplace_back("modes", io::JsonObject{{"mirrors", io::Json::texts(remedy.mirrors)}});
+  }
+  io::JsonArray options;
+  if (!remedy.engine.empty()) options = {"--engine", remedy.engine};
+  io::JsonObject json{{"kind", remedy.kind},
+                      {"study", std::move(study)},
+                      {"options", std::move(options)},
+                      {"degrees_of_freedom", remedy.degrees_of_freedom},
+                      {"memory_bytes", remedy.memory_bytes}};
+  if (remedy.frequency_error) {
+    json.emplace_back("frequency_error", *remedy.frequency_error);
+    json.emplace_back("highest_hz", remedy.highest_hz);
+  }
+  if (remedy.ranks > 0) {
+    json.emplace_back("ranks", static_cast<long long>(remedy.ranks));
+    json.emplace_back("rank_bytes", remedy.rank_bytes);
+  }
+  return json;
+}
+
 }  // namespace
 
 std::vector<PlacedError> placed_errors(const std::string& message) {
@@ -125,7 +154,8 @@ std::string with_excerpts(const std::string& message) {
   return text;
 }
 
-io::Json error_json(const std::string& message, int exit) {
+io::Json error_json(const std::string& message, int exit,
+                    const std::vector<stage::Remedy>& remedies) {
   io::JsonArray errors;
   for (const auto& error : placed_errors(message)) {
     io::JsonObject one;
@@ -137,8 +167,11 @@ io::Json error_json(const std::string& message, int exit) {
     one.emplace_back("message", error.message);
     errors.emplace_back(std::move(one));
   }
-  return io::JsonObject{
-      {"error", io::JsonObject{{"exit", static_cast<long long>(exit)}, {"errors", errors}}}};
+  io::JsonObject error{{"exit", static_cast<long long>(exit)}, {"errors", errors}};
+  io::JsonArray ways;
+  for (const auto& remedy : remedies) ways.push_back(remedy_json(remedy));
+  if (!ways.empty()) error.emplace_back("remedies", std::move(ways));
+  return io::JsonObject{{"error", std::move(error)}};
 }
 
 }  // namespace chladni::show

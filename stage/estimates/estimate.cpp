@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "fem/error_estimate.h"
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
@@ -106,12 +105,6 @@ Estimate first_frequency(const study::Study& study, const Understood& body,
   return {std::min(bending, twist), flat ? "plate" : "box"};
 }
 
-/// "0.52 GB", "140 MB".
-std::string bytes_text(double bytes) {
-  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
-                     : fmt::format("{:.1f} GB", bytes / 1e9);
-}
-
 /// Numbers of cells and boundary triangles of TetGen on an isotropic surface, from volume and area.
 /// Fitted to plates, a disc, a torus and a ribbed table, within a factor of 1.2. A part thinner
 /// than an edge has only cells between the two sides of its surface.
@@ -135,23 +128,31 @@ double node_count(const Count& count, int order) {
   return vertices + (order - 1) * edges + (order == 3 ? faces : 0.0);
 }
 
-/// Time and memory for this number of nodes, tetrahedra and modes. The peak is that of the
-/// solution, or that of the mesh error's estimate after the factor is freed: system, shapes twice,
-/// its own data.
-Cost cost_of(double nodes, double tets, int order, double modes, bool exact) {
+struct Cells {
+  double nodes, tets;
+  int order;
+  bool exact;  // counted, not estimated
+};
+
+/// Time and memory. The peak is that of the solution, or that of the mesh error's estimate after
+/// the factor is freed: system, shapes twice, its own data. With mirrors the solution is that of
+/// one part beside the whole system and the shapes.
+Cost cost_of(const Cells& cells, double modes, std::size_t mirrors) {
   Cost cost;
-  cost.exact = exact;
-  cost.degrees_of_freedom = 3.0 * nodes;
-  const double size = cost.degrees_of_freedom / 1e5;
+  cost.exact = cells.exact;
+  cost.order = cells.order;
+  cost.degrees_of_freedom = 3.0 * cells.nodes;
+  const double parts = std::pow(2.0, static_cast<double>(mirrors));
+  const double size = cost.degrees_of_freedom / 1e5 / parts;
   const double more = std::max(0.0, modes - kFittedModes);
   const double vector = 8.0 * cost.degrees_of_freedom;
-  const double solving =
-      (order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) + kVectorsPerMode * vector * more;
-  const double estimating = kSystemBytes * cost.degrees_of_freedom + 2.0 * modes * vector +
-                            fem::frequency_error_bytes(tets);
+  const double whole = kSystemBytes * cost.degrees_of_freedom + 2.0 * modes * vector;
+  const double solving = (cells.order == 3 ? 630e6 : 440e6) * std::pow(size, 1.17) +
+                         kVectorsPerMode * vector * more / parts + (mirrors > 0 ? whole : 0.0);
+  const double estimating = whole + fem::frequency_error_bytes(cells.tets);
   cost.memory_bytes = 50e6 + std::max(solving, estimating);
   cost.memory_beside_ranks_bytes = 50e6 + estimating + kCopiesOfShapes * modes * vector;
-  cost.seconds = 7.8 * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
+  cost.seconds = 7.8 * parts * std::pow(size, 1.08) * (1.0 + kTimePerMode * more);
   return cost;
 }
 
@@ -230,18 +231,21 @@ Cost forecast(const study::Study& study, const Outline& outline) {
     const double nodes = order == outline.shell.order()
                              ? static_cast<double>(outline.shell.node_count())
                              : node_count(outline.shell, order);
-    return cost_of(nodes, static_cast<double>(outline.shell.tet_count()), order, modes, true);
+    return cost_of({nodes, static_cast<double>(outline.shell.tet_count()), order, true}, modes,
+                   study.modes.mirrors.size());
   }
   const double edge =
       study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
   const Count count = tetgen_count(outline, edge);
   const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
-  return cost_of(node_count(count, order), count.tets, order, modes, false);
+  return cost_of({node_count(count, order), count.tets, order, false}, modes,
+                 study.modes.mirrors.size());
 }
 
 Cost forecast(const study::Study& study, const mesh::TetMesh& mesh, const Understood& body) {
-  return cost_of(static_cast<double>(mesh.node_count()), static_cast<double>(mesh.tet_count()),
-                 mesh.order(), modes_wanted(study, body), true);
+  return cost_of({static_cast<double>(mesh.node_count()), static_cast<double>(mesh.tet_count()),
+                  mesh.order(), true},
+                 modes_wanted(study, body), study.modes.mirrors.size());
 }
 
 double frequency_of(double flexible, const Understood& body, const fem::Material& material) {
@@ -256,28 +260,27 @@ double frequency_of(double flexible, const Understood& body, const fem::Material
   return high;
 }
 
-void refuse_what_cannot_fit(const study::Study& study, const Understood& body, const Cost& cost,
-                            std::size_t have_bytes) {
+void refuse_too_many_modes(const study::Study& study, const Understood& body, const Cost& cost) {
   const double up_to = study.modes.up_to_hz;
   const double modes = modes_wanted(study, body);
   const double most = kModesPerFreedom * cost.degrees_of_freedom;
-  if (up_to > 0.0 && modes > most) {
-    throw InvalidInput(
-        fmt::format("{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of "
-                    "{:.0f} degrees "
-                    "of freedom has {:.0f} at most. Ask for less than about {:.2g} Hz, or shorten "
-                    "mesh.edge_length",
-                    study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
-                    up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
-  }
-  const double have = static_cast<double>(have_bytes > 0 ? have_bytes : available_memory());
-  if ((cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have) return;
-  throw OutOfResources(fmt::format(
-      "{}: {:.0f} degrees of freedom and {:.0f} modes are forecast to need {:.1f} GB of memory and "
-      "there is {:.1f} GB; edges {:.1f} times as long would fit (mesh.edge_length), or fewer "
-      "modes, or the ranks of a cluster (--engine \"mpiexec -n 4\")",
-      study.file.string(), cost.degrees_of_freedom, modes, 1e-9 * cost.memory_bytes, 1e-9 * have,
-      std::pow(cost.memory_bytes / have, 0.4)));
+  if (!(up_to > 0.0 && modes > most)) return;
+  throw InvalidInput(
+      fmt::format("{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of "
+                  "{:.0f} degrees "
+                  "of freedom has {:.0f} at most. Ask for less than about {:.2g} Hz, or shorten "
+                  "mesh.edge_length",
+                  study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
+                  up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
+}
+
+bool fits(const Cost& cost, double have_bytes) {
+  return (cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have_bytes;
+}
+
+std::string bytes_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
+                     : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
 std::string Cost::line() const {

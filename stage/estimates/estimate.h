@@ -28,6 +28,7 @@ struct Cost {
   double memory_bytes = 0.0;               ///< at the peak
   double memory_beside_ranks_bytes = 0.0;  ///< of this process where ranks find the modes
   double seconds = 0.0;                    ///< of one present-day core
+  int order = 0;                           ///< of the elements
   bool exact = false;  ///< the mesh is known, not estimated from volume and edge length
   [[nodiscard]] std::string line() const;
 };

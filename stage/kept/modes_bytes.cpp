@@ -161,7 +161,7 @@ std::string fingerprint_of(const Model& model, const std::vector<fem::Support>& 
   for (const auto& attachment : model.attachments) add(attachment, all);
   const auto& options = request.options;
   all.add(options.shift_hz).add(options.tolerance).add(options.block).add(options.certificate);
-  all.add(options.seed).add(request.launcher);
+  all.add(options.seed).add(request.launcher).add(request.mirrors);
   return sha256(all.bytes());
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 
 #include "base/error.h"
 #include "base/packed.h"
@@ -11,6 +12,7 @@
 #include "fem/error_estimate.h"
 #include "stage/kept/kept_content.h"
 #include "stage/kept/modes_bytes.h"
+#include "stage/mirrors.h"
 
 namespace chladni::stage {
 namespace {
@@ -19,22 +21,25 @@ bool reaches(const modal::Modes& modes, double up_to_hz) {
   return modes.frequency_hz.size() > 0 && modes.frequency_hz.tail<1>()(0) >= up_to_hz;
 }
 
+using Solve = std::function<fem::ModesResult(const fem::ModesOptions&)>;
+
 /// Modes up to a frequency and some beyond: asks for more until one lies above it.
 fem::ModesResult modes_beyond(const fem::System& system, double up_to_hz, fem::ModesOptions options,
-                              const Progress& progress) {
-  auto result = fem::modes(system, options, progress);
+                              const Solve& solve) {
+  auto result = solve(options);
   const auto most = static_cast<int>(system.dofs.free_count / 4);
   while (!reaches(result.modes, up_to_hz) && options.count < most) {
     const double ratio = up_to_hz / result.modes.frequency_hz.tail<1>()(0);
     options.count =
         std::min(most, static_cast<int>(options.count * std::clamp(1.2 * ratio, 1.3, 4.0)) + 2);
-    result = fem::modes(system, options, progress);
+    result = solve(options);
   }
   return result;
 }
 
 /// By this process, or by the ranks of MPI.
-SolvedModes found(const fem::System& system, const ModesRequest& request, Work& work) {
+SolvedModes found(const Model& model, const fem::System& system, const ModesRequest& request,
+                  Work& work) {
   const auto& options = request.options;
   if (!request.launcher.empty()) {
     auto result = cluster::modes_by_ranks(system,
@@ -47,15 +52,20 @@ SolvedModes found(const fem::System& system, const ModesRequest& request, Work& 
     work.note(result.ranks.line());
     return {std::move(result.modes), {}, std::move(result.ranks)};
   }
-  if (request.up_to_hz > 0.0) {
-    return {modes_beyond(system, request.up_to_hz, options, work.progress()), {}, {}};
-  }
-  return {fem::modes(system, options, work.progress()), {}, {}};
+  const auto mirrors = mirrors_of(model, system, request.mirrors);
+  const Solve solve = [&](const fem::ModesOptions& asked) {
+    return mirrors.empty() ? fem::modes(system, asked, work.progress())
+                           : fem::modes_by_mirrors(system, mirrors, asked, work.progress());
+  };
+  const bool by_frequency = request.up_to_hz > 0.0;
+  return {by_frequency ? modes_beyond(system, request.up_to_hz, options, solve) : solve(options),
+          {},
+          {}};
 }
 
 SolvedModes computed(const Model& model, const fem::System& system, const ModesRequest& request,
                      Work& work) {
-  auto solved = work.timed("modes", [&] { return found(system, request, work); });
+  auto solved = work.timed("modes", [&] { return found(model, system, request, work); });
   tell(work.progress(), "estimating the error of the mesh");
   solved.frequency_error = work.timed("error_estimate", [&] {
     return fem::frequency_error(model.body, model.materials, system, solved.result.modes);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cluster/ranks.h"
 #include "fem/modes.h"
@@ -14,10 +15,11 @@ namespace chladni::stage {
 
 /// Which modes of a model are wanted.
 struct ModesRequest {
-  fem::ModesOptions options;  ///< its count: of flexible modes, at least
-  double up_to_hz = 0.0;      ///< at least one flexible mode beyond this; 0: use the count
-  std::string launcher;       ///< what starts the ranks that find them; empty: this process
-  double guess_hz = 0.0;      ///< for the ranks: about so many modes lie below
+  fem::ModesOptions options;         ///< its count: of flexible modes, at least
+  double up_to_hz = 0.0;             ///< at least one flexible mode beyond this; 0: use the count
+  std::string launcher;              ///< what starts the ranks that find them; empty: this process
+  std::vector<std::string> mirrors;  ///< axes across which the body is mirrored
+  double guess_hz = 0.0;             ///< for the ranks: about so many modes lie below
 };
 
 struct SolvedModes {

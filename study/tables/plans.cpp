@@ -1,6 +1,7 @@
 // Modes and layouts of a study, and the names of its channels.
 #include <algorithm>
 #include <regex>
+#include <set>
 
 #include "study/schemas.h"
 #include "study/tables/rows.h"
@@ -43,6 +44,20 @@ bool is_plain_engine(const std::string& engine) {
   return std::regex_match(engine, plain);
 }
 
+void refuse_mirrors(TableReader& table, const ModesPlan& plan) {
+  const auto& axes = plan.mirrors;
+  if (axes.empty()) return;
+  const auto* node = table.find("mirrors");
+  if (std::set(axes.begin(), axes.end()).size() != axes.size()) {
+    table.wrong(*node, "modes.mirrors names an axis twice");
+  }
+  if (!plan.engine.empty()) {
+    table.wrong(*node,
+                "modes has mirrors and engine: the ranks take the whole body; expected one "
+                "of them");
+  }
+}
+
 void read_modes_part(TableReader& root, Study& study) {
   auto table = root.table("modes");
   if (!table) return;
@@ -61,6 +76,7 @@ void read_modes_part(TableReader& root, Study& study) {
         "and a number, --oversubscribe or --allow-run-as-root; other words are for the "
         "option --engine");
   }
+  refuse_mirrors(*table, study.modes);
   table->refuse_unknown();
 }
 

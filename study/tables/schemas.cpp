@@ -89,6 +89,15 @@ const Schema<ModesPlan>& modes_schema() {
        text("engine", &P::engine,
             "\"mpiexec -n 4\": ranks of MPI find the modes; `--engine` overrules it",
             "this process"),
+       names<P>(
+           {"mirrors", "a list of \"x\", \"y\", \"z\"", "none",
+            "axes across which the body is its own mirror image: its modes are found in two "
+            "parts for each, in less memory"},
+           "axis",
+           [] {
+             return std::vector<std::string>{"x", "y", "z"};
+           },
+           &P::mirrors),
        shape_dataset<P>("modes.unv, a universal file of the surface")}};
   return schema;
 }
