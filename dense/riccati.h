@@ -1,4 +1,5 @@
-// Matrix equations of linear systems under white noise, by SLICOT.
+// Matrix equations of linear systems under white noise, by SLICOT; and by doubling, to compare
+// many.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,5 +32,15 @@ struct NoisySystem {
 /// @throws NumericalFailure  A has an eigenvalue on the unit circle or outside of it
 [[nodiscard]] Eigen::MatrixXd stationary_covariance(const Eigen::MatrixXd& a,
                                                     const Eigen::MatrixXd& q);
+
+/// X = Aᵀ X (I + G X)⁻¹ A + H by doubling (Chu, Fan, Lin and Wang 2004): after k steps that of 2ᵏ
+/// steps of the difference equation. It is for the comparison of many systems whose final one goes
+/// to prediction_covariance: faster, but it asks for states of one scale. The covariance P of
+/// above, with S = 0, is X with Aᵀ for A, G = Cᵀ R⁻¹ C and H = Q. Cost: 17 n³ per step, log₂ of the
+/// slowest time constant in samples, and 5.
+/// @param g, h  n×n, symmetric, positive semidefinite
+/// @throws NumericalFailure  there is no limit, or it is not a finite one
+[[nodiscard]] Eigen::MatrixXd doubled_riccati(Eigen::MatrixXd a, Eigen::MatrixXd g,
+                                              Eigen::MatrixXd h);
 
 }  // namespace chladni::dense

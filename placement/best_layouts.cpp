@@ -14,17 +14,44 @@ namespace {
 constexpr Eigen::Index kProvable = 400;  // most candidates for which the optimum is proven
 constexpr int kNodes = 20000;            // of this search
 
-// Rows of the channels that stay, for all modes.
-Eigen::MatrixXd rows_that_stay(const Structure& structure) {
-  Eigen::MatrixXd rows(0, structure.frequency_hz.size());
-  for (const auto* channels : {&structure.sensors, &structure.actuators}) {
-    for (Eigen::Index i = 0; i < channels->count(); ++i) {
-      if (!channels->keeps(i)) continue;
-      rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
-      rows.bottomRows<1>() = channels->shapes.row(i);
-    }
+// Rows of the channels that stay, or of all, for all modes.
+Eigen::MatrixXd rows_there(const Structure& structure, const Channels& channels, bool all) {
+  std::vector<Eigen::Index> chosen;
+  for (Eigen::Index i = 0; i < channels.count(); ++i) {
+    if (all || channels.keeps(i)) chosen.push_back(i);
   }
-  return rows;
+  if (chosen.empty()) return Eigen::MatrixXd(0, structure.frequency_hz.size());
+  return channels.shapes(chosen, Eigen::all);
+}
+
+Eigen::MatrixXd stacked(const Eigen::MatrixXd& above, const Eigen::MatrixXd& below) {
+  if (above.rows() == 0) return below;
+  if (below.rows() == 0) return above;
+  Eigen::MatrixXd both(above.rows() + below.rows(), above.cols());
+  both << above, below;
+  return both;
+}
+
+Eigen::MatrixXd rows_that_stay(const Structure& structure) {
+  return stacked(rows_there(structure, structure.sensors, false),
+                 rows_there(structure, structure.actuators, false));
+}
+
+Eigen::Index site_count(const Plan& plan, const WantedModes& wanted) {
+  return plan.sites > 0 ? plan.sites : std::ssize(wanted.columns) + 1;
+}
+
+DeviceCounts devices_of(const Plan& plan, const WantedModes& wanted) {
+  if (plan.devices.all() > 0) return plan.devices;
+  return {.sensors = static_cast<int>(site_count(plan, wanted))};
+}
+
+// What the layout of an observer has beside what is chosen.
+Eigen::MatrixXd sensors_there(const Structure& structure, const DeviceCounts& counts) {
+  return rows_there(structure, structure.sensors, counts.sensors == 0 && counts.pairs == 0);
+}
+Eigen::MatrixXd actuators_there(const Structure& structure, const DeviceCounts& counts) {
+  return rows_there(structure, structure.actuators, counts.only_sensors());
 }
 
 DeterminantProblem determinant_problem(const Candidates& candidates, const Eigen::MatrixXd& present,
@@ -148,14 +175,58 @@ Optimum best_by_interpolation(const InterpolationProblem& problem, unsigned seed
   return optimum;
 }
 
+Optimum best_by_observer(const Structure& structure, const Candidates& candidates,
+                         const WantedModes& wanted, const Plan& plan, unsigned seed) {
+  const auto counts = devices_of(plan, wanted);
+  const auto choice = best_observer({.task = *plan.observer,
+                                     .rows = candidates.sites.shapes,
+                                     .sensors = sensors_there(structure, counts),
+                                     .actuators = actuators_there(structure, counts),
+                                     .counts = counts,
+                                     .position = candidates.sites.position,
+                                     .spacing = plan.spacing},
+                                    {.seed = seed});
+  Optimum optimum;
+  optimum.by = counts.only_sensors() ? "observer_error" : "loop_cost";
+  for (const auto& device : choice.devices) {
+    optimum.choice.sites.push_back(device.site);
+    optimum.kinds.push_back(device.kind);
+  }
+  optimum.choice.score = -(counts.only_sensors() ? choice.value.estimate : choice.value.loop);
+  optimum.observer = choice.value;
+  optimum.remark =
+      "no certificate: the steady variance is neither submodular nor convex in the devices, so "
+      "that "
+      "no bound is known; ";
+  optimum.remark += choice.swap_optimal
+                        ? "no exchange of one device gains"
+                        : fmt::format(
+                              "of {} candidates a part was tried, then the neighbours of the "
+                              "best",
+                              candidates.sites.count());
+  return optimum;
+}
+
 }  // namespace
+
+Eigen::MatrixXd Optimum::all_but(DeviceKind other) const {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < shapes.rows(); ++i) {
+    const auto kind = kinds.empty() ? DeviceKind::sensor : kinds[static_cast<std::size_t>(i)];
+    if (kind != other) rows.push_back(i);
+  }
+  if (rows.empty()) return Eigen::MatrixXd(0, shapes.cols());
+  return shapes(rows, Eigen::all);
+}
 
 LayoutScorer::LayoutScorer(const Structure& structure, const Sites& surface, WantedModes wanted,
                            const Plan& plan)
     : structure_(structure),
       surface_(surface),
       wanted_(std::move(wanted)),
-      frequency_tolerance_(plan.frequency_tolerance) {
+      frequency_tolerance_(plan.frequency_tolerance),
+      devices_(devices_of(plan, wanted_)) {
+  if (plan.observer) observer_ = std::make_shared<ObserverModel>(*plan.observer);
   const auto& columns = wanted_.columns;
   view_.groups = wanted_.groups;
   view_.frequency_hz = structure.frequency_hz(columns);
@@ -189,21 +260,40 @@ LayoutScore LayoutScorer::of_channels(const std::vector<std::size_t>& sensors,
   if (!sensors.empty()) view.sensors_all = structure_.sensors.shapes(sensors, Eigen::all);
   view.actuators_all.resize(0, modes);
   if (!actuators.empty()) view.actuators_all = structure_.actuators.shapes(actuators, Eigen::all);
-  return scored(std::move(view));
+  const Eigen::MatrixXd watched = view.sensors_all;
+  const Eigen::MatrixXd disturbing =
+      actuators.empty() ? rows_there(structure_, structure_.actuators, true) : view.actuators_all;
+  return scored(std::move(view), watched, disturbing);
 }
 
 LayoutScore LayoutScorer::of_sensors(const Eigen::MatrixXd& shapes) const {
   auto view = view_;
   view.sensors_all = shapes;
   view.actuators_all.resize(0, shapes.cols());
-  return scored(std::move(view));
+  return scored(std::move(view), stacked(rows_there(structure_, structure_.sensors, false), shapes),
+                rows_there(structure_, structure_.actuators, true));
 }
 
-LayoutScore LayoutScorer::scored(LayoutView view) const {
+LayoutScore LayoutScorer::of_devices(const Eigen::MatrixXd& sensors,
+                                     const Eigen::MatrixXd& actuators) const {
+  auto view = view_;
+  view.sensors_all = sensors;
+  view.actuators_all = actuators;
+  return scored(std::move(view), stacked(sensors_there(structure_, devices_), sensors),
+                stacked(actuators_there(structure_, devices_), actuators));
+}
+
+// `watched` and `disturbing`: sensors and actuators of an observer.
+LayoutScore LayoutScorer::scored(LayoutView view, const Eigen::MatrixXd& watched,
+                                 const Eigen::MatrixXd& disturbing) const {
   view.sensors = view.sensors_all(Eigen::all, wanted_.columns);
   view.actuators = view.actuators_all(Eigen::all, wanted_.columns);
   LayoutScore layout;
   layout.pairs = static_cast<int>(view.pairs.size());
+  if (observer_ && watched.rows() > 0) {
+    layout.observer = view.observer = observer_->value(watched, disturbing);
+    layout.motion_deviation = estimate_deviation(layout.observer->coordinates, surface_.shapes);
+  }
   const auto criteria = layout_criteria();
   layout.scores.resize(static_cast<Eigen::Index>(criteria.size()));
   for (std::size_t c = 0; c < criteria.size(); ++c) {
@@ -251,8 +341,7 @@ std::vector<int> LayoutScorer::blind_modes(LayoutView view) const {
 std::vector<Optimum> best_layouts(const Structure& structure, const Sites& surface,
                                   const Candidates& candidates, const WantedModes& wanted,
                                   const Plan& plan, unsigned seed) {
-  const auto modes = static_cast<Eigen::Index>(wanted.columns.size());
-  const Eigen::Index count = plan.sites > 0 ? plan.sites : modes + 1;
+  const Eigen::Index count = site_count(plan, wanted);
   const auto& sites = candidates.sites;
   require_fit(structure, surface);
   require(count <= sites.count(),
@@ -266,11 +355,15 @@ std::vector<Optimum> best_layouts(const Structure& structure, const Sites& surfa
   optima.push_back(best_by_interpolation(
       interpolation_problem(structure, surface, candidates, present, wanted, plan.spacing, count),
       seed));
+  if (plan.observer) {
+    optima.push_back(best_by_observer(structure, candidates, wanted, plan, seed));
+  }
   for (auto& optimum : optima) {
     optimum.sites = sites.position(optimum.choice.sites, Eigen::all);
     optimum.shapes = sites.shapes(optimum.choice.sites, Eigen::all);
   }
   if (plan.by_interpolation) std::swap(optima[0], optima[1]);
+  if (plan.by_observer && plan.observer) std::ranges::rotate(optima, optima.end() - 1);
   return optima;
 }
 

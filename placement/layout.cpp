@@ -13,7 +13,7 @@ namespace chladni::placement {
 extern const LayoutCriterion observed_points, observability, controllability, response, determinant,
     a_optimality, smallest_singular_value, condition, auto_mac, effective_independence,
     kinetic_energy, pair_alpha, interpolation_error, interpolation_worst_mode,
-    interpolation_worst_place, frf_at_interest;
+    interpolation_worst_place, frf_at_interest, observer_error, loop_cost;
 
 namespace {
 
@@ -34,6 +34,8 @@ constinit const LayoutCriterion* const kLayoutCriteria[] = {
     &interpolation_worst_mode,
     &interpolation_worst_place,
     &frf_at_interest,
+    &observer_error,
+    &loop_cost,
 };
 
 std::vector<Eigen::Index> lone_actuators(const LayoutView& view) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "modal/groups.h"
 #include "placement/interpolation.h"
+#include "placement/observer_model.h"
 
 namespace chladni::placement {
 
@@ -26,11 +28,12 @@ struct LayoutView {
   Eigen::VectorXd sensor_noise;    ///< m [kg^-1/2]
   Eigen::VectorXd actuator_noise;  ///< m [kg^-1/2]
   ShapePrior prior;
-  Eigen::MatrixXd sensors_all;    ///< s×r [kg^-1/2]
-  Eigen::MatrixXd actuators_all;  ///< a×r
-  Eigen::MatrixXd surface_all;    ///< n×r, points of the surface
-  Eigen::MatrixXd interest_all;   ///< k×r, points of interest; may be empty
-  Eigen::MatrixXd interest;       ///< k×m
+  Eigen::MatrixXd sensors_all;            ///< s×r [kg^-1/2]
+  Eigen::MatrixXd actuators_all;          ///< a×r
+  Eigen::MatrixXd surface_all;            ///< n×r, points of the surface
+  Eigen::MatrixXd interest_all;           ///< k×r, points of interest; may be empty
+  Eigen::MatrixXd interest;               ///< k×m
+  std::optional<ObserverValue> observer;  ///< of a stated task, with these devices
 };
 
 /// Values are for readers: NaN means that the criterion does not apply (no pair, fewer sites than

@@ -1,11 +1,13 @@
 // What a placement is for: the modes of a structure, its channels, and what is wanted of them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "placement/heat_map.h"
 #include "placement/layout.h"
+#include "placement/observer_layouts.h"
 #include "priors/interpolator.h"
 
 namespace chladni::placement {
@@ -43,16 +45,20 @@ struct Plan {
   std::vector<int> modes;  ///< flexible ones, counted from 1; empty: the first three
   double up_to_hz = 0.0;   ///< all flexible modes below this instead; 0: use `modes`
   std::string criterion = "weakest_mode";
-  double frequency_tolerance = 0.01;  ///< relative: closer neighbours are one group
-  double noise = 0.01;                ///< of an identified shape's entry, over the shape's rms
-  double frf_noise = 0.0;             ///< [m/N] per line, instead of `noise`
-  double resolution_hz = 0.0;         ///< between lines, beside frf_noise
-  double position_error = 0.0;        ///< [m], standard deviation per axis
-  Over over = Over::worst;            ///< the ensemble
-  double spacing = 0.0;               ///< [m], least distance between two devices
-  int pairs = 1;                      ///< to choose together
-  int sites = 0;                      ///< of a best layout; 0: one more than the wanted modes
-  bool by_interpolation = false;      ///< the best layout by expected error comes first
+  double frequency_tolerance = 0.01;     ///< relative: closer neighbours are one group
+  double noise = 0.01;                   ///< of an identified shape's entry, over the shape's rms
+  double frf_noise = 0.0;                ///< [m/N] per line, instead of `noise`
+  double resolution_hz = 0.0;            ///< between lines, beside frf_noise
+  double position_error = 0.0;           ///< [m], standard deviation per axis
+  Over over = Over::worst;               ///< the ensemble
+  double spacing = 0.0;                  ///< [m], least distance between two devices
+  int pairs = 1;                         ///< to choose together
+  int sites = 0;                         ///< of a best layout; 0: one more than the wanted modes
+  bool by_interpolation = false;         ///< the best layout by expected error comes first
+  std::optional<ObserverTask> observer;  ///< what is to be known of a region's motion; none: no
+                                         ///< such layout is chosen
+  DeviceCounts devices;      ///< of that layout; none: `sites` sensors
+  bool by_observer = false;  ///< that layout comes first
 };
 
 }  // namespace chladni::placement

@@ -97,6 +97,15 @@ Eigen::VectorXi forbidden_by(const Sites& sites, const std::vector<Rule>& rules)
   return forbidden;
 }
 
+std::vector<Eigen::Index> within(const Sites& sites, const std::vector<Rule>& zones) {
+  const Eigen::VectorXi zone = forbidden_by(sites, zones);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < zone.size(); ++i) {
+    if (zone(i) >= 0) rows.push_back(i);
+  }
+  return rows;
+}
+
 std::vector<Eigen::Index> admissible(const Eigen::VectorXi& forbidden,
                                      const std::vector<Rule>& rules) {
   std::vector<Eigen::Index> rows;

@@ -45,6 +45,9 @@ struct Rule {
 /// For each site the first rule that forbids it, or −1. The border of a zone is forbidden.
 [[nodiscard]] Eigen::VectorXi forbidden_by(const Sites& sites, const std::vector<Rule>& rules);
 
+/// The rows of the sites that lie in a zone.
+[[nodiscard]] std::vector<Eigen::Index> within(const Sites& sites, const std::vector<Rule>& zones);
+
 /// The rows that no rule forbids.
 /// @throws InvalidInput  no row is left; the message counts the sites that each rule took and names
 ///                       the last rule

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <random>
 #include <string>
@@ -13,6 +12,7 @@
 #include "placement/constants.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
+#include "placement/optimum/thinned.h"
 
 namespace chladni::placement {
 namespace {
@@ -128,38 +128,6 @@ void exchange(Layout& layout, int rounds, const Candidates& candidates) {
     }
     if (layout.error() > before * (1.0 - 1e-9)) return;
   }
-}
-
-// Some hundreds of candidates that cover the surface: each is the farthest from the earlier ones.
-Indices thinned(const Points& position, Eigen::Index count) {
-  Indices chosen{0};
-  Eigen::VectorXd distance = (position.rowwise() - position.row(0)).rowwise().squaredNorm();
-  while (static_cast<Eigen::Index>(chosen.size()) < count) {
-    Eigen::Index farthest = 0;
-    distance.maxCoeff(&farthest);
-    chosen.push_back(farthest);
-    distance =
-        distance.cwiseMin((position.rowwise() - position.row(farthest)).rowwise().squaredNorm());
-  }
-  return chosen;
-}
-
-double reach_of(const Points& position, const Indices& coarse) {
-  double longest = 0.0;
-  for (Eigen::Index c = 0; c < position.rows(); ++c) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto other : coarse) {
-      nearest = std::min(nearest, (position.row(c) - position.row(other)).squaredNorm());
-    }
-    longest = std::max(longest, nearest);
-  }
-  return Constants::coarse_reach * std::sqrt(longest);
-}
-
-Indices all_of(Eigen::Index count) {
-  Indices all(static_cast<std::size_t>(count));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
 }
 
 bool fill_greedily(Layout& layout, const Indices& candidates, Eigen::Index count) {

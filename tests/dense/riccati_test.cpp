@@ -82,6 +82,33 @@ TEST(Riccati, HasNoUnits) {
   EXPECT_LT((back - p).norm(), 1e-9 * p.norm());
 }
 
+TEST(Riccati, ByDoublingIsThatOfSlicot) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto system = drawn_system(seed, 3 + seed % 7, 1 + seed % 3);
+    system.s.setZero();
+    const auto p = prediction_covariance(system);
+    const Eigen::MatrixXd seen = system.c.transpose() * system.r.inverse() * system.c;
+    const auto doubled = doubled_riccati(system.a.transpose(), seen, system.q);
+    EXPECT_LT((doubled - p).norm(), 1e-10 * p.norm()) << seed;
+    const auto alone = doubled_riccati(system.a.transpose(), 0.0 * seen, system.q);
+    const auto lyapunov = stationary_covariance(system.a, system.q);
+    EXPECT_LT((alone - lyapunov).norm(), 1e-10 * lyapunov.norm()) << seed;
+  }
+}
+
+// A state that grows is held by what sees it; without that there is no limit.
+TEST(Riccati, ByDoublingNeedsALimit) {
+  const auto one = [](double x) { return Eigen::MatrixXd(Eigen::MatrixXd::Constant(1, 1, x)); };
+  const double p = prediction_covariance({one(1.3), one(1.0), one(2.0), one(1.0), one(0.0)})(0, 0);
+  EXPECT_NEAR(doubled_riccati(one(1.3), one(1.0), one(2.0))(0, 0), p, 1e-10 * p);
+  EXPECT_THROW(static_cast<void>(doubled_riccati(one(1.3), one(0.0), one(2.0))), NumericalFailure);
+  EXPECT_THROW(static_cast<void>(doubled_riccati(one(1.0), one(0.0), one(2.0))), NumericalFailure);
+  EXPECT_NE(refusal_of([&] {
+              return doubled_riccati(one(0.5), one(1.0), Eigen::MatrixXd(2, 2));
+            }).find("sizes"),
+            std::string::npos);
+}
+
 TEST(Riccati, OfAnUnseenOrUndisturbedIntegratorHasNoSolution) {
   auto system = drawn_system(4, 5, 2);
   system.a.row(0).setZero();

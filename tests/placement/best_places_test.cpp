@@ -6,56 +6,14 @@
 
 #include "placement/best_layouts.h"
 #include "placement/best_pairs.h"
+#include "tests/placement/pinned_beam.h"
 #include "tests/refusal.h"
 
 namespace chladni::placement {
 namespace {
 
+using namespace pinned_beam;
 constexpr double kPi = std::numbers::pi;
-constexpr Eigen::Index kModes = 6;
-constexpr double kLength = 2.0;  // [m]; the beam's mass is 1 kg
-
-// Mode k of a pinned beam is √2 sin(kπx/L), at k² times the first frequency.
-Eigen::MatrixXd shapes_at(const Eigen::VectorXd& x) {
-  Eigen::MatrixXd shapes(x.size(), kModes);
-  for (Eigen::Index k = 0; k < kModes; ++k) {
-    shapes.col(k) =
-        std::numbers::sqrt2 * (static_cast<double>(k + 1) * kPi / kLength * x.array()).sin();
-  }
-  return shapes;
-}
-
-Lines lines_at(const Eigen::VectorXd& x) {
-  Lines lines{Points::Zero(x.size(), 3), Points::Zero(x.size(), 3)};
-  lines.position.col(0) = x;
-  lines.direction.col(2).setOnes();
-  return lines;
-}
-
-Sites points_of_beam(Eigen::Index count) {
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(count, 0.0, kLength);
-  const auto lines = lines_at(x);
-  Sites sites;
-  sites.position = lines.position;
-  sites.normal = lines.direction;
-  sites.patch = Eigen::VectorXi::Zero(count);
-  sites.area = Eigen::VectorXd::Constant(count, 1e-3);
-  sites.shapes = shapes_at(x);
-  sites.slopes = Eigen::MatrixXd::Zero(count, kModes);
-  sites.whole.assign(static_cast<std::size_t>(count), 1);
-  return sites;
-}
-
-Structure beam(const Eigen::VectorXd& sensors = {}, const Eigen::VectorXd& actuators = {}) {
-  Structure structure;
-  structure.frequency_hz = Eigen::VectorXd::LinSpaced(kModes, 1.0, kModes).cwiseAbs2() * 50.0;
-  structure.damping_ratio = Eigen::VectorXd::Constant(kModes, 0.01);
-  structure.mass_kg = 1.0;
-  structure.size = kLength;
-  structure.sensors = {lines_at(sensors), shapes_at(sensors), {}};
-  structure.actuators = {lines_at(actuators), shapes_at(actuators), {}};
-  return structure;
-}
 
 PairPlaces pairs_of(const Structure& structure, const Sites& sites, const Plan& plan) {
   std::vector<std::string> notes;
