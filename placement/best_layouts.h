@@ -61,8 +61,8 @@ class LayoutScorer {
 struct Optimum {
   std::string by;  ///< the criterion: "determinant", "interpolation_error", "observer_error", ...
   Choice choice;   ///< rows of the candidates; the score of an observer is its variance or cost,
-                  ///< less than 0 [m²]
-  Points sites;                           ///< count×3 [m]
+                   ///< less than 0 [m²]
+  Points sites;    ///< count×3 [m]
   Eigen::MatrixXd shapes;                 ///< count×r [kg^-1/2], at the sites
   std::vector<Points> equivalent;         ///< equally good, by the symmetry of the body
   double certificate = 0.0;               ///< proven D-efficiency; 0: none

@@ -28,6 +28,12 @@ struct Constants {
   static constexpr double node_tolerance = 1e-4;
   /// Least damping ratio of a mode in the predicted error of responses [1] (chosen, 8de1b5e).
   static constexpr double least_damping = 1e-3;
+  /// Damping ratio of rigid-body modes that the suspension of an observer's layout holds [1]
+  /// (chosen, 68edba4a).
+  static constexpr double suspension_damping = 0.7;
+  /// Time in which a drift forgets its level in the layout of an observer [drift times] (chosen,
+  /// 68edba4a).
+  static constexpr double drift_memory = 100.0;
 
   // Sites.
   /// Angle between normals up to which a refined site stays on its face; 45 degrees [cos] (chosen,

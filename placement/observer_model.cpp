@@ -9,11 +9,10 @@
 #include "base/turn.h"
 #include "dense/riccati.h"
 #include "modal/groups.h"
+#include "placement/constants.h"
 
 namespace chladni::placement {
 namespace {
-
-constexpr double kSuspensionDamping = 0.7;
 
 void require_sound(const ObserverTask& task) {
   const auto modes = task.frequency_hz.size();
@@ -59,7 +58,7 @@ modal::ReducedModel held_modes(const ObserverTask& task) {
   const auto rigid = task.rigid_count;
   const auto flexible = task.frequency_hz.size() - rigid;
   model.frequency_hz.head(rigid).setConstant(task.suspension_hz);
-  model.damping_ratio.head(rigid).setConstant(kSuspensionDamping);
+  model.damping_ratio.head(rigid).setConstant(Constants::suspension_damping);
   for (const auto& [first, size] :
        modal::groups(task.frequency_hz.tail(flexible), task.frequency_tolerance)) {
     for (auto* values : {&model.frequency_hz, &model.damping_ratio}) {
@@ -92,12 +91,12 @@ modal::DisturbedModel unit_model(const ObserverTask& task, modal::Disturbance co
 // A drift as noise that forgets its level in a hundred of its times: it then has a variance without
 // sensors, and changes as before from sample to sample.
 modal::Disturbance forgetful(modal::Disturbance course) {
-  constexpr double kTimes = 100.0;
+  const double times = Constants::drift_memory;
   if (course.course != modal::DisturbanceCourse::drift) return course;
   course.course = modal::DisturbanceCourse::band;
   course.low_hz = 0.0;
-  course.high_hz = 1.0 / (kTwoPi * kTimes * course.drift_time_s);
-  course.rms *= std::sqrt(0.5 * kTimes);
+  course.high_hz = 1.0 / (kTwoPi * times * course.drift_time_s);
+  course.rms *= std::sqrt(0.5 * times);
   return course;
 }
 

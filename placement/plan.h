@@ -57,8 +57,8 @@ struct Plan {
   bool by_interpolation = false;         ///< the best layout by expected error comes first
   std::optional<ObserverTask> observer;  ///< what is to be known of a region's motion; none: no
                                          ///< such layout is chosen
-  DeviceCounts devices;      ///< of that layout; none: `sites` sensors
-  bool by_observer = false;  ///< that layout comes first
+  DeviceCounts devices;                  ///< of that layout; none: `sites` sensors
+  bool by_observer = false;              ///< that layout comes first
 };
 
 }  // namespace chladni::placement

@@ -1,11 +1,11 @@
-// Placement as a table, JSON, fields and a picture.
+// Placement as a table and JSON.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "io/heat_map_picture.h"
 #include "show/placement.h"
+#include "show/placement/placement_words.h"
 #include "steps/placement.h"
 
 namespace chladni::show {
@@ -19,11 +19,6 @@ io::Json places_json(const Points& places) {
   io::JsonArray array;
   for (const auto at : places.rowwise()) array.push_back(place_json(at.transpose()));
   return array;
-}
-
-Eigen::Index column_of(const steps::BestPlaces& places, int group) {
-  return places.wanted.columns[static_cast<std::size_t>(
-      places.wanted.groups[static_cast<std::size_t>(group)].first)];
 }
 
 io::Json worst_place_json(const steps::BestPlaces& places, const steps::ScoredLayout& layout) {
@@ -51,6 +46,36 @@ io::Json layout_json(const steps::BestPlaces& places, const steps::ScoredLayout&
                         {"scores", scores}};
 }
 
+std::string_view name_of(placement::DeviceKind kind) {
+  switch (kind) {
+    case placement::DeviceKind::sensor:
+      return "sensor";
+    case placement::DeviceKind::actuator:
+      return "actuator";
+    case placement::DeviceKind::pair:
+      return "pair";
+  }
+  return "";
+}
+
+// Per site; sensors where the criterion chooses nothing else.
+io::Json devices_json(const placement::Optimum& optimum) {
+  std::vector<std::string> names(static_cast<std::size_t>(optimum.sites.rows()), "sensor");
+  for (std::size_t i = 0; i < optimum.kinds.size(); ++i) names[i] = name_of(optimum.kinds[i]);
+  return io::Json::texts(names);
+}
+
+// Root mean squares over the region.
+io::Json observer_json(const std::optional<placement::ObserverValue>& value) {
+  if (!value) return {};
+  return io::JsonObject{{"estimate_m", std::sqrt(value->estimate)},
+                        {"prediction_m", std::sqrt(value->prediction)},
+                        {"without_m", std::sqrt(value->without)},
+                        {"loop_m", std::sqrt(value->loop)},
+                        {"loop_motion_m", std::sqrt(value->loop_motion)},
+                        {"loop_force_n", std::sqrt(value->loop_force_n2)}};
+}
+
 io::Json optimum_json(const placement::Optimum& optimum) {
   const bool has_bound = optimum.certificate > 0.0;
   const auto& choice = optimum.choice;
@@ -58,6 +83,8 @@ io::Json optimum_json(const placement::Optimum& optimum) {
   for (const auto& sites : optimum.equivalent) equivalent.push_back(places_json(sites));
   return io::JsonObject{{"criterion", optimum.by},
                         {"sites", places_json(optimum.sites)},
+                        {"devices", devices_json(optimum)},
+                        {"observer", observer_json(optimum.observer)},
                         {"score", choice.score},
                         {"bound", has_bound ? io::Json(choice.bound) : io::Json()},
                         {"gap", has_bound ? io::Json(choice.bound - choice.score) : io::Json()},
@@ -81,12 +108,6 @@ io::Json wanted_json(const stage::Solution& solution, const placement::WantedMod
                        {"actuator_noise_kg_m05", wanted.actuator_noise(first)}});
   }
   return modes;
-}
-
-std::string value_text(const placement::Criterion& criterion, double score) {
-  const double value = criterion.for_people(score);
-  return criterion.unit == "1" ? fmt::format("{:.3f}", value)
-                               : fmt::format("{:.3g} {}", value, criterion.unit);
 }
 
 // True if a layout was chosen by this criterion; also where none was chosen.
@@ -122,90 +143,43 @@ std::string layouts_table(const steps::BestPlaces& places, bool all) {
   return text;
 }
 
-io::HeatMapPicture picture_of(const study::Study& study, const stage::Solution& solution,
-                              const steps::BestPlaces& places) {
-  const auto& sites = places.surface.sites;
-  const auto& map = places.maps[places.chosen];
-  io::HeatMapPicture picture;
-  picture.title = study.title;
-  picture.scale = std::string(places.criterion->name) + ", lighter is better";
-  picture.points = sites.position;
-  picture.triangles = places.surface.triangles;
-  const double highest = map.score.maxCoeff();
-  picture.value = highest > 0.0 ? Eigen::VectorXd(map.score / highest) : map.score;
-  picture.lowest = "0";
-  picture.highest = value_text(*places.criterion, highest);
-  if (places.criterion->unit != "1") picture.lowest = "unknown";
-  for (Eigen::Index i = 0; i < places.forbidden.size(); ++i) {
-    picture.forbidden.push_back(places.forbidden(i) >= 0 ? 1 : 0);
+// "2 pairs, 1 sensor"
+std::string counted(const std::vector<placement::DeviceKind>& kinds) {
+  using enum placement::DeviceKind;
+  std::string text;
+  for (const auto kind : {pair, actuator, sensor}) {
+    const auto count = std::ranges::count(kinds, kind);
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", count, name_of(kind),
+                        count == 1 ? "" : "s");
   }
-  for (const auto& [first, size] : places.wanted.groups) {
-    if (size > 1) continue;  // a repeated mode has no fixed nodal lines
-    const auto column = places.wanted.columns[static_cast<std::size_t>(first)];
-    picture.nodal_lines.push_back(
-        {fmt::format("mode {} ({:.2f} Hz)", column + 1, solution.modes.frequency_hz(column)),
-         sites.shapes.col(column)});
-  }
-  const auto& shown = places.pairs.empty() ? places.best : places.pairs;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    // The best one, and those equally good by symmetry.
-    if (places.pairs.empty() && shown[i].score < 0.99 * shown[0].score) break;
-    picture.best.push_back(
-        {shown[i].position, value_text(*places.criterion, shown[i].score) + ", mode " +
-                                std::to_string(column_of(places, shown[i].limiting) + 1)});
-  }
-  picture.markers = stage::markers_of(study, solution.model);
-  picture.markers.resize(study.sensors.size() + study.actuators.size());
-  return picture;
+  return text;
 }
 
-io::LayoutsPicture layouts_picture(const study::Study& study, const steps::BestPlaces& places) {
-  io::LayoutsPicture picture;
-  picture.title = study.title + ": layouts";
-  picture.scale = "expected error of an interpolated shape, of its root mean square";
-  picture.points = places.surface.sites.position;
-  picture.triangles = places.surface.triangles;
-  double largest = 0.0;
-  for (const auto& layout : places.layouts) {
-    if (layout.deviation.size() > 0) largest = std::max(largest, layout.deviation.maxCoeff());
+std::string observer_text(const placement::Optimum& optimum) {
+  const auto& value = *optimum.observer;
+  const auto nm = [](double square) { return fmt::format("{:.4g} nm", 1e9 * std::sqrt(square)); };
+  std::string text = fmt::format("best {} by {}: ", counted(optimum.kinds), optimum.by);
+  if (optimum.by == "loop_cost") {
+    text += fmt::format("in the loop the region moves {} rms with {:.3g} N rms of force; ",
+                        nm(value.loop_motion), std::sqrt(value.loop_force_n2));
   }
-  picture.lightest = "0";
-  picture.darkest = fmt::format("{:.2g} %", 100.0 * largest);
-  for (const auto& layout : places.layouts) {
-    if (layout.deviation.size() == 0) continue;
-    const Eigen::VectorXd& off = layout.deviation;
-    const double mean =
-        std::sqrt(off.cwiseAbs2().dot(places.surface.sites.area) / places.surface.sites.area.sum());
-    picture.panels.push_back(
-        {layout.name,
-         fmt::format("mean {:.2g} %, worst {:.2g} %", 100.0 * mean, 100.0 * off.maxCoeff()),
-         (1.0 - (off / largest).array().sqrt()).matrix(), layout.markers});
-  }
-  return picture;
-}
-
-void leave_fields(const stage::Solution& solution, const steps::BestPlaces& places,
-                  const std::string& title, const Run& run) {
-  std::vector<io::NodeField> fields;
-  const auto criteria = placement::criteria();
-  io::Units units{title, {"length: m"}};
-  for (std::size_t c = 0; c < criteria.size(); ++c) {
-    fields.push_back({std::string(criteria[c]->name), places.maps[c].score});
-    units.lines.push_back(std::string(criteria[c]->name) +
-                          (criteria[c]->unit == "1" ? ": 1" : ": 1/standard deviation"));
-  }
-  Eigen::VectorXd limiting(places.surface.sites.count());
-  for (Eigen::Index i = 0; i < limiting.size(); ++i) {
-    const auto column = column_of(places, places.maps[places.chosen].limiting(i));
-    limiting(i) = static_cast<double>(column - solution.modes.rigid_count + 1);
-  }
-  fields.push_back({"limiting_mode", limiting});
-  fields.push_back({"admissible", (places.forbidden.array() < 0).cast<double>()});
-  io::write_surface_vtu(run / "heat_map.vtu", places.surface.sites.position,
-                        places.surface.triangles, fields, units);
+  return text + fmt::format("its motion is known to {} rms, of {} without sensors and loop",
+                            nm(value.estimate), nm(value.without));
 }
 
 }  // namespace
+
+Eigen::Index column_of(const steps::BestPlaces& places, int group) {
+  return places.wanted.columns[static_cast<std::size_t>(
+      places.wanted.groups[static_cast<std::size_t>(group)].first)];
+}
+
+std::string value_text(const placement::Criterion& criterion, double score) {
+  const double value = criterion.for_people(score);
+  return criterion.unit == "1" ? fmt::format("{:.3f}", value)
+                               : fmt::format("{:.3g} {}", value, criterion.unit);
+}
 
 io::ResultTable pairs_table(const stage::Solution& solution, const steps::BestPlaces& places,
                             const std::vector<placement::BestPair>& pairs) {
@@ -249,8 +223,10 @@ io::ResultTable pairs_table(const stage::Solution& solution, const steps::BestPl
 }
 
 std::string optimum_text(const placement::Optimum& optimum) {
-  std::string text = fmt::format("best {} sites by {}: score {:.6g}", optimum.sites.rows(),
-                                 optimum.by, optimum.choice.score);
+  std::string text = optimum.observer
+                         ? observer_text(optimum)
+                         : fmt::format("best {} sites by {}: score {:.6g}", optimum.sites.rows(),
+                                       optimum.by, optimum.choice.score);
   if (optimum.choice.proven) {
     text += ", proven to be the best";
   } else if (optimum.certificate > 0.0) {
@@ -318,28 +294,6 @@ std::string placement_table(const stage::Solution& solution, const steps::BestPl
                         placement::layout_criteria().size());
   }
   return text;
-}
-
-void leave_placement(const study::Study& study, const stage::Solution& solution,
-                     const steps::BestPlaces& places, Run& run, bool main_result) {
-  for (const auto& note : places.notes) run.note(note);
-  for (const auto& layout : places.layouts) {
-    for (const int mode : layout.blind) {
-      const auto& columns = places.wanted.columns;
-      if (std::find(columns.begin(), columns.end(), mode - 1) == columns.end()) continue;
-      run.warn(blind_text(solution, layout) + "; placement.modes asks for it");
-      break;
-    }
-  }
-  run.leave("placement.json", placement_json(study, solution, places), main_result);
-  leave_fields(solution, places, study.title, run);
-  if (!run.options().pictures) return;
-  tell(run.progress(), "painting the heat map");
-  run.paint("heat_map.png",
-            [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, places)); });
-  const auto layouts = layouts_picture(study, places);
-  if (layouts.panels.empty()) return;
-  run.paint("layouts.png", [&](const auto& png) { io::draw_layouts(png, layouts); });
 }
 
 }  // namespace chladni::show

@@ -27,7 +27,8 @@ namespace chladni::show {
 [[nodiscard]] std::string blind_text(const stage::Solution& solution,
                                      const steps::ScoredLayout& layout);
 
-/// placement.json, heat_map.vtu, heat_map.png, layouts.png.
+/// placement.json, heat_map.vtu, heat_map.png, layouts.png; observer_layouts.png where an observer
+/// is placed for.
 void leave_placement(const study::Study& study, const stage::Solution& solution,
                      const steps::BestPlaces& places, Run& run, bool main_result);
 

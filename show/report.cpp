@@ -68,6 +68,12 @@ io::Section placement_section(const stage::Solution& solution, const steps::Best
         "", run / "layouts.png", "Where shapes interpolated from each layout will be wrong.");
     section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
   }
+  if (run.has_painted("observer_layouts.png")) {
+    const auto picture =
+        io::picture_section("", run / "observer_layouts.png",
+                            "What the observer of each layout will not know of the motion.");
+    section.blocks.insert(section.blocks.end(), picture.blocks.begin(), picture.blocks.end());
+  }
   for (const auto& optimum : placement.optima) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, optimum_text(optimum)});
   }

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "dense/riccati.h"
-#include "stage/points_on_body.h"
+#include "steps/observer/stated.h"
 #include "steps/predicted.h"
 #include "steps/rigid_body.h"
 
@@ -18,18 +18,7 @@ namespace {
 using identification::ObservedPlaces;
 using identification::PlacesOfInterest;
 
-constexpr double kFarthest = 2e-3;  // [m]
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-// The place of the study on the body.
-mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
-                   const study::Place& at, const std::string& what) {
-  const auto site = stage::site_at(finder, at);
-  require(site && site->distance <= kFarthest,
-          fmt::format("{}:{}: {} is not on the body{}", study.file.string(), at.line, what,
-                      site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
-  return *site;
-}
 
 // Shapes and residual at sites, by the first method of interpolation.
 PlacesOfInterest interest_at(const Interpolated& shapes, const stage::Solution& solution,
@@ -91,18 +80,6 @@ void add_points(const study::Study& study, const stage::Solution& solution,
   append(result.places.at_points,
          places_of_interest(shapes, places,
                             {field.mean(rows, Eigen::all), field.deviation(rows, Eigen::all)}));
-}
-
-modal::Disturbance disturbance_of(const study::DisturbancePlan& plan, const std::string& name,
-                                  Eigen::Index input) {
-  using enum modal::DisturbanceCourse;
-  modal::Disturbance one{.name = name, .input = input, .rms = plan.rms, .density = plan.density};
-  if (plan.high_hz > 0.0) one.course = band;
-  if (plan.drift_time > 0.0) one.course = drift;
-  one.low_hz = plan.low_hz;
-  one.high_hz = plan.high_hz;
-  one.drift_time_s = plan.drift_time > 0.0 ? plan.drift_time : 1.0;
-  return one;
 }
 
 Eigen::VectorXd floor_of(const study::Study& study, const IdentifiedModel& model) {
@@ -172,9 +149,7 @@ double sample_time(const study::Study& study, const Recordings* recorded) {
                         asked, recorded->file, rate));
     return recorded->sample_time_s;
   }
-  double rate = asked;
-  if (rate == 0.0 && study.state_space) rate = study.state_space->sample_rate_hz;
-  if (rate == 0.0 && study.experiment) rate = study.experiment->sample_rate_hz;
+  const double rate = stated_sample_rate(study);
   require(rate > 0.0,
           "the observer has no sample rate; expected observer.sample_rate = \"10 kHz\", or "
           "recordings");

@@ -38,8 +38,11 @@ BestPlaces best_places(const study::Study& study, const stage::Solution& solutio
     return 0;
   });
   const auto structure = structure_of(study, solution, own, work.seed());
-  const auto plan = room_plan(own, structure);
+  auto plan = room_plan(own, structure);
   const auto& surface = places.surface.sites;
+  if (own.observer) {
+    plan.observer = observer_task(study, solution, own, structure, surface, places.notes);
+  }
   places.wanted = placement::wanted_modes(structure, surface, plan, places.notes);
   places.rules = rules_of(body, own, structure, places.faces);
   places.forbidden = placement::forbidden_by(surface, places.rules);

@@ -50,6 +50,7 @@ namespace chladni::study {
 [[nodiscard]] const Schema<UncertaintyPlan>& uncertainty_schema();
 /// The part of the plan that is in placement.choose.
 [[nodiscard]] const Schema<PlacementPlan>& choose_schema();
+[[nodiscard]] const Schema<ObserverLayoutPlan>& observer_layout_schema();
 [[nodiscard]] const Schema<MeasurementPlan>& measurement_schema();
 [[nodiscard]] const Schema<IdentificationPlan>& identification_schema();
 [[nodiscard]] const Schema<StateSpacePlan>& state_space_schema();

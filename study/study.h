@@ -116,6 +116,15 @@ struct UncertaintyPlan {
   bool worst = true;  ///< true: the worst member counts; false: their mean
 };
 
+/// A layout for the observer of [observer]: what it is to know, and of which devices it consists.
+struct ObserverLayoutPlan {
+  std::vector<KeepOut> region;  ///< where the motion is wanted; empty: points, or all faces
+  int sensors = 0, actuators = 0, pairs = 0;  ///< to choose; all 0: sensors, PlacementPlan::sites
+  double effort = 0.0;         ///< [m/N]: motion that a force of 1 N is worth; 0: no loop
+  double suspension_hz = 1.0;  ///< that holds rigid-body modes
+  int line = 0;                ///< of the study, for messages
+};
+
 struct PlacementPlan {
   std::vector<int> modes;  ///< flexible ones, counted from 1
   int modes_line = 0, modes_column = 0;
@@ -139,7 +148,8 @@ struct PlacementPlan {
   std::optional<UncertaintyPlan> uncertainty;
   std::vector<Place> interest;
   int sites = 0;  ///< number to choose; 0: the number of the study's channels' points
-  std::string choose_by = "determinant";  ///< or "interpolation_error"
+  std::string choose_by = "determinant";       ///< or "interpolation_error", "observer"
+  std::optional<ObserverLayoutPlan> observer;  ///< always there beside choose_by "observer"
 };
 
 struct MeasurementPlan {

@@ -45,9 +45,18 @@ study::LayoutPlan layout_of_all_channels(const study::Study& study) {
 // An optimum as sensors, scored like the other layouts.
 ScoredLayout scored_optimum(const placement::Optimum& optimum,
                             const placement::LayoutScorer& scorer) {
-  ScoredLayout layout{scorer.of_sensors(optimum.shapes), "best by " + optimum.by, {}, {}, {}};
-  for (const auto at : optimum.sites.rowwise()) {
-    layout.markers.push_back({"", "sensor", at.transpose(), Eigen::Vector3d::UnitZ()});
+  auto score = optimum.kinds.empty() ? scorer.of_sensors(optimum.shapes)
+                                     : scorer.of_devices(optimum.sensing(), optimum.acting());
+  ScoredLayout layout{std::move(score), "best by " + optimum.by, {}, {}, {}};
+  for (Eigen::Index i = 0; i < optimum.sites.rows(); ++i) {
+    const auto kind = optimum.kinds.empty() ? placement::DeviceKind::sensor
+                                            : optimum.kinds[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d at = optimum.sites.row(i).transpose();
+    for (const auto* marker : {"sensor", "actuator"}) {
+      using enum placement::DeviceKind;
+      if (kind == (marker == std::string_view("sensor") ? actuator : sensor)) continue;
+      layout.markers.push_back({"", marker, at, Eigen::Vector3d::UnitZ()});
+    }
   }
   return layout;
 }

@@ -13,7 +13,8 @@ std::string millimetres(const Eigen::Vector2d& at) {
   return fmt::format("({:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y());
 }
 
-placement::Rule rule_of(const study::KeepOut& zone, const mesh::TetMesh& body) {
+placement::Rule rule_of(const study::KeepOut& zone, const mesh::TetMesh& body,
+                        const std::string& key) {
   if (zone.shape == "box") {
     return {"the box from " + millimetres(zone.from) + " to " + millimetres(zone.to),
             placement::KeepOutBox{zone.from, zone.to}};
@@ -23,7 +24,7 @@ placement::Rule rule_of(const study::KeepOut& zone, const mesh::TetMesh& body) {
             placement::KeepOutDisc{zone.from, zone.diameter}};
   }
   return {"the patch \"" + zone.patch + "\"",
-          placement::KeepOutPatch{mesh::patch_number(body, zone.patch, "placement.keep_out")}};
+          placement::KeepOutPatch{mesh::patch_number(body, zone.patch, key)}};
 }
 
 // Places of the channels that stay.
@@ -41,11 +42,18 @@ Points places_that_stay(const placement::Structure& structure) {
 
 }  // namespace
 
+std::vector<placement::Rule> zones_of(const mesh::TetMesh& body,
+                                      const std::vector<study::KeepOut>& zones,
+                                      const std::string& key) {
+  std::vector<placement::Rule> rules;
+  for (const auto& zone : zones) rules.push_back(rule_of(zone, body, key));
+  return rules;
+}
+
 std::vector<placement::Rule> rules_of(const mesh::TetMesh& body, const study::PlacementPlan& plan,
                                       const placement::Structure& structure,
                                       const stage::Faces& faces) {
-  std::vector<placement::Rule> rules;
-  for (const auto& zone : plan.keep_out) rules.push_back(rule_of(zone, body));
+  auto rules = zones_of(body, plan.keep_out, "placement.keep_out");
   if (plan.footprint > 0.0) {
     rules.push_back(
         {fmt::format("a footprint of {:.6g} mm that lies on the body", 1e3 * plan.footprint),

@@ -79,6 +79,10 @@ placement::Plan room_plan(const study::PlacementPlan& plan, const placement::Str
   room.pairs = plan.pairs;
   room.sites = sites_wanted(plan, structure);
   room.by_interpolation = plan.choose_by == "interpolation_error";
+  room.by_observer = plan.choose_by == "observer";
+  if (plan.observer) {
+    room.devices = {plan.observer->sensors, plan.observer->actuators, plan.observer->pairs};
+  }
   return room;
 }
 

@@ -64,12 +64,13 @@ KeepOut keep_out_of(TableReader& table) {
   return zone;
 }
 
-void read_keep_out(TableReader& placement, PlacementPlan& plan) {
-  const TomlNode* node = placement.find("keep_out");
+// An array of boxes, discs and patches, or of names of patches.
+void read_zones(TableReader& owner, const std::string& key, std::vector<KeepOut>& zones) {
+  const TomlNode* node = owner.find(key);
   if (node == nullptr) return;
   if (node->kind != TomlNode::Kind::array) {
-    placement.wrong(*node, "placement.keep_out is " + description(*node) +
-                               "; expected an array of boxes, discs and names of patches");
+    owner.wrong(*node, owner.name(key) + " is " + description(*node) +
+                           "; expected an array of boxes, discs and names of patches");
     return;
   }
   const bool names_only =
@@ -77,14 +78,14 @@ void read_keep_out(TableReader& placement, PlacementPlan& plan) {
                   [](const TomlNode& element) { return element.kind == TomlNode::Kind::text; });
   if (names_only) {
     for (const auto& element : node->elements) {
-      plan.keep_out.push_back({.shape = "patch",
-                               .patch = element.text,
-                               .line = element.line,
-                               .column = element.column});
+      zones.push_back({.shape = "patch",
+                       .patch = element.text,
+                       .line = element.line,
+                       .column = element.column});
     }
     return;
   }
-  for (auto& table : placement.tables("keep_out")) plan.keep_out.push_back(keep_out_of(table));
+  for (auto& table : owner.tables(key)) zones.push_back(keep_out_of(table));
 }
 
 void read_grid(TableReader& placement, PlacementPlan& plan) {
@@ -108,6 +109,31 @@ void read_uncertainty(TableReader& placement, PlacementPlan& plan) {
     table->wrong(*table->find(key), table->name(key) +
                                         " is 50 % or more; expected a small relative deviation "
                                         "such as \"5 %\"");
+  }
+  table->refuse_unknown();
+}
+
+void read_observer_layout(TableReader& placement, PlacementPlan& plan) {
+  auto table = placement.table("observer");
+  if (!table) {
+    if (plan.choose_by == "observer") plan.observer.emplace();
+    return;
+  }
+  auto& layout = plan.observer.emplace();
+  layout.line = placement.find("observer")->line;
+  observer_layout_schema().read(*table, layout);
+  read_zones(*table, "region", layout.region);
+  if (table->has("region") && layout.region.empty()) {
+    table->wrong(
+        *table->find("region"),
+        table->name("region") +
+            " is empty; expected boxes, discs or names of patches where the motion is to be "
+            "known");
+  }
+  if (layout.actuators + layout.pairs > 0 && !table->has("effort")) {
+    table->missing("effort",
+                   "\"10 nm/N\": the motion that a force of 1 N is worth; actuators and pairs are "
+                   "chosen for a loop");
   }
   table->refuse_unknown();
 }
@@ -151,11 +177,12 @@ void read_placement(TableReader& root, Study& study) {
   auto& plan = study.placement.emplace();
   placement_schema().read(*table, plan);
   read_wanted_modes(*table, plan);
-  read_keep_out(*table, plan);
+  read_zones(*table, "keep_out", plan.keep_out);
   read_grid(*table, plan);
   read_there(*table, study, plan);
   read_interest(*table, plan);
   read_choice(*table, plan);
+  read_observer_layout(*table, plan);
   check_noise(*table);
   read_uncertainty(*table, plan);
   table->refuse_unknown();

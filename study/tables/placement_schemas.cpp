@@ -12,9 +12,9 @@ io::Json modes_json(const PlacementPlan& plan) {
   return modes;
 }
 
-io::Json keep_out_json(const PlacementPlan& plan) {
+io::Json zones_json(const std::vector<KeepOut>& all) {
   io::JsonArray zones;
-  for (const auto& zone : plan.keep_out) {
+  for (const auto& zone : all) {
     zones.push_back(io::JsonObject{{"shape", zone.shape},
                                    {"from_m", io::Json(zone.from)},
                                    {"to_m", io::Json(zone.to)},
@@ -97,7 +97,29 @@ const Schema<PlacementPlan>& choose_schema() {
   static const Schema<P> schema = {
       "placement.choose",
       {whole("sites", 1, 10000, &P::sites, "to choose", "as many as the study's channels have"),
-       choice("by", {"determinant", "interpolation_error"}, &P::choose_by, "what makes one best")}};
+       choice("by", {"determinant", "interpolation_error", "observer"}, &P::choose_by,
+              "what makes one best")}};
+  return schema;
+}
+
+const Schema<ObserverLayoutPlan>& observer_layout_schema() {
+  using P = ObserverLayoutPlan;
+  constexpr int kMost = 1000;
+  static const Schema<P> schema = {
+      "placement.observer",
+      {special<P>({"region", "names of patches, or tables with box, disc or patch",
+                   "the points of observer, else all faces of placement.on",
+                   "where the motion is to be known"},
+                  "region", [](const P& plan) { return zones_json(plan.region); }),
+       whole("sensors", 0, kMost, &P::sensors, "to choose",
+             "placement.choose.sites without actuators and pairs, else 0"),
+       whole("actuators", 0, kMost, &P::actuators, "to choose"),
+       whole("pairs", 0, kMost, &P::pairs, "collocated, to choose"),
+       quantity("effort", "m/N", Sign::positive, &P::effort,
+                "motion that a force of 1 N of one actuator is worth in the loop",
+                "no loop; needed for actuators and pairs"),
+       quantity("suspension", "Hz", Sign::positive, &P::suspension_hz,
+                "frequency at which rigid-body modes without stiffness are held")}};
   return schema;
 }
 
@@ -115,7 +137,7 @@ const Schema<PlacementPlan>& placement_schema() {
        faces<P>("where devices may be"),
        special<P>({"keep_out", "names of patches, or tables with box, disc or patch", "none",
                    "where no device may be"},
-                  "keep_out", keep_out_json),
+                  "keep_out", [](const P& plan) { return zones_json(plan.keep_out); }),
        quantity("edge_distance", "m", Sign::not_negative, &P::edge_distance,
                 "from the edges of those faces"),
        quantity("footprint", "m", Sign::not_negative, &P::footprint,
@@ -139,6 +161,8 @@ const Schema<PlacementPlan>& placement_schema() {
        special<P>({"choose", "a table", "as an empty one", "sites that are chosen by themselves"},
                   "choose", [](const P& plan) { return choose_schema().json(plan); }),
        part("grid", &P::grid, grid_schema(), "the only places of devices", "anywhere"),
+       part("observer", &P::observer, observer_layout_schema(),
+            "a layout for the observer of [observer]", "none"),
        part("uncertainty", &P::uncertainty, uncertainty_schema(),
             "standard deviations of what is not known of the body", "none")}};
   return schema;

@@ -280,6 +280,7 @@ std::vector<TableText> tables_of_a_study() {
   add(grid_schema());
   add(uncertainty_schema());
   add(choose_schema());
+  add(observer_layout_schema());
   add(measurement_schema());
   add(experiment_schema());
   add(design_schema());

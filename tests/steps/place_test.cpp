@@ -222,6 +222,116 @@ TEST_F(Place, SaysThatTwoSensorsAreInOnePlace) {
   EXPECT_TRUE(says(result.notes[0], "sensors s1 and s2 are in one place"));
 }
 
+const std::string kAmplifier = R"(
+[observer]
+noise = "0.5 nm"
+sample_rate = "10 kHz"
+[[observer.disturbance]]
+name = "amplifier"
+kind = "actuators"
+rms = "20 mN"
+)";
+const std::string kFewPlaces = "modes = 3\ngrid = { pitch = \"120 mm\", columns = 5, rows = 5 }\n";
+
+TEST_F(Place, ChoosesSensorsForAnObserver) {
+  const auto placed = placed_with(
+      kFewPlaces + "choose = { sites = 3, by = \"observer\" }\n[placement.observer]\n" +
+      "region = [{ disc = { at = [\"60 mm\", \"-60 mm\"], diameter = \"150 mm\" } }]\n" +
+      "suspension = \"5 Hz\"\n" + kAmplifier);
+  ASSERT_EQ(placed.optima.size(), 3U);
+  const auto& best = placed.optima[0];
+  EXPECT_EQ(best.by, "observer_error");
+  ASSERT_EQ(best.sites.rows(), 3);
+  ASSERT_TRUE(best.observer.has_value());
+  EXPECT_DOUBLE_EQ(best.choice.score, -best.observer->estimate);
+  EXPECT_TRUE(says(best.remark, "no bound is known; no exchange of one device gains"));
+  for (const auto& layout : placed.layouts) {
+    ASSERT_TRUE(layout.observer.has_value()) << layout.name;
+    EXPECT_EQ(layout.motion_deviation.size(), placed.surface.sites.count());
+    if (layout.name == "study") continue;  // its sensors are elsewhere
+    EXPECT_GE(layout.observer->estimate, best.observer->estimate * (1.0 - 1e-6)) << layout.name;
+  }
+  EXPECT_TRUE(says(shown_.str(), "best 3 sensors by observer_error: its motion is known to"));
+  ASSERT_EQ(placed.notes.size(), 1U);
+  EXPECT_TRUE(says(placed.notes[0], "6 rigid-body modes without stiffness are held at 5 Hz"));
+  const auto json = left();
+  const auto& optimum = json.at("optimum");
+  EXPECT_EQ(optimum.at("devices").array().at(2).string(), "sensor");
+  const double known = optimum.at("observer").at("estimate_m").number();
+  EXPECT_NEAR(known * known, best.observer->estimate, 1e-9 * best.observer->estimate);
+  EXPECT_LT(known, optimum.at("observer").at("without_m").number());
+}
+
+TEST_F(Place, ChoosesPairsAndSensorsTogetherForALoop) {
+  const auto placed = placed_with(kFewPlaces + "[placement.observer]\nsensors = 1\npairs = 1\n" +
+                                  "effort = \"10 nm/N\"\nsuspension = \"5 Hz\"\n" + kAmplifier);
+  ASSERT_EQ(placed.optima.size(), 3U);
+  EXPECT_EQ(placed.optima[0].by, "determinant");
+  const auto& best = placed.optima[2];
+  EXPECT_EQ(best.by, "loop_cost");
+  using enum placement::DeviceKind;
+  EXPECT_EQ(best.kinds, (std::vector<placement::DeviceKind>{pair, sensor}));
+  EXPECT_EQ(best.sensing().rows(), 2);
+  EXPECT_EQ(best.acting().rows(), 1);
+  EXPECT_NEAR(best.observer->loop,
+              best.observer->loop_motion + 1e-16 * best.observer->loop_force_n2,
+              1e-5 * best.observer->loop);
+  const auto& layout = placed.layouts.back();
+  EXPECT_EQ(layout.name, "best by loop_cost");
+  EXPECT_EQ(layout.markers.size(), 3U);
+  EXPECT_NEAR(layout.observer->loop, best.observer->loop, 1e-6 * best.observer->loop);
+  EXPECT_TRUE(
+      says(shown_.str(), "best 1 pair, 1 sensor by loop_cost: in the loop the region moves"));
+}
+
+// A free plate follows the floor through its suspension as one mass: variance S / (4 ζ ω³) for a
+// two-sided density S of the acceleration, relative to the floor.
+TEST_F(Place, TheFloorMovesAFreePlateAsAWhole) {
+  const std::string floor = R"(
+[observer]
+noise = "0.5 nm"
+sample_rate = "10 kHz"
+[[observer.disturbance]]
+name = "floor"
+kind = "floor"
+density = "2e-10 m^2 s^-4/Hz"
+)";
+  const auto placed =
+      placed_with(kFewPlaces +
+                  "choose = { sites = 1 }\n[placement.observer]\nsuspension = \"20 Hz\"\n" + floor);
+  const double omega = 2.0 * 3.14159265358979 * 20.0;
+  const double expected = 1e-10 / (4.0 * 0.7 * std::pow(omega, 3));
+  EXPECT_NEAR(placed.optima[2].observer->without, expected, 0.01 * expected);
+}
+
+TEST_F(Place, RefusesAnObserverThatIsNotStated) {
+  const auto without = [](const std::string& line) {
+    std::string text = kAmplifier;
+    text.erase(text.find(line), line.size());
+    return "modes = 3\nchoose = { sites = 2, by = \"observer\" }\n" + text;
+  };
+  EXPECT_TRUE(
+      says(refusal("modes = 3\nchoose = { by = \"observer\" }"),
+           "study.toml: a layout for an observer needs to know what disturbs the body, and no "
+           "disturbance is stated; expected [observer]"));
+  EXPECT_TRUE(says(refusal(without("noise = \"0.5 nm\"\n")),
+                   "needs the noise of the sensors, which is not stated; expected observer.noise"));
+  EXPECT_TRUE(
+      says(refusal(without("sample_rate = \"10 kHz\"\n")), "expected observer.sample_rate"));
+  const std::string start = "modes = 3\n[placement.observer]\n";
+  EXPECT_TRUE(says(refusal(start +
+                           "region = [{ disc = { at = [\"2 m\", \"0 m\"], diameter = \"1 mm\" } "
+                           "}]\n" +
+                           kAmplifier),
+                   "placement.observer.region has no point of the faces"));
+  EXPECT_TRUE(
+      says(refusal(start + "region = [\"lid\"]\n" + kAmplifier), "the body has no patch \"lid\""));
+  EXPECT_TRUE(
+      says(refusal(start + "suspension = \"900 Hz\"\n" + kAmplifier),
+           "held at 900 Hz; expected a frequency above 0 and below the first flexible mode"));
+  EXPECT_TRUE(says(refusal(start + "pairs = 2\n" + kAmplifier), "effort"));
+}
+
 TEST_F(Place, RefusesWhatCannotBeMeant) {
   EXPECT_TRUE(says(refusal("modes = 40"), "asks for flexible mode 40, but"));
   EXPECT_TRUE(says(refusal("up_to = \"20 Hz\""), "first flexible mode lies at"));

@@ -96,5 +96,45 @@ TEST(ObserverPlan, RefusesWhatCannotBeMeant) {
        "those that it drives");
 }
 
+TEST(ObserverLayoutPlan, IsReadInSiUnits) {
+  const auto plan = study_with(R"([placement]
+choose = { sites = 4, by = "observer" }
+[placement.observer]
+region = [{ box = { from = ["0 mm", "0 mm"], to = ["50 mm", "40 mm"] } }]
+sensors = 1
+pairs = 2
+effort = "10 nm/N"
+suspension = "3 Hz"
+)")
+                        .placement.value();
+  EXPECT_EQ(plan.choose_by, "observer");
+  ASSERT_TRUE(plan.observer.has_value());
+  EXPECT_EQ(plan.observer->sensors, 1);
+  EXPECT_EQ(plan.observer->actuators, 0);
+  EXPECT_EQ(plan.observer->pairs, 2);
+  EXPECT_DOUBLE_EQ(plan.observer->effort, 1e-8);
+  EXPECT_DOUBLE_EQ(plan.observer->suspension_hz, 3.0);
+  ASSERT_EQ(plan.observer->region.size(), 1U);
+  EXPECT_DOUBLE_EQ(plan.observer->region[0].to.x(), 0.05);
+  const auto bare = study_with("[placement]\nchoose = { by = \"observer\" }\n").placement.value();
+  ASSERT_TRUE(bare.observer.has_value());
+  EXPECT_EQ(bare.observer->sensors, 0);
+  EXPECT_FALSE(study_with("[placement]\nmodes = 3\n").placement->observer.has_value());
+}
+
+TEST(ObserverLayoutPlan, RefusesWhatSaysNothing) {
+  const auto refused = [](const std::string& lines, const std::string& part) {
+    const auto message =
+        refusal_of([&] { return study_with("[placement]\n[placement.observer]\n" + lines); });
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  refused("region = []\n", "placement.observer.region is empty");
+  refused("region = 3\n", "placement.observer.region is");
+  refused("actuators = 1\n", "the motion that a force of 1 N is worth");
+  refused("effort = \"1 N\"\n", "m/N");
+  refused("sensors = -1\n", "placement.observer.sensors");
+  refused("motors = 1\n", "motors");
+}
+
 }  // namespace
 }  // namespace chladni::study

@@ -1,0 +1,39 @@
+#include "steps/observer/stated.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "stage/points_on_body.h"
+
+namespace chladni::steps {
+
+mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
+                   const study::Place& at, const std::string& what) {
+  constexpr double kFarthest = 2e-3;  // [m]
+  const auto site = stage::site_at(finder, at);
+  require(site && site->distance <= kFarthest,
+          fmt::format("{}:{}: {} is not on the body{}", study.file.string(), at.line, what,
+                      site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
+  return *site;
+}
+
+modal::Disturbance disturbance_of(const study::DisturbancePlan& plan, const std::string& name,
+                                  Eigen::Index input) {
+  using enum modal::DisturbanceCourse;
+  modal::Disturbance one{.name = name, .input = input, .rms = plan.rms, .density = plan.density};
+  if (plan.high_hz > 0.0) one.course = band;
+  if (plan.drift_time > 0.0) one.course = drift;
+  one.low_hz = plan.low_hz;
+  one.high_hz = plan.high_hz;
+  one.drift_time_s = plan.drift_time > 0.0 ? plan.drift_time : 1.0;
+  return one;
+}
+
+double stated_sample_rate(const study::Study& study) {
+  double rate = study.observer ? study.observer->sample_rate_hz : 0.0;
+  if (rate == 0.0 && study.state_space) rate = study.state_space->sample_rate_hz;
+  if (rate == 0.0 && study.experiment) rate = study.experiment->sample_rate_hz;
+  return rate;
+}
+
+}  // namespace chladni::steps

@@ -1,0 +1,24 @@
+// What [observer] of a study states, in the words of the rooms that compute.
+#pragma once
+
+#include <string>
+
+#include "mesh/site.h"
+#include "modal/disturbed_model.h"
+#include "study/study.h"
+
+namespace chladni::steps {
+
+/// The place of the study on the body. @param what  "point \"exposed\"", for messages
+/// @throws InvalidInput  it lies more than 2 mm off the body
+[[nodiscard]] mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
+                                 const study::Place& at, const std::string& what);
+
+/// @param input  of the model, at which it acts
+[[nodiscard]] modal::Disturbance disturbance_of(const study::DisturbancePlan& plan,
+                                                const std::string& name, Eigen::Index input);
+
+/// The rate of [observer], [state_space] or [experiment], the first that is stated; 0: none is.
+[[nodiscard]] double stated_sample_rate(const study::Study& study);
+
+}  // namespace chladni::steps
