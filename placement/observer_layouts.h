@@ -61,12 +61,12 @@ struct ObserverOptions {
 /// SLICOT, which must agree. There is no bound: in steady state the variance is neither submodular
 /// (Zhang, Ayoub and Sundaram 2017) nor convex in the sensors, so that greedy may be far from the
 /// best; exchange mends some of it. With more than Constants::coarse candidates the search is on
-/// that many, then about the chosen ones. Cost: per layout about 20 (n³ + 17 n³) for n states; one
-/// round scores N layouts per device.
-/// @throws InvalidInput      as ObserverModel; no device, or fewer candidates than devices (or
-/// spacing
-///                           leaves too few); a loop without effort; a disturbance at actuators
-///                           alone without an actuator
+/// that many, then about the chosen ones.
+/// Cost: per layout some 15 doublings of 17 n³ for n states, twice in a loop; one round scores N
+/// layouts per device.
+/// @throws InvalidInput      as ObserverModel; no device, or fewer candidates than devices (or the
+///                           spacing leaves too few); a loop without effort; a disturbance at
+///                           actuators alone without an actuator
 /// @throws NumericalFailure  doubling and SLICOT differ
 [[nodiscard]] ObserverChoice best_observer(const ObserverProblem& problem,
                                            const ObserverOptions& options = {});
