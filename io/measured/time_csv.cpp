@@ -116,6 +116,7 @@ struct TimeFault {
 TimeFault fault_of(const Eigen::VectorXd& time, Index first, Index end) {
   std::vector<double> steps;
   for (Index row = first + 1; row < end; ++row) steps.push_back(time(row) - time(row - 1));
+  if (steps.empty()) return {};
   auto sorted = steps;
   std::ranges::nth_element(sorted, sorted.begin() + std::ssize(sorted) / 2);
   const double usual = sorted[sorted.size() / 2];
@@ -149,6 +150,12 @@ double sample_time(const CsvTable& table, const RecordLayout& layout,
     return options.sample_time_s;
   }
   const auto time = table.values.col(layout.time);
+  for (Index row = 0; row < time.size(); ++row) {
+    if (!std::isfinite(time(row))) {
+      fail(table, row,
+           table.names[static_cast<std::size_t>(layout.time)] + " is empty or no number");
+    }
+  }
   const auto& first = stretches.front();
   const Index steps = first.end - first.first - 1;
   require(steps > 0, table.file + ": one sample only, expected two or more");

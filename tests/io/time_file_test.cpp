@@ -126,19 +126,20 @@ TEST_P(BadTimeCsv, IsRefusedWithItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     TimeFile, BadTimeCsv,
-    testing::Values(BadRecord{"", "no lines"}, BadRecord{"time_s,y1\n", "no line of numbers"},
-                    BadRecord{"y1,u1\n1,2\n3,4\n", "no sample time"},
-                    BadRecord{"time_s\n1\n2\n", "no column of a channel"},
-                    BadRecord{"time_s,y1\n0,1\n", "one sample only"},
-                    BadRecord{"time_s,y1\n0,1\n0,2\n", "does not ascend"},
-                    BadRecord{"time_s,y1\n0,1\n1,2\n2.5,3\n3,4\n", "line 4: time_s is 2.5"},
-                    BadRecord{"time_s,y1\n0,1\n1,\n", "line 3: y1 is empty"},
-                    BadRecord{"time_s,experiment,y1\n0,0.5,1\n1,0,2\n",
-                              "line 2: experiment is 0.5"},
-                    BadRecord{"time_s,experiment,y1\n0,,1\n1,0,2\n", "line 2: experiment is"},
-                    BadRecord{"time_s,time,y1\n0,0,1\n1,0,2\n", "two columns"},
-                    BadRecord{"time_s,y1,out_y1\n0,0,1\n1,0,2\n", "two columns of the channel"},
-                    BadRecord{"time_s,period,y1\n0,0,1\n1,0,2\n2,1,3\n", "line 4: a period of 1"}));
+    testing::Values(
+        BadRecord{"", "no lines"}, BadRecord{"time_s,y1\n", "no line of numbers"},
+        BadRecord{"y1,u1\n1,2\n3,4\n", "no sample time"},
+        BadRecord{"time_s\n1\n2\n", "no column of a channel"},
+        BadRecord{"time_s,y1\n0,1\n", "one sample only"},
+        BadRecord{"time_s,y1\n0,1\n0,2\n", "does not ascend"},
+        BadRecord{"time_s,y1\n0,1\n1,2\n2.5,3\n3,4\n", "line 4: time_s is 2.5"},
+        BadRecord{"time_s,y1\n0,1\n1,\n", "line 3: y1 is empty"},
+        BadRecord{"time_s,experiment,y1\n0,0.5,1\n1,0,2\n", "line 2: experiment is 0.5"},
+        BadRecord{"time_s,experiment,y1\n0,,1\n1,0,2\n", "line 2: experiment is"},
+        BadRecord{"time_s,experiment,y1\n0,0,1\n1,0,2\n,1,3\n", "line 4: time_s is empty"},
+        BadRecord{"time_s,time,y1\n0,0,1\n1,0,2\n", "two columns"},
+        BadRecord{"time_s,y1,out_y1\n0,0,1\n1,0,2\n", "two columns of the channel"},
+        BadRecord{"time_s,period,y1\n0,0,1\n1,0,2\n2,1,3\n", "line 4: a period of 1"}));
 
 TEST(TimeFile, UffRefusalsNameBoth) {
   auto data = random_recordings();
