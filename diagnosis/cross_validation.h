@@ -37,7 +37,9 @@ struct HeldOutPart {
   PredictionErrors errors;
   /// [ln] Fall of ½(χ² + ηᵀη) by the causes, with the tolerances that suit the part best.
   double gain = 0.0;
-  std::vector<double> gain_of_cause;  ///< [ln], by each cause beside the others
+  /// [ln], by each cause beside the others; 0 where it was left out. Others that were left out are
+  /// as all data have them.
+  std::vector<double> gain_of_cause;
 };
 
 /// Each part was predicted with causes whose numbers were fitted to all other data. A cause for

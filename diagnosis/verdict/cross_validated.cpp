@@ -70,15 +70,19 @@ std::vector<bool> supported(const Trained& all, const std::vector<Trained>& less
   return is_supported;
 }
 
-// The supported causes of a fit that may lack cause `without`.
+// The supported causes of a fit that may lack cause `without`. The others are as `otherwise` has
+// them, which has as many as the fit; or left out, if it is empty.
 Causes kept(const std::optional<Fit>& fit, const std::vector<bool>& supported,
-            std::optional<std::size_t> without = {}) {
+            std::optional<std::size_t> without, const Causes& otherwise) {
   Causes causes;
-  if (!fit) return causes;
   std::size_t n = 0;
   for (std::size_t c = 0; c < supported.size(); ++c) {
     if (c == without) continue;
-    if (supported[c]) causes.push_back(fit->causes[n]);
+    if (supported[c] && fit) {
+      causes.push_back(fit->causes[n]);
+    } else if (!otherwise.empty()) {
+      causes.push_back(otherwise[n]);
+    }
     ++n;
   }
   return causes;
@@ -119,12 +123,23 @@ PredictionErrors errors_of(const Problem& problem, const Observed& data,
   return errors;
 }
 
-// The causes of each part: of all of them, or without one.
-std::vector<Causes> causes_of_parts(const Trained& fits, const std::vector<std::vector<bool>>& used,
-                                    std::optional<std::size_t> without = {}) {
+// The causes that predict each part.
+std::vector<Causes> predicting(const Trained& fits, const std::vector<std::vector<bool>>& used) {
   std::vector<Causes> causes;
   for (std::size_t f = 0; f < used.size(); ++f) {
-    causes.push_back(kept(fits.rest[f], used[f], without));
+    causes.push_back(kept(fits.rest[f], used[f], {}, {}));
+  }
+  return causes;
+}
+
+// The causes by which one of them is judged, beside it or without it: those that the rest of the
+// data does not support are as all data have them. A held-out sensor with another sign stays wrong
+// without that cause, and nothing beside it makes its row right.
+std::vector<Causes> judging(const Trained& fits, const std::vector<std::vector<bool>>& used,
+                            std::optional<std::size_t> without = {}) {
+  std::vector<Causes> causes;
+  for (std::size_t f = 0; f < used.size(); ++f) {
+    causes.push_back(kept(fits.rest[f], used[f], without, fits.whole.causes));
   }
   return causes;
 }
@@ -187,14 +202,14 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
   const auto less = trained_without_each(problem, parts, with.whole, none);
   std::vector<std::vector<bool>> used;
   for (std::size_t f = 0; f < parts.size(); ++f) used.push_back(supported(with, less, f));
-  const auto causes = causes_of_parts(with, used);
-  const auto after = misfits(problem, parts, with.whole, causes);
+  const auto causes = predicting(with, used);
+  const auto after = misfits(problem, parts, with.whole, judging(with, used));
   const auto before = misfits(problem, parts, none, std::vector<Causes>(parts.size()));
   std::vector<std::vector<double>> beside;
   for (std::size_t c = 0; c < less.size(); ++c) {
-    beside.push_back(less.size() == 1 ? before
-                                      : misfits(problem, parts, less[c].whole,
-                                                causes_of_parts(less[c], used, c)));
+    beside.push_back(less.size() == 1
+                         ? before
+                         : misfits(problem, parts, less[c].whole, judging(less[c], used, c)));
   }
   CrossValidation result;
   for (std::size_t f = 0; f < parts.size(); ++f) {

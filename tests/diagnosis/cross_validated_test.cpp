@@ -191,6 +191,20 @@ TEST(CrossValidation, KnowsAGainFromOtherLinesOnly) {
   EXPECT_TRUE(made.result.pays());
 }
 
+// The held-out sensor reads five times too much, and nothing else tells so: a mass is judged with
+// that gain as it is, not on a row that is wrong by five either way.
+TEST(CrossValidation, JudgesACauseBesideOthersThatAPartAloneKnows) {
+  const auto made = tested(noisy({gain(1, 1.6), mass(0.04)}, 6), {gain(1, 1.5), mass(0.05)});
+  const auto& name = small_plate().outputs.names[1];
+  for (const auto& part : made.result.parts) {
+    if (part.kind != Kind::sensors) continue;
+    EXPECT_EQ(part.gain_of_cause[0] == 0.0, part.sensors.front() == name);
+    EXPECT_GT(part.gain_of_cause[1], 0.0);
+  }
+  EXPECT_TRUE(made.result.pays(0));
+  EXPECT_TRUE(made.result.pays(1));
+}
+
 // A tolerance that may stretch is no reason to do without a cause, nor one for a cause.
 TEST(CrossValidation, WeighsTolerancesInBothAlike) {
   EVERY_FOURTH_LANDING();
