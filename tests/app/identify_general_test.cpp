@@ -56,7 +56,8 @@ modal::FrfSet general_responses(const modal::ReducedModel& model) {
 
 class IdentifyGeneral : public testing::Test {
  protected:
-  // What was shown.
+  // What was shown. A fit by real modes may end as not to be trusted, by the last bits of a
+  // processor: its results are written all the same.
   std::string run(const Command& command, const std::string& damping,
                   const std::string& more = "") {
     auto text =
@@ -68,7 +69,13 @@ class IdentifyGeneral : public testing::Test {
     text.insert(text.find(table) + table.size(), "damping = \"" + damping + "\"\n" + more);
     const study::Study study = study::parse_study(text, folder_.path() / "study.toml", {});
     QuietRun quiet(study, folder_.path() / damping);
-    command.run(study, quiet.run());
+    try {
+      command.run(study, quiet.run());
+    } catch (const NumericalFailure& e) {
+      if (damping != "modal" ||
+          std::string(e.what()).find("not to be trusted") == std::string::npos)
+        throw;
+    }
     return quiet.shown();
   }
 
