@@ -178,21 +178,21 @@ Optimum best_by_interpolation(const InterpolationProblem& problem, unsigned seed
 Optimum best_by_observer(const Structure& structure, const Candidates& candidates,
                          const WantedModes& wanted, const Plan& plan, unsigned seed) {
   const auto counts = devices_of(plan, wanted);
-  const auto choice = best_observer({.task = *plan.observer,
-                                     .rows = candidates.sites.shapes,
-                                     .sensors = sensors_there(structure, counts),
-                                     .actuators = actuators_there(structure, counts),
-                                     .counts = counts,
-                                     .position = candidates.sites.position,
-                                     .spacing = plan.spacing},
-                                    {.seed = seed});
+  const ObserverProblem problem{.task = *plan.observer,
+                                .rows = candidates.sites.shapes,
+                                .sensors = sensors_there(structure, counts),
+                                .actuators = actuators_there(structure, counts),
+                                .counts = counts,
+                                .position = candidates.sites.position,
+                                .spacing = plan.spacing};
+  const auto choice = best_observer(problem, {.seed = seed});
   Optimum optimum;
   optimum.by = counts.only_sensors() ? "observer_error" : "loop_cost";
   for (const auto& device : choice.devices) {
     optimum.choice.sites.push_back(device.site);
     optimum.kinds.push_back(device.kind);
   }
-  optimum.choice.score = -(counts.only_sensors() ? choice.value.estimate : choice.value.loop);
+  optimum.choice.score = -cost_of(problem, choice.value);
   optimum.observer = choice.value;
   optimum.remark =
       "no certificate: the steady variance is neither submodular nor convex in the devices, so "

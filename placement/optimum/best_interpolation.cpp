@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "placement/constants.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"
@@ -150,30 +149,29 @@ void fill_at_random(Layout& layout, Indices candidates, Eigen::Index count, std:
 class ExchangeSearch {
  public:
   explicit ExchangeSearch(const InterpolationProblem& problem)
-      : problem_(problem), empty_(problem), all_(all_of(problem.rows.rows())) {
-    is_large_ = problem.rows.rows() > 2 * Constants::coarse;
-    coarse_ = is_large_ ? thinned(problem.position, Constants::coarse) : all_;
-    if (is_large_) reach_ = reach_of(problem.position, coarse_);
-  }
+      : problem_(problem), empty_(problem), candidates_(problem.position, problem.rows.rows()) {}
 
   // The first start is greedy, the others are half random; none if the spacing leaves no room.
   [[nodiscard]] std::optional<Layout> from_a_start(int start, std::mt19937& random) const {
+    const auto& coarse = candidates_.coarse();
     Layout layout = empty_;
-    if (start > 0) fill_at_random(layout, coarse_, problem_.count, random);
-    if (!fill_greedily(layout, coarse_, problem_.count) &&
-        !fill_greedily(layout, all_, problem_.count)) {
+    if (start > 0) fill_at_random(layout, coarse, problem_.count, random);
+    if (!fill_greedily(layout, coarse, problem_.count) &&
+        !fill_greedily(layout, candidates_.all(), problem_.count)) {
       return std::nullopt;
     }
-    exchange(layout, 20, [&](Eigen::Index) -> const Indices& { return coarse_; });
-    if (is_large_) exchange(layout, 10, [&](Eigen::Index site) { return near(site); });
+    exchange(layout, 20, [&](Eigen::Index) -> const Indices& { return coarse; });
+    if (candidates_.is_large()) {
+      exchange(layout, 10, [&](Eigen::Index site) { return candidates_.near(site); });
+    }
     return layout;
   }
 
   // One more exchange among all candidates, if the search used only a part of them.
   [[nodiscard]] Indices polished(const Indices& sites) const {
-    if (!is_large_) return sites;
+    if (!candidates_.is_large()) return sites;
     Layout layout = layout_at(sites);
-    exchange(layout, 2, [&](Eigen::Index) -> const Indices& { return all_; });
+    exchange(layout, 2, [&](Eigen::Index) -> const Indices& { return candidates_.all(); });
     return layout.sites();
   }
 
@@ -184,21 +182,9 @@ class ExchangeSearch {
   }
 
  private:
-  [[nodiscard]] Indices near(Eigen::Index site) const {
-    Indices found;
-    for (const auto c : all_) {
-      if ((problem_.position.row(c) - problem_.position.row(site)).norm() <= reach_) {
-        found.push_back(c);
-      }
-    }
-    return found;
-  }
-
   const InterpolationProblem& problem_;
   Layout empty_;
-  Indices all_, coarse_;
-  bool is_large_ = false;
-  double reach_ = 0.0;  // [m], distance of a neighbour
+  SearchedCandidates candidates_;
 };
 
 void check(const InterpolationProblem& problem) {

@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "dense/riccati.h"
-#include "placement/constants.h"
 #include "placement/observer_layouts.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"
@@ -133,10 +132,7 @@ std::optional<Eigen::Index> least(const Eigen::VectorXd& costs) {
 class Search {
  public:
   explicit Search(const ObserverProblem& problem)
-      : problem_(problem), scores_(problem), all_(all_of(problem.rows.rows())) {
-    is_large_ = problem.rows.rows() > 2 * Constants::coarse;
-    coarse_ = is_large_ ? thinned(problem.position, Constants::coarse) : all_;
-    if (is_large_) reach_ = reach_of(problem.position, coarse_);
+      : problem_(problem), scores_(problem), candidates_(problem.position, problem.rows.rows()) {
     const auto& counts = problem.counts;
     kinds_.insert(kinds_.end(), static_cast<std::size_t>(counts.pairs), DeviceKind::pair);
     kinds_.insert(kinds_.end(), static_cast<std::size_t>(counts.actuators), DeviceKind::actuator);
@@ -146,17 +142,20 @@ class Search {
   // The first start is greedy, the others have every second device at random; none if the spacing
   // leaves no room.
   [[nodiscard]] std::optional<Devices> from_a_start(int start, std::mt19937& random) {
+    const auto& coarse = candidates_.coarse();
     Devices devices;
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
       const bool drawn = start > 0 && k % 2 == 0;
-      const Indices some = drawn ? Indices{coarse_[random() % coarse_.size()]} : Indices{};
+      const Indices some = drawn ? Indices{coarse[random() % coarse.size()]} : Indices{};
       if (!some.empty() && add(devices, kinds_[k], some)) continue;
-      if (!add(devices, kinds_[k], coarse_) && !add(devices, kinds_[k], all_)) return std::nullopt;
+      if (!add(devices, kinds_[k], coarse) && !add(devices, kinds_[k], candidates_.all())) {
+        return std::nullopt;
+      }
     }
-    settled_ = exchange(devices, 20, [&](Eigen::Index) -> Indices { return coarse_; });
-    if (is_large_) {
+    settled_ = exchange(devices, 20, [&](Eigen::Index) -> const Indices& { return coarse; });
+    if (candidates_.is_large()) {
       settled_ = false;
-      exchange(devices, 10, [&](Eigen::Index site) { return near(site); });
+      exchange(devices, 10, [&](Eigen::Index site) { return candidates_.near(site); });
     }
     return devices;
   }
@@ -247,22 +246,11 @@ class Search {
     return moves;
   }
 
-  [[nodiscard]] Indices near(Eigen::Index site) const {
-    Indices found;
-    for (const auto c : all_) {
-      if ((problem_.position.row(c) - problem_.position.row(site)).norm() <= reach_) {
-        found.push_back(c);
-      }
-    }
-    return found;
-  }
-
   const ObserverProblem& problem_;
   Scores scores_;
-  Indices all_, coarse_;
+  SearchedCandidates candidates_;
   std::vector<DeviceKind> kinds_;
-  bool is_large_ = false, settled_ = false;
-  double reach_ = 0.0;  // [m], distance of a neighbour
+  bool settled_ = false;
 };
 
 void check(const ObserverProblem& problem) {
