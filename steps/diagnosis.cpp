@@ -184,7 +184,7 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   one.result = work.timed(
       "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, options, start); });
   attempted("the modes of the responses cannot be diagnosed", one, work,
-            [&] { diagnose_modes_of_responses(one, found.scaled, options, work); });
+            [&] { diagnose_modes_of_responses(one, start.modes, options, work); });
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   add_gain(study, found.band_hz, solve_extended, one, work);

@@ -243,6 +243,15 @@ std::vector<Deviation> deviations(const Structure& structure, const Tolerances& 
   return all;
 }
 
+State deviating(const Structure& structure, const std::vector<Deviation>& deviations,
+                const VectorXd& eta) {
+  State state = state_of(structure);
+  for (Index i = 0; i < eta.size(); ++i) {
+    if (eta(i) != 0.0) deviations[at(i)].apply(state, eta(i));
+  }
+  return state;
+}
+
 std::vector<Deviation> shape_deviations(const Structure& structure, double response,
                                         double high_hz) {
   std::vector<Deviation> all;

@@ -25,6 +25,10 @@ struct Deviation {
 [[nodiscard]] std::vector<Deviation> deviations(const Structure& structure,
                                                 const Tolerances& tolerances, double high_hz);
 
+/// The structure with its deviations at these values.
+[[nodiscard]] State deviating(const Structure& structure, const std::vector<Deviation>& deviations,
+                              const Eigen::VectorXd& eta);
+
 /// Errors of the mode shapes up to `high_hz` at each channel: `response` times the root mean square
 /// of the mode over the channels of that side. They correlate the errors of a response along its
 /// lines. There are (p + q) times the number of modes: for the final fit, not for a search.

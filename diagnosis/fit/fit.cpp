@@ -197,14 +197,6 @@ void conclude(const MatrixXd& curvature, Fit& fit) {
       -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
 }
 
-State deviating(const Problem& problem, const VectorXd& eta) {
-  State state = state_of(problem.structure);
-  for (Index i = 0; i < eta.size(); ++i) {
-    if (eta(i) != 0.0) problem.deviations[at(i)].apply(state, eta(i));
-  }
-  return state;
-}
-
 // States about a fit, in which one coordinate of a cause or one deviation is moved.
 class About {
  public:
@@ -213,14 +205,14 @@ class About {
     for (const auto& cause : causes) changes_.push_back(change_of(cause, problem.structure));
   }
 
-  [[nodiscard]] State here() const { return changed(deviating(problem_, eta_)); }
+  [[nodiscard]] State here() const { return changed(deviating_by(eta_)); }
 
   [[nodiscard]] State with_deviation(Index i, double by) const {
-    return changed(deviating(problem_, eta_ + by * VectorXd::Unit(eta_.size(), i)));
+    return changed(deviating_by(eta_ + by * VectorXd::Unit(eta_.size(), i)));
   }
 
   [[nodiscard]] State with_coordinate(const Column& column, double by) const {
-    State state = deviating(problem_, eta_);
+    State state = deviating_by(eta_);
     std::vector<Supposed> moved = causes_;
     moved[column.cause].x(column.coordinate) += by;
     for (std::size_t c = 0; c < changes_.size(); ++c) {
@@ -235,6 +227,9 @@ class About {
   }
 
  private:
+  [[nodiscard]] State deviating_by(const VectorXd& eta) const {
+    return deviating(problem_.structure, problem_.deviations, eta);
+  }
   [[nodiscard]] State changed(State state) const {
     for (const auto& change : changes_) change(state);
     if (state.loaded_damping == 0.0 || changes_.empty()) return state;

@@ -19,15 +19,6 @@ using Eigen::VectorXd;
 constexpr double kStep = 1e-3;  // of a deviation, for its slope
 constexpr int kRounds = 8;
 
-State deviating(const Structure& structure, const std::vector<Deviation>& deviations,
-                const VectorXd& eta) {
-  State state = state_of(structure);
-  for (Index i = 0; i < eta.size(); ++i) {
-    if (eta(i) != 0.0) deviations[at(i)].apply(state, eta(i));
-  }
-  return state;
-}
-
 // ln f and ln ζ of a motion, as Rayleigh's quotients of a state: exact to first order for a mode of
 // a state nearby.
 struct Quotients {

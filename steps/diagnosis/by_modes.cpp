@@ -165,12 +165,12 @@ diagnosis::FitStart start_by_modes(const Diagnosed& one, bool scaled,
   return start;
 }
 
-void diagnose_modes_of_responses(Diagnosed& one, bool scaled,
+void diagnose_modes_of_responses(Diagnosed& one,
+                                 const std::optional<diagnosis::MeasuredModes>& modes,
                                  const diagnosis::DiagnosisOptions& options, stage::Work& work) {
   const auto verdict = one.result.verdict;
   const bool is_settled = verdict != Verdict::unexplained && verdict != Verdict::partial;
   if (is_settled || options.levels == diagnosis::Levels::known) return;
-  const auto modes = modes_of_fit(one, scaled);
   if (!modes) return;
   one.by_modes = work.timed("diagnosis of the modes",
                             [&] { return diagnosis::diagnosed(one.structure, *modes, options); });

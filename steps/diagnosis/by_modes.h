@@ -29,8 +29,9 @@ namespace chladni::steps {
 
 /// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
 /// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
-/// @param scaled  the responses have a known scale
-void diagnose_modes_of_responses(Diagnosed& one, bool scaled,
+/// @param modes  of the responses; none: nothing is done
+void diagnose_modes_of_responses(Diagnosed& one,
+                                 const std::optional<diagnosis::MeasuredModes>& modes,
                                  const diagnosis::DiagnosisOptions& options, stage::Work& work);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the
