@@ -45,13 +45,23 @@ void run_observe(const study::Study& whole, show::Run& run) {
   if (steps::has_recordings(study)) {
     recorded = steps::recordings(study, *shapes->measured.identified, run);
   }
-  const auto observer =
+  const auto stated =
       steps::observer(study, solution, shapes, recorded ? &*recorded : nullptr, run);
-  show::ShownObserver shown{observer, {}, {}};
+  auto observer = stated;
+  if (recorded && study.observer->learn_noise) {
+    observer = run.timed("noise of the recordings",
+                         [&] { return steps::with_learned_noise(study, stated, *recorded); });
+  }
+  show::ShownObserver shown{observer, {}, {}, {}};
   if (recorded && observer.judges > 0) {
-    const auto truth = steps::true_filter(study, observer, run);
-    shown.replay =
-        run.timed("replay", [&] { return steps::replay(study, observer, *recorded, truth); });
+    const auto truth = steps::true_filter(study, stated, run);
+    const auto replayed = [&](const steps::Observer& one) {
+      return steps::replay(study, one, *recorded, truth);
+    };
+    shown.replay = run.timed("replay", [&] { return replayed(observer); });
+    if (observer.noise.is_learned()) {
+      shown.stated = run.timed("replay as stated", [&] { return replayed(stated); });
+    }
   }
   if (study.observer->loop) {
     shown.loop = run.timed("loop", [&] { return steps::loop_trial(study, observer, run); });

@@ -17,6 +17,7 @@ namespace chladni::show {
 struct ShownObserver {
   const steps::Observer& observer;
   std::optional<steps::Replay> replay;   ///< over recordings with a judge
+  std::optional<steps::Replay> stated;   ///< with the noise as the study states it; none: it is so
   std::optional<steps::LoopTrial> loop;  ///< of [observer.loop]
 };
 

@@ -9,6 +9,7 @@
 #include "identification/observed_plant.h"
 #include "identification/time_data.h"
 #include "modal/kalman_filter.h"
+#include "modal/learned_noise.h"
 #include "steps/interpolation.h"
 
 namespace chladni::steps {
@@ -37,6 +38,10 @@ struct Observer {
   modal::ControlModel plant;    ///< continuous: actuators, forces, floor to sensors, points
   Eigen::MatrixXd coordinates;  ///< m×n: modal coordinates [kg^1/2 m] of the plant's states
   modal::KalmanFilter filter;
+  modal::NoiseFactors noise;  ///< of the filter, over what the study states
+  /// Per sensor: modal::left_out_errors of recordings; empty: the noise is not learned.
+  Eigen::VectorXd left_out;
+  double band_factor = 1.0;    ///< on the filter's own deviations: the largest of left_out
   Eigen::VectorXd deviation;   ///< per point, of the estimate with this sample's sensors
   Eigen::VectorXd prediction;  ///< of the estimate from the samples before
   Eigen::VectorXd without;     ///< of the motion under the disturbances alone; infinite: drifts
@@ -65,6 +70,13 @@ struct Observer {
 [[nodiscard]] Observer observer(const study::Study& study, const stage::Solution& solution,
                                 std::shared_ptr<const Interpolated> shapes,
                                 const Recordings* recorded, stage::Work& work);
+
+/// The observer whose disturbances and sensors have the noise that the recordings ask for
+/// (modal::learned_noise, over 200 000 samples at most); where these do not determine it, the
+/// observer as it is, with a note.
+/// @throws InvalidInput  every record is shorter than the filter settles
+[[nodiscard]] Observer with_learned_noise(const study::Study& study, Observer observer,
+                                          const Recordings& recordings);
 
 /// Deviation of each point at each sample, N×z: that of the filter, and of the shape there times
 /// the motion of the modes.

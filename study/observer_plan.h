@@ -43,6 +43,7 @@ struct ObserverPlan {
   double noise = 0.0;            ///< rms of every sensor, in its SI unit; 0: from the recordings
   std::filesystem::path replay;  ///< recordings; empty: those of [measurement]
   std::filesystem::path truth;   ///< a study whose model the true structure has; or empty
+  bool learn_noise = true;       ///< factors on the noise and the disturbances from the recordings
   double settle = 0.0;           ///< [s] of each recording that no score counts; 0: found
   std::vector<ObservedPoint> points;
   std::vector<DisturbancePlan> disturbances;

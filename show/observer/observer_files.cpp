@@ -74,7 +74,17 @@ io::Json modes_json(const steps::Observer& observer) {
   return modes;
 }
 
-io::Json replay_json(const steps::Replay& replay) {
+io::JsonObject noise_json(const steps::Observer& observer) {
+  const auto& noise = observer.noise;
+  return {{"learned", noise.is_learned()},
+          {"disturbances_over_stated", noise.disturbances},
+          {"sensors_over_stated", noise.sensors},
+          {"log_likelihood_gain", noise.gain},
+          {"left_out_sensors_over_stated", io::Json(observer.left_out)},
+          {"band_factor", observer.band_factor}};
+}
+
+io::Json replay_json(const steps::Replay& replay, const steps::Replay& stated) {
   io::JsonArray judges;
   for (const auto& one : replay.judges) {
     judges.push_back(io::JsonObject{{"name", one.judge},
@@ -93,8 +103,8 @@ io::Json replay_json(const steps::Replay& replay) {
   return io::JsonObject{{"judges", judges},
                         {"seconds", replay.seconds},
                         {"settle_s", replay.settle_s},
-                        {"innovations_over_stated", replay.surprise},
-                        {"innovations_over_stated_per_sensor", io::Json(replay.surprise_of)},
+                        {"innovations_over_stated", stated.surprise},
+                        {"innovations_over_stated_per_sensor", io::Json(stated.surprise_of)},
                         {"notes", io::Json::texts(replay.notes)}};
 }
 
@@ -185,7 +195,7 @@ void paint(const steps::Replay& replay, Run& run) {
 }  // namespace
 
 void leave_observer(const study::Study& study, const ShownObserver& shown, Run& run) {
-  const auto& [observer, replay, loop] = shown;
+  const auto& [observer, replay, stated, loop] = shown;
   for (const auto& note : observer.notes) run.warn(note);
   write_model(study, observer, run);
   const auto& system = observer.filter.system;
@@ -195,12 +205,14 @@ void leave_observer(const study::Study& study, const ShownObserver& shown, Run& 
                       {"modes", modes_json(observer)},
                       {"disturbances", disturbances_json(observer)},
                       {"sensor_noise", io::Json(system.sensor_rms)},
+                      {"noise", noise_json(observer)},
                       {"innovation_covariance", io::Json::rows(observer.filter.innovation)},
                       {"poles", poles_json(observer)},
                       {"notes", io::Json::texts(observer.notes)}};
   if (replay) {
     for (const auto& note : replay->notes) run.warn(note);
-    json.emplace_back("replay", replay_json(*replay));
+    json.emplace_back("replay", replay_json(*replay, stated ? *stated : *replay));
+    if (stated) json.emplace_back("replay_as_stated", replay_json(*stated, *stated));
     paint(*replay, run);
   }
   if (loop) {

@@ -64,7 +64,7 @@ std::string expected_verdict(const steps::Observer& observer) {
   return text;
 }
 
-std::string judges_text(const steps::Replay& replay) {
+std::string judges_text(const steps::Replay& replay, const steps::Replay& stated) {
   std::string text =
       fmt::format("\n{:<10}{:>10}{:>10}{:>12}{:>10}{:>14}{:>10}{:>10}{:>10}{:>12}{:>10}\n", "judge",
                   "rms", "observer", "predicted", "static", "modes of it", "rigid", "model",
@@ -82,13 +82,43 @@ std::string judges_text(const steps::Replay& replay) {
   return text + fmt::format(
                     "{:.3g} s of recordings, each without its first {:.3g} s. Innovations "
                     "are {:.2f} times what is stated.\n",
-                    replay.seconds, replay.settle_s, replay.surprise);
+                    replay.seconds, replay.settle_s, stated.surprise);
+}
+
+// What sensors that were left out in turn say of the band.
+std::string left_out_text(const steps::Observer& observer) {
+  if (observer.left_out.array().isNaN().all()) {
+    return "no sensor can be left out, so nothing but the innovations judges the band\n";
+  }
+  if (observer.band_factor == 1.0) return {};
+  return fmt::format(
+      "sensors left out in turn err by up to {:.2f} times their band: it is widened by that\n",
+      observer.band_factor);
+}
+
+// The noise that the recordings ask for, and what the filter would do with the stated one.
+std::string noise_text(const ShownObserver& shown) {
+  const auto& noise = shown.observer.noise;
+  if (!noise.is_learned()) return {};
+  std::string text = fmt::format(
+      "noise that the recordings ask for: disturbances {:.3g} times, sensors {:.3g} times what is "
+      "stated\n",
+      noise.disturbances, noise.sensors);
+  text += left_out_text(shown.observer);
+  if (!shown.stated) return text;
+  for (const auto& one : shown.stated->judges) {
+    text +=
+        fmt::format("with the noise as stated {} of {} would be wrong, and {} within the band\n",
+                    part(one.observer), one.judge, part(one.covered));
+  }
+  return text;
 }
 
 std::string points_text(const steps::Observer& observer) {
   std::string text =
-      fmt::format("\n{:<10}{:>12}{:>14}{:>18}{:>14}   1 sigma, under the stated disturbances\n",
-                  "point", "estimated", "a sample on", "without sensors", "by its shape");
+      fmt::format("\n{:<10}{:>12}{:>14}{:>18}{:>14}   1 sigma, under the {} disturbances\n",
+                  "point", "estimated", "a sample on", "without sensors", "by its shape",
+                  observer.noise.is_learned() ? "learned" : "stated");
   const auto names = observer.names();
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -114,11 +144,11 @@ std::string modes_text(const steps::Observer& observer) {
 }  // namespace
 
 std::string observer_table(const ShownObserver& shown) {
-  const auto& [observer, replay, loop] = shown;
+  const auto& [observer, replay, stated, loop] = shown;
   std::string text = "\n";
   if (replay) {
     for (const auto& one : replay->judges) text += verdict(one);
-    text += judges_text(*replay);
+    text += judges_text(*replay, stated ? *stated : *replay) + noise_text(shown);
   } else {
     text += expected_verdict(observer);
   }

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "identification/decoupling.h"
 #include "priors/interpolator.h"
+#include "steps/observer/stated.h"
 #include "steps/observer_replay.h"
 #include "steps/predicted.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Eigen::Index kDrawn = 2000;  // samples of a picture
-constexpr double kSettled = 5.0;       // time constants of the filter
 
 // Sums over the settled samples of all records, per judge.
 struct Sums {
@@ -31,12 +31,6 @@ struct Sums {
     return std::sqrt(square(judge) / size.square(judge));
   }
 };
-
-// Of the slowest pole of the filter.
-double settling_time(const modal::KalmanFilter& filter, double sample_time_s) {
-  const double slowest = filter.pole.size() > 0 ? filter.pole.cwiseAbs().maxCoeff() : 0.0;
-  return slowest > 0.0 ? kSettled * sample_time_s / -std::log(slowest) : 0.0;
-}
 
 bool measures_displacement(const IdentifiedModel& model) {
   return std::ranges::all_of(model.seen.outputs, [](const auto& output) {
@@ -244,13 +238,8 @@ Replay replay(const study::Study& study, const Observer& observer, const Recordi
           recordings.file +
               ": the held-out sensors of displacement are not in the recordings to judge the "
               "estimate; expected measurement.hold_out = [...]");
-  Replay settled;
-  settled.settle_s = study.observer->settle;
-  if (settled.settle_s == 0.0) {
-    settled.settle_s = settling_time(observer.filter, recordings.sample_time_s);
-  }
-  const auto from =
-      static_cast<Eigen::Index>(std::ceil(settled.settle_s / recordings.sample_time_s));
+  const double settle_s = settling_time(*study.observer, observer.filter, recordings.sample_time_s);
+  const auto from = static_cast<Eigen::Index>(std::ceil(settle_s / recordings.sample_time_s));
   Replaying trial(study, observer, recordings, truth);
   ReplayCourse course;
   Eigen::Index used = 0;
@@ -259,11 +248,9 @@ Replay replay(const study::Study& study, const Observer& observer, const Recordi
     trial.add(record, from, used == 0 ? &course : nullptr);
     ++used;
   }
-  require(used > 0, fmt::format("{}: every record is shorter than the {:.3g} s in which the filter "
-                                "settles; expected longer ones, or observer.settle",
-                                recordings.file, settled.settle_s));
+  require(used > 0, nothing_settles(recordings.file, settle_s));
   auto result = trial.result();
-  result.settle_s = settled.settle_s;
+  result.settle_s = settle_s;
   result.course = std::move(course);
   const auto skipped = std::ssize(recordings.records) - used;
   if (skipped > 0) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "stage/points_on_body.h"
 
@@ -34,6 +36,21 @@ double stated_sample_rate(const study::Study& study) {
   if (rate == 0.0 && study.state_space) rate = study.state_space->sample_rate_hz;
   if (rate == 0.0 && study.experiment) rate = study.experiment->sample_rate_hz;
   return rate;
+}
+
+double settling_time(const study::ObserverPlan& plan, const modal::KalmanFilter& filter,
+                     double sample_time_s) {
+  constexpr double kTimeConstants = 5.0;
+  if (plan.settle > 0.0) return plan.settle;
+  const double slowest = filter.pole.size() > 0 ? filter.pole.cwiseAbs().maxCoeff() : 0.0;
+  return slowest > 0.0 ? kTimeConstants * sample_time_s / -std::log(slowest) : 0.0;
+}
+
+std::string nothing_settles(const std::string& file, double settle_s) {
+  return fmt::format(
+      "{}: every record is shorter than the {:.3g} s in which the filter settles; expected longer "
+      "ones, or observer.settle",
+      file, settle_s);
 }
 
 }  // namespace chladni::steps

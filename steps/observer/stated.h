@@ -4,7 +4,7 @@
 #include <string>
 
 #include "mesh/site.h"
-#include "modal/disturbed_model.h"
+#include "modal/kalman_filter.h"
 #include "study/study.h"
 
 namespace chladni::steps {
@@ -20,5 +20,13 @@ namespace chladni::steps {
 
 /// The rate of [observer], [state_space] or [experiment], the first that is stated; 0: none is.
 [[nodiscard]] double stated_sample_rate(const study::Study& study);
+
+/// [s] of each record in which the filter settles: `settle` of the study, or five time constants of
+/// the filter's slowest pole.
+[[nodiscard]] double settling_time(const study::ObserverPlan& plan,
+                                   const modal::KalmanFilter& filter, double sample_time_s);
+
+/// Why no record may be used.
+[[nodiscard]] std::string nothing_settles(const std::string& file, double settle_s);
 
 }  // namespace chladni::steps

@@ -191,6 +191,8 @@ const Schema<ObserverPlan>& observer_schema() {
        special<P>({"truth", "a path", "none",
                    "the study of a virtual rig: the best filter knows its modes"},
                   "truth", [](const P& plan) { return file_json(plan.truth); }),
+       truth("learn_noise", &P::learn_noise,
+             "the recordings say how much noise and disturbance the filter counts on"),
        quantity("settle", "s", Sign::positive, &P::settle,
                 "of each recording, which no score counts", "until the filter has settled"),
        special<P>({"point", "tables with name, at, direction", "none", "where motion is wanted"},

@@ -192,6 +192,25 @@ TEST_F(Observe, EstimatesWhatNoSensorSeesBetterThanGeometryDoes) {
   EXPECT_LT(found.maxCoeff(), 30e-9);
 }
 
+// The identified model errs by more than the noise of the rig, which the recordings say.
+TEST_F(Observe, LearnsItsNoiseFromTheRecordings) {
+  EVERY_FOURTH_LANDING();
+  prepare();
+  const auto stated = designed(study_, &recorded_);
+  const auto learned = steps::with_learned_noise(study_, stated, recorded_);
+  EXPECT_TRUE(learned.noise.is_learned());
+  EXPECT_GT(learned.noise.gain, 0.0);
+  EXPECT_EQ(learned.left_out.size(), 4);
+  EXPECT_GE(learned.band_factor, 1.0);
+  const auto before = steps::replay(study_, stated, recorded_, std::nullopt).judges[0];
+  const auto after = steps::replay(study_, learned, recorded_, std::nullopt);
+  EXPECT_LT(after.judges[0].observer, 1.2 * before.observer);
+  EXPECT_GT(after.judges[0].covered, std::min(0.85, before.covered));
+  EXPECT_NEAR(after.surprise, 1.0, 1e-9);  // the size of the noise is that of the innovations
+  const double filter = std::sqrt(learned.filter.point_covariance(1, 1));
+  EXPECT_NEAR(learned.deviation(1), learned.band_factor * filter, 1e-12 * filter);
+}
+
 // The plate bends within a decade of the bandwidth: neither loop need be stable, and each says so.
 TEST_F(Observe, TriesTheLoopOnTheEstimateBesideTheOneOnTheSensors) {
   EVERY_FOURTH_LANDING();
@@ -253,6 +272,8 @@ TEST_F(Observe, LeavesItsFiles) {
   const auto json = io::parse_json(read_whole(folder_->path() / "observer" / "observe.json"));
   EXPECT_EQ(json.at("replay").at("judges").array().at(0).at("name").string(), "s5");
   EXPECT_EQ(json.at("points").array().size(), 2U);
+  EXPECT_TRUE(std::get<bool>(json.at("noise").at("learned").value()));
+  EXPECT_EQ(json.at("replay_as_stated").at("judges").array().size(), 1U);
   const auto mat = io::read_mat(folder_->path() / "observer" / "observer.mat", 1U << 24U);
   EXPECT_EQ(mat.variables.front().first, "observer");
   EXPECT_TRUE(fs::exists(folder_->path() / "observer" / "observer.h"));
