@@ -20,8 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr double kMostNumbers = 1e8;  // in a table of recordings: 2 GB of text
 
-// The file for the responses. A file that an earlier run did not write is not overwritten.
+// The file for the recordings, or for the responses. A file of responses that an earlier run did
+// not write is not overwritten.
 fs::path target_of(const study::Study& study, show::Run& run) {
+  if (study.experiment->leaves_time) return run / "time_data.csv";
   const bool stated = study.measurement && !study.measurement->frf.empty();
   const fs::path file = stated ? study.measurement->frf : run / "measured.csv";
   if (!stated || !fs::exists(file)) return file;
@@ -104,21 +106,18 @@ std::string told(const study::Study& study, const steps::Bench& bench,
 }
 
 void run_simulate(const study::Study& study, show::Run& run) {
-  const auto file = target_of(study, run);
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
+  const auto file = target_of(study, run);
   refuse_too_much(study);
   const steps::Bench bench = steps::bench_of(study, run);
   const steps::Simulated found =
       run.timed("experiment", [&] { return steps::simulated(study, bench, run); });
-  const auto left = study.experiment->leaves_time ? run / "time_data.csv" : file;
-  if (study.experiment->leaves_time) {
-    for (const auto& lost : io::write_time(left, found.recordings)) run.note(lost);
-  } else {
-    for (const auto& lost : io::write_frf(file, found.estimate.set)) run.note(lost);
-  }
-  run.show(told(study, bench, found, left));
-  run.leave("simulated.json", content_of(study, bench, found, left), true);
+  const auto lost = study.experiment->leaves_time ? io::write_time(file, found.recordings)
+                                                  : io::write_frf(file, found.estimate.set);
+  for (const auto& what : lost) run.note(what);
+  run.show(told(study, bench, found, file));
+  run.leave("simulated.json", content_of(study, bench, found, file), true);
 }
 
 }  // namespace

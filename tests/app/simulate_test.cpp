@@ -134,6 +134,16 @@ TEST_F(Simulate, NeverOverwritesWhatItDidNotLeave) {
   EXPECT_EQ(read_whole(file), "freq_hz,re_y1u1,im_y1u1\n1,2,3\n");
 }
 
+// The study of a rig that is recorded may inherit the responses of another experiment.
+TEST_F(Simulate, OfRecordingsLeavesAFileOfResponsesAlone) {
+  write_atomically(folder_.path() / "real.csv", "freq_hz,re_y1u1,im_y1u1\n1,2,3\n");
+  const auto out = run(kStrip + "[measurement]\nfrf = \"real.csv\"\n[experiment]\n" + kShort +
+                       "structure = \"rigid_chain\"\nperiods = 3\nrealisations = 1\n"
+                       "leaves = \"time\"\n");
+  EXPECT_TRUE(fs::exists(out / "time_data.csv"));
+  EXPECT_EQ(read_whole(folder_.path() / "real.csv"), "freq_hz,re_y1u1,im_y1u1\n1,2,3\n");
+}
+
 TEST_F(Simulate, LeavesTheRecordingsItsResponsesCameFrom) {
   const std::string text = kStrip + "[experiment]\nsample_rate = \"512 Hz\"\nsamples = 256\n" +
                            "structure = \"rigid_chain\"\nperiods = 3\nrealisations = 2\n"
