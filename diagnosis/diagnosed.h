@@ -117,7 +117,8 @@ struct Diagnosis {
   std::vector<Proposal> proposals;  ///< of modes: measurements that would, best first
   double excess_before = 0.0;       ///< z of the simulation within its tolerances
   Residue before, after;
-  /// Of the best causes, on parts of the data held out in turn; only where responses have causes.
+  /// Test of the best causes on parts of the data held out in turn; only where responses have
+  /// causes.
   std::optional<CrossValidation> cross_validation;
   std::vector<std::string> breaches;  ///< tolerances stretched beyond three deviations
   /// Levels of the model's errors without a cause and beside the best causes; empty: known.

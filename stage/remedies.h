@@ -38,7 +38,7 @@ struct Remedy {
 /// A solution that does not fit.
 struct Shortage {
   double need_bytes = 0.0, have_bytes = 0.0;
-  /// Of the factor: known where the system was analysed.
+  /// Size of the factor; known where the system was analysed.
   std::optional<double> factor_bytes = {};
 };
 

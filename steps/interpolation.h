@@ -37,7 +37,7 @@ struct Measured {
 struct Interpolation {
   const priors::Interpolator* method = nullptr;
   std::unique_ptr<priors::ModeField> field;
-  /// Of the shapes of steps::with_scale_off; null where the scale is certain or in `field`.
+  /// Field of the shapes of steps::with_scale_off; null where the scale is certain or in `field`.
   std::unique_ptr<priors::ModeField> with_scale_off;
   priors::Field surface, hidden, points;
   priors::Field unmeasured;          ///< at Interpolated::unmeasured

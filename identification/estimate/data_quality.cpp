@@ -217,7 +217,7 @@ std::vector<PeriodDrift> period_drift(const Spectra& excited, Index drop) {
       size += mean.squaredNorm();
     }
     const double noise = std::max(around, 1e-28 * size) / static_cast<double>(fewest - 2);
-    // Of 2·lines real numbers over 2·lines·(P − 2).
+    // The ratio has 2·lines real numbers over 2·lines·(P − 2).
     const double spread = std::sqrt((1.0 + 1.0 / static_cast<double>(fewest - 2)) / lines);
     const double excess = (along / noise - 1.0) / spread;
     if (excess < kNoChance) continue;

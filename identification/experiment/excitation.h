@@ -22,8 +22,8 @@ struct MultisinePlan {
   double sample_time_s = 0.0;          ///< the lines are k / (N T)
   double low_hz = 0.0, high_hz = 0.0;  ///< the band with both ends; never 0 Hz nor N/2
   ExcitedLines lines = ExcitedLines::all;
-  /// Of the choice of silent odd lines: all realisations have the same ones, so that each excited
-  /// line is excited in all of them.
+  /// Seed of the choice of silent odd lines. All realisations have the same ones, so that each
+  /// excited line is excited in all of them.
   unsigned detection_seed = 1;
   double rms = 1.0;  ///< rms value of the signal
   /// Shape of the amplitude spectrum: amplitudes at these frequencies [Hz, ascending]. In between

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSameDirection = 1e-9;
 
-// Of the 1/s² term: channels that move one way see fewer motions than the body has.
+// Rank of the 1/s² term: channels that move one way see fewer motions than the body has.
 Eigen::Index rigid_rank(const modal::ReducedModel& model) {
   if (model.rigid_count == 0) return 0;
   const Eigen::MatrixXd term = model.output_shapes.leftCols(model.rigid_count) *

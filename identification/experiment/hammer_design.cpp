@@ -244,7 +244,7 @@ void set_hits(const HammerPlan& plan, HammerDesign& design) {
   }
 }
 
-// Of the modes in the band, those that 100 times the longest test would reach at their best point.
+// The modes in the band that 100 times the longest test would reach at their best point.
 std::vector<Index> within_reach(const Eigen::VectorXd& at_one, const Eigen::MatrixXd& squared,
                                 double most) {
   std::vector<Index> modes;

@@ -83,8 +83,8 @@ class Scores {
 
   [[nodiscard]] double cost(const Devices& devices) const { return cost(driven(devices), devices); }
 
-  // Of a device of this kind at each of `candidates`, beside the others; infinite where none may
-  // be.
+  // Cost with a device of this kind at each of `candidates`, beside the others; infinite where none
+  // may be.
   [[nodiscard]] Eigen::VectorXd costs(const Devices& others, DeviceKind kind,
                                       const Indices& candidates) {
     Eigen::VectorXd all =

@@ -27,8 +27,8 @@ struct Manner {
 /// The style that this process's stderr allows.
 [[nodiscard]] Manner manner_of_stderr(bool quiet);
 
-/// Of warnings and notes that differ in numbers and quoted names alone the first three are told,
-/// and how many there were besides at the end. A step in which nothing is heard of its progress is
+/// Tells the first three of the warnings and notes that differ in numbers and quoted names alone,
+/// and at the end how many there were besides. A step in which nothing is heard of its progress is
 /// told with the time that it takes, by a thread of its own.
 class Talk {
  public:
