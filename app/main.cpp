@@ -148,6 +148,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   verb.add_flag("--reproducible", options.reproducible, "no wall times in the results");
   if (command.name != "check") {
     verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
+    verb.add_flag("--svg", options.vectors, "leave plots also as SVG, for papers");
   }
   verb.add_flag("!--no-cache", options.cache,
                 "mesh and solve anew, whatever earlier runs have kept, and keep nothing");

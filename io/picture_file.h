@@ -36,14 +36,18 @@ class PaintQueue {
 /// the queue has finished.
 class PictureFile {
  public:
-  PictureFile(std::filesystem::path png, PaintQueue* queue = nullptr);
+  /// @param vectors  what can be drawn by lines is also left as an SVG of that name
+  PictureFile(std::filesystem::path png, PaintQueue* queue = nullptr, bool vectors = false);
 
   /// @throws what `picture` throws, if there is no queue
   void paint(Picture picture) const;
+  /// Writes the SVG beside the PNG, if that was asked for.
+  void leave_vectors(const std::function<std::string()>& svg) const;
 
  private:
   std::filesystem::path png_;
   PaintQueue* queue_;
+  bool vectors_;
 };
 
 }  // namespace chladni::io

@@ -105,7 +105,7 @@ study::Origin Run::origin(bool measured) {
 
 void Run::paint(const std::string& file,
                 const std::function<void(const io::PictureFile& png)>& draw) {
-  if (options_.pictures) draw({*this / file, &pictures_});
+  if (options_.pictures) draw({*this / file, &pictures_, options_.vectors});
 }
 
 void Run::finish_pictures() {

@@ -31,6 +31,7 @@ struct Options {
   bool all = false;         ///< every table on the terminal, not only what matters first
   bool certificate = true;  ///< the inertia count
   bool pictures = true;
+  bool vectors = false;        ///< plots also as SVG
   int animate = 0;             ///< mode, counted from 1, for the phase animation
   bool expect = false;         ///< `check` computes the modes and compares
   bool reproducible = false;   ///< no times in the results

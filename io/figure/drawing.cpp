@@ -7,58 +7,64 @@ Json colour_json(const Colour& colour) { return JsonArray{colour[0], colour[1], 
 
 }  // namespace
 
-void Drawing::add(const char* kind, const std::vector<Path>& paths, const Colour& colour,
-                  double width) {
-  if (paths.empty()) return;
-  shapes_.emplace_back(JsonObject{{"kind", kind},
-                                  {"colour", colour_json(colour)},
-                                  {"width", width},
-                                  {"paths", static_cast<long>(paths.size())}});
-  for (const auto& path : paths) {
-    counts_.push_back(static_cast<std::int32_t>(path.size()));
-    points_.insert(points_.end(), path.begin(), path.end());
-  }
-}
-
 void Drawing::lines(const std::vector<Path>& paths, const Colour& colour, double width) {
-  add("lines", paths, colour, width);
+  if (!paths.empty()) shapes_.push_back({false, colour, width, paths});
 }
 
 void Drawing::polygons(const std::vector<Path>& paths, const Colour& colour) {
-  add("polygons", paths, colour, 0.0);
+  if (!paths.empty()) shapes_.push_back({true, colour, 0.0, paths});
 }
 
 void Drawing::text(const Eigen::Vector2d& at, const std::string& words, double size,
                    const Colour& colour, Align align, bool bold, bool upwards) {
-  if (words.empty()) return;
-  constexpr const char* aligns[] = {"left", "centre", "right"};
-  texts_.emplace_back(JsonObject{{"x", at.x()},
-                                 {"y", at.y()},
-                                 {"words", words},
-                                 {"size", size},
-                                 {"colour", colour_json(colour)},
-                                 {"align", aligns[static_cast<int>(align)]},
-                                 {"bold", bold ? 1 : 0},
-                                 {"upwards", upwards ? 1 : 0}});
+  if (!words.empty()) texts_.push_back({at, words, size, colour, align, bold, upwards});
 }
 
 Message Drawing::request() const {
   Message request;
+  JsonArray shapes;
+  std::vector<Eigen::Vector2d> places;
+  std::vector<std::int32_t> sizes;
+  for (const auto& shape : shapes_) {
+    shapes.emplace_back(JsonObject{{"kind", shape.filled ? "polygons" : "lines"},
+                                   {"colour", colour_json(shape.colour)},
+                                   {"width", shape.width},
+                                   {"paths", static_cast<long>(shape.paths.size())}});
+    for (const auto& path : shape.paths) {
+      sizes.push_back(static_cast<std::int32_t>(path.size()));
+      places.insert(places.end(), path.begin(), path.end());
+    }
+  }
   auto& points = request.doubles["points"];
-  points.resize(static_cast<Eigen::Index>(points_.size()), 2);
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    points.row(static_cast<Eigen::Index>(p)) = points_[p].transpose();
+  points.resize(std::ssize(places), 2);
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    points.row(static_cast<Eigen::Index>(p)) = places[p].transpose();
   }
   auto& counts = request.integers["counts"];
-  counts.resize(static_cast<Eigen::Index>(counts_.size()), 1);
-  for (std::size_t c = 0; c < counts_.size(); ++c)
-    counts(static_cast<Eigen::Index>(c)) = counts_[c];
+  counts.resize(std::ssize(sizes), 1);
+  for (std::size_t c = 0; c < sizes.size(); ++c) counts(static_cast<Eigen::Index>(c)) = sizes[c];
   request.head = JsonObject{{"kind", "drawing"},
                             {"width", width_},
                             {"height", height_},
-                            {"shapes", shapes_},
-                            {"texts", texts_}};
+                            {"shapes", shapes},
+                            {"texts", texts_json()}};
   return request;
+}
+
+JsonArray Drawing::texts_json() const {
+  constexpr const char* aligns[] = {"left", "centre", "right"};
+  JsonArray texts;
+  for (const auto& text : texts_) {
+    texts.emplace_back(JsonObject{{"x", text.at.x()},
+                                  {"y", text.at.y()},
+                                  {"words", text.words},
+                                  {"size", text.size},
+                                  {"colour", colour_json(text.colour)},
+                                  {"align", aligns[static_cast<int>(text.align)]},
+                                  {"bold", text.bold ? 1 : 0},
+                                  {"upwards", text.upwards ? 1 : 0}});
+  }
+  return texts;
 }
 
 double text_width(const std::string& words, double size) {

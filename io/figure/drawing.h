@@ -30,14 +30,30 @@ class Drawing {
 
   /// The request to the painter (io/picture/pictures.h, `drawing`).
   [[nodiscard]] Message request() const;
+  /// The same as SVG 1.1, on white, words as text. Coordinates are rounded to 0.01 px.
+  [[nodiscard]] std::string svg() const;
 
  private:
-  void add(const char* kind, const std::vector<Path>& paths, const Colour& colour, double width);
+  struct Shape {
+    bool filled = false;
+    Colour colour;
+    double width = 0.0;
+    std::vector<Path> paths;
+  };
+  struct Words {
+    Eigen::Vector2d at;
+    std::string words;
+    double size = 0.0;
+    Colour colour;
+    Align align = Align::left;
+    bool bold = false, upwards = false;
+  };
+
+  [[nodiscard]] JsonArray texts_json() const;
 
   double width_, height_;
-  JsonArray shapes_, texts_;
-  std::vector<Eigen::Vector2d> points_;
-  std::vector<std::int32_t> counts_;  // points of each path
+  std::vector<Shape> shapes_;
+  std::vector<Words> texts_;
 };
 
 /// The approximate width of the words [px].

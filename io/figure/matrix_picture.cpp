@@ -128,6 +128,7 @@ void draw_matrix(const PictureFile& png, const MatrixPicture& picture) {
   drawing.text({kMatrixMargin, 40.0}, picture.title, size, kMatrixInk, Drawing::Align::left, true);
   paint_squares(drawing, picture, sheet);
   paint_names(drawing, picture, sheet);
+  png.leave_vectors([&] { return drawing.svg(); });
   png.paint([request = drawing.request()] { return painted(request); });
 }
 

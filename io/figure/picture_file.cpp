@@ -31,8 +31,12 @@ std::vector<PaintQueue::Painted> PaintQueue::finish() {
   return all;
 }
 
-PictureFile::PictureFile(std::filesystem::path png, PaintQueue* queue)
-    : png_(std::move(png)), queue_(queue) {}
+PictureFile::PictureFile(std::filesystem::path png, PaintQueue* queue, bool vectors)
+    : png_(std::move(png)), queue_(queue), vectors_(vectors) {}
+
+void PictureFile::leave_vectors(const std::function<std::string()>& svg) const {
+  if (vectors_) write_atomically(std::filesystem::path(png_).replace_extension(".svg"), svg());
+}
 
 void PictureFile::paint(Picture picture) const {
   if (queue_ != nullptr) {

@@ -334,6 +334,7 @@ void draw_plot(const PictureFile& png, const Plot& plot) {
     paint_panel(drawing, plot.panels[static_cast<std::size_t>(p)], frame);
     paint_labels(drawing, plot, sheet, p);
   }
+  png.leave_vectors([&] { return drawing.svg(); });
   png.paint([request = drawing.request()] { return painted(request); });
 }
 

@@ -6,8 +6,10 @@
 #include <vtkNew.h>
 #include <vtkPNGReader.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "base/atomic_file.h"
 #include "base/draw.h"
@@ -181,6 +183,74 @@ TEST_F(PlotPicture, TheSameInputGivesTheSameBytes) {
   const auto first = read_whole(png_);
   draw_plot(png_, plot_of(PlotSeries::Style::dots, 1));
   EXPECT_TRUE(read_whole(png_) == first);
+}
+
+// Numbers of the attribute `name` in all elements, in their order.
+std::vector<std::string> attributes(const std::string& svg, const std::string& name) {
+  std::vector<std::string> values;
+  const std::string key = " " + name + "=\"";
+  for (auto at = svg.find(key); at != std::string::npos; at = svg.find(key, at + 1)) {
+    const auto from = at + key.size();
+    values.push_back(svg.substr(from, svg.find('"', from) - from));
+  }
+  return values;
+}
+
+std::string svg_of(const Plot& plot, const fs::path& png) {
+  draw_plot({png, nullptr, true}, plot);
+  auto svg_file = png;
+  svg_file.replace_extension(".svg");
+  const auto svg = read_whole(svg_file);
+  fs::remove(svg_file);
+  return svg;
+}
+
+TEST_F(PlotPicture, LeavesItsVectorsWhereTheyAreWanted) {
+  const auto plot = plot_of(PlotSeries::Style::line, 2);
+  draw_plot(png_, plot);
+  auto svg_file = png_;
+  EXPECT_FALSE(fs::exists(svg_file.replace_extension(".svg")));
+  const auto svg = svg_of(plot, png_);
+  EXPECT_TRUE(fs::exists(png_));
+  EXPECT_EQ(svg, svg_of(plot, png_));
+  EXPECT_TRUE(svg.starts_with("<?xml"));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  EXPECT_NE(svg.find(">a plot</text>"), std::string::npos);
+  EXPECT_NE(svg.find(">curve</text>"), std::string::npos);
+  const auto strokes = attributes(svg, "stroke");
+  EXPECT_NE(std::ranges::find(strokes, "#d65e00"), strokes.end());  // vermilion
+}
+
+// On logarithmic axes x² is a straight line: its first and last places tell all others.
+TEST_F(PlotPicture, VectorsLieWhereTheValuesAre) {
+  const auto svg = svg_of(plot_of(PlotSeries::Style::line, 2), png_);
+  const auto strokes = attributes(svg, "stroke");
+  const auto paths = attributes(svg, "d");
+  ASSERT_EQ(strokes.size(), paths.size());
+  std::string longest;
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    if (strokes[p] == "#d65e00" && paths[p].size() > longest.size()) longest = paths[p];
+  }
+  std::vector<Eigen::Vector2d> places;
+  std::ranges::replace(longest, 'M', ' ');
+  std::ranges::replace(longest, 'L', ' ');
+  std::istringstream numbers(longest);
+  for (Eigen::Vector2d place; numbers >> place.x() >> place.y();) places.push_back(place);
+  ASSERT_GE(places.size(), 2U);
+  const Eigen::Vector2d along = places.back() - places.front();
+  EXPECT_GT(along.x(), 500.0);
+  EXPECT_LT(along.y(), -300.0);  // upwards
+  for (const auto& place : places) {
+    const Eigen::Vector2d from = place - places.front();
+    EXPECT_NEAR(from.x() * along.y() - from.y() * along.x(), 0.0, 0.02 * along.norm());
+  }
+}
+
+TEST_F(PlotPicture, WordsOfVectorsAreNoMarkup) {
+  auto plot = plot_of(PlotSeries::Style::line, 1);
+  plot.title = "a < b & \"c\"\n> d";
+  const auto svg = svg_of(plot, png_);
+  EXPECT_NE(svg.find("a &lt; b &amp; &quot;c&quot; &gt; d</text>"), std::string::npos);
 }
 
 TEST_F(PlotPicture, RefusesWhatCannotBeDrawn) {
