@@ -16,7 +16,7 @@
 namespace chladni::show {
 namespace {
 
-constexpr int kBlue = 1, kGrey = 6;
+constexpr int kBlue = 1, kVermilion = 2, kGrey = 6;
 
 io::Json points_json(const steps::Observer& observer) {
   io::JsonArray points;
@@ -166,6 +166,34 @@ io::PlotPanel panel_of(const steps::Replay& replay, Eigen::Index j) {
   return panel;
 }
 
+// What is wrong with the estimate, over its band around zero.
+io::PlotPanel error_panel_of(const steps::Replay& replay, Eigen::Index j) {
+  const auto& course = replay.course;
+  const Eigen::VectorXd wrong = course.estimate.col(j) - course.measured.col(j);
+  const Eigen::VectorXd half = priors::kTwoSided95 * course.deviation.col(j);
+  const auto [scale, unit] = unit_of(std::max(wrong.cwiseAbs().maxCoeff(), half.maxCoeff()));
+  const auto& one = replay.judges[static_cast<std::size_t>(j)];
+  io::PlotPanel panel;
+  panel.title = fmt::format("{}, estimated less measured: {:.3g} % within the band", one.judge,
+                            100.0 * one.covered);
+  panel.x = {.label = "time [s]"};
+  panel.y = {.label = "error [" + unit + "]"};
+  panel.series.push_back({.name = "95 % band of the estimate",
+                          .x = course.time_s,
+                          .y = -scale * half,
+                          .upper = scale * half,
+                          .style = io::PlotSeries::Style::band,
+                          .colour = kBlue});
+  panel.series.push_back({.name = "estimated less measured",
+                          .x = course.time_s,
+                          .y = scale * wrong,
+                          .upper = {},
+                          .style = io::PlotSeries::Style::line,
+                          .colour = kVermilion,
+                          .width = 1.2});
+  return panel;
+}
+
 // The last part of what is drawn: some periods of the motion can be told apart there.
 steps::Replay shortened(steps::Replay replay) {
   constexpr Eigen::Index kSamples = 400;
@@ -187,6 +215,7 @@ void paint(const steps::Replay& replay, Run& run) {
     plot.aspect = 0.4;
     for (Eigen::Index j = 0; j < std::min<Eigen::Index>(4, std::ssize(shown.judges)); ++j) {
       plot.panels.push_back(panel_of(shown, j));
+      plot.panels.push_back(error_panel_of(shown, j));
     }
     io::draw_plot(png, plot);
   });
