@@ -19,6 +19,10 @@ namespace chladni::show {
 [[nodiscard]] std::string trust_text(const steps::IdentifiedModel& model);
 [[nodiscard]] io::Json trust_json(const steps::IdentifiedModel& model);
 
+/// Fit in per cent, residual over noise, the band where it is largest, and whether it is white.
+[[nodiscard]] std::string validation_text(const steps::IdentifiedModel& model);
+[[nodiscard]] io::Json validation_json(const steps::IdentifiedModel& model);
+
 /// How good recordings are, in which band, and what was done to them; empty or null for responses.
 [[nodiscard]] std::string quality_text(const steps::IdentifiedModel& model);
 [[nodiscard]] io::Json quality_json(const steps::IdentifiedModel& model);
@@ -34,7 +38,8 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 /// The same for the page, with phases and errors.
 [[nodiscard]] io::Curves fitted_curves(const steps::IdentifiedModel& model);
 
-/// Poles of rising order; the modes of the fit are dashed.
+/// Poles of rising order; the modes of the fit are dashed. The picture has the mode indicator
+/// beneath, where there are several channels on both sides.
 [[nodiscard]] io::Plot stabilisation_plot(const steps::IdentifiedModel& model);
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png);
 

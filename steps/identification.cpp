@@ -72,6 +72,9 @@ void add_errors(IdentifiedModel& model) {
     model.noise(i, j) =
         (measured / data.weight.col(e).array().max(1e-300) * measured).matrix().norm() / size;
   }
+  const auto& fit = model.found.fit;
+  model.validation =
+      identification::validation(data, fitted, fit.model.frequency_hz.tail(fit.flexible_count()));
 }
 
 }  // namespace

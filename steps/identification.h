@@ -11,6 +11,7 @@
 #include "identification/data_quality.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
+#include "identification/validation.h"
 #include "modal/frf_set.h"
 #include "stage/solution.h"
 
@@ -48,6 +49,7 @@ struct IdentifiedModel : identification::ChannelGains {
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
   Eigen::MatrixXd noise;  ///< per response: standard deviation over |G|, likewise
   identification::Judgement judgement;
+  identification::Validation validation;
 };
 
 /// Index of the first element with this name; −1: there is none.

@@ -110,7 +110,8 @@ void leave_models(const study::Study& study, const std::string& stem,
 
 void leave_control_models(const study::Study& study, const steps::IdentifiedModel& model,
                           Run& run) {
-  leave_models(study, "state_space", [&] { return steps::control_models(study, model); }, run);
+  leave_models(
+      study, "state_space", [&] { return steps::control_models(study, model); }, run);
 }
 
 void leave_control_models(const study::Study& study, const stage::Solution& solution, Run& run) {
@@ -120,7 +121,8 @@ void leave_control_models(const study::Study& study, const stage::Solution& solu
     return;
   }
   const auto made = [&] { return steps::control_models(study, solution); };
-  leave_models(study, stem, [&] { return run.timed("state space", made); }, run);
+  leave_models(
+      study, stem, [&] { return run.timed("state space", made); }, run);
 }
 
 }  // namespace chladni::show

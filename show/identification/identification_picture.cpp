@@ -13,7 +13,7 @@
 namespace chladni::show {
 namespace {
 
-constexpr Eigen::Index kMostPanels = 24;
+constexpr Eigen::Index kMostPanels = 24, kMostValues = 4;
 constexpr int kInk = 0, kBlueLine = 1, kVermilion = 2, kGrey = 6;
 
 io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
@@ -88,6 +88,26 @@ io::PlotPanel stabilisation_panel(const steps::IdentifiedModel& model) {
   return panel;
 }
 
+// Singular values of the responses at each line: as many are large as modes take part.
+io::PlotPanel indicator_panel(const steps::IdentifiedModel& model) {
+  const Eigen::MatrixXd values = identification::mode_indicator(model.data);
+  io::PlotPanel panel = stabilisation_panel(model);
+  panel.title = "Singular values of the responses (mode indicator)";
+  panel.y = {.label = "singular value of the " + receptance_label(model.seen.inputs[0]),
+             .logarithmic = true};
+  panel.series.clear();
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(values.cols(), kMostValues); ++i) {
+    panel.series.push_back({.name = "",
+                            .x = model.data.frequency_hz,
+                            .y = values.col(i),
+                            .upper = {},
+                            .style = io::PlotSeries::Style::line,
+                            .colour = static_cast<int>(i) + 1,
+                            .width = 1.2});
+  }
+  return panel;
+}
+
 }  // namespace
 
 void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
@@ -135,7 +155,12 @@ io::Plot stabilisation_plot(const steps::IdentifiedModel& model) {
 }
 
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png) {
-  io::draw_plot(png, stabilisation_plot(model));
+  auto plot = stabilisation_plot(model);
+  plot.aspect = 0.45;
+  if (std::min(model.data.outputs, model.data.inputs) > 1) {
+    plot.panels.push_back(indicator_panel(model));
+  }
+  io::draw_plot(png, plot);
 }
 
 }  // namespace chladni::show

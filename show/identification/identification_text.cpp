@@ -9,8 +9,8 @@
 #include "io/shape_table.h"
 #include "modal/state_space.h"
 #include "show/control_models.h"
-#include "show/modes_uff.h"
 #include "show/identification.h"
+#include "show/modes_uff.h"
 #include "show/rigid_body.h"
 #include "steps/identification.h"
 
@@ -262,7 +262,7 @@ std::string identification_table(const steps::IdentifiedModel& model) {
                                                      "and the error that the model may have)";
   text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {:.2g}{}\n", fit.cost,
                       fit.expected_cost, fit.cost_deviation, noise_is);
-  return text + trust_text(model);
+  return text + validation_text(model) + trust_text(model);
 }
 
 io::JsonObject identified_json(const steps::IdentifiedModel& model) {
@@ -295,6 +295,7 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
                                                 {"std", io::Json::rows(model.match.deviation)}}},
                       {"fit", fit_json(model)},
                       {"trust", trust_json(model)},
+                      {"validation", validation_json(model)},
                       {"noise_floor", io::Json::rows(model.noise)},
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
