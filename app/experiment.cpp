@@ -7,6 +7,7 @@ namespace chladni::app {
 namespace {
 
 void run_experiment(const study::Study& study, show::Run& run) {
+  steps::require_design(study);
   const stage::Solution solution = stage::solved(study, run);
   const auto designed = steps::designed(study, solution, run);
   run.show(show::experiment_text(study, designed));

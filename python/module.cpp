@@ -123,5 +123,8 @@ PYBIND11_MODULE(_chladni, module) {
   add_placement_step(module);
   add_identification_step(module);
   add_diagnosis_step(module);
+  add_observer_step(module);
+  add_compare_step(module);
+  add_experiment_step(module);
   add_sweep(module);
 }

@@ -17,6 +17,9 @@ void add_files(pybind11::module_& module);
 void add_placement_step(pybind11::module_& module);
 void add_identification_step(pybind11::module_& module);
 void add_diagnosis_step(pybind11::module_& module);
+void add_observer_step(pybind11::module_& module);
+void add_compare_step(pybind11::module_& module);
+void add_experiment_step(pybind11::module_& module);
 void add_sweep(pybind11::module_& module);
 
 /// The program chladni of this module's build tree or prefix, or else on the PATH.

@@ -4,8 +4,8 @@
 #include <pybind11/stl.h>
 
 #include "placement/criteria.h"
-#include "python/modes_result.h"
 #include "python/python_json.h"
+#include "python/result_of_modes.h"
 #include "python/rooms.h"
 #include "show/placement.h"
 #include "show/priors.h"
@@ -16,22 +16,6 @@ namespace chladni::python {
 namespace {
 
 namespace py = pybind11;
-
-// A result that needs the modes of its study.
-template <typename Found>
-class ResultOfModes : public Result {
- public:
-  ResultOfModes(const Subject& subject, Said said, Found found)
-      : Result(subject.opened, std::move(said)),
-        solution_(subject.solution),
-        found_(std::move(found)) {}
-  [[nodiscard]] const stage::Solution& solution() const { return *solution_; }
-  [[nodiscard]] const Found& found() const { return found_; }
-
- private:
-  std::shared_ptr<const stage::Solution> solution_;
-  Found found_;
-};
 
 class PlacementResult : public ResultOfModes<steps::BestPlaces> {
  public:
@@ -58,19 +42,6 @@ class PriorsResult : public ResultOfModes<steps::LearnedPriors> {
   }
   void leave(show::Run& run) const override { run.leave("priors.json", json(), true); }
 };
-
-// The result of a step after the modes.
-template <typename Made, typename Step>
-std::shared_ptr<Made> made_by(const py::object& source, const Asked& asked, Step step) {
-  auto subject = subject_of(source);
-  PythonWork work(subject, asked);
-  auto found = work.done([&] {
-    solve(subject, work);
-    return step(subject.study(), *subject.solution, work);
-  });
-  auto said = work.said();
-  return std::make_shared<Made>(subject, std::move(said), std::move(found));
-}
 
 std::shared_ptr<PlacementResult> place(const py::object& source, const py::object& progress,
                                        std::optional<unsigned> seed) {

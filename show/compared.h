@@ -11,13 +11,13 @@ namespace chladni::show {
 [[nodiscard]] io::ResultTable modes_beside_table(const std::vector<diagnosis::ModeTold>& modes);
 
 /// Modes side by side; of responses also the errors of each, by band and by channel.
-/// @param modes  of a file; empty where responses were measured
-/// @param all    false: the error of each response only where there are few
-[[nodiscard]] std::string compared_text(const steps::Compared& compared,
-                                        const std::vector<diagnosis::ModeTold>& modes, bool all);
+/// @param all  false: the error of each response only where there are few
+[[nodiscard]] std::string compared_text(const steps::StudyComparison& comparison, bool all);
+
+/// comparison.json
+[[nodiscard]] io::JsonObject compared_json(const steps::StudyComparison& comparison);
 
 /// comparison.json; of responses also responses.png, errors.png and mac.png
-void leave_compared(const steps::Compared& compared, const std::vector<diagnosis::ModeTold>& modes,
-                    Run& run);
+void leave_compared(const steps::StudyComparison& comparison, Run& run);
 
 }  // namespace chladni::show

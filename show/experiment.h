@@ -16,6 +16,10 @@ namespace chladni::show {
 [[nodiscard]] std::string experiment_text(const study::Study& study,
                                           const steps::DesignedExperiment& designed);
 
+/// experiment.json
+[[nodiscard]] io::JsonObject experiment_json(const study::Study& study,
+                                             const steps::DesignedExperiment& designed);
+
 /// experiment.json, experiment.png, and the signals: excitation.csv, excitation.mat,
 /// excitation_r1_e1.wav, ...; with a hammer hammer_points.csv.
 void leave_experiment(const study::Study& study, const steps::DesignedExperiment& designed,

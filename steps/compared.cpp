@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/error.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "stage/channel_paths.h"
 #include "stage/diagnosis_structure.h"
@@ -79,6 +80,17 @@ void take_structure(const study::Study& study, double band_hz, Compared& one, st
       work.timed("structure", [&] { return stage::structure_of(study, one.before, band_hz); });
 }
 
+std::vector<diagnosis::ModeTold> modes_beside(const study::Study& study, const Compared& one,
+                                              stage::Work& work) {
+  auto options = options_of(plan_of(study), work);
+  options.most_causes = 0;
+  auto told = diagnosis::diagnosed(one.structure, *one.modes, options).modes;
+  if (one.modes->outputs.empty() && one.modes->inputs.empty()) {
+    for (auto& mode : told) mode.mac_before = std::numeric_limits<double>::quiet_NaN();
+  }
+  return told;
+}
+
 }  // namespace
 
 std::vector<Index> places(const std::vector<modal::MeasuredChannel>& channels,
@@ -142,8 +154,12 @@ bool is_by_modes(const study::Study& study) {
   return study.measurement && has_modes(*study.measurement);
 }
 
-Compared compared(const study::Study& study, stage::Work& work) {
-  Compared one;
+StudyComparison compared(const study::Study& study, stage::Work& work) {
+  require(study.measurement.has_value(),
+          study.file.string() +
+              ": nothing is measured; expected [measurement] with frf, time or "
+              "modes");
+  StudyComparison one;
   const auto solve = [&] {
     one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
   };
@@ -151,23 +167,13 @@ Compared compared(const study::Study& study, stage::Work& work) {
     const auto modes = measured_modes(study, work);
     solve();
     static_cast<void>(compare_modes(study, modes, one, work));
+    one.modes_beside = modes_beside(study, one, work);
     return one;
   }
   auto measured = measured_frfs(study, work);
   solve();
   static_cast<void>(compare_responses(study, std::move(measured), one, work));
   return one;
-}
-
-std::vector<diagnosis::ModeTold> modes_beside(const study::Study& study, const Compared& one,
-                                              stage::Work& work) {
-  auto options = options_of(plan_of(study), work);
-  options.most_causes = 0;
-  auto told = diagnosis::diagnosed(one.structure, *one.modes, options).modes;
-  if (one.modes->outputs.empty() && one.modes->inputs.empty()) {
-    for (auto& mode : told) mode.mac_before = std::numeric_limits<double>::quiet_NaN();
-  }
-  return told;
 }
 
 }  // namespace chladni::steps

@@ -28,13 +28,15 @@ struct Compared {
 /// Whether the study has a file of modes instead of responses.
 [[nodiscard]] bool is_by_modes(const study::Study& study);
 
-/// Reads the measured responses or modes, solves the study, and compares. No cause is sought.
-/// @throws as its steps
-[[nodiscard]] Compared compared(const study::Study& study, stage::Work& work);
+/// A comparison that no diagnosis follows.
+struct StudyComparison : Compared {
+  /// Each measured mode of a file beside the simulated one that it is paired with; empty where
+  /// responses were measured. The MAC is NaN where frequencies alone were measured.
+  std::vector<diagnosis::ModeTold> modes_beside;
+};
 
-/// Each measured mode of a file beside the simulated one that it is paired with. The MAC is NaN
-/// where frequencies alone were measured. @throws as diagnosis::diagnosed
-[[nodiscard]] std::vector<diagnosis::ModeTold> modes_beside(const study::Study& study,
-                                                            const Compared& one, stage::Work& work);
+/// Reads the measured responses or modes, solves the study, and compares. No cause is sought.
+/// @throws InvalidInput  nothing is measured; as its steps and diagnosis::diagnosed
+[[nodiscard]] StudyComparison compared(const study::Study& study, stage::Work& work);
 
 }  // namespace chladni::steps

@@ -102,22 +102,26 @@ void design_hammer(const study::Study& study, const stage::Solution& solution,
 
 }  // namespace
 
-DesignedExperiment designed(const study::Study& study, const stage::Solution& solution,
-                            stage::Work& work) {
+void require_design(const study::Study& study) {
   require(study.design.has_value(),
           "the study has no [design]; expected one, such as [design] force = \"5 N\"");
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one that states the rig's sample_rate and its "
           "sensors' noise, such as [experiment] noise = \"2 nm\"");
   require(!study.sensors.empty(), "an experiment needs a sensor or more");
-  const bool hammer = study.design->kind == "hammer";
-  require(hammer || !study.actuators.empty(), "an experiment needs an actuator or more");
+  require(study.design->kind == "hammer" || !study.actuators.empty(),
+          "an experiment needs an actuator or more");
+}
+
+DesignedExperiment designed(const study::Study& study, const stage::Solution& solution,
+                            stage::Work& work) {
+  require_design(study);
   const auto model = model_of(study, solution, work);
   DesignedExperiment found;
   found.sensor_noise = noise_of(study);
   found.rigid_count = model.model.rigid_count;
   set_band(*study.experiment, study.design->longest_period, found.low_hz, found.high_hz);
-  if (hammer) {
+  if (study.design->kind == "hammer") {
     work.timed("design", [&] {
       design_hammer(study, solution, model, found);
       return 0;
@@ -164,6 +168,20 @@ identification::TimeData excitation_of(const study::Study& study,
     }
   }
   return data;
+}
+
+Eigen::MatrixXd sequence_of(const study::Study& study,
+                            const identification::ExperimentDesign& design, std::size_t realisation,
+                            std::size_t experiment) {
+  require(
+      realisation < design.realisations.size() &&
+          experiment < design.realisations[realisation].inputs.size(),
+      fmt::format("there is no experiment {} of realisation {}; expected one of {} realisations "
+                  "with {} experiments each, counted from 0",
+                  experiment, realisation, design.realisations.size(),
+                  design.realisations.empty() ? 0 : design.realisations.front().inputs.size()));
+  return command_per_newton(study) *
+         identification::sequence(design, design.realisations[realisation].inputs[experiment]);
 }
 
 }  // namespace chladni::steps

@@ -30,8 +30,10 @@ struct DesignedExperiment {
   }
 };
 
-/// @throws InvalidInput  no [design] or [experiment], no sensor, no actuator for a multisine; as
-///                       experiment_design() and hammer_design()
+/// @throws InvalidInput  no [design] or [experiment], no sensor, no actuator for a multisine
+void require_design(const study::Study& study);
+
+/// @throws InvalidInput  as require_design, experiment_design() and hammer_design()
 [[nodiscard]] DesignedExperiment designed(const study::Study& study,
                                           const stage::Solution& solution, stage::Work& work);
 
@@ -39,6 +41,12 @@ struct DesignedExperiment {
 /// how many newtons a volt gives.
 [[nodiscard]] identification::TimeData excitation_of(
     const study::Study& study, const identification::ExperimentDesign& design);
+
+/// What is played in one experiment, samples×q, as commands: identification::sequence.
+/// @throws InvalidInput  there is no such realisation or experiment, both counted from 0
+[[nodiscard]] Eigen::MatrixXd sequence_of(const study::Study& study,
+                                          const identification::ExperimentDesign& design,
+                                          std::size_t realisation, std::size_t experiment);
 
 /// "N" or "V", and what a newton is in it.
 [[nodiscard]] std::string command_unit(const study::Study& study);

@@ -6,13 +6,14 @@ responses, and what a simulation gets wrong. All values are in SI. See docs/refe
     modes = chladni.modes(study)
     modes.frequency_hz
 """
-from ._chladni import (BestLayout, BestPair, Channel, Channels, ChladniWarning, Diagnosis, Frf,
-                       Identified, InvalidInput, MeasuredShapes, Mesh, ModeField, Modes,
-                       NumericalFailure, OutOfResources, Placement, PlacementPlan, Places, Priors,
-                       Record, Recordings, ResponseField, Result, Simulation, Sites,
-                       SpecimensDiagnosis, StateSpace, Structure, Study, StudyField, WorkerDied,
-                       __version__, best_layouts, best_pairs, blas_kernel, diagnose, gather,
-                       identify, interpolate, interpolations, layout_score, mac, mode_field, modes,
+from ._chladni import (BestLayout, BestPair, Channel, Channels, ChladniWarning, Comparison,
+                       DesignedExperiment, Diagnosis, Frf, Identified, InvalidInput,
+                       MeasuredShapes, Mesh, ModeField, Modes, NumericalFailure, Observer,
+                       OutOfResources, Placement, PlacementPlan, Places, Priors, Record, Recordings,
+                       ResponseField, Result, Simulation, Sites, SpecimensDiagnosis, StateSpace,
+                       Structure, Study, StudyField, WorkerDied, __version__, best_layouts,
+                       best_pairs, blas_kernel, compare, diagnose, experiment, gather, identify,
+                       interpolate, interpolations, layout_score, mac, mode_field, modes, observe,
                        place, priors, read_frf, read_time, response_field, set_thread_count,
                        sweep, thread_count, write_frf, write_time)
 from ._progress import Bar

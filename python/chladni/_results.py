@@ -7,7 +7,8 @@ import pathlib
 import numpy as np
 
 from . import _chladni
-from ._chladni import Diagnosis, Frf, Modes, Placement, Result, StateSpace
+from ._chladni import (Comparison, DesignedExperiment, Diagnosis, Frf, Modes, Observer, Placement,
+                       Result, StateSpace)
 
 
 def _optional(name, package, purpose):
@@ -121,6 +122,25 @@ def _part_of(key, text):
     return property(part)
 
 
+def _rows_of(*keys, text):
+    """Rows that not every result of the kind has; then there are none."""
+    def rows(self):
+        told = self.to_dict()
+        for key in keys:
+            told = told.get(key, {})
+        return list(told)
+    rows.__doc__ = text
+    return property(rows)
+
+
+def _optional_part_of(key, text):
+    """A part that not every result of the kind has; then it is None."""
+    def part(self):
+        return self.to_dict().get(key)
+    part.__doc__ = text
+    return property(part)
+
+
 # ---- tables
 
 def to_pandas(rows):
@@ -136,8 +156,8 @@ def _modes_rows(self):
     return [{"mode": mode, **dict(zip(columns, row))} for mode, row in enumerate(rows, 1)]
 
 
-def _modes_to_pandas(self):
-    """The table of modes as a DataFrame."""
+def _table_to_pandas(self):
+    """The table as a DataFrame."""
     return to_pandas(self.table)
 
 
@@ -167,6 +187,11 @@ def _to_control(self):
 def _modes_to_control(self, **asked):
     """state_space(**asked) for python-control or scipy.signal."""
     return self.state_space(**asked).to_control()
+
+
+def _filter_to_control(self):
+    """The filter for python-control or scipy.signal, as StateSpace.to_control gives it."""
+    return self.filter.to_control()
 
 
 _VTK_TETS = {4: 10, 10: 24, 20: 71}  # VTK_TETRA, VTK_QUADRATIC_TETRA, VTK_LAGRANGE_TETRAHEDRON
@@ -231,7 +256,7 @@ Modes.M = property(_mass)
 Modes.C = property(_damping)
 Modes.shape = _shape
 Modes.table = property(_modes_rows)
-Modes.to_pandas = _modes_to_pandas
+Modes.to_pandas = _table_to_pandas
 Modes.to_control = _modes_to_control
 Modes.to_pyvista = _to_pyvista
 Modes.save_page = _save_page
@@ -251,3 +276,30 @@ Placement.layouts = _part_of("layouts", "The layouts of the study with their sco
 Placement.optima = _part_of("optima", "The best layouts of sensors, with bounds.")
 Placement.to_pyvista = _surface_to_pyvista
 StateSpace.to_control = _to_control
+Observer.table = _part_of("points", "A dict for each point.")
+Observer.to_pandas = _table_to_pandas
+Observer.to_control = _filter_to_control
+Observer.noise = _part_of("noise", "What recordings teach of the noise: factors on what is stated.")
+Observer.disturbances = _part_of("disturbances", "A dict for each.")
+Observer.judges = _rows_of("replay", "judges", text="A dict for each held-out sensor: errors of the "
+                           "replay, relative to its motion. Empty without recordings.")
+Observer.judges_as_stated = _rows_of("replay_as_stated", "judges", text="Likewise with the noise as "
+                                     "the study states it, where another was learned.")
+Observer.loop = _optional_part_of("loop", "The loop on the estimate and that on the sensors; None: "
+                                  "the study asks for none.")
+Comparison.table = _part_of("modes", "A dict for each pair of a simulated and a measured mode.")
+Comparison.to_pandas = _table_to_pandas
+Comparison.responses = _rows_of("per_channel", text="A dict for each response, with its errors.")
+Comparison.sensors = _rows_of("sensors", text="A dict for each sensor: error, gain, sign, CoMAC.")
+Comparison.actuators = _rows_of("actuators", text="Likewise for each actuator.")
+Comparison.relative_error = _optional_part_of("relative_error", "Over all responses and lines; None "
+                                              "where modes were measured.")
+Comparison.noise_floor = _optional_part_of("noise_floor", "The error of a perfect simulation; None: "
+                                           "not known.")
+DesignedExperiment.table = _part_of("modes", "A dict for each mode in the band, with its expected "
+                                    "deviations.")
+DesignedExperiment.to_pandas = _table_to_pandas
+DesignedExperiment.verdict = _part_of("verdict", "What so long a measurement will tell.")
+DesignedExperiment.kind = _part_of("kind", "\"multisine\" or \"hammer\"")
+DesignedExperiment.coherence = _part_of("coherence", "A dict for each response: expected coherence.")
+DesignedExperiment.forces = _rows_of("forces", text="A dict for each actuator; none with a hammer.")

@@ -48,19 +48,19 @@ io::ResultTable modes_beside_table(const std::vector<diagnosis::ModeTold>& modes
                              8, "mac")}};
 }
 
-std::string compared_text(const steps::Compared& one, const std::vector<diagnosis::ModeTold>& modes,
-                          bool all) {
-  if (one.modes) return io::text(modes_beside_table(modes));
+std::string compared_text(const steps::StudyComparison& one, bool all) {
+  if (one.modes) return io::text(modes_beside_table(one.modes_beside));
   return comparison_table(one.comparison) + errors_text(one.comparison.responses, all);
 }
 
-void leave_compared(const steps::Compared& one, const std::vector<diagnosis::ModeTold>& modes,
-                    Run& run) {
-  if (one.modes) {
-    run.leave("comparison.json", {{"modes", io::json_rows(modes_beside_table(modes))}}, true);
-    return;
-  }
-  run.leave("comparison.json", comparison_json(one.comparison), true);
+io::JsonObject compared_json(const steps::StudyComparison& one) {
+  if (one.modes) return {{"modes", io::json_rows(modes_beside_table(one.modes_beside))}};
+  return comparison_json(one.comparison);
+}
+
+void leave_compared(const steps::StudyComparison& one, Run& run) {
+  run.leave("comparison.json", compared_json(one), true);
+  if (one.modes) return;
   run.paint("responses.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before);
   });

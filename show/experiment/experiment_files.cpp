@@ -153,52 +153,76 @@ void remove_old_signals(const Run& run) {
   }
 }
 
-// The whole sequences, one file per experiment and realisation, all with one factor.
-void write_wavs(const study::Study& study, const ExperimentDesign& design, Run& run,
-                io::JsonArray& files, io::JsonObject& json) {
+double full_scale(const study::Study& study, const ExperimentDesign& design) {
+  double largest = 0.0;
+  for (const auto& force : design.forces) largest = std::max(largest, force.peak_n);
+  return steps::command_per_newton(study) * largest;
+}
+
+std::string wav_name(std::size_t realisation, std::size_t experiment) {
+  return fmt::format("excitation_r{}_e{}.wav", realisation + 1, experiment + 1);
+}
+
+// WAV files have sample rates in whole Hz.
+bool leaves_wav(const study::Study& study) {
   const double rate = study.experiment->sample_rate_hz;
-  if (rate != std::floor(rate)) {
-    run.note(fmt::format("no WAV files: they have sample rates in whole Hz, and this is {:.9g} Hz",
-                         rate));
-    return;
-  }
-  const double scale = steps::command_per_newton(study);
-  double full_scale = 0.0;
-  for (const auto& force : design.forces) full_scale = std::max(full_scale, scale * force.peak_n);
-  for (std::size_t r = 0; r < design.realisations.size(); ++r) {
-    const auto& inputs = design.realisations[r].inputs;
-    for (std::size_t e = 0; e < inputs.size(); ++e) {
-      const auto name = fmt::format("excitation_r{}_e{}.wav", r + 1, e + 1);
-      io::write_wav(run / name, scale * identification::sequence(design, inputs[e]), rate,
-                    full_scale * (1.0 + 1e-12));
-      files.emplace_back(name);
+  return has(study, "wav") && rate == std::floor(rate);
+}
+
+double numbers_in_csv(const study::Study& study, const ExperimentDesign& design) {
+  std::size_t records = 0;
+  for (const auto& one : design.realisations) records += one.inputs.size();
+  return static_cast<double>(design.period) * static_cast<double>(records * study.actuators.size());
+}
+
+bool leaves_csv(const study::Study& study, const ExperimentDesign& design) {
+  return has(study, "csv") && numbers_in_csv(study, design) <= kMostNumbers;
+}
+
+io::JsonArray signal_files(const study::Study& study, const ExperimentDesign& design) {
+  io::JsonArray files;
+  for (std::size_t r = 0; leaves_wav(study) && r < design.realisations.size(); ++r) {
+    for (std::size_t e = 0; e < design.realisations[r].inputs.size(); ++e) {
+      files.emplace_back(wav_name(r, e));
     }
   }
-  json.emplace_back("wav_full_scale", full_scale);
+  if (leaves_csv(study, design)) files.emplace_back("excitation.csv");
+  if (has(study, "mat")) files.emplace_back("excitation.mat");
+  return files;
+}
+
+// The whole sequences, one file per experiment and realisation, all with one factor.
+void write_wavs(const study::Study& study, const ExperimentDesign& design, Run& run) {
+  const double rate = study.experiment->sample_rate_hz;
+  const double full = full_scale(study, design);
+  std::size_t files = 0;
+  for (std::size_t r = 0; r < design.realisations.size(); ++r) {
+    for (std::size_t e = 0; e < design.realisations[r].inputs.size(); ++e, ++files) {
+      io::write_wav(run / wav_name(r, e), steps::sequence_of(study, design, r, e), rate,
+                    full * (1.0 + 1e-12));
+    }
+  }
   run.show(
       fmt::format("WAV: full scale is {:.6g} {}; {} files with {} channels each, settling, "
                   "recorded periods and fades included\n",
-                  full_scale, steps::command_unit(study), files.size(), study.actuators.size()));
+                  full, steps::command_unit(study), files, study.actuators.size()));
 }
 
-void write_signals(const study::Study& study, const ExperimentDesign& design, Run& run,
-                   io::JsonArray& files, io::JsonObject& json) {
+void write_signals(const study::Study& study, const ExperimentDesign& design, Run& run) {
   const auto data = steps::excitation_of(study, design);
-  const double numbers = static_cast<double>(design.period) *
-                         static_cast<double>(data.records.size() * data.inputs.size());
-  if (has(study, "wav")) write_wavs(study, design, run, files, json);
-  if (has(study, "csv") && numbers > kMostNumbers) {
-    run.note(
-        fmt::format("no excitation.csv: it would hold {:.3g} numbers; take the others", numbers));
-  } else if (has(study, "csv")) {
+  if (leaves_wav(study)) {
+    write_wavs(study, design, run);
+  } else if (has(study, "wav")) {
+    run.note(fmt::format("no WAV files: they have sample rates in whole Hz, and this is {:.9g} Hz",
+                         study.experiment->sample_rate_hz));
+  }
+  if (leaves_csv(study, design)) {
     (void)io::write_time(run / "excitation.csv", data);
-    files.emplace_back("excitation.csv");
+  } else if (has(study, "csv")) {
+    run.note(fmt::format("no excitation.csv: it would hold {:.3g} numbers; take the others",
+                         numbers_in_csv(study, design)));
   }
-  if (has(study, "mat")) {
-    (void)io::write_time(run / "excitation.mat", data);
-    files.emplace_back("excitation.mat");
-  }
-  json.emplace_back("unit", steps::command_unit(study));
+  if (has(study, "mat")) (void)io::write_time(run / "excitation.mat", data);
 }
 
 void write_points(const steps::DesignedExperiment& designed, const fs::path& file) {
@@ -213,28 +237,38 @@ void write_points(const steps::DesignedExperiment& designed, const fs::path& fil
 
 }  // namespace
 
-void leave_experiment(const study::Study& study, const steps::DesignedExperiment& designed,
-                      Run& run) {
+io::JsonObject experiment_json(const study::Study& study,
+                               const steps::DesignedExperiment& designed) {
   io::JsonObject json{{"verdict", experiment_verdict(study, designed)},
                       {"kind", study.design->kind},
                       {"duration_s", designed.duration_s()},
                       {"band_hz", io::JsonArray{designed.low_hz, designed.high_hz}},
                       {"modes", modes_json(designed)},
                       {"coherence", coherence_json(study, designed)}};
-  io::JsonArray files;
-  remove_old_signals(run);
   if (designed.multisine) {
-    add_multisine(study, *designed.multisine, json);
-    write_signals(study, *designed.multisine, run, files, json);
-    run.paint("experiment.png", [&](const auto& png) { draw_amplitudes(study, designed, png); });
+    const auto& design = *designed.multisine;
+    add_multisine(study, design, json);
+    if (leaves_wav(study)) json.emplace_back("wav_full_scale", full_scale(study, design));
+    json.emplace_back("unit", steps::command_unit(study));
+    json.emplace_back("files", signal_files(study, design));
   } else {
     add_hammer(designed, json);
-    write_points(designed, run / "hammer_points.csv");
-    files.emplace_back("hammer_points.csv");
+    json.emplace_back("files", io::JsonArray{"hammer_points.csv"});
   }
-  json.emplace_back("files", files);
   json.emplace_back("notes", io::Json::texts(notes_of(designed)));
-  run.leave("experiment.json", json, true);
+  return json;
+}
+
+void leave_experiment(const study::Study& study, const steps::DesignedExperiment& designed,
+                      Run& run) {
+  remove_old_signals(run);
+  if (designed.multisine) {
+    write_signals(study, *designed.multisine, run);
+    run.paint("experiment.png", [&](const auto& png) { draw_amplitudes(study, designed, png); });
+  } else {
+    write_points(designed, run / "hammer_points.csv");
+  }
+  run.leave("experiment.json", experiment_json(study, designed), true);
 }
 
 }  // namespace chladni::show

@@ -223,10 +223,8 @@ void paint(const steps::Replay& replay, Run& run) {
 
 }  // namespace
 
-void leave_observer(const study::Study& study, const ShownObserver& shown, Run& run) {
-  const auto& [observer, replay, stated, loop] = shown;
-  for (const auto& note : observer.notes) run.warn(note);
-  write_model(study, observer, run);
+io::JsonObject observer_json(const steps::Observed& observed) {
+  const auto& [observer, replay, stated, loop] = observed;
   const auto& system = observer.filter.system;
   io::JsonObject json{{"sample_time_s", observer.sample_time_s},
                       {"states", static_cast<long long>(system.state_count())},
@@ -238,17 +236,16 @@ void leave_observer(const study::Study& study, const ShownObserver& shown, Run& 
                       {"innovation_covariance", io::Json::rows(observer.filter.innovation)},
                       {"poles", poles_json(observer)},
                       {"notes", io::Json::texts(observer.notes)}};
-  if (replay) {
-    for (const auto& note : replay->notes) run.warn(note);
-    json.emplace_back("replay", replay_json(*replay, stated ? *stated : *replay));
-    if (stated) json.emplace_back("replay_as_stated", replay_json(*stated, *stated));
-    paint(*replay, run);
-  }
-  if (loop) {
-    for (const auto& note : loop->notes) run.warn(note);
-    json.emplace_back("loop", loop_json(*loop));
-  }
-  run.leave("observe.json", std::move(json), true);
+  if (replay) json.emplace_back("replay", replay_json(*replay, stated ? *stated : *replay));
+  if (stated) json.emplace_back("replay_as_stated", replay_json(*stated, *stated));
+  if (loop) json.emplace_back("loop", loop_json(*loop));
+  return json;
+}
+
+void leave_observer(const study::Study& study, const steps::Observed& observed, Run& run) {
+  write_model(study, observed.observer, run);
+  if (observed.replay) paint(*observed.replay, run);
+  run.leave("observe.json", observer_json(observed), true);
 }
 
 }  // namespace chladni::show

@@ -97,16 +97,16 @@ std::string left_out_text(const steps::Observer& observer) {
 }
 
 // The noise that the recordings ask for, and what the filter would do with the stated one.
-std::string noise_text(const ShownObserver& shown) {
-  const auto& noise = shown.observer.noise;
+std::string noise_text(const steps::Observed& observed) {
+  const auto& noise = observed.observer.noise;
   if (!noise.is_learned()) return {};
   std::string text = fmt::format(
       "noise that the recordings ask for: disturbances {:.3g} times, sensors {:.3g} times what is "
       "stated\n",
       noise.disturbances, noise.sensors);
-  text += left_out_text(shown.observer);
-  if (!shown.stated) return text;
-  for (const auto& one : shown.stated->judges) {
+  text += left_out_text(observed.observer);
+  if (!observed.stated) return text;
+  for (const auto& one : observed.stated->judges) {
     text +=
         fmt::format("with the noise as stated {} of {} would be wrong, and {} within the band\n",
                     part(one.observer), one.judge, part(one.covered));
@@ -143,12 +143,12 @@ std::string modes_text(const steps::Observer& observer) {
 
 }  // namespace
 
-std::string observer_table(const ShownObserver& shown) {
-  const auto& [observer, replay, stated, loop] = shown;
+std::string observer_table(const steps::Observed& observed) {
+  const auto& [observer, replay, stated, loop] = observed;
   std::string text = "\n";
   if (replay) {
     for (const auto& one : replay->judges) text += verdict(one);
-    text += judges_text(*replay, stated ? *stated : *replay) + noise_text(shown);
+    text += judges_text(*replay, stated ? *stated : *replay) + noise_text(observed);
   } else {
     text += expected_verdict(observer);
   }

@@ -31,6 +31,10 @@ class Page(unittest.TestCase):
         self.assertAlmostEqual(names["resolved"]["estimate"]["mass_kg"], 1.62)
         self.assertEqual(names["again"].value.shape, (3, 6, 2))
         self.assertEqual(names["value"].shape, (2, 2, 2))
+        self.assertGreater(names["compared"].relative_error, 0.1)
+        self.assertEqual(names["judge"]["name"], "s4")
+        self.assertLess(names["judge"]["observer"], 0.2 * names["judge"]["rigid_body"])
+        self.assertEqual(names["motion"].shape, (16384, 2))
 
     def test_other_pages_are_python_with_names_of_the_module(self):
         for name in ("interpolation.md", "placement.md"):

@@ -1,0 +1,119 @@
+"""chladni.compare: measured beside simulated."""
+import json
+import pathlib
+import subprocess
+import tempfile
+import unittest
+import warnings
+
+import chladni
+import numpy as np
+from chladni._toml import toml_text
+from studies import channels, plate
+
+SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
+            "stiffness": "2 kN/mm"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
+HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
+LABORATORY = {"sample_rate": "16384 Hz", "samples": 8192, "periods": 3, "realisations": 3,
+              "warm_up": 3, "band": ["100 Hz", "1450 Hz"], "noise_ratio": 0.003}
+
+
+def stage(*hidden, **more):
+    return plate(attachment=SPRINGS + list(hidden), modes={"count": 12, "damping_ratio": 0.01},
+                 **channels(), **more)
+
+
+class Compare(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.holder.cleanup)
+        cls.folder = pathlib.Path(cls.holder.name)
+        warnings.simplefilter("ignore", chladni.ChladniWarning)
+        measured = chladni.simulate(stage(HIDDEN, experiment=LABORATORY)).frf
+        chladni.write_frf(cls.folder / "measured.csv", measured)
+        cls.whole = stage(measurement={"frf": "measured.csv"})
+        cls.compared = chladni.compare(chladni.Study(cls.whole, folder=cls.folder))
+
+    def test_errors_are_those_of_the_arrays(self):
+        one = self.compared
+        measured, off = one.measured.value, one.simulated - one.measured.value
+        self.assertEqual(one.simulated.shape, (len(one.measured.frequency_hz), 7, 2))
+        size = np.linalg.norm
+        np.testing.assert_allclose(one.error, size(off, axis=0) / size(measured, axis=0), rtol=1e-9)
+        self.assertAlmostEqual(one.relative_error, size(off) / size(measured), places=9)
+        self.assertLess(one.noise_floor, 0.1 * one.relative_error)
+        self.assertEqual(one.noise.shape, (7, 2))
+        rows = {(row["sensor"], row["actuator"]): row["relative_error"] for row in one.responses}
+        self.assertEqual(len(rows), 14)
+        self.assertEqual(rows["s2", "a2"], one.error[1, 1])
+        f = one.measured.frequency_hz
+        for low, high, error in zip(one.band_edges_hz, one.band_edges_hz[1:], one.band_error):
+            inside = (f > low) & (f < high)  # a line on an edge belongs to one of both
+            wide = (f >= low) & (f <= high)
+            bounds = [size(off[lines]) / size(measured[lines]) for lines in (inside, wide)]
+            self.assertGreater(error, 0.98 * min(bounds))
+            self.assertLess(error, 1.02 * max(bounds))
+        self.assertEqual([row["name"] for row in one.sensors], [f"s{i}" for i in range(1, 8)])
+        self.assertEqual([row["name"] for row in one.actuators], ["a1", "a2"])
+
+    def test_a_mass_lowers_frequencies(self):
+        table = self.compared.table
+        self.assertGreater(len(table), 3)
+        self.assertLess(max(row["change"] for row in table), 1e-3)
+        self.assertLess(min(row["change"] for row in table), -0.005)
+        for row in table:
+            self.assertAlmostEqual(row["measured_hz"] / row["simulated_hz"] - 1, row["change"])
+        mac = self.compared.to_dict()["mac"]
+        np.testing.assert_array_equal(self.compared.mac, mac["value"])
+        for row in table:
+            pair = (mac["simulated_modes"].index(row["simulated_mode"]),
+                    mac["measured_modes"].index(row["measured_mode"]))
+            self.assertAlmostEqual(self.compared.mac[pair], row["mac"], delta=0.05)
+
+    def test_nothing_is_wrong_where_nothing_is(self):
+        one = chladni.compare(chladni.Study(stage(HIDDEN, measurement={"frf": "measured.csv"}),
+                                            folder=self.folder))
+        self.assertLess(one.relative_error, 0.02)
+        self.assertLess(max(abs(row["change"]) for row in one.table), 1e-4)
+
+    def test_modes_of_a_file_stand_beside_the_simulated_ones(self):
+        hz = chladni.modes(stage(HIDDEN)).frequency_hz
+        flexible = hz[hz > 150][:4]
+        (self.folder / "modes.csv").write_text(
+            "frequency_hz\n" + "".join(f"{one:.9f}\n" for one in flexible))
+        one = chladni.compare(chladni.Study(stage(measurement={"modes": "modes.csv"}),
+                                            folder=self.folder))
+        np.testing.assert_allclose([row["measured_hz"] for row in one.table], flexible, rtol=1e-9)
+        self.assertLess(max(row["change"] for row in one.table), 1e-6)
+        self.assertIsNone(one.table[0]["mac"])  # no shape was measured
+        self.assertEqual((one.responses, one.sensors, one.actuators), ([], [], []))
+        self.assertEqual([one.relative_error, one.noise_floor, one.measured, one.simulated],
+                         [None] * 4)
+        self.assertEqual(one.error.size + one.band_error.size + one.mac.size, 0)
+        one.save(self.folder / "of_modes")
+        self.assertEqual([file.name for file in (self.folder / "of_modes").iterdir()],
+                         ["comparison.json"])
+
+    def test_it_leaves_what_the_program_leaves(self):
+        self.compared.save(self.folder / "saved", pictures=False)
+        saved = json.loads((self.folder / "saved" / "comparison.json").read_text())
+        (self.folder / "study.toml").write_text(toml_text(self.whole))
+        said = subprocess.run(
+            [chladni._chladni._program(), "compare", self.folder / "study.toml", "-o",
+             self.folder / "out", "--json", "--no-pictures"],
+            check=True, capture_output=True, text=True)
+        mine, theirs = self.compared.to_dict(), json.loads(said.stdout)
+        self.assertEqual({key: theirs[key] for key in mine}, mine)
+        self.assertEqual({key: saved[key] for key in mine}, mine)
+        self.assertIn("MAC", str(self.compared))
+
+    def test_it_asks_for_a_measurement(self):
+        steps = []
+        with self.assertRaisesRegex(chladni.InvalidInput, "nothing is measured; expected"):
+            chladni.compare(stage(), progress=lambda step, part: steps.append(step))
+        self.assertEqual(steps, [])
+
+
+if __name__ == "__main__":
+    unittest.main()
