@@ -9,18 +9,19 @@ import warnings
 import chladni
 import numpy as np
 from chladni._toml import toml_text
-from studies import channels, plate
+from studies import SENSORS, channels, plate
 
 SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
             "stiffness": "2 kN/mm"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
 HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
-LABORATORY = {"sample_rate": "16384 Hz", "samples": 8192, "periods": 3, "realisations": 3,
-              "warm_up": 3, "band": ["100 Hz", "1450 Hz"], "noise_ratio": 0.003}
+FIVE = {name: SENSORS[name] for name in ("s1", "s2", "s3", "s4", "s5")}
+LABORATORY = {"sample_rate": "8192 Hz", "samples": 4096, "periods": 3, "realisations": 3,
+              "warm_up": 3, "band": ["100 Hz", "800 Hz"], "noise_ratio": 0.003}
 
 
 def stage(*hidden, **more):
-    return plate(attachment=SPRINGS + list(hidden), modes={"count": 12, "damping_ratio": 0.01},
-                 **channels(), **more)
+    return plate(mesh={"edge_length": "70 mm"}, attachment=SPRINGS + list(hidden),
+                 modes={"count": 12, "damping_ratio": 0.01}, **channels(FIVE), **more)
 
 
 class Compare(unittest.TestCase):
@@ -38,14 +39,14 @@ class Compare(unittest.TestCase):
     def test_errors_are_those_of_the_arrays(self):
         one = self.compared
         measured, off = one.measured.value, one.simulated - one.measured.value
-        self.assertEqual(one.simulated.shape, (len(one.measured.frequency_hz), 7, 2))
+        self.assertEqual(one.simulated.shape, (len(one.measured.frequency_hz), 5, 2))
         size = np.linalg.norm
         np.testing.assert_allclose(one.error, size(off, axis=0) / size(measured, axis=0), rtol=1e-9)
         self.assertAlmostEqual(one.relative_error, size(off) / size(measured), places=9)
         self.assertLess(one.noise_floor, 0.1 * one.relative_error)
-        self.assertEqual(one.noise.shape, (7, 2))
+        self.assertEqual(one.noise.shape, (5, 2))
         rows = {(row["sensor"], row["actuator"]): row["relative_error"] for row in one.responses}
-        self.assertEqual(len(rows), 14)
+        self.assertEqual(len(rows), 10)
         self.assertEqual(rows["s2", "a2"], one.error[1, 1])
         f = one.measured.frequency_hz
         for low, high, error in zip(one.band_edges_hz, one.band_edges_hz[1:], one.band_error):
@@ -54,7 +55,7 @@ class Compare(unittest.TestCase):
             bounds = [size(off[lines]) / size(measured[lines]) for lines in (inside, wide)]
             self.assertGreater(error, 0.98 * min(bounds))
             self.assertLess(error, 1.02 * max(bounds))
-        self.assertEqual([row["name"] for row in one.sensors], [f"s{i}" for i in range(1, 8)])
+        self.assertEqual([row["name"] for row in one.sensors], list(FIVE))
         self.assertEqual([row["name"] for row in one.actuators], ["a1", "a2"])
 
     def test_a_mass_lowers_frequencies(self):
@@ -70,12 +71,6 @@ class Compare(unittest.TestCase):
             pair = (mac["simulated_modes"].index(row["simulated_mode"]),
                     mac["measured_modes"].index(row["measured_mode"]))
             self.assertAlmostEqual(self.compared.mac[pair], row["mac"], delta=0.05)
-
-    def test_nothing_is_wrong_where_nothing_is(self):
-        one = chladni.compare(chladni.Study(stage(HIDDEN, measurement={"frf": "measured.csv"}),
-                                            folder=self.folder))
-        self.assertLess(one.relative_error, 0.02)
-        self.assertLess(max(abs(row["change"]) for row in one.table), 1e-4)
 
     def test_modes_of_a_file_stand_beside_the_simulated_ones(self):
         hz = chladni.modes(stage(HIDDEN)).frequency_hz
@@ -107,6 +102,12 @@ class Compare(unittest.TestCase):
         self.assertEqual({key: theirs[key] for key in mine}, mine)
         self.assertEqual({key: saved[key] for key in mine}, mine)
         self.assertIn("MAC", str(self.compared))
+
+    def test_what_its_progress_raises_ends_it(self):
+        def stop(step, part):
+            raise KeyboardInterrupt(step)
+        with self.assertRaises(KeyboardInterrupt):
+            chladni.compare(self.compared.study, progress=stop)
 
     def test_it_asks_for_a_measurement(self):
         steps = []

@@ -162,6 +162,12 @@ class Observer(unittest.TestCase):
         with self.assertRaises(ValueError):
             self.observer.L[0, 0] = 1.0
 
+    def test_what_its_progress_raises_ends_it(self):
+        def stop(step, part):
+            raise KeyboardInterrupt(step)
+        with self.assertRaises(KeyboardInterrupt):
+            chladni.observe(self.study, progress=stop)
+
     def test_what_lacks_is_refused_before_it_solves(self):
         def refused(pattern, **more):
             steps = []
