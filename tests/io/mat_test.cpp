@@ -19,22 +19,12 @@
 #include "io/matlab/time_mat.h"
 #include "tests/io/frf_samples.h"
 #include "tests/io/mat_by_hand.h"
+#include "tests/io/mat_files.h"
 
 namespace chladni::io {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr std::size_t kLimit = std::size_t{64} << 20U;
-
-class Mat : public testing::Test {
- protected:
-  static void SetUpTestSuite() { setenv("CHLADNI_LIBEXEC", CHLADNI_BINARY_DIR "/bin", 1); }
-};
-
-void put(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<long>(bytes.size()));
-}
-
 void expect_channels(const modal::FrfSet& found, const modal::FrfSet& expected) {
   for (std::size_t i = 0; i < expected.outputs.size(); ++i) {
     EXPECT_EQ(found.outputs[i].unit, expected.outputs[i].unit);
@@ -43,21 +33,6 @@ void expect_channels(const modal::FrfSet& found, const modal::FrfSet& expected) 
     EXPECT_EQ(found.outputs[i].direction, expected.outputs[i].direction);
     EXPECT_EQ(found.outputs[i].position, expected.outputs[i].position);
   }
-}
-
-modal::FrfSet described_set() {
-  auto set = random_set(3, 2, 25, 13);
-  set.averages = 8.0;
-  set.outputs[1].name = "Größe, \"links\"";
-  set.outputs[1].node = 101;
-  set.outputs[2].direction = Eigen::Vector3d(0.6, 0.0, -0.8);
-  set.outputs[0].position = Eigen::Vector3d(0.1, 1.0 / 3.0, 0.0);
-  for (auto& output : set.outputs) {
-    output.unit = "m/s";
-    output.kind = modal::FrfKind::mobility;
-  }
-  set.inputs[0].unit = "N";
-  return set;
 }
 
 TEST_F(Mat, ReadsBackResponsesToTheLastBit) {
@@ -331,81 +306,6 @@ TEST_F(Mat, RefusalsNameTheVariable) {
       EXPECT_EQ(std::string(e.what()).find("t.mat: "), 0U) << e.what();
     }
   }
-}
-
-TEST_F(Mat, BrokenFilesAreRefusedAndNotBelieved) {
-  const TemporaryFile file("broken.mat");
-  const auto refused = [&](const std::string& bytes) {
-    put(file.path, bytes);
-    try {
-      (void)read_frf(file.path);
-      return false;
-    } catch (const InvalidInput& e) {
-      EXPECT_EQ(std::string(e.what()).find(file.path.string()), 0U) << e.what();
-      return true;
-    }
-  };
-  EXPECT_TRUE(refused(""));
-  EXPECT_TRUE(refused("hello"));
-  (void)write_frf(file.path, described_set());
-  const auto whole = read_whole(file.path);
-  Draw draw(3);
-  for (int trial = 0; trial < 12; ++trial) {
-    const auto size = static_cast<std::size_t>(draw.uniform() * static_cast<double>(whole.size()));
-    EXPECT_TRUE(refused(whole.substr(0, size))) << size;
-  }
-  // A size of 2³¹ − 1 numbers, of which nothing follows.
-  EXPECT_TRUE(refused(
-      version_5({doubles("f", {1, 2}, {1, 2}), doubles("G", {2147483647, 1, 1}, {1.0}, {1.0})})));
-  // Some hundred kilobytes that unpack to 128 megabytes.
-  const std::string zeros(std::size_t{1} << 27U, '\0');
-  FrfOptions options;
-  options.limit_bytes = kLimit;
-  put(file.path,
-      version_5({compressed(element(14, array_head(6, {1, 1 << 24}, "G") + element(9, zeros)))}));
-  EXPECT_LT(std::filesystem::file_size(file.path), 1U << 18U);
-  EXPECT_THROW((void)read_frf(file.path, options), InvalidInput);
-}
-
-TEST_F(Mat, AnArrayOfMillionsIsNotMillionsOfChannels) {
-  const TemporaryFile file("wide.mat");
-  const auto refused = [&](const std::vector<std::string>& variables, const char* word) {
-    put(file.path, version_5(variables));
-    try {
-      (void)read_frf(file.path);
-      ADD_FAILURE() << "taken; expected a refusal about " << word;
-    } catch (const NoResponses&) {
-      try {
-        (void)read_time(file.path);
-        ADD_FAILURE() << "taken; expected a refusal about " << word;
-      } catch (const InvalidInput& e) {
-        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
-      }
-    } catch (const InvalidInput& e) {
-      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
-    }
-  };
-  const std::vector<double> many(400'000, 0.0);
-  const auto frequencies = doubles("f", {1, 2}, {1.0, 2.0});
-  refused({frequencies, doubles("G", {2, 200'000}, many)}, "200000 outputs, expected at most");
-  refused({frequencies, doubles("G", {2, 1, 200'000}, many)}, "200000 inputs, expected at most");
-  const auto step = doubles("Ts", {1, 1}, {0.1});
-  refused({step, doubles("y", {2, 200'000}, many)}, "200000 outputs, expected at most");
-}
-
-TEST_F(Mat, NumbersThatNoInstrumentGivesAreRefused) {
-  const TemporaryFile file("large.mat");
-  put(file.path, version_5({doubles("f", {1, 2}, {1.0, 2.0}),
-                            doubles("G", {2, 1}, {1.0, 1e200}, {1.0, 1.0})}));
-  try {
-    (void)read_frf(file.path);
-    ADD_FAILURE() << "taken";
-  } catch (const InvalidInput& e) {
-    EXPECT_NE(std::string(e.what()).find("line 2 from input 1 to output 1"), std::string::npos)
-        << e.what();
-  }
-  put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {2, 1}, {1.0, 1e200})}));
-  EXPECT_THROW((void)read_time(file.path), InvalidInput);
 }
 
 TEST_F(Mat, AModelIsWrittenAsItsMatrices) {
