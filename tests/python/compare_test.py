@@ -1,19 +1,11 @@
 """chladni.compare: measured beside simulated."""
 import json
-import pathlib
-import subprocess
-import tempfile
 import unittest
-import warnings
 
 import chladni
 import numpy as np
-from chladni._toml import toml_text
-from studies import SENSORS, channels, plate
+from studies import HIDDEN, SENSORS, SPRINGS, InFolder, channels, plate, said_by_program
 
-SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
-            "stiffness": "2 kN/mm"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
-HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
 FIVE = {name: SENSORS[name] for name in ("s1", "s2", "s3", "s4", "s5")}
 LABORATORY = {"sample_rate": "8192 Hz", "samples": 4096, "periods": 3, "realisations": 3,
               "warm_up": 3, "band": ["100 Hz", "800 Hz"], "noise_ratio": 0.003}
@@ -24,13 +16,10 @@ def stage(*hidden, **more):
                  modes={"count": 12, "damping_ratio": 0.01}, **channels(FIVE), **more)
 
 
-class Compare(unittest.TestCase):
+class Compare(InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.holder.cleanup)
-        cls.folder = pathlib.Path(cls.holder.name)
-        warnings.simplefilter("ignore", chladni.ChladniWarning)
+        super().setUpClass()
         measured = chladni.simulate(stage(HIDDEN, experiment=LABORATORY)).frf
         chladni.write_frf(cls.folder / "measured.csv", measured)
         cls.whole = stage(measurement={"frf": "measured.csv"})
@@ -93,12 +82,8 @@ class Compare(unittest.TestCase):
     def test_it_leaves_what_the_program_leaves(self):
         self.compared.save(self.folder / "saved", pictures=False)
         saved = json.loads((self.folder / "saved" / "comparison.json").read_text())
-        (self.folder / "study.toml").write_text(toml_text(self.whole))
-        said = subprocess.run(
-            [chladni._chladni._program(), "compare", self.folder / "study.toml", "-o",
-             self.folder / "out", "--json", "--no-pictures"],
-            check=True, capture_output=True, text=True)
-        mine, theirs = self.compared.to_dict(), json.loads(said.stdout)
+        theirs = said_by_program("compare", self.whole, self.folder)
+        mine = self.compared.to_dict()
         self.assertEqual({key: theirs[key] for key in mine}, mine)
         self.assertEqual({key: saved[key] for key in mine}, mine)
         self.assertIn("MAC", str(self.compared))

@@ -1,14 +1,12 @@
 """chladni.experiment: what is to be played, and whether it keeps the limits of the rig."""
-import json
 import pathlib
-import subprocess
 import tempfile
 import unittest
 import warnings
 
 import chladni
 import numpy as np
-from chladni._toml import toml_text
+from studies import said_by_program
 
 CANTILEVER = {
     "title": "cantilever",
@@ -112,12 +110,8 @@ class Multisine(unittest.TestCase):
             left = {file.name for file in (folder / "saved").iterdir()}
             self.assertEqual(left, {*self.volts.to_dict()["files"], "experiment.json"})
             self.assertIn("excitation_r2_e2.wav", left)
-            (folder / "study.toml").write_text(toml_text(whole))
-            said = subprocess.run(
-                [chladni._chladni._program(), "experiment", folder / "study.toml", "-o",
-                 folder / "out", "--json", "--no-pictures"],
-                check=True, capture_output=True, text=True)
-            mine, theirs = self.volts.to_dict(), json.loads(said.stdout)
+            theirs = said_by_program("experiment", whole, folder)
+            mine = self.volts.to_dict()
             self.assertEqual({key: theirs[key] for key in mine}, mine)
             for file in mine["files"]:
                 if not file.endswith(".mat"):  # its header has the time

@@ -1,15 +1,9 @@
 """chladni.observe: a filter of the identified model, against its own equations and a virtual rig."""
-import json
-import pathlib
-import subprocess
-import tempfile
 import unittest
-import warnings
 
 import chladni
 import numpy as np
-from chladni._toml import toml_text
-from studies import plate
+from studies import InFolder, plate, said_by_program
 
 PLACES = {"s1": (-140, 90), "s2": (140, 90), "s3": (140, -90), "s4": (-140, -90), "s5": (20, 10)}
 
@@ -42,13 +36,10 @@ OBSERVER = {"replay": "rig.csv", "noise": "5 nm",
 MEASUREMENT = {"frf": "measured.csv", "hold_out": ["s5"]}
 
 
-class Observer(unittest.TestCase):
+class Observer(InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.holder.cleanup)
-        cls.folder = pathlib.Path(cls.holder.name)
-        warnings.simplefilter("ignore", chladni.ChladniWarning)
+        super().setUpClass()
         quiet = laboratory(periods=3, realisations=2, warm_up=2, noise="1 nm", compensate="hold")
         chladni.write_frf(cls.folder / "measured.csv", chladni.simulate(rig(experiment=quiet)).frf)
         shaken = laboratory(periods=2, realisations=1, noise="5 nm", process_noise="50 mN",
@@ -141,12 +132,8 @@ class Observer(unittest.TestCase):
         self.observer.save(self.folder / "saved", pictures=False)
         self.assertEqual({file.name for file in (self.folder / "saved").iterdir()},
                          {"observe.json", "observer.mat", "observer.h"})
-        (self.folder / "study.toml").write_text(toml_text(self.whole))
-        said = subprocess.run(
-            [chladni._chladni._program(), "observe", self.folder / "study.toml", "-o",
-             self.folder / "out", "--json", "--no-pictures", "--seed", "3"],
-            check=True, capture_output=True, text=True)
-        mine, theirs = self.observer.to_dict(), json.loads(said.stdout)
+        theirs = said_by_program("observe", self.whole, self.folder, "--seed", "3")
+        mine = self.observer.to_dict()
         self.assertEqual({key: theirs[key] for key in mine}, mine)
         self.assertEqual((self.folder / "saved" / "observer.h").read_text(),
                          (self.folder / "out" / "observer.h").read_text())

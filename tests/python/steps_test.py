@@ -1,7 +1,5 @@
 """The steps of the flow from Python: what the program leaves, and what is true."""
-import json
 import pathlib
-import subprocess
 import tempfile
 import unittest
 import warnings
@@ -9,11 +7,9 @@ import warnings
 import chladni
 import numpy as np
 from chladni._toml import toml_text
-from studies import channels, every_fourth_landing, plate
+from studies import (HIDDEN, SPRINGS, InFolder, channels, every_fourth_landing, plate,
+                     said_by_program)
 
-SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
-            "stiffness": "2 kN/mm"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
-HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
 EXPERIMENT = {"sample_rate": "16384 Hz", "samples": 8192, "periods": 3, "realisations": 3,
               "warm_up": 3, "band": ["100 Hz", "1450 Hz"], "noise_ratio": 0.01}
 MODES = {"count": 12, "damping_ratio": 0.01}
@@ -26,15 +22,12 @@ def stage(**more):
                  **more)
 
 
-class Flow(unittest.TestCase):
+class Flow(InFolder):
     """A plate on springs with a hidden mass is measured; the study does not know of the mass."""
 
     @classmethod
     def setUpClass(cls):
-        cls.holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.holder.cleanup)
-        cls.folder = pathlib.Path(cls.holder.name)
-        warnings.simplefilter("ignore", chladni.ChladniWarning)
+        super().setUpClass()
         real = stage(experiment=EXPERIMENT)
         real["attachment"] = SPRINGS + [HIDDEN]
         cls.real = chladni.Study(real, folder=cls.folder)
@@ -182,14 +175,6 @@ class Placement(unittest.TestCase):
 class Program(unittest.TestCase):
     """Python and the program say the same, to the last digit."""
 
-    def said(self, verb, text, folder):
-        program = chladni._chladni._program()
-        file = folder / "study.toml"
-        file.write_text(text)
-        done = subprocess.run([program, verb, file, "-o", folder / "out", "--json", "--no-pictures"],
-                              check=True, capture_output=True, text=True)
-        return json.loads(done.stdout)
-
     def test_modes_and_placement(self):
         whole = plate(placement={"modes": 3}, **channels())
         with tempfile.TemporaryDirectory() as name, warnings.catch_warnings():
@@ -197,7 +182,7 @@ class Program(unittest.TestCase):
             folder = pathlib.Path(name)
             modes = chladni.modes(whole)
             for verb, result in (("modes", modes), ("place", chladni.place(modes))):
-                said, mine = self.said(verb, toml_text(whole), folder), result.to_dict()
+                said, mine = said_by_program(verb, whole, folder), result.to_dict()
                 self.assertEqual({key: said[key] for key in mine}, mine, verb)
                 self.assertEqual(said["study"]["sha256"], result.study.sha256)
 

@@ -1,9 +1,15 @@
-"""Small studies that several tests share."""
+"""Small studies that several tests share, their folder, and what the program says of them."""
 import copy
+import json
 import os
 import pathlib
 import subprocess
+import tempfile
 import unittest
+import warnings
+
+import chladni
+from chladni._toml import toml_text
 
 PLATE = {
     "title": "plate",
@@ -15,6 +21,9 @@ PLATE = {
 SENSORS = {"s1": (-140, 90), "s2": (140, 85), "s3": (130, -95), "s4": (-135, -80), "s5": (10, 15),
            "s6": (-60, 40), "s7": (70, -30)}
 ACTUATORS = {"a1": "s1", "a2": "s3"}
+SPRINGS = [{"kind": "spring", "name": f"spring_{i}", "at": [f"{x} mm", f"{y} mm"], "direction": "z",
+            "stiffness": "2 kN/mm"} for i, (x, y) in enumerate([(-100, 0), (100, -60), (90, 70)])]
+HIDDEN = {"kind": "mass", "name": "hidden", "at": ["60 mm", "40 mm"], "mass": "40 g"}
 
 
 def plate(**more):
@@ -28,6 +37,27 @@ def channels(sensors=SENSORS):
         return {"name": name, "at": [f"{x} mm" for x in place], "direction": "z"}
     return {"sensor": [channel(name, place) for name, place in sensors.items()],
             "actuator": [channel(name, SENSORS[at]) for name, at in ACTUATORS.items()]}
+
+
+class InFolder(unittest.TestCase):
+    """Tests of one class in a folder of theirs, without the warnings of small studies."""
+
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.folder = pathlib.Path(holder.name)
+        warnings.simplefilter("ignore", chladni.ChladniWarning)
+
+
+def said_by_program(verb, whole, folder, *options):
+    """The JSON that the program prints of this study, which it leaves in `folder`/out."""
+    file = folder / "study.toml"
+    file.write_text(toml_text(whole))
+    done = subprocess.run(
+        [chladni._chladni._program(), verb, file, "-o", folder / "out", "--json", "--no-pictures",
+         *options], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)
 
 
 def patience():
