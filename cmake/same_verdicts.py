@@ -25,8 +25,8 @@ def diagnosed(chladni, study, kernel, threads, more):
             [chladni, "diagnose", study, "-o", out, "--quiet", "--no-pictures",
              "--threads", str(threads), *more],
             # Kept modes would be those of the first kernel.
-            env={**os.environ, "OPENBLAS_CORETYPE": kernel, "CHLADNI_CACHE": "off"}, stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE, text=True, check=False)
+            env={**os.environ, "OPENBLAS_CORETYPE": kernel, "CHLADNI_CACHE": "off"},
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode not in (0, 4):
             sys.exit(f"{study}, {kernel}, {threads} threads: exit {done.returncode}: {done.stderr}")
         told = json.loads((Path(out) / "diagnosis.json").read_text(encoding="utf-8"))

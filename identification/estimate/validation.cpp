@@ -36,10 +36,15 @@ std::vector<Index> borders(const Eigen::VectorXd& line_hz, const Eigen::VectorXd
 
 BandResidual band_residual(const FitData& data, const Eigen::MatrixXcd& error, Index first,
                            Index count) {
-  FitData part = data;  // the lines of the band
-  part.frequency_hz = data.frequency_hz.segment(first, count);
-  part.value = data.value.middleRows(first, count);
-  part.weight = data.weight.middleRows(first, count);
+  const FitData part{.outputs = data.outputs,
+                     .inputs = data.inputs,
+                     .frequency_hz = data.frequency_hz.segment(first, count),
+                     .value = data.value.middleRows(first, count),
+                     .weight = data.weight.middleRows(first, count),
+                     .noise_known = data.noise_known,
+                     .noise_stated = data.noise_stated,
+                     .noise_freedom = data.noise_freedom,
+                     .shared_lines = data.shared_lines};
   const auto weight = part.weight.array();
   const Eigen::ArrayXXcd e = error.middleRows(first, count).array();
   const Eigen::ArrayXXcd white = e * weight;
@@ -47,7 +52,6 @@ BandResidual band_residual(const FitData& data, const Eigen::MatrixXcd& error, I
   BandResidual band{part.frequency_hz(0), part.frequency_hz(count - 1), count};
   band.relative_error = e.matrix().norm() / part.value.norm();
   const double power = white.abs2().sum();
-  band.level = power / numbers;
   const auto expected = expected_cost(part, 0);
   band.level = power / expected.mean;
   band.level_deviation = expected.deviation / expected.mean;

@@ -1,9 +1,11 @@
 // A drawing as SVG.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "io/bytes/escape.h"
 #include "io/figure/drawing.h"
 
 namespace chladni::io {
@@ -23,28 +25,11 @@ std::string number(double value) {
   return text == "-0" ? "0" : text;
 }
 
-// Five characters of words mean something to SVG; control characters are not allowed in it.
-std::string escaped(const std::string& words) {
-  std::string text;
-  for (const char c : words) {
-    switch (c) {
-      case '&':
-        text += "&amp;";
-        break;
-      case '<':
-        text += "&lt;";
-        break;
-      case '>':
-        text += "&gt;";
-        break;
-      case '"':
-        text += "&quot;";
-        break;
-      default:
-        text += static_cast<unsigned char>(c) < 0x20U ? ' ' : c;
-    }
-  }
-  return text;
+// A word of several lines stands on one: control characters are spaces.
+std::string words_text(std::string words) {
+  std::ranges::replace_if(
+      words, [](unsigned char c) { return c < 0x20U; }, ' ');
+  return escaped(words);
 }
 
 std::string path_text(const std::vector<Drawing::Path>& paths, bool closed) {
@@ -89,7 +74,7 @@ std::string Drawing::svg() const {
                    anchors[static_cast<int>(words.align)],
                    words.bold ? " font-weight=\"bold\"" : "",
                    words.upwards ? fmt::format(" transform=\"rotate(-90 {} {})\"", x, y) : "",
-                   escaped(words.words));
+                   words_text(words.words));
   }
   return text + "</svg>\n";
 }

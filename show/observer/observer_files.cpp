@@ -133,6 +133,16 @@ std::pair<double, std::string> unit_of(double metres) {
   return metres >= 1e-6 ? std::pair{1e6, "um"} : std::pair{1e9, "nm"};
 }
 
+io::PlotSeries band_series(const steps::ReplayCourse& course, const Eigen::VectorXd& middle,
+                           const Eigen::VectorXd& half) {
+  return {.name = "95 % band of the estimate",
+          .x = course.time_s,
+          .y = middle - half,
+          .upper = middle + half,
+          .style = io::PlotSeries::Style::band,
+          .colour = kBlue};
+}
+
 io::PlotPanel panel_of(const steps::Replay& replay, Eigen::Index j) {
   const auto& course = replay.course;
   const auto [scale, unit] = unit_of(course.measured.col(j).cwiseAbs().maxCoeff());
@@ -143,12 +153,7 @@ io::PlotPanel panel_of(const steps::Replay& replay, Eigen::Index j) {
   panel.title = fmt::format("{}, {:.3g} % wrong", one.judge, 100.0 * one.observer);
   panel.x = {.label = "time [s]"};
   panel.y = {.label = "displacement [" + unit + "]"};
-  panel.series.push_back({.name = "95 % band of the estimate",
-                          .x = course.time_s,
-                          .y = estimate - half,
-                          .upper = estimate + half,
-                          .style = io::PlotSeries::Style::band,
-                          .colour = kBlue});
+  panel.series.push_back(band_series(course, estimate, half));
   panel.series.push_back({.name = "measured, seen by no filter",
                           .x = course.time_s,
                           .y = scale * course.measured.col(j),
@@ -178,12 +183,7 @@ io::PlotPanel error_panel_of(const steps::Replay& replay, Eigen::Index j) {
                             100.0 * one.covered);
   panel.x = {.label = "time [s]"};
   panel.y = {.label = "error [" + unit + "]"};
-  panel.series.push_back({.name = "95 % band of the estimate",
-                          .x = course.time_s,
-                          .y = -scale * half,
-                          .upper = scale * half,
-                          .style = io::PlotSeries::Style::band,
-                          .colour = kBlue});
+  panel.series.push_back(band_series(course, Eigen::VectorXd::Zero(half.size()), scale * half));
   panel.series.push_back({.name = "estimated less measured",
                           .x = course.time_s,
                           .y = scale * wrong,

@@ -38,7 +38,7 @@ Observer with_learned_noise(const study::Study& study, Observer observer,
                             const Recordings& recordings) {
   const auto& system = observer.filter.system;
   const double settle_s = settling_time(*study.observer, observer.filter, recordings.sample_time_s);
-  const auto from = static_cast<Eigen::Index>(std::ceil(settle_s / recordings.sample_time_s));
+  const auto from = first_settled(settle_s, recordings.sample_time_s);
   const auto samples = samples_of(recordings, from);
   require(!samples.empty(), nothing_settles(recordings.file, settle_s));
   const auto factors = modal::learned_noise(system, samples, from);

@@ -239,7 +239,7 @@ Replay replay(const study::Study& study, const Observer& observer, const Recordi
               ": the held-out sensors of displacement are not in the recordings to judge the "
               "estimate; expected measurement.hold_out = [...]");
   const double settle_s = settling_time(*study.observer, observer.filter, recordings.sample_time_s);
-  const auto from = static_cast<Eigen::Index>(std::ceil(settle_s / recordings.sample_time_s));
+  const auto from = first_settled(settle_s, recordings.sample_time_s);
   Replaying trial(study, observer, recordings, truth);
   ReplayCourse course;
   Eigen::Index used = 0;

@@ -46,6 +46,10 @@ double settling_time(const study::ObserverPlan& plan, const modal::KalmanFilter&
   return slowest > 0.0 ? kTimeConstants * sample_time_s / -std::log(slowest) : 0.0;
 }
 
+Eigen::Index first_settled(double settle_s, double sample_time_s) {
+  return static_cast<Eigen::Index>(std::ceil(settle_s / sample_time_s));
+}
+
 std::string nothing_settles(const std::string& file, double settle_s) {
   return fmt::format(
       "{}: every record is shorter than the {:.3g} s in which the filter settles; expected longer "

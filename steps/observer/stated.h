@@ -26,6 +26,9 @@ namespace chladni::steps {
 [[nodiscard]] double settling_time(const study::ObserverPlan& plan,
                                    const modal::KalmanFilter& filter, double sample_time_s);
 
+/// The first sample after that.
+[[nodiscard]] Eigen::Index first_settled(double settle_s, double sample_time_s);
+
 /// Why no record may be used.
 [[nodiscard]] std::string nothing_settles(const std::string& file, double settle_s);
 

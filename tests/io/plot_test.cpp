@@ -251,6 +251,13 @@ TEST_F(PlotPicture, WordsOfVectorsAreNoMarkup) {
   plot.title = "a < b & \"c\"\n> d";
   const auto svg = svg_of(plot, png_);
   EXPECT_NE(svg.find("a &lt; b &amp; &quot;c&quot; &gt; d</text>"), std::string::npos);
+  plot.title =
+      "Gr\xF6\xDF"
+      "e";  // Latin-1, as files of instruments have names
+  EXPECT_NE(svg_of(plot, png_)
+                .find("Gr\xEF\xBF\xBD\xEF\xBF\xBD"
+                      "e</text>"),
+            std::string::npos);
 }
 
 TEST_F(PlotPicture, RefusesWhatCannotBeDrawn) {
