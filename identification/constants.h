@@ -170,6 +170,11 @@ struct Constants {
   static constexpr double good_level = 1.5;
   /// Level above which outliers may have distorted a fit [noise levels] (chosen, cc38859).
   static constexpr double bad_level = 10.0;
+  /// Two complex modes nearer than this are one pole twice [half bandwidths] (chosen).
+  static constexpr double doubled = 0.2;
+  /// Least imaginary part of the pole of a complex mode over its size. Its residue is over 2jω_d, and
+  /// ω_d from a damping ratio of nearly 1 has lost its digits [1] (chosen: ω_d then has ten).
+  static constexpr double least_turning = 1e-3;
   /// A mode so many times below the lowest line or above the highest is none of the data's [1]
   /// (chosen).
   static constexpr double far_beyond = 10.0;

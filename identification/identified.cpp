@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -94,6 +95,58 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
   }
 }
 
+// A start with one more mode. Complex modes stay as they are: fitted anew beside it, their residues
+// often have no single direction, and the descent ends elsewhere.
+Start one_more(const ModalFit& fit, const MissingMode& missing) {
+  Start start = start_of(fit);
+  start.pole.conservativeResize(start.pole.size() + 1);
+  start.pole(start.pole.size() - 1) = missing.pole;
+  if (fit.complex) start.general.push_back(missing.general);
+  return start;
+}
+
+// Whether the data ask for no further mode. Modes far beyond the lines end where little more than
+// noise is left: what remains is no mode of the structure.
+bool is_enough(const FitData& data, const IdentificationOptions& options, const ModalFit& fit) {
+  if (!data.noise_known) return false;
+  return fit.excess() < Constants::enough_excess ||
+         (options.far_modes && noise_level(fit, data) < Constants::good_level);
+}
+
+// The weaker one of two poles within this part of a bandwidth; -1: there are none.
+Eigen::Index doubled_pole(const ModalFit& fit) {
+  const auto pole = start_of(fit).pole;
+  const auto rigid = fit.model.rigid_count;
+  const auto size = [&](Eigen::Index m) {
+    return fit.model.output_shapes.col(rigid + m).squaredNorm();
+  };
+  for (Eigen::Index m = 0; m < pole.size(); ++m) {
+    for (Eigen::Index n = 0; n < m; ++n) {
+      if (std::abs(pole(m) - pole(n)) < Constants::doubled * -pole(m).real()) {
+        return size(m) < size(n) ? m : n;
+      }
+    }
+  }
+  return -1;
+}
+
+// Leaves out one of two complex modes at one pole, whose shapes nothing determines, if that costs
+// less than its parameters.
+void drop_doubled_modes(const FitData& data, const FitOptions& options, Identified& result) {
+  for (Eigen::Index m = 0; result.fit.complex && (m = doubled_pole(result.fit)) >= 0;) {
+    Start less = start_of(result.fit);
+    const auto after = less.pole.size() - m - 1;
+    less.pole.segment(m, after) = less.pole.tail(after).eval();
+    less.pole.conservativeResize(less.pole.size() - 1);
+    less.general.erase(less.general.begin() + m);
+    auto fit = modal_fit(data, less, options);
+    const bool taken = !pays(data, fit, result.fit);
+    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
+    if (!taken) return;
+    result.fit = std::move(fit);
+  }
+}
+
 void add_missing_modes(const FitData& data, const IdentificationOptions& options,
                        Identified& result) {
   const auto channels = data.outputs + data.inputs;
@@ -103,14 +156,12 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
   while (result.fit.flexible_count() < most) {
     if (options.fit.keep_best && interrupted()) break;
     const bool wanted = options.modes > result.fit.flexible_count();
-    if (!wanted && data.noise_known && result.fit.excess() < Constants::enough_excess) break;
-    auto start = start_at(result.fit.model);
+    if (!wanted && is_enough(data, options, result.fit)) break;
     const auto candidate = missing_mode(data, result.fit);
     if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
-    start.pole.conservativeResize(start.pole.size() + 1);
-    start.pole(start.pole.size() - 1) = candidate.pole;
-    auto fit = modal_fit(data, start, options.fit);
-    const bool taken = wanted || (pays(data, result.fit, fit) && !has_far_mode(data, fit));
+    auto fit = modal_fit(data, one_more(result.fit, candidate), options.fit);
+    const bool taken = wanted || (pays(data, result.fit, fit) &&
+                                  (options.far_modes || !has_far_mode(data, fit)));
     result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
     if (!taken) break;
     result.fit = std::move(fit);
@@ -130,7 +181,7 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
 // than five deviations, where the model's own error counts in the noise level. Else the old delay
 // stays and only takes the deviation of the free fit.
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
-  auto free = modal_fit(data, start_at(fit.model), options);
+  auto free = modal_fit(data, start_of(fit), options);
   if (fit.cost - free.cost >
       0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
     fit = std::move(free);
@@ -151,12 +202,15 @@ Identified from_start(const FitData& data, const Start& start,
   FitOptions few = options.fit;
   if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
   result.fit = first_fit(data, start, twice, few);
-  if (options.modes == 0) drop_far_modes(data, few, result.fit);
+  if (options.modes == 0 && !options.far_modes) drop_far_modes(data, few, result.fit);
   result.steps.push_back({result.fit.flexible_count(), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
-  if (data.noise_known && !result.fit.converged)
-    result.fit = modal_fit(data, start_at(result.fit.model), options.fit);
+  if (data.noise_known && !result.fit.converged) {
+    auto further = modal_fit(data, start_of(result.fit), options.fit);
+    if (further.cost < result.fit.cost) result.fit = std::move(further);
+  }
   add_missing_modes(data, options, result);
+  if (options.modes == 0 && options.far_modes) drop_doubled_modes(data, options.fit, result);
   return result;
 }
 

@@ -19,6 +19,9 @@ struct IdentificationOptions {
   /// suspension, these are fitted as modes at 0 Hz, if the data need them.
   bool on_springs = false;
   Eigen::Index most_modes = 80;
+  /// Whether a further mode may lie far beyond the lines. Such modes stand for a suspension, a frame
+  /// and what is above; the data do not determine their residues.
+  bool far_modes = false;
   bool drift = true;  ///< search for drift where no variance is stated
   FitOptions fit = {};
 };

@@ -160,6 +160,11 @@ struct StartResidues {
 StartResidues start_residues(const FitData& data, const Start& start, Damping damping,
                              double scale) {
   const bool rigid = start.rigid_count > 0;
+  if (damping == Damping::general && !start.general.empty()) {
+    StartResidues given{{}, start.general, start.rigid / (scale * scale)};
+    for (auto& residue : given.general) residue /= scale;
+    return given;
+  }
   auto fitted = ResidueProblem(data, start.pole, rigid).residues();
   StartResidues result{start.residue.empty() ? fitted.of_pole : start.residue, {}, fitted.rigid};
   if (damping == Damping::general) {
@@ -191,16 +196,18 @@ Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
 BlockModel start_model(const FitData& data, const Start& start, const Target& target, double scale,
                        Damping damping) {
   BlockModel model{.scale = scale, .blocks = {}, .residual = {}, .channel_delay = {}};
-  model.residual = Eigen::MatrixXd::Zero(data.outputs, data.inputs);
+  model.residual = start.constant.size() > 0 ? start.constant
+                                             : Eigen::MatrixXd::Zero(data.outputs, data.inputs);
   const auto residues = start_residues(data, start, damping, scale);
   if (start.rigid_count > 0) {
     model.blocks.push_back(rigid_block(residues.rigid, start.rigid_count));
   }
   for (const auto& group : neighbours(start.pole)) {
-    if (damping == Damping::general && group.size() == 1) {
-      const auto m = static_cast<std::size_t>(group.front());
-      model.blocks.push_back(
-          strongest_mode(start.pole(group.front()) / scale, residues.general[m]));
+    if (damping == Damping::general && (group.size() == 1 || !start.general.empty())) {
+      for (const auto i : group) {
+        model.blocks.push_back(strongest_mode(start.pole(i) / scale,
+                                              residues.general[static_cast<std::size_t>(i)]));
+      }
       continue;
     }
     std::vector<Complex> poles;
@@ -290,6 +297,20 @@ Start start_at(const modal::ReducedModel& model) {
     const double ratio = model.damping_ratio(start.rigid_count + m);
     start.pole(m) = own * Complex(-ratio, std::sqrt(std::max(1e-12, 1.0 - ratio * ratio)));
   }
+  return start;
+}
+
+Start start_of(const ModalFit& fit) {
+  Start start = start_at(fit.model);
+  if (!fit.complex) return start;
+  const auto rigid = fit.model.rigid_count;
+  for (Eigen::Index m = 0; m < start.pole.size(); ++m) {
+    const Complex twice(0.0, 2.0 * start.pole(m).imag());
+    start.general.emplace_back(fit.complex->outputs.col(rigid + m) *
+                               fit.complex->inputs.row(rigid + m) / twice);
+  }
+  start.rigid = fit.model.output_shapes.leftCols(rigid) * fit.model.input_shapes.topRows(rigid);
+  start.constant = fit.model.residual;
   return start;
 }
 

@@ -22,6 +22,10 @@ struct Start {
   Eigen::VectorXcd pole;                 ///< n [rad/s], Im > 0, Re < 0
   std::vector<Eigen::MatrixXd> residue;  ///< n, each p×q, of any rank. Empty: fitted to the data
   Eigen::Index rigid_count = 0;          ///< rank of the 1/s² term
+  /// Complex modes of a fit with general damping: n, each p×q, X of X/(s − p) and its conjugate.
+  /// Empty: fitted to the data. With them the two parts beside them:
+  std::vector<Eigen::MatrixXcd> general;
+  Eigen::MatrixXd rigid, constant;  ///< p×q: the factor of 1/s²; the residual
 };
 
 /// The flexible modes of a model, without residues.
@@ -67,6 +71,10 @@ struct ModalFit {
   [[nodiscard]] double excess() const { return (cost - expected_cost) / cost_deviation; }
   [[nodiscard]] Damping damping() const { return complex ? Damping::general : Damping::modal; }
 };
+
+/// The flexible modes of a fit. Complex shapes, the rigid-body part and the residual are kept with
+/// them, so that a descent from here ends no higher than the fit, but for its delay.
+[[nodiscard]] Start start_of(const ModalFit& fit);
 
 /// noise_level of the fit's cost and parameters. It scales every deviation of the fit and sets the
 /// gain in cost that a further mode or delay must reach.

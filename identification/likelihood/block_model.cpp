@@ -44,6 +44,7 @@ Block damped_after(Block block, const Block& before) {
     const double least = std::max(kLeastDampingRatio * std::abs(block.pole),
                                   -Constants::damping_left * before.pole.real());
     block.pole.real(std::min(block.pole.real(), -least));
+    block.pole.imag(std::max(block.pole.imag(), Constants::least_turning * std::abs(block.pole)));
   } else if (!block.rigid && block.size() == 1 && block.stiffness(0, 0) > 0.0) {
     const double least = std::max(2.0 * kLeastDampingRatio * std::sqrt(block.stiffness(0, 0)),
                                   Constants::damping_left * before.damping(0, 0));

@@ -48,7 +48,8 @@ struct BlockModel {
 inline constexpr double kLeastDampingRatio = 1e-7;
 
 /// Limits the damping of a single mode after a step from `before`: at least a tenth of the old
-/// value and at least kLeastDampingRatio. A block of several modes is not changed.
+/// value and at least kLeastDampingRatio, and of a complex mode less than critical
+/// (Constants::least_turning). A block of several modes is not changed.
 [[nodiscard]] Block damped_after(Block block, const Block& before);
 
 /// Whether that bound holds the damping of a single mode, because the data ask for less.

@@ -60,6 +60,17 @@ double gain_of(const Scanned& scanned, Complex pole) {
   return explained.cwiseQuotient(square.cwiseMax(1e-300)).sum();
 }
 
+// Residues of any phase that explain most of the error at a pole, each response by itself.
+Eigen::MatrixXcd residues_at(const Scanned& scanned, Complex pole) {
+  const auto& lines = scanned.data.frequency_hz;
+  const Eigen::VectorXcd h =
+      (Complex(0.0, 2.0 * std::numbers::pi) * lines.cast<Complex>().array() - pole).inverse();
+  const Eigen::RowVectorXcd along = h.adjoint() * scanned.error;
+  const Eigen::RowVectorXd square = h.cwiseAbs2().transpose() * scanned.weight;
+  return along.cwiseQuotient(square.cwiseMax(1e-300).cast<Complex>())
+      .reshaped(scanned.data.outputs, scanned.data.inputs);
+}
+
 }  // namespace
 
 MissingMode missing_mode(const FitData& data, const ModalFit& fit) {
@@ -82,7 +93,9 @@ MissingMode missing_mode(const FitData& data, const ModalFit& fit) {
     for (std::size_t c = begin; c < end; ++c) gain[c] = gain_of(scanned, candidates[c]);
   });
   const auto best = std::max_element(gain.begin(), gain.end()) - gain.begin();
-  return {candidates[static_cast<std::size_t>(best)], gain[static_cast<std::size_t>(best)]};
+  const auto pole = candidates[static_cast<std::size_t>(best)];
+  return {pole, scanned.general ? residues_at(scanned, pole) : Eigen::MatrixXcd(),
+          gain[static_cast<std::size_t>(best)]};
 }
 
 }  // namespace chladni::identification

@@ -9,6 +9,7 @@ namespace chladni::identification {
 
 struct MissingMode {
   std::complex<double> pole;  ///< [rad/s]
+  Eigen::MatrixXcd general;  ///< p×q: X of X/(s − p) and its conjugate, where shapes are complex
   double gain = 0.0;          ///< decrease of Σ |w error|² with the other modes fixed
 };
 
