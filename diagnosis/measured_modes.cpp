@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/error.h"
@@ -29,6 +30,39 @@ void check_side(const Eigen::MatrixXcd& shapes, const Eigen::MatrixXd& deviation
     require(!std::isfinite(std::abs(shapes.data()[i])) || (std >= 0.0 && std::isfinite(std)),
             fmt::format("measured modes: a shape value with the deviation {}; expected 0 or more",
                         std));
+  }
+}
+
+// Shapes with a phase at each channel. One deviation stands for both parts: the larger.
+void take_shapes(const identification::ComplexShapes& shapes, const std::vector<Index>& columns,
+                 MeasuredModes& modes) {
+  modes.output_shapes = shapes.outputs(Eigen::all, columns);
+  modes.output_std = shapes.output_real_std(Eigen::all, columns)
+                         .cwiseMax(shapes.output_imaginary_std(Eigen::all, columns));
+  modes.input_shapes = shapes.inputs(columns, Eigen::all).transpose();
+  modes.input_std = shapes.input_real_std(columns, Eigen::all)
+                        .cwiseMax(shapes.input_imaginary_std(columns, Eigen::all))
+                        .transpose();
+}
+
+// The phases by which the delays of the fit turn each mode. Phases of complex shapes and a delay are
+// hardly told apart, so the fit's choice of a delay is none of the modes' errors.
+void put_delays(const identification::ModalFit& fit, MeasuredModes& modes) {
+  const auto turn = [&](double delay, auto&& row) {
+    for (Index k = 0; k < modes.count(); ++k) {
+      row(k) *= std::polar(1.0, -2.0 * std::numbers::pi * modes.frequency_hz(k) * delay);
+    }
+  };
+  for (Index j = 0; j < modes.input_shapes.rows(); ++j) {
+    turn(fit.delay_s, modes.input_shapes.row(j));
+  }
+  const bool of_outputs = fit.delay_of == identification::DelayOf::outputs;
+  for (Index i = 0; i < fit.channel_delay_s.size(); ++i) {
+    if (of_outputs) {
+      turn(fit.channel_delay_s(i), modes.output_shapes.row(i));
+    } else {
+      turn(fit.channel_delay_s(i), modes.input_shapes.row(i));
+    }
   }
 }
 
@@ -76,12 +110,17 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   modes.frequency_std = fit.frequency_std_hz(columns).cwiseQuotient(modes.frequency_hz);
   modes.damping_ratio = model.damping_ratio(columns);
   modes.damping_std = fit.damping_std(columns).cwiseQuotient(modes.damping_ratio);
-  modes.output_shapes = model.output_shapes(Eigen::all, columns).cast<std::complex<double>>();
-  modes.output_std = fit.output_std(Eigen::all, columns);
-  modes.input_shapes =
-      model.input_shapes(columns, Eigen::all).transpose().cast<std::complex<double>>();
-  modes.input_std = fit.input_std(columns, Eigen::all).transpose();
+  if (fit.complex) {
+    take_shapes(*fit.complex, columns, modes);
+  } else {
+    modes.output_shapes = model.output_shapes(Eigen::all, columns).cast<std::complex<double>>();
+    modes.output_std = fit.output_std(Eigen::all, columns);
+    modes.input_shapes =
+        model.input_shapes(columns, Eigen::all).transpose().cast<std::complex<double>>();
+    modes.input_std = fit.input_std(columns, Eigen::all).transpose();
+  }
   modes.scaled = true;
+  put_delays(fit, modes);
   const auto drop = [](Eigen::MatrixXcd& shapes, Eigen::MatrixXd& deviation) {
     for (Index i = 0; i < shapes.size(); ++i) {
       if (std::isfinite(deviation.data()[i])) continue;

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "identification/constants.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 
@@ -42,6 +44,37 @@ void state_variance(modal::FrfSet& set, stage::Work& work) {
   }
 }
 
+// Modes with complex shapes, if these leave much less of the data than real ones, which leave this
+// level.
+std::optional<identification::ModalFit> with_complex_shapes(
+    const identification::FitData& data, identification::IdentificationOptions options,
+    double level) {
+  options.fit.damping = identification::Damping::general;
+  options.far_modes = true;  // a suspension below the lines, a frame above them
+  try {
+    auto fit = identification::identified(data, options).fit;
+    const bool pays = identification::noise_level(fit, data) <
+                      identification::Constants::complex_pays * level;
+    if (pays) return fit;
+  } catch (const InvalidInput&) {  // they explain nothing: real shapes stay
+  } catch (const NumericalFailure&) {
+  }
+  return std::nullopt;
+}
+
+// Strings, cables and frames couple the modes of a real structure by damping. Real shapes then
+// need modes that are not there, and miss some that are.
+identification::ModalFit fitted_modes(const identification::FitData& data) {
+  identification::IdentificationOptions options;
+  options.rigid_count = -1;
+  options.fit.delay = true;
+  auto fit = identification::identified(data, options).fit;
+  const double level = identification::noise_level(fit, data);
+  if (level < identification::Constants::good_level) return fit;
+  auto complex = with_complex_shapes(data, options, level);
+  return complex ? *std::move(complex) : fit;
+}
+
 }  // namespace
 
 study::DiagnosisPlan plan_of(const study::Study& study) {
@@ -71,10 +104,7 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
 std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stage::Work& work) {
   if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
   try {
-    identification::IdentificationOptions options;
-    options.rigid_count = -1;
-    options.fit.delay = true;
-    return identification::identified(identification::fit_data(seen), options).fit;
+    return fitted_modes(identification::fit_data(seen));
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& e) {
