@@ -155,7 +155,7 @@ double log_prior(const Supposed& supposed, const Structure& structure) {
     if (parameter.is_place()) continue;
     const double x = supposed.x(static_cast<Eigen::Index>(i));
     const double off = (x - parameter.centre) / parameter.width;
-    if (!(std::abs(off) < kPlausible)) return -std::numeric_limits<double>::infinity();
+    if (!(std::abs(off) < kPlausible) || x > parameter.most) return -std::numeric_limits<double>::infinity();
     sum -= 0.5 * off * off + std::log(parameter.width * std::sqrt(2.0 * std::numbers::pi));
   }
   const auto place = place_of(supposed, structure);

@@ -1,6 +1,7 @@
 // A number of an effect: its meaning, its unit and its prior.
 #pragma once
 
+#include <limits>
 #include <string_view>
 
 namespace chladni::diagnosis {
@@ -30,6 +31,7 @@ struct Parameter {
   bool is_size = false;
   double centre = 0.0, width = 1.0;  ///< of the prior of x
   double step = 1e-4;                ///< of x, for finite differences
+  double most = std::numeric_limits<double>::infinity();  ///< a larger x is impossible
 
   [[nodiscard]] double value(double x) const;
   [[nodiscard]] double coordinate(double value) const;

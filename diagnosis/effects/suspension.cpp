@@ -10,6 +10,10 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// A suspension that is stiffer than this part of the body's first mode holds no whole: the body gives
+// way first.
+constexpr double kStiffest = 0.7;
+
 std::vector<Parameter> frequency_and_damping(const Structure& structure) {
   const double typical_hz = 0.1 * structure.frequency_hz(structure.rigid_count);
   return {{.name = "frequency",
@@ -19,7 +23,8 @@ std::vector<Parameter> frequency_and_damping(const Structure& structure) {
            .is_size = true,
            .centre = std::log(typical_hz),
            .width = 1.0,
-           .step = 1e-4},
+           .step = 1e-4,
+           .most = std::log(kStiffest * 10.0 * typical_hz)},
           {.name = "damping_ratio",
            .unit = "1",
            .scale = Parameter::Scale::logarithmic,
