@@ -1,5 +1,5 @@
 // real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
-//   [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
+//   [--seeds A..B] [--data modes|frf|study] [--edge METRES] [--nature X] [--frequency-error X]
 //   [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X]
 //   [--unscaled] [--reference] [--rivals] [--truth-fit] [--truth]
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kHelp =
     R"(real_rigs_study [--body table,strip,disc,ell|all] [--kinds a,b|all|outside|none|pairs]
-  [--seeds A..B] [--data modes|frf] [--edge METRES] [--nature X] [--frequency-error X]
+  [--seeds A..B] [--data modes|frf|study] [--edge METRES] [--nature X] [--frequency-error X]
   [--shape-error X] [--severity X] [--frequency-noise X] [--shape-noise X] [--mass X] [--unscaled]
   [--reference] [--rivals] [--truth-fit] [--truth]
 
@@ -39,6 +39,8 @@ seconds. Then totals by body and kind: right, told as one of several scales of t
 right or so of those clear, sizes and places within two stated deviations; and how many statements of
 each probability are true.
 
+--data: modes; responses by the engine of responses alone; or a study with a file of responses, by
+all that `chladni diagnose` does.
 --mass: of a point mass, over that of the body.
 --reference: the modes are compared with those of the same rig, measured before anything was hidden.
 --rivals: also the explanations of each case.
@@ -56,7 +58,9 @@ const hidden_effects::Shipped& structure_of(const simulators::RealBody& body, do
 diagnosis::Diagnosis told_of(const RealTrial& trial, const simulators::RealRigCase& rig,
                              const RealArguments& wanted) {
   const auto& [structure, diagnosis_options] = structure_of(rig.body, wanted.edge_length);
-  if (!wanted.modes) return diagnosis::diagnosed(structure, rig.measured, diagnosis_options);
+  if (wanted.data == RealData::responses) {
+    return diagnosis::diagnosed(structure, rig.measured, diagnosis_options);
+  }
 #ifdef CHLADNI_HAS_MODES
   if (wanted.reference) {
     auto options = wanted.options;
@@ -70,6 +74,22 @@ diagnosis::Diagnosis told_of(const RealTrial& trial, const simulators::RealRigCa
 #endif
 }
 
+// A diagnosis and its wall time, without that of the solution of the study.
+diagnosis::Diagnosis timed(const RealTrial& trial, const simulators::RealRigCase& rig,
+                           const RealArguments& wanted, double& seconds) {
+  if (wanted.data == RealData::study) {
+    auto told = hidden_effects::shipped_answer(rig, wanted.edge_length);
+    seconds = told.seconds;
+    if (wanted.rivals) print_steps(told);
+    return std::move(told.result);
+  }
+  static_cast<void>(structure_of(rig.body, wanted.edge_length));
+  const auto start = std::chrono::steady_clock::now();
+  auto told = told_of(trial, rig, wanted);
+  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return told;
+}
+
 RealDone done(const RealTrial& trial, const RealArguments& wanted) {
   const auto rig = simulators::real_rig_case(trial.body, trial.kind, trial.seed, wanted.options);
   RealDone one{trial, {}, rig.clear, 0.0, ""};
@@ -77,16 +97,13 @@ RealDone done(const RealTrial& trial, const RealArguments& wanted) {
     print_truth(trial, rig);
     return one;
   }
-  static_cast<void>(structure_of(rig.body, wanted.edge_length));  // its time is not the diagnosis's
-  const auto start = std::chrono::steady_clock::now();
   diagnosis::Diagnosis told;
   try {
-    told = told_of(trial, rig, wanted);
+    told = timed(trial, rig, wanted, one.seconds);
     one.score = simulators::scored(rig, told);
   } catch (const std::exception& error) {
     one.failure = error.what();
   }
-  one.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print_case(one);
   if (wanted.rivals) print_rivals(told);
   if (wanted.truth_fit) {

@@ -31,6 +31,13 @@ void read_seeds(const std::string& text, RealArguments& all) {
                                        : static_cast<unsigned>(std::stoul(text.substr(dots + 2)));
 }
 
+RealData data_named(const std::string& text) {
+  if (text == "modes") return RealData::modes;
+  if (text == "frf") return RealData::responses;
+  require(text == "study", "--data is modes, frf or study");
+  return RealData::study;
+}
+
 std::map<std::string, std::function<void(const std::string&)>> words(RealArguments& all) {
   const auto number = [](double& into) {
     return [&into](const std::string& text) { into = std::stod(text); };
@@ -43,8 +50,7 @@ std::map<std::string, std::function<void(const std::string&)>> words(RealArgumen
           {"--seeds", [&all](const std::string& text) { read_seeds(text, all); }},
           {"--data",
            [&all](const std::string& text) {
-             require(text == "modes" || text == "frf", "--data is modes or frf");
-             all.modes = text == "modes";
+             all.data = data_named(text);
            }},
           {"--edge", number(all.edge_length)},
           {"--nature", number(all.options.nature)},
@@ -234,6 +240,21 @@ void print_case(const RealDone& done) {
              number(1e3 * done.score.place_error(), " mm"), number(done.score.worst_z()),
              done.clear, is_clear(done) ? "clear" : "-", done.seconds);
   std::fflush(stdout);
+}
+
+void print_steps(const hidden_effects::ShippedAnswer& told) {
+  fmt::print("        responses off by {:.1f} %, after {:.1f} %;", 100.0 * told.gain.fit_before,
+             100.0 * told.gain.fit_after);
+  for (const auto& [name, seconds] : told.steps) {
+    if (seconds > 0.1) fmt::print(" {} {:.1f} s", name, seconds);
+  }
+  fmt::print("\n");
+  for (const auto& mode : told.result.modes) {
+    fmt::print("        {:.2f} +- {:.2g} Hz; {:.2f}, MAC {:.3f}; {:.2f}, MAC {:.3f}\n",
+               mode.measured_hz, mode.measured_std_hz, mode.before_hz, mode.mac_before,
+               mode.after_hz, mode.mac_after);
+  }
+  for (const auto& note : told.result.notes) fmt::print("        note: {}\n", note);
 }
 
 void print_rivals(const diagnosis::Diagnosis& told) {

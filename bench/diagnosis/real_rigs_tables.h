@@ -4,15 +4,23 @@
 #include <string>
 #include <vector>
 
+#include "hidden_effects/shipped_answer.h"
 #include "simulators/rigs/real_rig.h"
 #include "simulators/rigs/rig_score.h"
 
 namespace chladni {
 
+/// What a rig is diagnosed from.
+enum class RealData {
+  modes,      ///< as an experimental modal analysis gives them
+  responses,  ///< by the engine of responses alone
+  study,      ///< responses in a file, by all that `chladni diagnose` does
+};
+
 struct RealArguments {
   std::string bodies = "table,strip", kinds = "none,all";
   unsigned first = 1, last = 2;  ///< seeds
-  bool modes = true;             ///< else responses
+  RealData data = RealData::modes;
   bool truth = false;            ///< without a diagnosis
   bool rivals = false;           ///< also print the explanations and levels of each case
   bool truth_fit = false;        ///< also the evidence of the truth
@@ -40,6 +48,8 @@ struct RealDone {
 
 void print_truth(const RealTrial& trial, const simulators::RealRigCase& rig);
 void print_case(const RealDone& done);
+/// The errors of the responses before and after, and the seconds of the steps.
+void print_steps(const hidden_effects::ShippedAnswer& told);
 /// The explanations with their probabilities and ln evidence, and the levels that the best leaves.
 void print_rivals(const diagnosis::Diagnosis& told);
 /// The ln evidence of the truth over that of nothing hidden, fitted from its true sizes.

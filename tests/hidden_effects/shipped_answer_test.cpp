@@ -1,0 +1,46 @@
+// What an engineer is told of responses of a rig that differs from its model by what no file announces:
+// frequencies, shapes, thickness, strings, cables, a frame, gains and places.
+#include "hidden_effects/shipped_answer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "rotation/turn.h"
+
+namespace chladni::hidden_effects {
+namespace {
+
+using diagnosis::Verdict;
+
+double level(const diagnosis::Diagnosis& result, const char* of) {
+  const auto found = std::ranges::find(result.levels_after, of, &diagnosis::ErrorLevel::of);
+  return found == result.levels_after.end() ? -1.0 : found->value;
+}
+
+TEST(ShippedAnswer, ToASoundStripIsHowGoodItsModelIs) {
+  EVERY_FOURTH_LANDING();
+  const auto rig = simulators::real_rig_case("strip", "none", 1);
+  const auto told = shipped_answer(rig).result;
+  EXPECT_EQ(told.verdict, Verdict::no_discrepancy) << diagnosis::name(told.verdict);
+  EXPECT_GT(level(told, "frequency"), 0.3 * rig.frequency_error);
+  EXPECT_LT(level(told, "frequency"), 3.0 * rig.frequency_error);
+}
+
+TEST(ShippedAnswer, NamesAMassOnAStripWhoseModelIsOff) {
+  const auto rig = simulators::real_rig_case("strip", "point_mass", 1);
+  const auto told = shipped_answer(rig);
+  ASSERT_EQ(told.result.verdict, Verdict::named) << diagnosis::name(told.result.verdict);
+  ASSERT_EQ(told.result.best.causes.size(), 1U);
+  const auto& cause = told.result.best.causes.front();
+  EXPECT_EQ(cause.effect, "point_mass");
+  ASSERT_TRUE(cause.place);
+  EXPECT_LT((*cause.place - *rig.truth.front().place).norm(), 0.015);
+  EXPECT_NEAR(cause.parameters.front().value, rig.truth.front().size.at("mass"),
+              3.0 * cause.parameters.front().std);
+  EXPECT_LT(told.gain.frequencies_after, told.gain.frequencies_before);
+  EXPECT_TRUE(told.gain.pays.value_or(false));
+}
+
+}  // namespace
+}  // namespace chladni::hidden_effects
