@@ -337,6 +337,15 @@ struct Constants {
   double few_partners = 0.5;
   /// [1] Part of the largest believed level at which nothing is believed. Chosen.
   double at_the_limit = 0.8;
+  /// [1] Frequencies that scatter so many tolerances are no deviations within these. Chosen.
+  double beyond_tolerance = 4.0;
+  /// [1] Errors of shapes over the tolerance of responses, the same: identified shapes are less
+  /// certain than responses. Chosen.
+  double beyond_response = 10.0;
+  /// [1] A level that fewer errors determine is mostly its prior. Chosen.
+  double errors_of_a_level = 3.0;
+  /// [1] Error of a cause at most, where the errors of shapes are learned. Chosen.
+  double cause_error_at_most = 0.2;
   /// [1] Error of shapes beside which neighbouring modes turn into each other. Chosen.
   double shape_error = 0.05;
   /// [1] Likeness of a shape that the channels do not see. Chosen.

@@ -10,6 +10,7 @@
 #include "diagnosis/calibrated.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/cross_validation.h"
+#include "diagnosis/learned_levels.h"
 #include "diagnosis/mode_told.h"
 #include "diagnosis/parameter.h"
 #include "diagnosis/proposal.h"
@@ -77,18 +78,6 @@ struct Residue {
   Eigen::VectorXd band_edges_hz, per_band;  ///< b + 1, b
   double lag_one = 0.0;                     ///< correlation of neighbouring lines
 };
-
-/// Standard deviation of one class of the model's errors, inferred from the data.
-struct ErrorLevel {
-  std::string of;           ///< "frequency", "shape", ...
-  double value = 0.0;       ///< relative; of "place" [m]
-  double usual = 0.0;       ///< before the data are seen
-  double at_most = 0.0;     ///< a larger one is not believed of a model of this structure
-  double determined = 0.0;  ///< number of errors of this class that the data show
-};
-
-/// Whether the levels of the model's errors are inferred, or are the tolerances.
-enum class Levels { learned, known };
 
 struct DiagnosisOptions {
   Tolerances tolerances;

@@ -67,19 +67,4 @@ ErrorBand error_band(const Structure& structure, const modal::FrfSet& measured,
   return band;
 }
 
-Tolerances with_levels(Tolerances tolerances, const std::vector<ErrorLevel>& levels) {
-  constexpr std::array<std::pair<std::string_view, double Tolerances::*>, 5> classes{
-      {{"frequency", &Tolerances::frequency},
-       {"damping", &Tolerances::damping},
-       {"shape", &Tolerances::response},
-       {"gain", &Tolerances::gain},
-       {"place", &Tolerances::position}}};
-  for (const auto& [name, tolerance] : classes) {
-    const auto level = std::ranges::find(levels, name, &ErrorLevel::of);
-    if (level == levels.end()) continue;
-    tolerances.*tolerance = std::max(tolerances.*tolerance, level->value);
-  }
-  return tolerances;
-}
-
 }  // namespace chladni::diagnosis

@@ -22,8 +22,4 @@ struct ErrorBand {
 [[nodiscard]] ErrorBand error_band(const Structure& structure, const modal::FrfSet& measured,
                                    const Tolerances& tolerances);
 
-/// The tolerances with learned levels of frequencies, damping ratios, shapes, gains and places in
-/// their stead, where these are larger.
-[[nodiscard]] Tolerances with_levels(Tolerances tolerances, const std::vector<ErrorLevel>& levels);
-
 }  // namespace chladni::diagnosis

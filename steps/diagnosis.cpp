@@ -146,6 +146,9 @@ void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve
   const auto& tested = one.result.cross_validation;
   one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions,
                      tested ? &*tested : nullptr);
+  if (is_less_good(one, options_of(plan_of(study), work))) {
+    judge_by_frequencies(one.modes_compared, one.gain);
+  }
   const auto advice = advice_against(one.gain);
   if (advice.empty()) return;
   work.warn(advice);
@@ -181,10 +184,16 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   if (!found.scaled) options.tolerances.scale = std::max(options.tolerances.scale, 0.3);
   if (one.identified) one.modes_compared = modes_of_responses(one, *one.identified, nullptr);
   const auto start = start_by_modes(one, found.scaled, options, work);
+  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
+    if (has_other_modes(one, options)) diagnose_modes(one, start.modes, options, work);
+  });
+  const auto compared = beside_modes(one, options);
   one.result = work.timed(
-      "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, options, start); });
-  attempted("the modes of the responses cannot be diagnosed", one, work,
-            [&] { diagnose_modes_of_responses(one, start.modes, options, work); });
+      "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, compared, start); });
+  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
+    if (is_open(one) && !one.by_modes) diagnose_modes(one, start.modes, options, work);
+  });
+  take_answer_of_modes(one, options);
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
   add_gain(study, found.band_hz, solve_extended, one, work);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -126,6 +127,12 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
     lines.push_back(fmt::format("extended.toml alone: off by {} fitted{}",
                                 percent(gain.fit_extended), held_out));
   }
+  if (std::isfinite(gain.frequencies_after)) {
+    lines.push_back(fmt::format(
+        "the model's errors put resonances beside each other, so frequencies count as well: off by "
+        "{} before, {} after",
+        percent(gain.frequencies_before), percent(gain.frequencies_after)));
+  }
   const auto& tested = one.result.cross_validation;
   const bool is_unseen = tested || !gain.held_out.empty();
   if (steps::is_of_modes(one) && is_changed(gain) && !is_unseen) {
@@ -169,6 +176,10 @@ io::JsonObject gain_json(const steps::Diagnosed& one) {
   if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
     json.emplace_back("extended_study", io::JsonObject{{"fit", gain.fit_extended},
                                                        {"held_out", gain.held_out_extended}});
+  }
+  if (std::isfinite(gain.frequencies_after)) {
+    json.emplace_back("frequencies", io::JsonObject{{"before", gain.frequencies_before},
+                                                    {"after", gain.frequencies_after}});
   }
   const auto& tested = one.result.cross_validation;
   if (tested) json.emplace_back("cross_validation", cross_validation_json(*tested));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
@@ -21,6 +22,8 @@ using diagnosis::Verdict;
 
 constexpr double kLikely = 0.5;        // probability of a cause that is put into the extended study
 constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
+constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
+constexpr int kLinesOfOverview = 80;  // where no cause is sought in the responses
 constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
@@ -165,25 +168,57 @@ diagnosis::FitStart start_by_modes(const Diagnosed& one, bool scaled,
   return start;
 }
 
-void diagnose_modes_of_responses(Diagnosed& one,
-                                 const std::optional<diagnosis::MeasuredModes>& modes,
-                                 const diagnosis::DiagnosisOptions& options, stage::Work& work) {
-  const auto verdict = one.result.verdict;
-  const bool is_settled = verdict != Verdict::unexplained && verdict != Verdict::partial;
-  if (is_settled || options.levels == diagnosis::Levels::known) return;
-  if (!modes) return;
+bool has_other_modes(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
+  Eigen::ArrayXd off(std::ssize(one.modes_compared));
+  Eigen::Index count = 0;
+  for (const auto& mode : one.modes_compared) {
+    const double by = std::log(mode.measured_hz / mode.before_hz);
+    if (std::isfinite(by)) off(count++) = by;
+  }
+  if (count < 2) return false;
+  const auto known = off.head(count);
+  const double scatter = std::sqrt((known - known.mean()).square().mean());
+  return scatter > kScattered * options.tolerances.frequency;
+}
+
+bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
+  return one.by_modes && diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
+}
+
+void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes>& modes,
+                    const diagnosis::DiagnosisOptions& options, stage::Work& work) {
+  if (options.levels == diagnosis::Levels::known || !modes) return;
   one.by_modes = work.timed("diagnosis of the modes",
                             [&] { return diagnosis::diagnosed(one.structure, *modes, options); });
-  one.result.levels_before = one.by_modes->levels_before;
-  one.result.levels_after = one.by_modes->levels_after;
+}
+
+bool is_open(const Diagnosed& one) {
+  return one.result.verdict == Verdict::unexplained || one.result.verdict == Verdict::partial;
+}
+
+diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
+                                         diagnosis::DiagnosisOptions options) {
+  if (!is_less_good(one, options)) return options;
+  options.most_causes = 0;
+  options.lines = std::min(options.lines, kLinesOfOverview);
+  return options;
+}
+
+void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
+  if (!one.by_modes) return;
+  const auto& by_modes = *one.by_modes;
+  const bool less_good = is_less_good(one, options);
+  if (!is_open(one) && !less_good) return;
+  one.result.levels_before = by_modes.levels_before;
+  one.result.levels_after = by_modes.levels_after;
   if (one.result.measure_next.empty()) {
-    one.result.measure_next = one.by_modes->measure_next;
-    one.result.proposals = one.by_modes->proposals;
+    one.result.measure_next = by_modes.measure_next;
+    one.result.proposals = by_modes.proposals;
   }
-  if (one.by_modes->verdict == Verdict::named) {
+  if (less_good || by_modes.verdict == Verdict::named) {
     answer_by_modes(one);
-  } else if (one.by_modes->verdict == Verdict::no_discrepancy) {
-    one.result.notes.push_back(reason_in_words(*one.by_modes) + ", nothing contradicts the model");
+  } else if (by_modes.verdict == Verdict::no_discrepancy) {
+    one.result.notes.push_back(reason_in_words(by_modes) + ", nothing contradicts the model");
   }
 }
 

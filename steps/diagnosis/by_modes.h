@@ -27,12 +27,32 @@ namespace chladni::steps {
                                                  const diagnosis::DiagnosisOptions& options,
                                                  stage::Work& work);
 
-/// Diagnoses the modes of the responses, where the responses are not explained to the noise and the
-/// levels of the model's errors are learned. Sets `by_modes` and, if it names causes, the result.
-/// @param modes  of the responses; none: nothing is done
-void diagnose_modes_of_responses(Diagnosed& one,
-                                 const std::optional<diagnosis::MeasuredModes>& modes,
-                                 const diagnosis::DiagnosisOptions& options, stage::Work& work);
+/// True if the modes of the responses scatter about the simulated ones by more than the tolerance of
+/// a frequency: by errors of the model or by a cause, which only their diagnosis tells apart.
+[[nodiscard]] bool has_other_modes(const Diagnosed& one,
+                                   const diagnosis::DiagnosisOptions& options);
+
+/// Diagnoses the modes of the responses and sets `by_modes`.
+/// @param modes  of the responses; none, or known levels: nothing is done
+void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes>& modes,
+                    const diagnosis::DiagnosisOptions& options, stage::Work& work);
+
+/// True if the modes are diagnosed, and the model is less good than the tolerances say whatever
+/// their cause is (diagnosis::are_beyond).
+[[nodiscard]] bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options);
+
+/// How the responses are diagnosed after their modes. Where these say that the model is less good
+/// than the tolerances whatever the cause is, no fit within the tolerances explains the responses:
+/// then no cause is sought in them.
+[[nodiscard]] diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
+                                                       diagnosis::DiagnosisOptions options);
+
+/// True if the responses are not explained: `partial` or `unexplained`.
+[[nodiscard]] bool is_open(const Diagnosed& one);
+
+/// The result after both diagnoses. Causes that the modes name become the answer where the responses
+/// are not explained within the stated tolerances.
+void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the
 /// responses no better: the verdict is then `unexplained`, and no probability is above a half.

@@ -14,6 +14,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kUnchanged = 1e-6;  // relative change of the squares: rounding of another solution
+
 // Sums over some responses and lines.
 struct Sums {
   double error = 0.0, size = 0.0, noise = 0.0;
@@ -136,9 +138,33 @@ Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
   return gain;
 }
 
+void judge_by_frequencies(const std::vector<diagnosis::ModeTold>& modes, Gain& gain) {
+  double before = 0.0, after = 0.0, count = 0.0;
+  for (const auto& mode : modes) {
+    const double was = mode.before_hz / mode.measured_hz - 1.0;
+    const double is = mode.after_hz / mode.measured_hz - 1.0;
+    if (!std::isfinite(was) || !std::isfinite(is)) continue;
+    before += was * was;
+    after += is * is;
+    count += 1.0;
+  }
+  const bool is_changed = std::abs(after - before) > kUnchanged * before;
+  if (!gain.pays || count < 1.0 || !is_changed) return;
+  gain.frequencies_before = std::sqrt(before / count);
+  gain.frequencies_after = std::sqrt(after / count);
+  gain.pays = after < before || *gain.pays;
+}
+
 std::string advice_against(const Gain& gain) {
   const bool extended = gain.pays.has_value();
   if (gain.from == GainFrom::nothing) return "";
+  if (std::isfinite(gain.frequencies_after)) {
+    if (*gain.pays) return "";
+    return fmt::format(
+        "The extended study predicts neither the responses nor the frequencies of the modes better "
+        "than before (frequencies off by {}, before by {}): it is not recommended.",
+        percent(gain.frequencies_after), percent(gain.frequencies_before));
+  }
   const double held = extended ? gain.held_out_extended : gain.held_out_after;
   const double seen = extended ? gain.fit_extended : gain.fit_after;
   const char* who = extended ? "The extended study" : "The simulation with these causes";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "diagnosis/cross_validation.h"
+#include "diagnosis/mode_told.h"
 #include "steps/identification.h"
 #include "study/diagnosis_plan.h"
 
@@ -40,6 +41,10 @@ struct Gain {
   /// Errors of extended.toml, if it was solved but lacks a cause; the values after are then those
   /// of the fitted model.
   double fit_extended = kNone, held_out_extended = kNone;
+  /// Root mean squares of the relative differences of the modes' frequencies, measured and simulated.
+  /// Where the model's errors put resonances beside each other, a response tells how these miss each
+  /// other and not what is right: then a cause also pays where frequencies are nearer.
+  double frequencies_before = kNone, frequencies_after = kNone;
   MeasuredPart fitted;
   std::vector<std::string> held_out;                        ///< in words: channels, bands
   std::vector<std::pair<double, double>> held_out_band_hz;  ///< one or none
@@ -71,6 +76,9 @@ struct Predictions {
                            const std::vector<std::string>& held_out_channels,
                            const Predictions& predictions,
                            const diagnosis::CrossValidation* tested = nullptr);
+
+/// Lets the frequencies of the modes decide, where the extended study changes them.
+void judge_by_frequencies(const std::vector<diagnosis::ModeTold>& modes, Gain& gain);
 
 /// The reason not to use the named causes, or empty: "The extended study predicts what was held out
 /// worse than the study does (38 % off, 24 % before): it is not recommended."

@@ -85,14 +85,5 @@ TEST(ErrorBand, IsBoundedWhereResonancesMayBeAnywhere) {
   }
 }
 
-TEST(ErrorBand, HasLearnedLevelsWhereTheyAreLarger) {
-  const Tolerances stated;
-  const auto learned =
-      with_levels(stated, {{.of = "frequency", .value = 0.02}, {.of = "gain", .value = 1e-4}});
-  EXPECT_EQ(learned.frequency, 0.02);
-  EXPECT_EQ(learned.gain, stated.gain);
-  EXPECT_EQ(learned.response, stated.response);
-}
-
 }  // namespace
 }  // namespace chladni::diagnosis
