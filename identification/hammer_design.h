@@ -43,7 +43,7 @@ struct HammerDesign {
 /// point or more. Points are added greedily and exchanged while that lowers the number.
 /// @param model       kinds of its first p outputs; inputs are not used
 /// @param candidates  n×m [kg^-1/2]: the modes along the blow at each point that can be hit
-/// @throws InvalidInput  as experiment_design(); no candidate
+/// @throws InvalidInput  as experiment_design(); no candidate; no line of a record in the band
 /// Cost: modes·candidates per chosen point, and one fit.
 [[nodiscard]] HammerDesign hammer_design(const DesignModel& model,
                                          const Eigen::MatrixXd& candidates, const HammerPlan& plan);

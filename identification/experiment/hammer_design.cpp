@@ -80,7 +80,7 @@ void set_record(const modal::ReducedModel& model, const std::vector<Index>& mode
   design.record_s = std::min(wanted, plan.longest_record_s);
   design.samples = 2 * static_cast<Index>(std::ceil(0.5 * design.record_s / plan.sample_time_s));
   design.record_s = static_cast<double>(design.samples) * plan.sample_time_s;
-  if (wanted > plan.longest_record_s) {
+  if (wanted > design.record_s) {
     design.exponential_s = 1.0 / (-std::log(kAtRest) / design.record_s - slowest);
     design.notes.push_back(fmt::format(
         "the slowest mode rings for {:.3g} s; the exponential window of {:.3g} s ends the record "
@@ -106,6 +106,10 @@ Blow blow_of(const HammerPlan& plan, const HammerDesign& design) {
   const auto first =
       std::max<Index>(1, static_cast<Index>(std::ceil(plan.low_hz * design.record_s)));
   const auto last = static_cast<Index>(std::floor(plan.high_hz * design.record_s));
+  require(last >= first,
+          fmt::format("hammer design: no line between {:.6g} and {:.6g} Hz; the lines of a record "
+                      "of {:.4g} s lie {:.6g} Hz apart; expected a wider band or a longer record",
+                      plan.low_hz, plan.high_hz, design.record_s, 1.0 / design.record_s));
   Blow record{Eigen::VectorXd(last - first + 1), Eigen::VectorXd(last - first + 1), {}};
   for (Index k = 0; k < record.hz.size(); ++k) {
     record.hz(k) = static_cast<double>(first + k) / design.record_s;

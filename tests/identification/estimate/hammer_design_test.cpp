@@ -102,6 +102,20 @@ TEST(HammerDesign, RecordsUntilTheSlowestModeRests) {
   EXPECT_NEAR(std::exp(-decay), 0.01, 1e-4);
 }
 
+// A record that ends within a sample or two of rest is rounded up to rest: it needs no window.
+TEST(HammerDesign, TakesNoWindowWhereTheRecordIsRoundedUpToRest) {
+  const double rest = std::log(100.0) / (2.0 * std::numbers::pi * 0.4);
+  for (const double short_of_it : {1e-9, 1e-6, 1e-4}) {
+    auto wanted = plan();
+    wanted.longest_record_s = rest - short_of_it;
+    const auto design = hammer_design(bar(), points(), wanted);
+    EXPECT_GE(design.record_s, wanted.longest_record_s);
+    EXPECT_EQ(design.exponential_s > 0.0, design.record_s < rest) << short_of_it;
+    EXPECT_GE(design.exponential_s, 0.0) << short_of_it;
+    EXPECT_EQ(design.notes.empty(), design.exponential_s == 0.0) << short_of_it;
+  }
+}
+
 // The blows are given to the stepped rig, and the estimate is fitted.
 TEST(HammerDesign, TheScatterIsTheExpectedDeviation) {
   const auto wanted = plan();
@@ -165,6 +179,17 @@ TEST(HammerDesign, RefusesWhatCannotBeMeant) {
   none.force_limit_n = kNoLimit;
   EXPECT_NE(refusal_of([&] { return hammer_design(bar(), points(), none); }).find("peak force"),
             std::string::npos);
+}
+
+// The mode at 40 Hz is in the band, the lines beside it are at 37.5 and 50 Hz.
+TEST(HammerDesign, RefusesABandBetweenTheLinesOfItsRecord) {
+  auto wanted = plan();
+  wanted.low_hz = 39.5;
+  wanted.high_hz = 40.5;
+  wanted.longest_record_s = 0.08;
+  const auto said = refusal_of([&] { return hammer_design(bar(), points(), wanted); });
+  EXPECT_NE(said.find("no line between 39.5 and 40.5 Hz"), std::string::npos) << said;
+  EXPECT_NE(said.find("12.4878 Hz apart"), std::string::npos) << said;
 }
 
 }  // namespace
