@@ -56,10 +56,13 @@ struct Correlation {
 
   void add(const ComparedResponse& one, const ComparedResponse& other) {
     // The simulation of another response is known only on the lines of that response.
-    if (one.count() != other.count()) return;
+    Eigen::Index l = 0;
     for (Eigen::Index k = 0; k < one.count(); ++k) {
+      while (l < other.count() && other.frequency_hz(l) < one.frequency_hz(k)) ++l;
+      if (l == other.count()) return;
+      if (other.frequency_hz(l) != one.frequency_hz(k)) continue;
       const Complex g = compressed(one.measured(k));
-      const Complex s = compressed(other.simulated(k));
+      const Complex s = compressed(other.simulated(l));
       between += std::conj(s) * g;
       measured += std::norm(g);
       simulated += std::norm(s);
