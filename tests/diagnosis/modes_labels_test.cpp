@@ -205,6 +205,26 @@ TEST(LabelOrders, HaveThePriorOfTheirNumber) {
   EXPECT_EQ(prior({0, 1, 2, 3}), 2.0 / kConstants.mixed_prior);
 }
 
+// The factorial of 171 is no double number; that of 170 is.
+TEST(LabelOrders, HaveAPriorWhereHundredsOfRecordsAreMoved) {
+  double before = 0.0;
+  for (const std::size_t channels : {169U, 170U, 171U, 172U, 400U}) {
+    LabelOrder order;
+    order.sign.assign(channels, 1.0);
+    for (std::size_t i = 0; i < channels; ++i) {
+      order.channel_of.push_back(static_cast<Index>((i + 1) % channels));
+    }
+    const auto n = static_cast<double>(channels);
+    // All are moved: one of n - 1 numbers, and n! / e permutations; beside one of all n!.
+    const double few = 1.0 - std::log(n - 1.0) - std::lgamma(n + 1.0);
+    const double all = -std::lgamma(n + 1.0);
+    const double found = log_prior(order) - std::log(0.5 * kConstants.mixed_prior);
+    EXPECT_NEAR(found, few + std::log1p(std::exp(all - few)), 1e-9 * std::abs(few)) << channels;
+    EXPECT_LT(found, before);
+    before = found;
+  }
+}
+
 // --- The whole diagnosis.
 
 TEST(DiagnosedLabels, AreACauseOfEachExplanation) {

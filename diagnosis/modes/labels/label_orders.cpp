@@ -287,6 +287,13 @@ bool explains(const LabelOrder& order, const MatrixXd& records) {
   return order.misfit < 0.5 * count * std::log1p(error * error);
 }
 
+// ln of the permutations that move each of n: n! / e, rounded.
+double log_derangements(double n) {
+  constexpr double kNoRounding = 30.0;  // from here on the rounding is below that of doubles
+  return n < kNoRounding ? std::log(std::round(std::tgamma(n + 1.0) / std::numbers::e))
+                         : std::lgamma(n + 1.0) - 1.0;
+}
+
 }  // namespace
 
 Index moved_count(const LabelOrder& order) {
@@ -301,10 +308,10 @@ double log_prior(const LabelOrder& order) {
   const auto p = static_cast<double>(order.channel_of.size());
   const auto moved = static_cast<double>(moved_count(order));
   if (moved == 0.0) return 0.0;
-  // ln of p over moved, times the permutations that move each: n! / e, rounded.
+  // ln of p over moved, times the permutations that move each.
   const double all = std::lgamma(p + 1.0);
   const double chosen = all - std::lgamma(moved + 1.0) - std::lgamma(p - moved + 1.0);
-  const double permuted = std::log(std::round(std::tgamma(moved + 1.0) / std::numbers::e));
+  const double permuted = log_derangements(moved);
   const double few = -std::log(p - 1.0) - chosen - permuted;
   return std::log(0.5 * kConstants.mixed_prior) + few + std::log1p(std::exp(-all - few));
 }
