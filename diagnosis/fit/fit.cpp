@@ -16,6 +16,7 @@
 #include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/information.h"
 #include "diagnosis/search/quadratic.h"
 
 namespace chladni::diagnosis {
@@ -172,6 +173,16 @@ double promised(const Problem& problem, const std::vector<Column>& columns,
   if (held.empty()) return quadratic.promised(by);
   const Quadratic rest = quadratic.held(held);
   return rest.promised(rest.step(0.0));
+}
+
+// A place that the data do not determine is somewhere on the surface, and no wider.
+void bound_places(const Structure& structure, const std::vector<Column>& columns,
+                  MatrixXd& curvature) {
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    if (!columns[n].parameter.is_place()) continue;
+    auto& own = curvature.diagonal()(static_cast<Index>(n));
+    own = std::max(own, std::pow(prior_width(structure, columns[n].parameter), -2));
+  }
 }
 
 // Laplace's approximation at the mode. If two causes have the same effect, rounding of the data's
@@ -350,6 +361,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   if (!is_here && !hopeless) quadratic = quadratic_at(problem, here, columns);
   here.fit.promise = hopeless ? 0.0 : promised(problem, columns, quadratic, here.fit);
   here.fit.converged = !hopeless && here.fit.promise < kConstants.nothing_more;
+  bound_places(problem.structure, columns, quadratic.curvature);
   conclude(quadratic.curvature, here.fit);
   return here.fit;
 }

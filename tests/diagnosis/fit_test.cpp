@@ -108,5 +108,27 @@ TEST(Fitted, EndsWhereTwoCausesAreOne) {
   EXPECT_GT(found.covariance.diagonal().minCoeff(), 0.0);
 }
 
+// Exact data of the plate itself. Where a mass of nothing lies is not known, and its place is all
+// over the surface: the mass explains nothing, and has the evidence of nothing or less. A place
+// that were wider than the surface would bring evidence without end.
+TEST(Fitted, HasNoEvidenceForWhatDoesNothing) {
+  const auto& plate = small_plate();
+  const Observed observed = observed_in(state_of(plate), 100.0);
+  const std::vector<Deviation> none;
+  const Problem problem{plate, observed, none};
+  const Fit nothing = fitted(problem, Fit{});
+  FitLimits standing;
+  standing.iterations = 0;
+  for (const double mass : {0.0, 1e-12, 1e-9, 1e-6}) {
+    Fit start;
+    start.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(mass, 0.1, 0.07)}};
+    const Fit fit = fitted(problem, start, standing);
+    EXPECT_TRUE(std::isfinite(fit.log_evidence)) << mass;
+    EXPECT_LT(fit.log_evidence, nothing.log_evidence) << mass;
+    EXPECT_TRUE(fit.covariance.allFinite()) << mass;
+    EXPECT_LE(std::sqrt(fit.covariance(1, 1)), plate.surface.size()) << mass;
+  }
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis
