@@ -1,5 +1,6 @@
 #include "diagnosis/attached/loaded_damping.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <numbers>
 
@@ -57,8 +58,12 @@ LoadedDamping loaded_damping(const Structure& structure, const std::vector<Suppo
   MatrixXd mass = loaded.mass;
   take_in(loaded.attached, stiffness, mass);
   if (stiffness == bare.stiffness && mass == bare.mass) return {};
+  // The eigensolver does not look whether its own factor of the mass exists.
+  if (Eigen::LLT<MatrixXd>(mass).info() != Eigen::Success) {
+    throw NumericalFailure("a mass that is not positive");
+  }
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness, mass);
-  if (modes.info() != Eigen::Success) throw NumericalFailure("a mass that is not positive");
+  if (modes.info() != Eigen::Success) throw NumericalFailure("a hypothesis without eigenvalues");
   const VectorXd omega = modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   const VectorXd own = losses_of(loaded);
   const VectorXd losses = 2.0 * ratios(structure, own).cwiseProduct(omega);

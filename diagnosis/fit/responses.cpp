@@ -1,5 +1,6 @@
 #include "diagnosis/fit/responses.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -28,6 +29,12 @@ Complex factor(const Path& path, Complex s) {
   if (path.lag != 0.0) value /= 1.0 + s * path.lag;
   if (path.derivative != 0.0) value *= std::pow(s, path.derivative);
   return value;
+}
+
+// Eigen's solver does not look whether its own factor of the mass exists.
+bool is_positive(const MatrixXd& mass) {
+  return mass.isDiagonal(0.0) ? (mass.diagonal().array() > 0.0).all()
+                              : Eigen::LLT<MatrixXd>(mass).info() == Eigen::Success;
 }
 
 MatrixXd without_diagonal(MatrixXd matrix) {
@@ -91,6 +98,7 @@ Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
       mass_(state.mass),
       outputs_(state.outputs),
       inputs_(state.inputs) {
+  if (!is_positive(mass_)) throw NumericalFailure("a mass that is not positive");
   if (diagonal(stiffness_) && diagonal(mass_)) {
     lambda_ = stiffness_.diagonal().cwiseQuotient(mass_.diagonal());
     if ((mass_.diagonal().array() != 1.0).any()) {
@@ -98,7 +106,7 @@ Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
     }
   } else {
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness_, mass_);
-    if (modes.info() != Eigen::Success) throw NumericalFailure("a mass that is not positive");
+    if (modes.info() != Eigen::Success) throw NumericalFailure("a hypothesis without eigenvalues");
     lambda_ = modes.eigenvalues();
     turn_ = modes.eigenvectors();
   }

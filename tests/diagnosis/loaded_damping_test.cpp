@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
@@ -46,6 +47,17 @@ TEST(LoadedDamping, GivesEachLoadedModeTheRatioOfTheStudy) {
 TEST(LoadedDamping, IsNoOtherWhereNothingHangs) {
   EXPECT_EQ(loaded_damping(small_plate(), {kGain}).gained({}).size(), 0);
   EXPECT_EQ(loaded_damping(small_plate(), {}).gained({}).size(), 0);
+}
+
+// Less than nothing is left of the mass near a corner, and such a body has no modes.
+TEST(LoadedDamping, IsRefusedWhereNoPositiveMassIsLeft) {
+  const auto gained = [](double mass) {
+    const Supposed taken{&effect("point_mass"), 0, Eigen::Vector3d(mass, 0.28, 0.28)};
+    return loaded_damping(small_plate(), {taken}).gained({}).norm();
+  };
+  EXPECT_LT(gained(-0.1), 0.1 * state_of(small_plate()).damping.norm());
+  EXPECT_THROW(static_cast<void>(gained(-0.3)), NumericalFailure);
+  EXPECT_THROW(static_cast<void>(gained(-2.0)), NumericalFailure);
 }
 
 // A tolerance of a mode's damping is that of the loaded mode where the ratios are.

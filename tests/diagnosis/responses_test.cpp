@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/hidden/hidden_effect.h"
@@ -73,6 +74,21 @@ TEST(Responses, AreThoseOfTheWholeDynamicStiffness) {
     const MatrixXcd found = value.row(k).reshaped(expected.rows(), expected.cols());
     EXPECT_LT((found - expected).norm(), 1e-7 * expected.norm()) << k;
   }
+}
+
+// A body of which more is taken away than is there, coupled and mode by mode, has no modes.
+TEST(Responses, OfABodyWithoutAPositiveMassAreRefused) {
+  const auto omega = some_lines();
+  const Eigen::Index r = small_plate().mode_count();
+  State coupled = state_of(small_plate());
+  attach_mass(coupled, MatrixXd::Constant(r, r, -0.2));  // 1 - 0.2 r along one direction
+  EXPECT_THROW(static_cast<void>(responses(coupled, omega)), NumericalFailure);
+  State single = state_of(small_plate());
+  single.mass(3, 3) = -0.5;
+  EXPECT_THROW(static_cast<void>(responses(single, omega)), NumericalFailure);
+  State none = state_of(small_plate());
+  none.mass(3, 3) = 0.0;
+  EXPECT_THROW(static_cast<void>(responses(none, omega)), NumericalFailure);
 }
 
 // Damping that couples two modes of one frequency does not let the iteration converge quickly.
