@@ -128,6 +128,16 @@ double rank(const Detectable& detectable) {
                                                                  : detectable.size;
 }
 
+// The weights of `all` on the lines of `part`, some of its own.
+Observed weighted_as(const Observed& all, Observed part) {
+  std::vector<Index> lines;
+  for (Index k = 0; k < all.line_count() && std::ssize(lines) < part.line_count(); ++k) {
+    if (all.omega(k) == part.omega(std::ssize(lines))) lines.push_back(k);
+  }
+  part.weight = all.weight(lines, Eigen::all);
+  return part;
+}
+
 }  // namespace
 
 double noncentrality(double threshold, double dof, double power) {
@@ -167,7 +177,8 @@ Experiment experiment_of(const Structure& structure, const modal::FrfSet& measur
   Experiment experiment{given.structure, {}};
   experiment.looks.push_back({given.for_search(options.lines), given.tolerable});
   if (given.shapes.empty()) return experiment;
-  experiment.looks.push_back({thinned(given.observed, options.lines), given.all_deviations()});
+  const auto& lines = experiment.looks.front().observed;
+  experiment.looks.push_back({weighted_as(given.observed, lines), given.all_deviations()});
   return experiment;
 }
 

@@ -10,6 +10,7 @@
 #include "diagnosis/small_plate.h"
 #include "rotation/turn.h"
 #include "simulators/portable_random.h"
+#include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -188,6 +189,24 @@ TEST(Detectable, TellsWorstMedianAndBestOfEveryEffect) {
       EXPECT_GT(told[0].log_evidence, 8.0) << one->name;
     }
   }
+}
+
+// More lines than a search takes. Errors of the shapes are noise to the search, which alone would
+// choose other lines by them.
+TEST(Detectable, LooksAtTheSameLinesEachTime) {
+  simulators::LoadedTable table;
+  table.lines = 400;
+  table.high_hz = 700.0;
+  table.noise = 0.05;
+  const auto measured = simulators::loaded_table(simulators::believed_table(8), table);
+  DiagnosisOptions options;
+  options.lines = 60;
+  options.tolerances.response = 0.05;
+  const auto found = experiment_of(small_plate(), measured, options);
+  ASSERT_EQ(found.looks.size(), 2U);
+  EXPECT_EQ(found.looks[0].observed.omega, found.looks[1].observed.omega);
+  const Eigen::ArrayXXd search = found.looks[0].observed.weight.array();
+  EXPECT_TRUE((search < found.looks[1].observed.weight.array()).all());
 }
 
 // In every draw at one and a half times the size, in none at a third of it: of 99 % power at the
