@@ -43,9 +43,10 @@ void merge(TomlNode& base, const TomlNode& own, const std::string& file);
 template <typename Node>
 [[nodiscard]] std::vector<Node*> relative_files(Node& document) {
   constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
-      {"geometry", "file"},         {"measurement", "frf"},     {"measurement", "time"},
-      {"measurement", "shapes"},    {"measurement", "truth"},   {"measurement", "modes"},
-      {"measurement", "reference"}, {"diagnosis", "tolerances"}};
+      {"geometry", "file"},         {"measurement", "frf"},      {"measurement", "time"},
+      {"measurement", "shapes"},    {"measurement", "truth"},    {"measurement", "modes"},
+      {"measurement", "reference"}, {"diagnosis", "tolerances"}, {"experiment", "excitation"},
+      {"observer", "replay"},       {"observer", "truth"}};
   std::vector<Node*> named{member(document, "extends")};
   for (const auto& [part, key] : kKeys) {
     if (auto* table = member(document, part)) named.push_back(member(*table, key));

@@ -127,6 +127,26 @@ TEST_F(Extends, GoesOnAndFindsFilesFromWhereTheyAreNamed) {
   EXPECT_TRUE(fs::equivalent(own.measurement->frf, folder_.path() / "parts/measured.csv"));
 }
 
+TEST_F(Extends, FindsTheFilesOfEveryTable) {
+  write("parts/base.toml", kBase + R"([experiment]
+excitation = "signals.csv"
+[observer]
+replay = "time.csv"
+truth = "rig.toml"
+[[observer.point]]
+name = "p"
+at = ["10 mm", "0 mm"]
+[[observer.disturbance]]
+name = "amplifier"
+kind = "actuators"
+rms = "50 mN"
+)");
+  const auto own = read("extends = \"parts/base.toml\"\n");
+  EXPECT_EQ(own.experiment->excitation, folder_.path() / "parts/signals.csv");
+  EXPECT_EQ(own.observer->replay, folder_.path() / "parts/time.csv");
+  EXPECT_EQ(own.observer->truth, folder_.path() / "parts/rig.toml");
+}
+
 // The whole of it is a study that a diagnosis may extend.
 TEST_F(Extends, HasATextThatIsTheSameStudy) {
   write("base.toml", kBase);
