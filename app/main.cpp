@@ -10,6 +10,7 @@
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/sweep.h"
+#include "app/watch.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
@@ -124,6 +125,41 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
   return guarded(talk, work, style);
 }
 
+// Files that a run may write itself: its results, and the responses that `simulate` makes.
+bool is_written(const app::Command& command, const std::filesystem::path& folder,
+                const std::filesystem::path& file) {
+  const auto from = std::filesystem::absolute(file).lexically_normal().lexically_relative(
+      std::filesystem::absolute(folder).lexically_normal());
+  const bool in_folder = !from.empty() && *from.begin() != "..";
+  return in_folder || (command.name == "simulate" && file.extension() != ".toml");
+}
+
+// As `run`, with --watch again and again.
+int run_or_watch(const app::Command& command, const std::filesystem::path& file,
+                 const show::Options& options) {
+  if (!options.watch) return run(command, file, options);
+  auto manner = show::manner_of_stderr(options.quiet);
+  manner.all = true;  // each change is told
+  show::Talk talk(std::cerr, manner);
+  std::vector<std::filesystem::path> known;
+  const auto folder = options.folder.empty() ? std::filesystem::path("out") : options.folder;
+  const app::Watch watch{
+      .files =
+          [&] {
+            const auto files = study::files_of(file, options.allowed);
+            if (files.size() > 1 || known.empty()) known = files;  // one: it cannot be read now
+            return known;
+          },
+      .run =
+          [&] {
+            std::cout.clear();  // of an earlier run
+            return run(command, file, options);
+          },
+      .own = [&](const std::filesystem::path& one) { return is_written(command, folder, one); },
+      .note = [&](const std::string& line) { talk.note(line); }};
+  return guarded(talk, [&] { return app::run_at_each_change(watch); });
+}
+
 void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
                  show::Options& options) {
   verb.add_option("STUDY", file,
@@ -145,6 +181,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
     verb.add_flag("--all", options.all, "every table, not only what matters first");
   }
   verb.add_flag("--json", options.json, "the result as JSON on the standard output");
+  verb.add_flag("--watch", options.watch, "run again at each change of a file that is read");
   verb.add_flag("--reproducible", options.reproducible, "no wall times in the results");
   if (command.name != "check") {
     verb.add_flag("!--no-pictures", options.pictures, "paint nothing");
@@ -298,7 +335,7 @@ int answer(int argc, char** argv, show::Talk& talk) {
   for (const auto* command : kCommands) {
     auto* verb = cli.add_subcommand(std::string(command->name), std::string(command->summary));
     add_options(*verb, *command, file, options);
-    verb->callback([&, command] { status = run(*command, file, options); });
+    verb->callback([&, command] { status = run_or_watch(*command, file, options); });
   }
   add_sweep_verbs(cli, sweep, talk, status);
   add_other_verbs(cli, other, talk, status);

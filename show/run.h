@@ -36,6 +36,7 @@ struct Options {
   bool expect = false;         ///< `check` computes the modes and compares
   bool reproducible = false;   ///< no times in the results
   bool keep_best = false;      ///< Ctrl-C stops a fit, not the program
+  bool watch = false;          ///< run again at each change of a file that is read
   bool cache = true;           ///< take meshes and modes of earlier runs, and keep those of this
   std::string unit;            ///< for `check` of measured data without a unit
   double sample_time_s = 0.0;  ///< likewise

@@ -1,5 +1,6 @@
 #include "study/study.h"
 
+#include <set>
 #include <system_error>
 
 #include "base/atomic_file.h"
@@ -38,6 +39,7 @@ std::string name_of(const fs::path& file) {
 
 fs::path StudyFolder::resolved(const std::string& text) const {
   const fs::path wanted = fs::path(text).is_absolute() ? fs::path(text) : folder / text;
+  if (named != nullptr) named->push_back(wanted);
   std::error_code fault;  // a name that is too long, a loop of links
   const fs::path real = fs::weakly_canonical(wanted, fault);
   require(!fault, "the path \"" + text + "\" cannot be used: " + fault.message() +
@@ -72,15 +74,11 @@ bool replace_short_forms(TomlNode& tree, const StudyFolder& folder, Problems& pr
   return materials || arrays;
 }
 
-}  // namespace
-
-Study parse_study(std::string_view bytes, const fs::path& file,
-                  const std::vector<fs::path>& allowed) {
+Study study_of(std::string_view bytes, const fs::path& file, const StudyFolder& folder) {
   Study study;
   study.file = file;
   study.name = name_of(file);
   study.sha256 = sha256(bytes);
-  const StudyFolder folder{fs::absolute(file).parent_path(), allowed};
   auto document = whole_document(bytes, file, folder);
   study.bases = std::move(document.bases);
   TomlNode& tree = document.tree;
@@ -116,6 +114,37 @@ Study parse_study(std::string_view bytes, const fs::path& file,
   read_known(known, study, problems);
   problems.throw_if_any();
   return study;
+}
+
+// What a study names, as far as it can be read.
+std::vector<fs::path> names_in(const fs::path& file, const std::vector<fs::path>& allowed) {
+  std::vector<fs::path> named;
+  try {
+    const StudyFolder folder{fs::absolute(file).parent_path(), allowed, &named};
+    (void)study_of(read_whole(file, kLargestStudy), file, folder);
+  } catch (const InvalidInput&) {
+    return named;  // whoever reads the study reports the error
+  }
+  return named;
+}
+
+}  // namespace
+
+Study parse_study(std::string_view bytes, const fs::path& file,
+                  const std::vector<fs::path>& allowed) {
+  return study_of(bytes, file, {fs::absolute(file).parent_path(), allowed});
+}
+
+std::vector<fs::path> files_of(const fs::path& file, const std::vector<fs::path>& allowed) {
+  std::vector<fs::path> all{file};
+  std::set<fs::path> known{fs::absolute(file).lexically_normal()};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].extension() != ".toml") continue;  // a base, a truth, a specimen name others
+    for (auto& named : names_in(all[i], allowed)) {
+      if (known.insert(fs::absolute(named).lexically_normal()).second) all.push_back(named);
+    }
+  }
+  return all;
 }
 
 Study read_study(const fs::path& file, const std::vector<fs::path>& allowed) {

@@ -343,4 +343,10 @@ struct Study {
 [[nodiscard]] Study parse_study(std::string_view bytes, const std::filesystem::path& file,
                                 const std::vector<std::filesystem::path>& allowed = {});
 
+/// The study, then every file that it names, and that those name which are studies themselves: its
+/// bases, its truth, its specimens. They may be missing, and the study may have errors: then what
+/// is named before the first one that stops its reading.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(
+    const std::filesystem::path& file, const std::vector<std::filesystem::path>& allowed = {});
+
 }  // namespace chladni::study

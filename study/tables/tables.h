@@ -14,6 +14,8 @@ namespace chladni::study {
 struct StudyFolder {
   std::filesystem::path folder;                ///< the study's own
   std::vector<std::filesystem::path> allowed;  ///< from --allow-outside
+  /// Gets each path that the study names, there or not; null: nobody asks for them.
+  std::vector<std::filesystem::path>* named = nullptr;
 
   /// `text` as a path below one of them, with symbolic links resolved.
   /// @throws InvalidInput  it lies elsewhere

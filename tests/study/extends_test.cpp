@@ -147,6 +147,19 @@ rms = "50 mN"
   EXPECT_EQ(own.observer->truth, folder_.path() / "parts/rig.toml");
 }
 
+TEST_F(Extends, TellsEveryFileThatIsNamedThereOrNot) {
+  write("base.toml", kBase + "[measurement]\nfrf = \"measured.csv\"\ntruth = \"rig.toml\"\n");
+  write("rig.toml", "extends = \"base.toml\"\n[measurement]\ntime = \"time.csv\"\n");
+  write("own.toml", "extends = \"base.toml\"\nnonsense = 1\n");
+  std::vector<std::string> names;
+  for (const auto& file : study::files_of(folder_.path() / "own.toml")) {
+    names.push_back(file.filename().string());
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"own.toml", "base.toml", "measured.csv", "rig.toml",
+                                             "time.csv"}));
+  EXPECT_EQ(study::files_of(folder_.path() / "none.toml").size(), 1U);
+}
+
 // The whole of it is a study that a diagnosis may extend.
 TEST_F(Extends, HasATextThatIsTheSameStudy) {
   write("base.toml", kBase);
