@@ -18,6 +18,12 @@ using JsonObject = std::vector<std::pair<std::string, Json>>;
 class Json {
  public:
   Json() = default;
+  /// Not the variant's: that of libstdc++ 12 destroys what is not made yet where a copy throws.
+  Json(const Json& other) { value_ = other.value_; }
+  Json(Json&&) noexcept = default;
+  Json& operator=(const Json&) = default;
+  Json& operator=(Json&&) noexcept = default;
+  ~Json() = default;
   Json(bool value) : value_(value) {}
   Json(double value) : value_(value) {}
   Json(int value) : value_(static_cast<long long>(value)) {}

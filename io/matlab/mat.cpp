@@ -2,15 +2,24 @@
 #include "io/mat.h"
 
 #include <matio.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <memory>
+#include <ostream>
 #include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/held_signal.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -120,10 +129,57 @@ double bytes_of(const MatValue& value) {
   return bytes;
 }
 
+// A file in memory that goes with the object. In version 5 matio does not tell that a write has
+// failed, so it writes here, and the disk gets bytes whose writing is checked.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string name)
+      : name_(std::move(name)), descriptor_(memfd_create("chladni.mat", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) refuse();
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  MemoryFile(MemoryFile&&) = delete;
+  MemoryFile& operator=(MemoryFile&&) = delete;
+
+  [[nodiscard]] std::filesystem::path path() const {
+    return "/proc/self/fd/" + std::to_string(descriptor_);
+  }
+
+  void copy_to(std::ostream& stream) const {
+    rlimit limit = {};
+    const auto size = lseek(descriptor_, 0, SEEK_END);
+    // Files in memory end there too, and matio would not have noticed.
+    const bool cut_off = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+                         static_cast<rlim_t>(size) >= limit.rlim_cur;
+    if (cut_off) errno = EFBIG;
+    if (size < 0 || cut_off || lseek(descriptor_, 0, SEEK_SET) != 0) refuse();
+    std::vector<char> block(std::size_t{1} << 20U);
+    for (off_t done = 0; done < size;) {
+      const auto count = ::read(descriptor_, block.data(), block.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count == 0) errno = EIO;
+      if (count <= 0) refuse();
+      stream.write(block.data(), count);
+      done += count;
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw OutOfResources(name_ + ": cannot be written: " + std::generic_category().message(errno) +
+                         "; the old file, if any, is untouched");
+  }
+
+  std::string name_;
+  int descriptor_;
+};
+
 void write_all(const std::filesystem::path& file, const MatFields& variables, MatVersion version) {
   const bool is_5 = version == MatVersion::mat_5;
   // The head has no date, so that the same input gives the same bytes.
-  const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(
+  std::unique_ptr<mat_t, int (*)(mat_t*)> mat(
       Mat_CreateVer(file.c_str(),
                     is_5 ? "MATLAB 5.0 MAT-file, written by chladni"
                          : "MATLAB 7.3 MAT-file, written by chladni",
@@ -136,6 +192,7 @@ void write_all(const std::filesystem::path& file, const MatFields& variables, Ma
       throw OutOfResources(file.string() + ": " + shown(name) + " cannot be written");
     }
   }
+  if (Mat_Close(mat.release()) != 0) throw OutOfResources(file.string() + ": cannot be closed");
 }
 
 }  // namespace
@@ -187,9 +244,16 @@ void write_mat(const std::filesystem::path& file, const MatFields& variables, Ma
     require(is_name(name), "MAT: a variable cannot be called " + shown(name));
   }
   const auto least = mat_version_for(variables);
-  write_atomically_at(file, [&](const std::filesystem::path& at) {
-    write_all(at, variables, std::max(version, least));
-  });
+  if (std::max(version, least) == MatVersion::mat_7_3) {  // HDF5 wants a place on a disk
+    write_atomically_at(file, [&](const std::filesystem::path& at) {
+      write_all(at, variables, MatVersion::mat_7_3);
+    });
+    return;
+  }
+  const HeldSignal held(SIGXFSZ);
+  const MemoryFile made(file.string());
+  write_all(made.path(), variables, MatVersion::mat_5);
+  write_atomically(file, [&](std::ostream& stream) { made.copy_to(stream); });
 }
 
 }  // namespace chladni::io
