@@ -185,10 +185,14 @@ std::string read_whole(const fs::path& file, std::size_t limit) {
   const auto refused = [&file](const std::string& why) {
     return InvalidInput(file.string() + ": " + why + "; expected a file that can be read");
   };
+  const auto refuse_for = [&](int error) {
+    if (!is_shortage(error)) throw refused(reason(error));
+    throw OutOfResources(file.string() + ": cannot be read: " + reason(error));
+  };
   // O_NONBLOCK: opening a pipe without a writer must not wait.
   const Descriptor source(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
-  if (source.number() < 0 || fstat(source.number(), &status) != 0) throw refused(reason(errno));
+  if (source.number() < 0 || fstat(source.number(), &status) != 0) refuse_for(errno);
   if (S_ISDIR(status.st_mode)) throw refused("is a folder");
   if (!S_ISREG(status.st_mode)) throw refused("is not a regular file");
   const auto too_long = [&] { return refused("more than " + std::to_string(limit) + " bytes"); };
@@ -201,7 +205,7 @@ std::string read_whole(const fs::path& file, std::size_t limit) {
     for (;;) {
       const auto count = ::read(source.number(), content.data() + used, content.size() - used);
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) throw refused(reason(errno));
+      if (count < 0) refuse_for(errno);
       if (count == 0) break;
       used += static_cast<std::size_t>(count);
       if (used > limit) throw too_long();

@@ -25,7 +25,7 @@ void write_atomically_at(const std::filesystem::path& file,
 /// All bytes of a regular file.
 /// @throws InvalidInput    the file does not exist, is not a regular file, cannot be read or
 ///                         exceeds `limit`
-/// @throws OutOfResources  there is no memory for the bytes
+/// @throws OutOfResources  there is no memory for the bytes, or the disk or the machine fails
 [[nodiscard]] std::string read_whole(const std::filesystem::path& file,
                                      std::size_t limit = std::size_t{4} << 30U);
 

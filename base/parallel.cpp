@@ -73,8 +73,8 @@ void rethrow_first(const std::vector<std::exception_ptr>& thrown) {
 }
 
 // Runs every call: the first one in this thread, each other one in a new thread. Where the system
-// grants no thread, the call runs in this thread. Then the exception of the lowest call that threw
-// is rethrown.
+// grants no thread, or no memory for one, the call runs in this thread. Then the exception of the
+// lowest call that threw is rethrown.
 void run_all(const std::vector<std::function<void()>>& calls) {
   std::vector<std::exception_ptr> thrown(calls.size());
   const auto run = [&](std::size_t i) { thrown[i] = thrown_by(calls[i]); };
@@ -83,7 +83,7 @@ void run_all(const std::vector<std::function<void()>>& calls) {
   std::size_t started = 1;
   try {
     for (; started < calls.size(); ++started) threads.emplace_back(run, started);
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {
     for (std::size_t i = started; i < calls.size(); ++i) run(i);
   }
   run(0);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "base/error.h"
 
@@ -23,6 +24,8 @@ struct FreeConverter {
 using Converter = std::unique_ptr<cv_converter, FreeConverter>;
 
 constexpr std::size_t kLongestUnit = 64;
+// More than the library needs for a unit. Where it gets none, its scanner ends the process.
+constexpr std::size_t kRoom = std::size_t{64} << 10U;
 
 // The usual name of a dimension, and an example.
 struct Kind {
@@ -78,7 +81,11 @@ Database& database() {
   return only;
 }
 
+// @throws std::bad_alloc  the library would have no memory
+void require_room() { std::vector<char>().reserve(kRoom); }
+
 Unit parsed(std::string_view text) {
+  require_room();
   return Unit(ut_parse(database().system, std::string(text).c_str(), UT_UTF8));
 }
 
@@ -221,24 +228,23 @@ double factor(std::string_view text, std::string_view unit, std::string_view si_
 }  // namespace
 
 double quantity(std::string_view text, std::string_view si_unit) {
-  const auto due = [&] {
+  const auto refuse = [&](const char* why) {
     const std::scoped_lock guard(database().lock);
     const Unit into = parsed(si_unit);
-    return into ? expected(si_unit, into.get()) : std::string("expected a number and a unit");
+    throw InvalidInput("\"" + std::string(text) + "\" " + why + "; " +
+                       (into ? expected(si_unit, into.get()) : "expected a number and a unit"));
   };
-  const auto quoted = [&] { return "\"" + std::string(text) + "\" "; };
   std::string_view rest = trimmed(text);
   if (rest.starts_with('+') && !rest.starts_with("+-")) rest.remove_prefix(1);
   double number = 0.0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
-  require(error != std::errc::invalid_argument,
-          quoted() + "does not start with a number; " + due());
-  require(error == std::errc{} && std::isfinite(number), quoted() + "is not finite; " + due());
+  if (error == std::errc::invalid_argument) refuse("does not start with a number");
+  if (error != std::errc{} || !std::isfinite(number)) refuse("is not finite");
   const std::string_view unit = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
   if (unit.empty() && si_unit == "1") return number;
-  require(!unit.empty(), quoted() + "has no unit; " + due());
+  if (unit.empty()) refuse("has no unit");
   const double value = number * factor(text, unit, si_unit);
-  require(std::isfinite(value), quoted() + "is too large; " + due());
+  if (!std::isfinite(value)) refuse("is too large");
   return value;
 }
 

@@ -1,9 +1,12 @@
 #include "base/sha256.h"
 
+#include <unistd.h>
+
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <fstream>
+#include <system_error>
 
 #include "base/error.h"
 
@@ -105,7 +108,13 @@ std::string sha256_of_file(const std::filesystem::path& file) {
     length += count;
     left_over = mixed_blocks(state, std::string_view(piece).substr(0, count));
   }
-  require(stream.eof(), file.string() + ": cannot be read; expected a file that can");
+  if (!stream.eof()) {
+    std::error_code ignored;
+    const bool may =
+        std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), R_OK) == 0;
+    if (may) throw OutOfResources(file.string() + ": cannot be read, though it is there");
+    throw InvalidInput(file.string() + ": cannot be read; expected a file that can");
+  }
   return digits_of(state, left_over, length);
 }
 

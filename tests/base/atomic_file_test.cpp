@@ -131,6 +131,17 @@ TEST_F(AtomicFile, GivesTheTemporaryTheSameEnding) {
   EXPECT_EQ(read_whole(folder / "mesh.vtu"), "x");
 }
 
+TEST_F(AtomicFile, TellsAMachineThatFailsFromAFileThatDoes) {
+  write_atomically(folder / "f.txt", "x");
+  rlimit before = {};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none = {0, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  EXPECT_THROW((void)read_whole(folder / "f.txt"), OutOfResources);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_THROW((void)read_whole(folder / "none.txt"), InvalidInput);
+}
+
 TEST_F(AtomicFile, ReadsOnlyRegularFilesUpToALimit) {
   write_atomically(folder / "f.txt", "12345");
   EXPECT_THROW((void)read_whole(folder / "f.txt", 4), InvalidInput);
