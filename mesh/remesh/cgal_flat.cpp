@@ -6,6 +6,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <map>
+#include <new>
 #include <vector>
 
 #include "mesh/remesh/cgal_quiet.h"
@@ -67,6 +68,8 @@ std::optional<std::vector<Eigen::Vector3i>> flat_triangles(
       triangulation.insert_constraint(vertices[static_cast<std::size_t>(line.from)],
                                       vertices[static_cast<std::size_t>(line.to)]);
     }
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {  // lines cross
     return std::nullopt;
   }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <new>
 #include <set>
 
 #include "base/error.h"
@@ -138,6 +139,8 @@ Surface boolean_of(const Surface& a, const Surface& b, bool unite) {
     const auto keep = CGAL::parameters::visitor(PatchKeeper(bodies.maps));
     done = unite ? pmp::corefine_and_compute_union(bodies.first, bodies.second, result, keep)
                  : pmp::corefine_and_compute_difference(bodies.first, bodies.second, result, keep);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw NumericalFailure(verb + ": corefinement failed: " + error.what());
   }
@@ -199,6 +202,8 @@ Surface bonded(const Surface& a, const Surface& b, const std::string& name_a,
   TwoBodies bodies(first, second);
   try {
     pmp::corefine(bodies.first, bodies.second, CGAL::parameters::visitor(PatchKeeper(bodies.maps)));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw NumericalFailure("bonded: corefinement failed: " + std::string(error.what()));
   }
