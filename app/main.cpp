@@ -1,10 +1,13 @@
 // The command line: one verb per step of the flow, one study file, one output folder.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "app/command.h"
@@ -47,6 +50,17 @@ struct ErrorStyle {
   bool json = false;     ///< on the standard output too
 };
 
+/// Whether the machine fails, and not the path.
+bool is_shortage(const std::error_code& code) {
+  constexpr std::errc kinds[] = {std::errc::not_enough_memory,
+                                 std::errc::no_space_on_device,
+                                 std::errc::io_error,
+                                 std::errc::file_too_large,
+                                 std::errc::too_many_files_open,
+                                 std::errc::too_many_files_open_in_system};
+  return std::ranges::any_of(kinds, [&](std::errc kind) { return code == kind; });
+}
+
 /// Runs `work` and turns any exception into a message and an exit code.
 int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle& style = {}) {
   const auto told = [&](const std::string& what, ExitCode code,
@@ -82,10 +96,9 @@ int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle
     return told("out of memory; choose a longer mesh.edge_length or a lower mesh.order",
                 kOutOfResources);
   } catch (const std::filesystem::filesystem_error& e) {
-    const bool named = !e.path1().empty();
-    return told((named ? e.path1().string() + ": " : "") + e.code().message() +
-                    "; expected a path that can be used",
-                kInvalidInput);
+    const auto what = (e.path1().empty() ? "" : e.path1().string() + ": ") + e.code().message();
+    if (is_shortage(e.code())) return told(what, kOutOfResources);
+    return told(what + "; expected a path that can be used", kInvalidInput);
   } catch (const std::system_error& e) {
     return failed(e, kOutOfResources);
   } catch (const std::exception& e) {
@@ -93,6 +106,12 @@ int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle
   } catch (...) {
     return unforeseen("it met an error without a name");
   }
+}
+
+/// @throws OutOfResources  what was printed is not written whole
+void require_output() {
+  std::cout.flush();
+  if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
 }
 
 /// The message, with the study's name in front if it is not there yet.
@@ -118,8 +137,7 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
     } catch (const chladni::InvalidInput& e) {
       throw chladni::InvalidInput(with_file(file, e.what()));
     }
-    std::cout.flush();
-    if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
+    require_output();
     return kDone;
   };
   return guarded(talk, work, style);
@@ -355,10 +373,18 @@ int answer(int argc, char** argv, show::Talk& talk) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  show::Talk talk(std::cerr, show::manner_of_stderr(false));
-  return guarded(talk, [&] {
-    chladni::dense::use_best_blas_kernel(argv);
-    chladni::catch_interrupts();
-    return answer(argc, argv, talk);
-  });
+  try {
+    show::Talk talk(std::cerr, show::manner_of_stderr(false));
+    return guarded(talk, [&] {
+      chladni::dense::use_best_blas_kernel(argv);
+      chladni::catch_interrupts();
+      const int status = answer(argc, argv, talk);
+      if (status == kDone) require_output();
+      return status;
+    });
+  } catch (...) {  // no memory for the message itself
+    constexpr std::string_view sentence = "error: out of memory, also for saying more\n";
+    static_cast<void>(!write(STDERR_FILENO, sentence.data(), sentence.size()));
+    return kOutOfResources;
+  }
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <new>
 #include <optional>
 
 #include "base/atomic_file.h"
@@ -95,6 +96,8 @@ void leave_models(const study::Study& study, const std::string& stem,
   } catch (const Interrupted&) {
     throw;
   } catch (const OutOfResources&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& fault) {
     remove_models(stem, run);

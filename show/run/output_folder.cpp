@@ -54,8 +54,14 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder)
   do {
     if (descriptor_ >= 0) close(descriptor_);
     descriptor_ = open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    const int error = errno;
+    if (descriptor_ < 0 &&
+        (error == EMFILE || error == ENFILE || error == ENOSPC || error == EIO)) {
+      throw OutOfResources("cannot write to the output folder " + folder.string() + ": " +
+                           reason(error));
+    }
     require(descriptor_ >= 0, "cannot write to the output folder " + folder.string() + ": " +
-                                  reason(errno) + "; choose another with -o");
+                                  reason(error) + "; choose another with -o");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const std::string who = holder(descriptor_);
       close(descriptor_);

@@ -51,7 +51,11 @@ Talk::~Talk() {
   }
   ended_.notify_all();
   if (ticker_.joinable()) ticker_.join();
-  tell_folded();
+  try {
+    tell_folded();
+  } catch (const std::exception&) {
+    return;  // no memory for a line that says less than those before it
+  }
 }
 
 std::string Talk::painted(std::string_view text, std::string_view code) const {
@@ -107,6 +111,7 @@ void Talk::clear_progress() {
 }
 
 void Talk::clear() {
+  stream_.clear();  // a line that could not be written keeps no later one
   if (drawn_) stream_ << "\r\033[K" << std::flush;
   drawn_ = false;
 }
@@ -138,7 +143,7 @@ void Talk::heard(std::string_view step, double fraction) {
   if (manner_.progress && (is_new || !drawn_ || now - last_drawn_ >= 100ms)) draw();
 }
 
-void Talk::tick() {
+void Talk::tick() try {
   std::unique_lock lock(mutex_);
   while (!ended_.wait_for(lock, std::min<std::chrono::milliseconds>(manner_.every, 1s),
                           [this] { return ends_; })) {
@@ -146,6 +151,8 @@ void Talk::tick() {
     if (manner_.progress && drawn_) draw();
     if (manner_.lines && Clock::now() - last_drawn_ >= manner_.every) write_line();
   }
+} catch (const std::exception&) {
+  return;  // no memory for a line of progress: the step goes on without
 }
 
 Progress Talk::progress() {

@@ -263,9 +263,14 @@ TEST_F(CommandLine, ASecondRunIsToldWhoWritesThere) {
 
 TEST_F(CommandLine, AFullStandardOutputIsSaid) {
   const auto study = write("study.toml", kPlate);
-  const auto check = run({"check", study.string()}, "/dev/full");
-  EXPECT_EQ(check.status, 5);
-  EXPECT_TRUE(says(check.err, "standard output"));
+  const std::vector<std::string> calls[] = {
+      {"check", study.string()},          {"list", "keys"},    {"cache"},
+      {"new", "plate", "-o", "new.toml"}, {"modes", "--help"}, {"--version"}};
+  for (const auto& words : calls) {
+    const auto full = run(words, "/dev/full");
+    EXPECT_EQ(full.status, 5) << words.front();
+    EXPECT_TRUE(says(full.err, "error: cannot write to the standard output")) << words.front();
+  }
 }
 
 TEST_F(CommandLine, AFullDiskLeavesNoHalfFile) {

@@ -21,6 +21,15 @@ int count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
+TEST(Talk, ALineThatCouldNotBeWrittenKeepsNoLaterOneBack) {
+  std::ostringstream said;
+  Talk talk(said, {});
+  talk.note("first");
+  said.setstate(std::ios::badbit);  // as after a write that failed
+  talk.error("second");
+  EXPECT_EQ(said.str(), "first\nerror: second\n");
+}
+
 TEST(Talk, TellsThreeOfAKindAndHowManyMore) {
   std::ostringstream said;
   {
