@@ -16,6 +16,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/interrupt.h"
 #include "base/sha256.h"
 
@@ -55,13 +56,12 @@ bool is_left_over(const fs::path& file, fs::file_time_type written) {
 // The files with our ending; files that vanish meanwhile are left out.
 std::vector<Kept> kept_in(const fs::path& folder) {
   std::vector<Kept> list;
-  std::error_code fault;
-  for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
-    if (at->path().extension() != kEnding) continue;
+  for (const auto& file : entries_of(folder)) {
+    if (file.extension() != kEnding) continue;
     std::error_code gone;
-    Kept one{at->path(), at->file_size(gone), {}};
-    if (!gone) one.used = at->last_write_time(gone);
-    if (!gone && at->is_regular_file(gone)) list.push_back(std::move(one));
+    Kept one{file, fs::file_size(file, gone), {}};
+    if (!gone) one.used = fs::last_write_time(file, gone);
+    if (!gone && fs::is_regular_file(file, gone)) list.push_back(std::move(one));
   }
   return list;
 }

@@ -6,6 +6,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/sha256.h"
 #include "io/json.h"
 
@@ -117,12 +118,10 @@ bool differ(const Origin& one, const Origin& other) {
 
 std::vector<std::string> outdated(const fs::path& folder, const Origin& now) {
   std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const auto extension = entry.path().extension();
-    if (extension != ".json" && entry.path().filename() != "report.html") continue;
-    const auto origin = origin_of(entry.path());
-    if (origin && differ(*origin, now)) names.push_back(entry.path().filename().string());
+  for (const auto& file : entries_of(folder)) {
+    if (file.extension() != ".json" && file.filename() != "report.html") continue;
+    const auto origin = origin_of(file);
+    if (origin && differ(*origin, now)) names.push_back(file.filename().string());
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/atomic_file.h"
+#include "base/folder.h"
 #include "io/csv.h"
 #include "io/plot.h"
 #include "io/time_file.h"
@@ -147,9 +148,9 @@ void remove_old_signals(const Run& run) {
   for (const auto* name : {"excitation.csv", "excitation.mat", "hammer_points.csv"}) {
     fs::remove(run / name);
   }
-  for (const auto& entry : fs::directory_iterator(run / ".")) {
-    const auto name = entry.path().filename().string();
-    if (name.starts_with("excitation_r") && name.ends_with(".wav")) fs::remove(entry.path());
+  for (const auto& file : entries_of(run / ".")) {
+    const auto name = file.filename().string();
+    if (name.starts_with("excitation_r") && name.ends_with(".wav")) fs::remove(file);
   }
 }
 

@@ -1,10 +1,13 @@
 // Without memory: work is done or refused, and the process lives.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <sstream>
 #include <vector>
 
+#include "base/folder.h"
 #include "base/parallel.h"
 #include "base/quantity.h"
 #include "tests/failing_new.h"
@@ -28,6 +31,17 @@ TEST(Quantity, WithoutMemoryIsRefusedAsThat) {
   EXPECT_EQ(quantity("20 mm", "m"), 0.02);  // the database of units is there now
   const long failures = without_memory(100, 1, [] { EXPECT_EQ(quantity("20 mm", "m"), 0.02); });
   EXPECT_GT(failures, 0);
+}
+
+TEST(Folder, WithoutMemoryThrows) {
+  const std::filesystem::path folder = CHLADNI_SOURCE_DIR "/tests/base";
+  const auto all = entries_of(folder);
+  EXPECT_EQ(std::ranges::count(all, folder / "no_memory_test.cpp"), 1);
+  EXPECT_EQ(std::ranges::count(all, folder / ".."), 0);
+  EXPECT_TRUE(entries_of(folder / "none").empty());
+  const long failures =
+      without_memory(1000, 1, [&] { EXPECT_EQ(entries_of(folder).size(), all.size()); });
+  EXPECT_GT(failures, static_cast<long>(all.size()));
 }
 
 }  // namespace
