@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,8 @@ constexpr std::array<std::string_view, 15> kComputing = {
     "libopenblas", "libblas", "liblapack", "libcholmod", "libsuitesparse",
     "libamd",      "libcamd", "libcolamd", "libccolamd", "libmetis",
     "libgmp",      "libmpfr", "libm.so",   "libc.so",    "libstdc++"};
+
+constexpr int kNoMemory = 2;  // what note_object tells beside 0 and 1
 
 struct Object {
   std::string name, build;
@@ -76,6 +79,8 @@ int note_object(dl_phdr_info* object, std::size_t /*size*/, void* list) {
     static_cast<std::vector<Object>*>(list)->push_back(
         {ours ? "chladni" : name, build_of(*object, file)});
     return 0;
+  } catch (const std::bad_alloc&) {  // not through the linker's frames
+    return kNoMemory;
   } catch (...) {
     return 1;
   }
@@ -97,7 +102,9 @@ std::string vector_instructions() {
 
 std::string looked_up() {
   std::vector<Object> objects;
-  if (dl_iterate_phdr(note_object, &objects) != 0) {
+  const int fault = dl_iterate_phdr(note_object, &objects);
+  if (fault == kNoMemory) throw std::bad_alloc();
+  if (fault != 0) {
     throw InvalidInput("the loaded libraries cannot be told apart");
   }
   std::ranges::sort(objects, {}, &Object::name);
