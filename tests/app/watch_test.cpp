@@ -10,6 +10,7 @@ namespace chladni::app {
 namespace {
 
 using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = 60s;
 
@@ -82,9 +83,11 @@ TEST_F(Watching, RunsAgainWhenTheStudyIsReplacedByRenaming) {
   start({"modes", study});
   ASSERT_TRUE(waits(1));
   // vim: the old file gets another name, then the new one is written, then the old one goes.
+  const auto begin = Clock::now();
   fs::rename(study, folder_ / "study.toml~");
   std::this_thread::sleep_for(150ms);
   write("study.toml", with_modes(8));
+  if (Clock::now() - begin > 800ms) GTEST_SKIP() << "the machine is too busy for this editor";
   fs::remove(folder_ / "study.toml~");
   ASSERT_TRUE(waits(2));
   EXPECT_EQ(modes(), 8U);
@@ -122,8 +125,10 @@ TEST_F(Watching, TakesWhatIsWrittenSlowlyAsOneChange) {
   const auto text = with_modes(8);
   std::ofstream stream(study, std::ios::trunc);
   for (std::size_t at = 0; at < text.size(); at += 60) {
+    const auto begin = Clock::now();
     stream << text.substr(at, 60) << std::flush;
     std::this_thread::sleep_for(100ms);
+    if (Clock::now() - begin > 250ms) GTEST_SKIP() << "the machine is too busy for this editor";
   }
   ASSERT_TRUE(waits(2));
   EXPECT_EQ(modes(), 8U);
