@@ -28,6 +28,11 @@ std::string death(const std::vector<std::string>& script, const WorkerLimits& li
   return "";
 }
 
+TEST(Worker, AnyStatusButNoughtIsAFailure) {
+  EXPECT_NO_THROW((void)run_worker("/bin/true", {}, ""));
+  EXPECT_THROW((void)run_worker("/bin/false", {}, ""), WorkerDied);  // 1
+}
+
 TEST(Worker, EchoesMoreThanAPipeHolds) {
   std::string input(50U << 20U, 'x');
   input.back() = 'y';

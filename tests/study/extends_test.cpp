@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "steps/extend/extended_study.h"
+#include "study/problems.h"
 #include "study/study.h"
 #include "study/toml/toml_text.h"
 #include "tests/app/quiet_run.h"
@@ -174,6 +175,38 @@ TEST_F(Extends, HasATextThatIsTheSameStudy) {
   const auto extended = steps::extended_study(own.text, own.file, {}, {heavier}, folder_.path());
   EXPECT_TRUE(extended.unexpressed.empty());
   EXPECT_NE(extended.text.find("2754"), std::string::npos) << extended.text;
+}
+
+TEST_F(Extends, GoesOnForEightStudiesAndNoMore) {
+  write("base_0.toml", kBase);
+  for (int i = 1; i < 9; ++i) {
+    write("base_" + std::to_string(i) + ".toml",
+          "extends = \"base_" + std::to_string(i - 1) + ".toml\"\n");
+  }
+  EXPECT_EQ(read("extends = \"base_7.toml\"\n").bases.size(), 8U);
+  EXPECT_THROW((void)read("extends = \"base_8.toml\"\n"), InvalidInput);
+}
+
+TEST(Problems, TellTwentyAndHowManyMore) {
+  const auto told = [](int count) -> std::string {
+    study::Problems problems("study.toml");
+    for (int i = 0; i < count; ++i) problems.add(i + 1, 1, "wrong");
+    try {
+      problems.throw_if_any();
+    } catch (const InvalidInput& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(told(0), "");
+  EXPECT_TRUE(told(20).ends_with("study.toml:20:1: wrong")) << told(20);
+  EXPECT_TRUE(told(21).ends_with("study.toml:20:1: wrong\nstudy.toml: and 1 more")) << told(21);
+}
+
+TEST(NearestName, IsTheFirstOfThoseThatAreEquallyNear) {
+  EXPECT_EQ(study::nearest_name("sensr", {"sensor", "sense"}), "sensor");
+  EXPECT_EQ(study::nearest_name("ab", {"cd"}), "");  // two letters of two
+  EXPECT_EQ(study::nearest_name("ab", {"ac"}), "ac");
 }
 
 TEST_F(Extends, RefusesWhatCannotBeMeant) {
