@@ -19,7 +19,7 @@ namespace {
 // True if there are measured data. A warning names a missing file: `simulate` must still write it,
 // or it does not come with the study.
 bool is_there(const study::MeasurementPlan& plan, show::Run& run) {
-  for (const auto& path : {plan.frf, plan.time, plan.modes_file, plan.reference}) {
+  for (const auto& path : {plan.frf, plan.time, plan.validation, plan.modes_file, plan.reference}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
     run.warn(path.string() + ": there is no such file; what needs it is left out" +
              study::source_text(plan));

@@ -13,6 +13,7 @@ struct BandResidual {
   double low_hz = 0.0, high_hz = 0.0;  ///< first and last line
   Eigen::Index lines = 0;
   double relative_error = 0.0;   ///< |e| over |G|
+  double relative_noise = 0.0;   ///< its stated deviation, likewise
   double level = 0.0;            ///< mean |e|² over its stated variance: 1 where noise is left
   double level_deviation = 0.0;  ///< of `level`, if noise alone is left
   /// Re Σ conj(e_k) e_{k+1} over Σ |e_k|², e over its deviation: 0 for noise, towards 1 where the

@@ -19,9 +19,12 @@ namespace chladni::show {
 [[nodiscard]] std::string trust_text(const steps::IdentifiedModel& model);
 [[nodiscard]] io::Json trust_json(const steps::IdentifiedModel& model);
 
-/// Fit in per cent, residual over noise, the band where it is largest, and whether it is white.
+/// Fit in per cent, residual over noise, the band where it is largest, and whether it is white;
+/// then how well unseen data are predicted, where there are any.
 [[nodiscard]] std::string validation_text(const steps::IdentifiedModel& model);
 [[nodiscard]] io::Json validation_json(const steps::IdentifiedModel& model);
+/// The sentences about data that the fit has not seen; empty where there are none.
+[[nodiscard]] std::string unseen_text(const steps::IdentifiedModel& model);
 
 /// How good recordings are, in which band, and what was done to them; empty or null for responses.
 [[nodiscard]] std::string quality_text(const steps::IdentifiedModel& model);

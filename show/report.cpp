@@ -132,6 +132,9 @@ io::Section identification_section(const steps::IdentifiedModel& model) {
       fmt::format("The responses are fitted to {} % of their size; the noise "
                   "is {} %.",
                   percent_cell(steps::overall_error(model)), percent_cell(steps::noise(model)))});
+  if (const auto unseen = unseen_text(model); !unseen.empty()) {
+    section.blocks.emplace_back(io::Note{io::Note::Tone::plain, "Not seen by the fit: " + unseen});
+  }
   if (!model.stabilisation.empty()) {
     const auto plot = stabilisation_plot(model);
     auto poles = curves_of(plot, "stabilisation", "diagram");

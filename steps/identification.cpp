@@ -15,6 +15,7 @@
 #include "identification/matrix_fraction.h"
 #include "identification/model_error.h"
 #include "steps/identification/identification_gains.h"
+#include "steps/identification/unseen.h"
 
 namespace chladni::steps {
 namespace {
@@ -91,6 +92,14 @@ bool is_held(const study::Study& study) {
 identification::FitData fit_data_of(const study::Study& study, const IdentifiedModel& model,
                                     const modal::FrfSet& set) {
   return identification::fit_data(set, data_options(identification_plan(study), model.seen));
+}
+
+identification::FitData reweighted_data(const study::Study& study, const IdentifiedModel& model,
+                                        identification::FitData data,
+                                        const Eigen::MatrixXcd& fitted) {
+  const auto plan = identification_plan(study);
+  if (plan.weighting != "variance") return data;
+  return identification::reweighted(data, fitted, data_options(plan, model.seen));
 }
 
 namespace {
@@ -217,9 +226,11 @@ void take_off_window(IdentifiedModel& model) {
 IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study::Study& study,
                              stage::Work& work) {
   IdentifiedModel model;
-  model.measured = work.timed("read", [&] { return measured_frfs(study, work); });
+  model.measured =
+      work.timed("read", [&] { return measured_frfs(study, work, plan.cross_validation); });
   model.seen = modal::part(model.measured.all, model.measured.outputs, model.measured.inputs);
   model.data = identification::fit_data(model.seen, data_options(plan, model.seen));
+  model.second_record = read_second_record(study, model, work);
   model.found = work.timed("fit", [&] { return found(plan, study, model.data, work); });
   take_out_drift(model);
   const auto stopped = [&] { return work.choices().keep_best && interrupted(); };
@@ -241,6 +252,21 @@ IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study:
   return model;
 }
 
+// Predicts what the fit has not seen: parts of its recordings in turn, and the second record.
+void look_at_unseen(const study::IdentificationPlan& plan, const study::Study& study,
+                    IdentifiedModel& model, stage::Work& work) {
+  const Refit refit = [&](const identification::FitData& data) {
+    if (plan.method == "thesis") return found(plan, study, data, work).fit;
+    return identification::refitted(data, model.found.fit, fit_options(plan, study, work).fit);
+  };
+  if (!model.measured.folds.folds.empty()) {
+    model.cross_validation =
+        work.timed("leave out in turn", [&] { return cross_validated(study, model, refit, work); });
+    work.clear_progress();
+  }
+  score_second_record(study, model);
+}
+
 }  // namespace
 
 IdentifiedModel identified(const study::Study& study, const stage::Solution* solution,
@@ -255,6 +281,7 @@ IdentifiedModel identified(const study::Study& study, const stage::Solution* sol
   for (const auto& warning : model.match.warnings) work.warn(warning);
   add_errors(model);
   model.judgement = work.timed("judge", [&] { return judged(plan, study, model, work); });
+  look_at_unseen(plan, study, model, work);
   if (plan.stabilisation > 0) {
     model.stabilisation = work.timed("stabilisation", [&] {
       const auto data =

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identification/channel_gains.h"
+#include "identification/cross_validation.h"
 #include "identification/data_quality.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
@@ -26,6 +27,7 @@ struct MeasuredFrfs {
   std::optional<identification::DataQuality> quality;  ///< of recordings
   double added_decay =
       0.0;  ///< [rad/s] by an exponential window: in the responses, not in the model
+  identification::Folds folds;  ///< of periodic recordings, where they were wanted
 };
 
 /// True if `[measurement]` names a file of responses or recordings.
@@ -34,7 +36,19 @@ struct MeasuredFrfs {
 /// The file of `[measurement]`, or the FRFs estimated from its recordings.
 /// @throws InvalidInput  no file is named; no channel of the study is in it; the unit of a channel
 ///                       does not fit the quantity in the study
-[[nodiscard]] MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work);
+/// @param with_folds  parts of periodic recordings that a fit does not see are wanted, too
+[[nodiscard]] MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work,
+                                         bool with_folds = false);
+
+/// What the model says of `[measurement] validation`, in the band of the fit.
+struct SecondRecord {
+  std::string file;
+  modal::FrfSet set;  ///< its responses in the band of the fit, between the channels of the fit
+  double added_decay = 0.0;  ///< as in MeasuredFrfs
+  bool noise_known = true;   ///< else the noise is estimated, or an error of the model is allowed
+  identification::Validation left;  ///< what the prediction leaves of it
+  double expected_level = 1.0;      ///< as in CrossValidation
+};
 
 struct IdentifiedModel : identification::ChannelGains {
   MeasuredFrfs measured;
@@ -50,6 +64,8 @@ struct IdentifiedModel : identification::ChannelGains {
   Eigen::MatrixXd noise;  ///< per response: standard deviation over |G|, likewise
   identification::Judgement judgement;
   identification::Validation validation;
+  std::optional<identification::CrossValidation> cross_validation;  ///< of periodic recordings
+  std::optional<SecondRecord> second_record;
 };
 
 /// Index of the first element with this name; −1: there is none.
@@ -68,6 +84,11 @@ template <typename Named>
 [[nodiscard]] identification::FitData fit_data_of(const study::Study& study,
                                                   const IdentifiedModel& model,
                                                   const modal::FrfSet& set);
+/// The same with the noise that responses of the model leave of them, where no variance is stated.
+[[nodiscard]] identification::FitData reweighted_data(const study::Study& study,
+                                                      const IdentifiedModel& model,
+                                                      identification::FitData data,
+                                                      const Eigen::MatrixXcd& fitted);
 /// @param solution  of the study; null: solved only if the gains need a simulation
 /// @throws as its steps
 [[nodiscard]] IdentifiedModel identified(const study::Study& study, const stage::Solution* solution,

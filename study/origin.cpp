@@ -89,7 +89,8 @@ std::vector<NamedFile> named_files(const Study& study, bool measured) {
   if (!measured) return files;
   if (study.measurement) {
     const auto& plan = *study.measurement;
-    for (const auto& file : {plan.frf, plan.time, plan.shapes, plan.modes_file, plan.reference})
+    for (const auto& file :
+         {plan.frf, plan.time, plan.validation, plan.shapes, plan.modes_file, plan.reference})
       add(files, study, file);
     add_study(files, study, plan.truth, false);
   }

@@ -155,6 +155,7 @@ struct PlacementPlan {
 struct MeasurementPlan {
   std::filesystem::path frf;     ///< may not exist yet: `simulate` writes it; or empty
   std::filesystem::path time;    ///< recordings that FRFs are estimated from; or empty
+  std::filesystem::path validation;  ///< responses or recordings that no fit sees; or empty
   std::filesystem::path shapes;  ///< a table of measured mode shapes (io/shape_table.h); or empty
   std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
   double noise = 0.01;  ///< of a shape's value over its root mean square, if none is stated
@@ -218,6 +219,7 @@ struct IdentificationPlan {
   int rigid_body_modes = -1;          ///< at 0 Hz; −1: found if nothing holds the body
   int suspended_modes = -1;           ///< above 0 Hz, rigid body on springs; −1: found by the fit
   bool delay = true, residual = true;  ///< fitted
+  bool cross_validation = true;        ///< of recordings: parts that a fit does not see, in turn
   std::string delay_of = "all";        ///< "sensors" or "actuators": one delay for each of them
   std::string unit;                    ///< of the sensors, if the file states none
   std::vector<std::pair<std::string, std::string>> pairs;  ///< sensor, actuator

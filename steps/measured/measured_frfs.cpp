@@ -102,7 +102,30 @@ bool has_responses(const study::MeasurementPlan& plan) {
   return !plan.frf.empty() || !plan.time.empty();
 }
 
-MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work) {
+namespace {
+
+// The channels of the study in a file.
+struct Matched {
+  std::vector<MatchedChannel> outputs, inputs;
+};
+
+// The set on the study's channels, without their gains and delays.
+modal::FrfSet on_channels(const study::Study& study, const modal::FrfSet& set,
+                          const Matched& matched, const std::string& file) {
+  auto result = part_of(set, matched.outputs, matched.inputs);
+  for (std::size_t i = 0; i < matched.outputs.size(); ++i) {
+    set_kind(result.outputs[i], *matched.outputs[i].channel, file);
+    rename(result.outputs[i], *matched.outputs[i].channel);
+  }
+  for (std::size_t j = 0; j < matched.inputs.size(); ++j) {
+    rename(result.inputs[j], *matched.inputs[j].channel);
+  }
+  return stage::without_paths(study, std::move(result));
+}
+
+}  // namespace
+
+MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work, bool with_folds) {
   require(study.measurement && has_responses(*study.measurement),
           study.file.string() +
               ": no responses are measured; expected [measurement] with frf = \"measured.uff\" or "
@@ -113,29 +136,26 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work) {
           path.string() + ": there is no such file" + study::source_text(plan));
   RecordedFrfs recorded;
   if (plan.frf.empty()) {
-    recorded = recorded_frfs(study, work);
+    recorded = recorded_frfs(study, work, with_folds);
   } else {
     recorded.set = read_responses(study, path, work);
   }
   const auto& set = recorded.set;
-  const auto outputs = matched_channels(set.outputs, study.sensors, path.string(), work);
-  const auto inputs = matched_channels(set.inputs, study.actuators, path.string(), work);
-  require(!outputs.empty() && !inputs.empty(),
+  const Matched matched{matched_channels(set.outputs, study.sensors, path.string(), work),
+                        matched_channels(set.inputs, study.actuators, path.string(), work)};
+  require(!matched.outputs.empty() && !matched.inputs.empty(),
           path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
               set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");
   MeasuredFrfs result;
   result.file = path.string();
-  result.all = part_of(set, outputs, inputs);
+  result.all = on_channels(study, set, matched, result.file);
   result.quality = std::move(recorded.quality);
   result.added_decay = recorded.added_decay;
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    set_kind(result.all.outputs[i], *outputs[i].channel, result.file);
-    rename(result.all.outputs[i], *outputs[i].channel);
+  result.folds = std::move(recorded.folds);
+  for (auto& fold : result.folds.folds) {
+    fold.rest = on_channels(study, fold.rest, matched, result.file);
+    fold.left_out = on_channels(study, fold.left_out, matched, result.file);
   }
-  for (std::size_t j = 0; j < inputs.size(); ++j) {
-    rename(result.all.inputs[j], *inputs[j].channel);
-  }
-  result.all = stage::without_paths(study, std::move(result.all));
   result.outputs = seen(result.all.outputs, plan.hold_out);
   result.inputs = seen(result.all.inputs, plan.hold_out);
   require(!result.outputs.empty() && !result.inputs.empty(),

@@ -65,7 +65,40 @@ double hold_loss(double hz, double sample_time_s) {
   return 1.0 - std::sin(x) / x;
 }
 
-void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data,
+// Takes off what the hold of commands does to the responses.
+void take_off_hold(const TimeData& data, RecordedFrfs& result) {
+  const auto free = [&](modal::FrfSet& set) {
+    set = identification::without_delay(set, 0.0, data.sample_time_s);
+  };
+  free(result.set);
+  for (auto& fold : result.folds.folds) {
+    free(fold.rest);
+    free(fold.left_out);
+  }
+  result.quality->done.push_back(
+      fmt::format("the hold of the commands is taken off: half a sample, and {:.2g} % at {:.4g} Hz",
+                  100.0 * hold_loss(result.set.frequency_hz.tail(1)(0), data.sample_time_s),
+                  result.set.frequency_hz.tail(1)(0)));
+}
+
+// The estimate of all recordings, and where they are wanted those of their parts.
+identification::FrfEstimate estimate_of(const TimeData& data,
+                                        const identification::FrfEstimateOptions& options,
+                                        bool with_folds, RecordedFrfs& result) {
+  using namespace identification;
+  const Estimator estimator = [&](const Spectra& spectra, const FrfEstimateOptions& how) {
+    return data.references.empty() ? frf_estimate(spectra, how)
+                                   : closed_loop_estimate(spectra, how).estimate;
+  };
+  TransientReport about;
+  const auto [all, own] = prepared(data, options, about);
+  auto estimate = estimator(all, own);
+  if (options.remove_transient) tell_removed(data, about, estimate);
+  if (with_folds) result.folds = folds(data, all, options, estimate.dropped, estimator);
+  return estimate;
+}
+
+void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data, bool with_folds,
                       std::vector<std::string>& notes, RecordedFrfs& result) {
   const auto& how = plan.recording;
   require(how.force_window == 0.0 && how.exponential_window == 0.0 && how.hammer == "h1",
@@ -75,9 +108,7 @@ void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data,
   identification::FrfEstimateOptions options;
   options.remove_transient =
       how.transient == "remove" && data.records.front().outputs.rows() >= 2 * data.period;
-  auto estimate = data.references.empty()
-                      ? identification::frf_estimate(data, options)
-                      : identification::closed_loop_estimate(data, options).estimate;
+  auto estimate = estimate_of(data, options, with_folds, result);
   notes = std::move(estimate.notes);
   result.set = std::move(estimate.set);
   auto& quality = *result.quality;
@@ -85,13 +116,7 @@ void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data,
       fmt::format("{} realisations of {} periods, {} dropped{}", estimate.realisations,
                   estimate.periods + estimate.dropped, estimate.dropped,
                   options.remove_transient ? "; the transient of the start is taken off" : ""));
-  if (how.inputs == "commands") {
-    result.set = identification::without_delay(result.set, 0.0, data.sample_time_s);
-    quality.done.push_back(fmt::format(
-        "the hold of the commands is taken off: half a sample, and {:.2g} % at {:.4g} Hz",
-        100.0 * hold_loss(result.set.frequency_hz.tail(1)(0), data.sample_time_s),
-        result.set.frequency_hz.tail(1)(0)));
-  }
+  if (how.inputs == "commands") take_off_hold(data, result);
   const auto all = identification::spectra(data);
   // Trends are looked for where no transient is left: after the first period at least.
   const auto drop = std::max<Eigen::Index>(estimate.dropped, estimate.transient.seen ? 2 : 1);
@@ -118,7 +143,7 @@ io::TimeFile read_recordings(const study::Study& study, const std::filesystem::p
   return file;
 }
 
-RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work) {
+RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool with_folds) {
   const auto& plan = *study.measurement;
   const auto data = recordings_of(study, work);
   RecordedFrfs result;
@@ -132,7 +157,7 @@ RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work) {
   if (data.period == 0) {
     estimate_blows(plan, data, notes, result);
   } else {
-    estimate_periods(plan, data, notes, result);
+    estimate_periods(plan, data, with_folds, notes, result);
   }
   for (const auto& note : notes) work.note(plan.time.string() + ": " + note);
   for (const auto& input : result.set.inputs) {

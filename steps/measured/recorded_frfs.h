@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "identification/cross_validation.h"
 #include "identification/data_quality.h"
 #include "io/time_file.h"
 #include "modal/frf_set.h"
@@ -15,7 +16,8 @@ namespace chladni::steps {
 struct RecordedFrfs {
   modal::FrfSet set;
   std::optional<identification::DataQuality> quality;
-  double added_decay = 0.0;  ///< [rad/s], of an exponential window
+  double added_decay = 0.0;     ///< [rad/s], of an exponential window
+  identification::Folds folds;  ///< of periodic recordings, where they are wanted
 };
 
 /// Recordings of a file on the channels of a study, whose names and unit they take where the file
@@ -30,6 +32,8 @@ struct RecordedFrfs {
 /// a hammer, one actuator each (`experiment`). The hold of commands is taken off.
 /// @throws InvalidInput  as io::read_time; samples were lost; windows for a periodic excitation; as
 ///                       the estimates
-[[nodiscard]] RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work);
+/// @param with_folds  parts that a fit does not see are wanted, too
+[[nodiscard]] RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work,
+                                         bool with_folds = false);
 
 }  // namespace chladni::steps

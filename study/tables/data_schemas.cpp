@@ -116,6 +116,9 @@ const Schema<MeasurementPlan>& measurement_schema() {
       "measurement",
       {data_file("frf", &P::frf, "responses"),
        data_file("time", &P::time, "recordings that responses are estimated from"),
+       data_file("validation", &P::validation,
+                 "a second record, of the form of `frf` or `time`: no fit sees it, and what a fit "
+                 "predicts there is scored"),
        of_recording(whole("period", 4, kLongestPeriod, &R::period,
                           "samples of the periodic excitation in `time`",
                           "as in the file; none: "

@@ -53,7 +53,8 @@ void read_reference(TableReader& table, const StudyFolder& folder, MeasurementPl
 
 void list_files(TableReader& table, const MeasurementPlan& plan, Study& study) {
   for (const auto& [key, path] :
-       {std::pair("frf", plan.frf), std::pair("time", plan.time), std::pair("shapes", plan.shapes),
+       {std::pair("frf", plan.frf), std::pair("time", plan.time),
+        std::pair("validation", plan.validation), std::pair("shapes", plan.shapes),
         std::pair("truth", plan.truth), std::pair("modes", plan.modes_file),
         std::pair("reference", plan.reference)}) {
     if (path.empty()) continue;
@@ -84,6 +85,12 @@ void refuse_idle_recording_keys(TableReader& table, const MeasurementPlan& plan)
         *table.find(key),
         table.name(key) + " changes nothing here; expected time = \"recorded.csv\" beside it");
   }
+  if (table.has("validation") && plan.frf.empty() && plan.time.empty()) {
+    table.wrong(*table.find("validation"),
+                table.name("validation") +
+                    " changes nothing here; expected frf = \"measured.uff\" or time = "
+                    "\"recorded.csv\" beside it, of which a fit predicts it");
+  }
   if (plan.recording.exponential_window > 0.0 && table.has("hold_out")) {
     table.wrong(*table.find("hold_out"), table.name("hold_out") +
                                              " cannot be scored beside an exponential_window: the "
@@ -100,6 +107,7 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   measurement_schema().read(*table, plan);
   plan.frf = read_path(*table, folder, "frf", source_text(plan));
   plan.time = read_path(*table, folder, "time", source_text(plan));
+  plan.validation = read_path(*table, folder, "validation", source_text(plan));
   plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
   plan.truth = read_path(*table, folder, "truth");
   read_modes(*table, folder, plan);

@@ -198,6 +198,8 @@ const Schema<IdentificationPlan>& identification_schema() {
        choice("delay_of", {"all", "sensors", "actuators"}, &P::delay_of,
               "one delay, or one for each sensor or actuator"),
        truth("residual", &P::residual, "whether the residual of the modes above is fitted"),
+       truth("cross_validation", &P::cross_validation,
+             "whether parts of periodic recordings are left out in turn and predicted"),
        text("unit", &P::unit, "of the sensors, where the file states none", "as the file has it"),
        special<P>({"pair", "tables with sensor, actuator", "those within pairs_within",
                    "collocated sensor and actuator"},
