@@ -1,11 +1,5 @@
-// The numbers that decide a diagnosis: thresholds, priors, margins, sizes of scans, starts.
-//
-// Each comment says unit, what the number decides, and its source. "Methods" are the rules on which
-// the room was built; "chosen" has no source but the cases with which it came. Effects keep their
-// own numbers (priors, starts, Effect::error, kPlausible), tolerances.h has those of a study, and
-// Surface::kOnePeak stays with the scan that it describes. The table of
-// docs/reference/constants.md, which a test compares with this file, says what was seen when a
-// number was halved and doubled.
+// The numbers that decide a diagnosis, each with its unit, what it decides and its source; "methods"
+// are the rules on which the room was built. A test compares docs/reference/constants.md with them.
 #pragma once
 
 #include <Eigen/Core>
@@ -339,13 +333,10 @@ struct Constants {
   double at_the_limit = 0.8;
   /// [1] Frequencies that scatter so many tolerances are no deviations within these. Chosen.
   double beyond_tolerance = 4.0;
-  /// [1] Errors of shapes over the tolerance of responses, the same: identified shapes are less
-  /// certain than responses. Chosen.
+  /// [1] The same of shapes over the tolerance of responses. Chosen: they are less certain.
   double beyond_response = 10.0;
   /// [1] A level that fewer errors determine is mostly its prior. Chosen.
   double errors_of_a_level = 3.0;
-  /// [1] Error of a cause at most, where the errors of shapes are learned. Chosen.
-  double cause_error_at_most = 0.2;
   /// [1] Error of shapes beside which neighbouring modes turn into each other. Chosen.
   double shape_error = 0.05;
   /// [1] Likeness of a shape that the channels do not see. Chosen.

@@ -1,6 +1,5 @@
 #include "diagnosis/verdict/prepared.h"
 
-#include <algorithm>
 #include <numbers>
 #include <utility>
 
@@ -40,8 +39,7 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
           std::move(tolerable),
           std::move(shapes),
           tolerances.response,
-          std::min(kConstants.cause_over_response * tolerances.response,
-                   std::max(kConstants.cause_error_at_most, tolerances.response))};
+          kConstants.cause_over_response * tolerances.response};
 }
 
 }  // namespace chladni::diagnosis
