@@ -201,7 +201,10 @@ Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
   const auto& best = explanations.front();
   const auto& fit = *all.fits.front();
   if (at_a_limit(problem, fit) || has_few_partners(fit)) return Verdict::unexplained;
-  if (fit.disturbed.what != Disturbed::What::nothing) return Verdict::unexplained;
+  // That a mode or a channel is not to be believed needs the evidence of a cause, too.
+  if (fit.disturbed.what != Disturbed::What::nothing) {
+    return best.log_evidence < least_evidence ? Verdict::no_discrepancy : Verdict::unexplained;
+  }
   if (best.causes.empty()) return Verdict::no_discrepancy;
   const auto is_sure = [&](const Cause& cause) {
     return cause.probability >= kConstants.sure && cause.log_evidence_gain >= least_evidence;
@@ -305,7 +308,9 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   diagnosis.verdict = verdict_of(problem, all, explanations, options.least_evidence);
   diagnosis.best = explanations.front();
   diagnosis.rivals.assign(explanations.begin() + 1, explanations.end());
-  diagnosis.superclass = superclass_of(problem, found, best);
+  if (diagnosis.verdict != Verdict::no_discrepancy) {
+    diagnosis.superclass = superclass_of(problem, found, best);
+  }
   if (problem.prior().width > 0.0) {
     diagnosis.levels_before = levels_of(problem, found.nothing);
     diagnosis.levels_after = levels_of(problem, best);

@@ -23,8 +23,11 @@ using diagnosis::Verdict;
 constexpr double kLikely = 0.5;        // probability of a cause that is put into the extended study
 constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
 constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
-constexpr int kLinesOfOverview = 80;  // where no cause is sought in the responses
+constexpr int kLinesOfOverview = 80;   // where no cause is sought in the responses
 constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
+// Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is off
+// by more is not explained by calling it so.
+constexpr double kRealFrequency = 0.05, kRealShape = 0.2;
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
     {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
@@ -76,6 +79,7 @@ void answer_by_modes(Diagnosed& one) {
   auto& result = one.result;
   result.verdict = by_modes.verdict;
   result.best = by_modes.best;
+  result.best.excess = std::numeric_limits<double>::quiet_NaN();  // modes tell no misfit of responses
   result.rivals = by_modes.rivals;
   result.superclass = by_modes.superclass;
   result.measure_next = by_modes.measure_next;
@@ -86,6 +90,18 @@ void answer_by_modes(Diagnosed& one) {
   result.constants = by_modes.constants;
   result.constants_in_pairs = by_modes.constants_in_pairs;
   result.notes.push_back(reason_in_words(by_modes));
+}
+
+// Whether the errors of a model in which nothing is wrong are those of real models.
+bool is_of_real_models(const diagnosis::Diagnosis& by_modes) {
+  if (by_modes.verdict != Verdict::no_discrepancy) return true;
+  const auto at_most = [&](std::string_view name, double largest) {
+    const auto level =
+        std::ranges::find(by_modes.levels_after, name, &diagnosis::ErrorLevel::of);
+    return level == by_modes.levels_after.end() || level->value <= largest;
+  };
+  return at_most("frequency", kRealFrequency) && at_most("shape", kRealShape) &&
+         at_most("smooth_shape", kRealShape);
 }
 
 // Constants of the study as modes of the responses have them, without a cause.
@@ -181,6 +197,10 @@ bool has_other_modes(const Diagnosed& one, const diagnosis::DiagnosisOptions& op
   return scatter > kScattered * options.tolerances.frequency;
 }
 
+bool is_open(const Diagnosed& one) {
+  return one.result.verdict == Verdict::unexplained || one.result.verdict == Verdict::partial;
+}
+
 bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
   return one.by_modes && diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
 }
@@ -190,10 +210,6 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
   if (options.levels == diagnosis::Levels::known || !modes) return;
   one.by_modes = work.timed("diagnosis of the modes",
                             [&] { return diagnosis::diagnosed(one.structure, *modes, options); });
-}
-
-bool is_open(const Diagnosed& one) {
-  return one.result.verdict == Verdict::unexplained || one.result.verdict == Verdict::partial;
 }
 
 diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
@@ -217,6 +233,7 @@ void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& opt
   }
   if (less_good || by_modes.verdict == Verdict::named) {
     answer_by_modes(one);
+    if (!is_of_real_models(by_modes)) one.result.verdict = Verdict::unexplained;
   } else if (by_modes.verdict == Verdict::no_discrepancy) {
     one.result.notes.push_back(reason_in_words(by_modes) + ", nothing contradicts the model");
   }

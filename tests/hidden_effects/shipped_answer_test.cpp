@@ -20,11 +20,13 @@ double level(const diagnosis::Diagnosis& result, const char* of) {
 
 TEST(ShippedAnswer, ToASoundStripIsHowGoodItsModelIs) {
   EVERY_FOURTH_LANDING();
-  const auto rig = simulators::real_rig_case("strip", "none", 1);
-  const auto told = shipped_answer(rig).result;
-  EXPECT_EQ(told.verdict, Verdict::no_discrepancy) << diagnosis::name(told.verdict);
-  EXPECT_GT(level(told, "frequency"), 0.3 * rig.frequency_error);
-  EXPECT_LT(level(told, "frequency"), 3.0 * rig.frequency_error);
+  for (const unsigned seed : {1U, 2U}) {  // of the second a mode is doubted, by 4 in ln evidence
+    const auto rig = simulators::real_rig_case("strip", "none", seed);
+    const auto told = shipped_answer(rig).result;
+    EXPECT_EQ(told.verdict, Verdict::no_discrepancy) << diagnosis::name(told.verdict);
+    EXPECT_GT(level(told, "frequency"), 0.3 * rig.frequency_error) << seed;
+    EXPECT_LT(level(told, "frequency"), 3.0 * rig.frequency_error) << seed;
+  }
 }
 
 TEST(ShippedAnswer, NamesAMassOnAStripWhoseModelIsOff) {
