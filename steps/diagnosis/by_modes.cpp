@@ -92,6 +92,12 @@ void answer_by_modes(Diagnosed& one) {
   result.notes.push_back(reason_in_words(by_modes));
 }
 
+// No cause beside something unknown is likelier than not.
+void believe_none(diagnosis::Diagnosis& result) {
+  result.best.probability = std::min(result.best.probability, kLikely);
+  for (auto& cause : result.best.causes) cause.probability = std::min(cause.probability, kLikely);
+}
+
 // Whether the errors of a model in which nothing is wrong are those of real models.
 bool is_of_real_models(const diagnosis::Diagnosis& by_modes) {
   if (by_modes.verdict != Verdict::no_discrepancy) return true;
@@ -234,6 +240,7 @@ void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& opt
   if (less_good || by_modes.verdict == Verdict::named) {
     answer_by_modes(one);
     if (!is_of_real_models(by_modes)) one.result.verdict = Verdict::unexplained;
+    if (one.result.verdict == Verdict::unexplained) believe_none(one.result);
   } else if (by_modes.verdict == Verdict::no_discrepancy) {
     one.result.notes.push_back(reason_in_words(by_modes) + ", nothing contradicts the model");
   }
@@ -244,8 +251,7 @@ void believe_what_pays(Diagnosed& one) {
   if (!is_answer || one.gain.pays.value_or(true)) return;
   auto& result = one.result;
   result.verdict = Verdict::unexplained;
-  result.best.probability = std::min(result.best.probability, kLikely);
-  for (auto& cause : result.best.causes) cause.probability = std::min(cause.probability, kLikely);
+  believe_none(result);
   result.notes.emplace_back(
       "the causes that the modes name predict the responses no better: they are not believed");
 }
