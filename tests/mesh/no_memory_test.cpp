@@ -15,6 +15,7 @@ TEST(Remesh, WithoutMemoryMakesNoOtherSurface) {
   body.triangles.resize(12, 3);
   body.triangles << 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7,
       2, 7, 6, 3, 0, 4, 3, 4, 7;
+  body.patch = Eigen::VectorXi::Zero(12);
   (void)check_and_repair(body);
   const Surface with_memory = remesh(body, 0.5);
   const long failures = without_memory(4000, 7, [&] {
