@@ -23,6 +23,7 @@ using diagnosis::Verdict;
 constexpr double kLikely = 0.5;        // probability of a cause that is put into the extended study
 constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
 constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
+constexpr Eigen::Index kChannelsThatTell = 4;  // a mode has three ratios among so many
 constexpr int kLinesOfOverview = 80;   // where no cause is sought in the responses
 constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
 // Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is off
@@ -90,6 +91,12 @@ void answer_by_modes(Diagnosed& one) {
   result.constants = by_modes.constants;
   result.constants_in_pairs = by_modes.constants_in_pairs;
   result.notes.push_back(reason_in_words(by_modes));
+}
+
+// Whether the shapes of modes say what frequencies alone cannot: which error is the model's, and which
+// follows a cause.
+bool shapes_tell(const Diagnosed& one) {
+  return one.seen.output_count() + one.seen.input_count() >= kChannelsThatTell;
 }
 
 // No cause beside something unknown is likelier than not.
@@ -191,6 +198,7 @@ diagnosis::FitStart start_by_modes(const Diagnosed& one, bool scaled,
 }
 
 bool has_other_modes(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
+  if (!shapes_tell(one)) return false;
   Eigen::ArrayXd off(std::ssize(one.modes_compared));
   Eigen::Index count = 0;
   for (const auto& mode : one.modes_compared) {
@@ -208,7 +216,7 @@ bool is_open(const Diagnosed& one) {
 }
 
 bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
-  return one.by_modes && diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
+  return one.by_modes && shapes_tell(one) && diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
 }
 
 void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes>& modes,
