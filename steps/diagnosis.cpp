@@ -187,9 +187,12 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
     if (has_other_modes(one, options)) diagnose_modes(one, start.modes, options, work);
   });
-  const auto compared = beside_modes(one, options);
-  one.result = work.timed(
-      "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, compared, start); });
+  const auto search = [&](const diagnosis::DiagnosisOptions& how) {
+    one.result = work.timed(
+        "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, how, start); });
+  };
+  search(beside_modes(one, options));
+  if (is_less_good(one, options) && is_promising(one)) search(options);
   attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
     if (is_open(one) && !one.by_modes) diagnose_modes(one, start.modes, options, work);
   });

@@ -24,7 +24,7 @@ constexpr double kLikely = 0.5;        // probability of a cause that is put int
 constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
 constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
 constexpr Eigen::Index kChannelsThatTell = 4;  // a mode has three ratios among so many
-constexpr int kLinesOfOverview = 80;   // where no cause is sought in the responses
+constexpr double kPromising = 0.7;  // of the excess that a first cause leaves, with others to come
 constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
 // Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is off
 // by more is not explained by calling it so.
@@ -228,24 +228,27 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
 
 diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
                                          diagnosis::DiagnosisOptions options) {
-  if (!is_less_good(one, options)) return options;
-  options.most_causes = 0;
-  options.lines = std::min(options.lines, kLinesOfOverview);
+  if (is_less_good(one, options)) options.most_causes = std::min(options.most_causes, 1);
   return options;
+}
+
+bool is_promising(const Diagnosed& one) {
+  return is_open(one) && !one.result.best.causes.empty() &&
+         one.result.best.excess < kPromising * one.result.excess_before;
 }
 
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
   if (!one.by_modes) return;
   const auto& by_modes = *one.by_modes;
-  const bool less_good = is_less_good(one, options);
-  if (!is_open(one) && !less_good) return;
+  if (!is_open(one)) return;
+  const bool alone = is_less_good(one, options) && one.result.verdict == Verdict::unexplained;
   one.result.levels_before = by_modes.levels_before;
   one.result.levels_after = by_modes.levels_after;
   if (one.result.measure_next.empty()) {
     one.result.measure_next = by_modes.measure_next;
     one.result.proposals = by_modes.proposals;
   }
-  if (less_good || by_modes.verdict == Verdict::named) {
+  if (alone || by_modes.verdict == Verdict::named) {
     answer_by_modes(one);
     if (!is_of_real_models(by_modes)) one.result.verdict = Verdict::unexplained;
     if (one.result.verdict == Verdict::unexplained) believe_none(one.result);

@@ -42,16 +42,21 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
 [[nodiscard]] bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options);
 
 /// How the responses are diagnosed after their modes. Where these say that the model is less good
-/// than the tolerances whatever the cause is, no fit within the tolerances explains the responses:
-/// then no cause is sought in them.
+/// than the tolerances whatever the cause is, hardly any cause explains the responses within these:
+/// then one cause is sought first, which modes may not show.
 [[nodiscard]] diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
                                                        diagnosis::DiagnosisOptions options);
+
+/// True if one cause takes so much of the misfit of responses that others beside it are worth a
+/// search.
+[[nodiscard]] bool is_promising(const Diagnosed& one);
 
 /// True if the responses are not explained: `partial` or `unexplained`.
 [[nodiscard]] bool is_open(const Diagnosed& one);
 
-/// The result after both diagnoses. Causes that the modes name become the answer where the responses
-/// are not explained within the stated tolerances.
+/// The result after both diagnoses. Where the responses are not explained within the stated
+/// tolerances, causes that the modes name are the answer, and where the model is less good than these
+/// whatever the modes say is.
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the
