@@ -115,7 +115,7 @@ bool is_enough(const FitData& data, const IdentificationOptions& options, const 
 
 // The weaker one of two poles within this part of a bandwidth; -1: there are none.
 Eigen::Index doubled_pole(const ModalFit& fit) {
-  const auto pole = start_of(fit).pole;
+  const auto pole = start_at(fit.model).pole;
   const auto rigid = fit.model.rigid_count;
   const auto size = [&](Eigen::Index m) {
     return fit.model.output_shapes.col(rigid + m).squaredNorm();
