@@ -184,18 +184,18 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
   if (!found.scaled) options.tolerances.scale = std::max(options.tolerances.scale, 0.3);
   if (one.identified) one.modes_compared = modes_of_responses(one, *one.identified, nullptr);
   const auto start = start_by_modes(one, found.scaled, options, work);
-  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
-    if (has_other_modes(one, options)) diagnose_modes(one, start.modes, options, work);
-  });
+  const auto ask_modes = [&] {
+    attempted("the modes of the responses cannot be diagnosed", one, work,
+              [&] { diagnose_modes(one, start.modes, options, work); });
+  };
+  if (has_other_modes(one, options)) ask_modes();
   const auto search = [&](const diagnosis::DiagnosisOptions& how) {
     one.result = work.timed(
         "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, how, start); });
   };
   search(beside_modes(one, options));
   if (is_less_good(one, options) && is_promising(one)) search(options);
-  attempted("the modes of the responses cannot be diagnosed", one, work, [&] {
-    if (is_open(one) && !one.by_modes) diagnose_modes(one, start.modes, options, work);
-  });
+  if (is_open(one) && !one.by_modes) ask_modes();
   take_answer_of_modes(one, options);
   one.detectable = work.timed(
       "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
