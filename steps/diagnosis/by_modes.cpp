@@ -25,9 +25,9 @@ constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each oth
 constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
 constexpr Eigen::Index kChannelsThatTell = 4;  // a mode has three ratios among so many
 constexpr double kPromising = 0.7;  // of the excess that a first cause leaves, with others to come
-constexpr double kShown = 0.5;  // errors that the data determine; a level of fewer is a guess
-// Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is off
-// by more is not explained by calling it so.
+constexpr double kShown = 0.5;      // errors that the data determine; a level of fewer is a guess
+// Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is
+// off by more is not explained by calling it so.
 constexpr double kRealFrequency = 0.05, kRealShape = 0.2;
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
@@ -80,7 +80,8 @@ void answer_by_modes(Diagnosed& one) {
   auto& result = one.result;
   result.verdict = by_modes.verdict;
   result.best = by_modes.best;
-  result.best.excess = std::numeric_limits<double>::quiet_NaN();  // modes tell no misfit of responses
+  result.best.excess =
+      std::numeric_limits<double>::quiet_NaN();  // modes tell no misfit of responses
   result.rivals = by_modes.rivals;
   result.superclass = by_modes.superclass;
   result.measure_next = by_modes.measure_next;
@@ -93,8 +94,8 @@ void answer_by_modes(Diagnosed& one) {
   result.notes.push_back(reason_in_words(by_modes));
 }
 
-// Whether the shapes of modes say what frequencies alone cannot: which error is the model's, and which
-// follows a cause.
+// Whether the shapes of modes say what frequencies alone cannot: which error is the model's, and
+// which follows a cause.
 bool shapes_tell(const Diagnosed& one) {
   return one.seen.output_count() + one.seen.input_count() >= kChannelsThatTell;
 }
@@ -109,8 +110,7 @@ void believe_none(diagnosis::Diagnosis& result) {
 bool is_of_real_models(const diagnosis::Diagnosis& by_modes) {
   if (by_modes.verdict != Verdict::no_discrepancy) return true;
   const auto at_most = [&](std::string_view name, double largest) {
-    const auto level =
-        std::ranges::find(by_modes.levels_after, name, &diagnosis::ErrorLevel::of);
+    const auto level = std::ranges::find(by_modes.levels_after, name, &diagnosis::ErrorLevel::of);
     return level == by_modes.levels_after.end() || level->value <= largest;
   };
   return at_most("frequency", kRealFrequency) && at_most("shape", kRealShape) &&
@@ -216,7 +216,8 @@ bool is_open(const Diagnosed& one) {
 }
 
 bool is_less_good(const Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
-  return one.by_modes && shapes_tell(one) && diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
+  return one.by_modes && shapes_tell(one) &&
+         diagnosis::are_beyond(options.tolerances, one.by_modes->levels_after);
 }
 
 void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes>& modes,
@@ -238,9 +239,8 @@ bool is_promising(const Diagnosed& one) {
 }
 
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
-  if (!one.by_modes) return;
+  if (!one.by_modes || !is_open(one)) return;
   const auto& by_modes = *one.by_modes;
-  if (!is_open(one)) return;
   const bool alone = is_less_good(one, options) && one.result.verdict == Verdict::unexplained;
   one.result.levels_before = by_modes.levels_before;
   one.result.levels_after = by_modes.levels_after;
