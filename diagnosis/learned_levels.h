@@ -24,9 +24,9 @@ enum class Levels { learned, known };
 /// their stead, where these are larger.
 [[nodiscard]] Tolerances with_levels(Tolerances tolerances, const std::vector<ErrorLevel>& levels);
 
-/// True if frequencies scatter so much more than the tolerances say (Constants::beyond_tolerance)
-/// that no fit within these explains responses. A level of fewer errors than
-/// Constants::errors_of_a_level is mostly its prior, and does not count.
+/// True if frequencies scatter so much more than the tolerances say (Constants::beyond_tolerance), or
+/// shapes (Constants::beyond_response), that no fit within these explains responses. A level of
+/// fewer errors than Constants::errors_of_a_level is mostly its prior, and does not count.
 [[nodiscard]] bool are_beyond(const Tolerances& tolerances, const std::vector<ErrorLevel>& levels);
 
 }  // namespace chladni::diagnosis

@@ -1,8 +1,6 @@
 // Nuisance tolerances: deviations of a real structure or channel that are not an effect.
 #pragma once
 
-#include <algorithm>
-
 namespace chladni::diagnosis {
 
 /// Standard deviations, SI. Every parameter of an effect has a tolerance here. A deviation within a
@@ -51,15 +49,6 @@ struct Tolerances {
           .residual = 0.0,
           .scale = 0.0,
           .mass = 0.0};
-}
-
-/// The tolerances of the body, at least what the bodies of real structures deviate by.
-[[nodiscard]] inline Tolerances of_real_bodies(Tolerances stated) {
-  stated.modulus = std::max(stated.modulus, 0.01);
-  stated.density = std::max(stated.density, 0.01);
-  stated.thickness = std::max(stated.thickness, 0.003);
-  stated.orthotropy = std::max(stated.orthotropy, 0.01);
-  return stated;
 }
 
 /// Almost no deviations: for data made by the same model that is diagnosed.

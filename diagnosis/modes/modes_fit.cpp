@@ -27,7 +27,12 @@ constexpr int kLevelRounds = 4;  // of levels alone, at the end
 }  // namespace
 
 Tolerances believable(Tolerances tolerances, bool learned) {
-  return learned ? of_real_bodies(tolerances) : tolerances;
+  if (!learned) return tolerances;
+  tolerances.modulus = std::max(tolerances.modulus, 0.01);
+  tolerances.density = std::max(tolerances.density, 0.01);
+  tolerances.thickness = std::max(tolerances.thickness, 0.003);
+  tolerances.orthotropy = std::max(tolerances.orthotropy, 0.01);
+  return tolerances;
 }
 
 namespace {
