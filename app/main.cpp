@@ -7,6 +7,7 @@
 #include <functional>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -47,7 +48,8 @@ constexpr const app::Command* kCommands[] = {
 /// How an error is told.
 struct ErrorStyle {
   bool excerpts = true;  ///< with the line of the file that it names
-  bool json = false;     ///< on the standard output too
+  bool json = false;     ///< on the standard output too, in one object with the result
+  const std::ostringstream* result = nullptr;  ///< JSON that the verb had left before
 };
 
 /// Whether the machine fails, and not the path.
@@ -67,7 +69,8 @@ int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle
                         const std::vector<stage::Remedy>& remedies = {}) {
     talk.error(style.excerpts ? show::with_excerpts(what) : what);
     if (style.json) {
-      std::cout << chladni::io::text(show::error_json(what, code, remedies)) << std::flush;
+      const auto result = style.result == nullptr ? "" : style.result->str();
+      std::cout << chladni::io::text(show::error_json(what, code, remedies, result)) << std::flush;
     }
     return code;
   };
@@ -123,20 +126,23 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
   auto manner = show::manner_of_stderr(options.quiet);
   manner.all = options.all;
   show::Talk talk(std::cerr, manner);
-  const ErrorStyle style{.excerpts = !options.quiet, .json = options.json};
+  std::ostringstream json;  // printed once it is known whether the verb ends well
+  const ErrorStyle style{.excerpts = !options.quiet, .json = options.json, .result = &json};
   const auto work = [&]() -> int {
     if (command.name == "check" && chladni::io::is_measured_file(file)) {
       return app::check_data(file, options, std::cout);
     }
     if (options.threads > 0) chladni::set_thread_count(options.threads);
     const auto study = study::read_study(file, options.allowed);
-    show::Run run(study, std::move(options), std::cout, talk);
+    std::ostream& results = style.json ? json : std::cout;
+    show::Run run(study, std::move(options), results, talk);
     try {
       command.run(study, run);
       run.finish_pictures();
     } catch (const chladni::InvalidInput& e) {
       throw chladni::InvalidInput(with_file(file, e.what()));
     }
+    std::cout << json.view();
     require_output();
     return kDone;
   };

@@ -26,8 +26,11 @@ struct PlacedError {
 
 /// { "error": { "exit": 3, "errors": [ { "file", "line", "column", "message" } ] } }; where there
 /// are remedies also "remedies": [ { "kind", "study", "options", ... } ], of which "study" has the
-/// keys to write.
+/// keys to write. The members of `result`, the text of an object that a verb left before it failed,
+/// stand in front; empty: none.
+/// @throws InvalidInput  `result` is not JSON
 [[nodiscard]] io::Json error_json(const std::string& message, int exit,
-                                  const std::vector<stage::Remedy>& remedies = {});
+                                  const std::vector<stage::Remedy>& remedies = {},
+                                  const std::string& result = "");
 
 }  // namespace chladni::show

@@ -155,7 +155,7 @@ std::string with_excerpts(const std::string& message) {
 }
 
 io::Json error_json(const std::string& message, int exit,
-                    const std::vector<stage::Remedy>& remedies) {
+                    const std::vector<stage::Remedy>& remedies, const std::string& result) {
   io::JsonArray errors;
   for (const auto& error : placed_errors(message)) {
     io::JsonObject one;
@@ -171,7 +171,10 @@ io::Json error_json(const std::string& message, int exit,
   io::JsonArray ways;
   for (const auto& remedy : remedies) ways.push_back(remedy_json(remedy));
   if (!ways.empty()) error.emplace_back("remedies", std::move(ways));
-  return io::JsonObject{{"error", std::move(error)}};
+  auto all = result.empty() ? io::JsonObject{}
+                            : std::get<io::JsonObject>(io::parse_json(result).value());
+  all.emplace_back("error", std::move(error));
+  return all;
 }
 
 }  // namespace chladni::show

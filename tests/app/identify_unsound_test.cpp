@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "identify_beam.h"
 
@@ -33,6 +34,25 @@ TEST_F(Identify, DoesNotPassAFailedFitForASuccess) {
   EXPECT_EQ(trust.at("outlying").array()[0].at("sensor").string(), "y3");
   EXPECT_EQ(trust.at("outlying").array()[0].at("actuator").string(), "u1");
   EXPECT_EQ(trust.at("outlying").array()[0].at("frequency_hz").number(), set.frequency_hz(700));
+}
+
+// Of `chladni`; it prints its result and then fails.
+TEST_F(Identify, PrintsAnUntrustedFitAndItsErrorAsOneObject) {
+  auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  set.value[700](2, 0) += 80.0 * std::sqrt(set.variance[700](2, 0));
+  write("thesis_5x5.csv", set);
+  auto text = model("beam/thesis_5x5.toml");
+  const auto at = text.find("model_error");
+  text.replace(at, text.find('\n', at) - at, "model_error = 0");
+  write_atomically(folder_.path() / "study.toml", text);
+  const auto printed = folder_.path() / "printed.json";
+  const auto line = CHLADNI_BINARY_DIR "/bin/chladni identify --json --quiet --no-pictures -o " +
+                    (folder_.path() / "out").string() + " " +
+                    (folder_.path() / "study.toml").string() + " 2>/dev/null >" + printed.string();
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 4);
+  const auto json = io::parse_json(read_whole(printed));
+  EXPECT_EQ(json.at("error").at("exit").number(), 4.0);
+  EXPECT_FALSE(std::get<bool>(json.at("trust").at("trusted").value()));
 }
 
 TEST_F(Identify, NamesChannelsThatOnlyOneSideHas) {
