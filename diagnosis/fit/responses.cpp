@@ -23,14 +23,6 @@ using Complex = std::complex<double>;
 
 bool diagonal(const MatrixXd& matrix) { return matrix.isDiagonal(0.0); }
 
-Complex factor(const Path& path, Complex s) {
-  Complex value = path.gain;
-  if (path.delay != 0.0) value *= std::exp(-s * path.delay);
-  if (path.lag != 0.0) value /= 1.0 + s * path.lag;
-  if (path.derivative != 0.0) value *= std::pow(s, path.derivative);
-  return value;
-}
-
 // Eigen's solver does not look whether its own factor of the mass exists.
 bool is_positive(const MatrixXd& mass) {
   return mass.isDiagonal(0.0) ? (mass.diagonal().array() > 0.0).all()
@@ -61,6 +53,14 @@ MatrixXcd product(const MatrixXd& a, const MatrixXcd& x) {
   return result;
 }
 
+Complex factor(const Path& path, Complex s) {
+  Complex value = path.gain;
+  if (path.delay != 0.0) value *= std::exp(-s * path.delay);
+  if (path.lag != 0.0) value /= 1.0 + s * path.lag;
+  if (path.derivative != 0.0) value *= std::pow(s, path.derivative);
+  return value;
+}
+
 Eigen::VectorXcd factors(const std::vector<Path>& paths, Complex s) {
   Eigen::VectorXcd all(static_cast<Index>(paths.size()));
   for (Index i = 0; i < all.size(); ++i) all(i) = factor(paths[at(i)], s);
@@ -78,16 +78,24 @@ MatrixXcd frame_responses(const State& state, Complex s) {
   return sum;
 }
 
-MatrixXcd recorded(const State& state, const MatrixXcd& structure, Complex s) {
+namespace {
+
+// With the factors of the paths.
+MatrixXcd recorded(const State& state, const MatrixXcd& structure, const Eigen::VectorXcd& out,
+                   const Eigen::VectorXcd& in) {
   MatrixXcd value(state.output_count(), state.input_count());
-  const Eigen::VectorXcd out = factors(state.output_paths, s);
-  const Eigen::VectorXcd in = factors(state.input_paths, s);
   for (Index j = 0; j < value.cols(); ++j) {
     for (Index i = 0; i < value.rows(); ++i) {
       value(i, j) = out(i) * in(j)*structure(state.output_of[at(i)], state.input_of[at(j)]);
     }
   }
   return value;
+}
+
+}  // namespace
+
+MatrixXcd recorded(const State& state, const MatrixXcd& structure, Complex s) {
+  return recorded(state, structure, factors(state.output_paths, s), factors(state.input_paths, s));
 }
 
 Body::Body(const State& state, const Eigen::VectorXd& omega, bool coupled)
@@ -228,6 +236,8 @@ Solved steady(const State& state, const Body& body) {
   result.right_columns = body.right(state);
   result.structure.resize(lines, p * q);
   result.value.resize(lines, p * q);
+  result.output_factors.resize(p, lines);
+  result.input_factors.resize(q, lines);
   const Attachments attachments(state);
   const Index d = attachments.count();
   const MatrixXcd w = body.solve(attachments.shapes);
@@ -251,7 +261,12 @@ Solved steady(const State& state, const Body& body) {
     if (d > 0) structure += attached[at(k)];
     structure += of_modes.middleCols(p * k, p).transpose();
     result.structure.row(k) = structure.reshaped().transpose();
-    result.value.row(k) = recorded(state, structure, s).reshaped().transpose();
+    result.output_factors.col(k) = factors(state.output_paths, s);
+    result.input_factors.col(k) = factors(state.input_paths, s);
+    result.value.row(k) =
+        recorded(state, structure, result.output_factors.col(k), result.input_factors.col(k))
+            .reshaped()
+            .transpose();
   });
   return result;
 }

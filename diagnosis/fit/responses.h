@@ -16,8 +16,9 @@ struct Solved {
   Eigen::MatrixXcd right_columns;  ///< r×qK: Z⁻¹ B
   /// Between the channels and the attachments' D displacements: p×DK, q×DK.
   Eigen::MatrixXcd to_outputs, to_inputs;
-  Eigen::MatrixXcd structure;  ///< K×pq, before the channels' paths
-  Eigen::MatrixXcd value;      ///< K×pq, as recorded
+  Eigen::MatrixXcd output_factors, input_factors;  ///< p×K, q×K: of the channels' paths
+  Eigen::MatrixXcd structure;                      ///< K×pq, before the channels' paths
+  Eigen::MatrixXcd value;                          ///< K×pq, as recorded
   /// Only if the body differs between the experiments, else empty: q entries, each of one column
   /// (experiment()). `structure` and `value` then come from these; the other members belong to the
   /// mean body.
@@ -97,7 +98,8 @@ class Body {
 /// The structure's responses, p×q, in the form in which the channels record them.
 [[nodiscard]] Eigen::MatrixXcd recorded(const State& state, const Eigen::MatrixXcd& structure,
                                         std::complex<double> s);
-/// Factors of the paths of one side on the responses, one per channel.
+/// Factor of a path on the responses, and of the paths of one side, one per channel.
+[[nodiscard]] std::complex<double> factor(const Path& path, std::complex<double> s);
 [[nodiscard]] Eigen::VectorXcd factors(const std::vector<Path>& paths, std::complex<double> s);
 
 }  // namespace chladni::diagnosis

@@ -113,7 +113,8 @@ class Slope {
         body_(minus, plus, step, solved),
         outputs_(minus.outputs, plus.outputs, step),
         inputs_(minus.inputs.transpose(), plus.inputs.transpose(), step),
-        residual_moves_(minus.residual != plus.residual) {}
+        residual_moves_(minus.residual != plus.residual),
+        paths_move_(!same_paths(minus, at) || !same_paths(plus, at)) {}
 
   [[nodiscard]] MatrixXcd value() const {
     MatrixXcd result(solved_.line_count(), solved_.value.cols());
@@ -171,27 +172,52 @@ class Slope {
   }
 
   [[nodiscard]] MatrixXcd on_paths(Index k, Complex s, const MatrixXcd& structure) const {
-    const auto own = path_factors(at_, s);
-    const auto minus = path_factors(minus_, s);
-    const auto plus = path_factors(plus_, s);
+    const auto out = solved_.output_factors.col(k);
+    const auto in = solved_.input_factors.col(k);
     const Index p = at_.output_count();
     MatrixXcd value(p, at_.input_count());
     for (Index j = 0; j < value.cols(); ++j) {
+      const Index col = at_.input_of[at(j)];
       for (Index i = 0; i < p; ++i) {
-        const Index row = at_.output_of[at(i)];
-        const Index col = at_.input_of[at(j)];
-        const Complex turned =
-            (plus.first(i) * plus.second(j) - minus.first(i) * minus.second(j)) / step_;
-        value(i, j) = own.first(i) * own.second(j) * structure(row, col) +
-                      turned * solved_.structure(k, row + p * col);
+        value(i, j) = out(i) * in(j)*structure(at_.output_of[at(i)], col);
       }
     }
+    if (paths_move_) add_paths(k, s, value);
     return value;
   }
 
-  [[nodiscard]] static std::pair<Eigen::VectorXcd, Eigen::VectorXcd> path_factors(
-      const State& state, Complex s) {
-    return {factors(state.output_paths, s), factors(state.input_paths, s)};
+  // The change of the channels' paths.
+  void add_paths(Index k, Complex s, MatrixXcd& value) const {
+    const auto at_paths = [&](const State& moved) {
+      return std::pair{
+          factors_of(moved.output_paths, at_.output_paths, s, solved_.output_factors.col(k)),
+          factors_of(moved.input_paths, at_.input_paths, s, solved_.input_factors.col(k))};
+    };
+    const auto minus = at_paths(minus_);
+    const auto plus = at_paths(plus_);
+    const Index p = at_.output_count();
+    for (Index j = 0; j < value.cols(); ++j) {
+      for (Index i = 0; i < p; ++i) {
+        const Complex turned =
+            (plus.first(i) * plus.second(j) - minus.first(i) * minus.second(j)) / step_;
+        value(i, j) +=
+            turned * solved_.structure(k, at_.output_of[at(i)] + p * at_.input_of[at(j)]);
+      }
+    }
+  }
+
+  // Factors of `paths`; those that are as `before` are known.
+  [[nodiscard]] static Eigen::VectorXcd factors_of(const std::vector<Path>& paths,
+                                                   const std::vector<Path>& before, Complex s,
+                                                   Eigen::VectorXcd known) {
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      if (paths[i] != before[i]) known(static_cast<Index>(i)) = factor(paths[i], s);
+    }
+    return known;
+  }
+
+  [[nodiscard]] static bool same_paths(const State& a, const State& b) {
+    return a.output_paths == b.output_paths && a.input_paths == b.input_paths;
   }
 
   const State& at_;
@@ -200,7 +226,7 @@ class Slope {
   double step_;
   StateChange body_;
   MovedChannels outputs_, inputs_;
-  bool residual_moves_;
+  bool residual_moves_, paths_move_;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ struct Path {
   double delay = 0.0;       ///< [s]
   double lag = 0.0;         ///< [s]: 1 / (1 + s lag)
   double derivative = 0.0;  ///< factor s to this power; −1: integrated
+  bool operator==(const Path&) const = default;
 };
 
 /// K + jH + s D + s² M in the r modes of the structure, its channels and its attachments. Every

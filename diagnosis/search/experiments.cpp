@@ -38,6 +38,8 @@ Solved experiment(const Solved& solved, const State& state, Index j) {
   }
   one.to_outputs = solved.to_outputs;
   one.to_inputs = solved.to_inputs.row(input);
+  one.output_factors = solved.output_factors;
+  one.input_factors = solved.input_factors.row(j);
   one.structure = solved.structure.middleCols(p * input, p);
   one.value = solved.value.middleCols(p * j, p);
   return one;
