@@ -87,6 +87,11 @@ void check(const MeasuredModes& modes) {
             fmt::format("measured modes: mode {} has the relative deviation {} of its frequency; "
                         "expected 0 or more",
                         k + 1, modes.frequency_std(k)));
+    const double damping = modes.damping_std(k);
+    require(!(modes.damping_ratio(k) > 0.0) || (std::isfinite(damping) && damping >= 0.0),
+            fmt::format("measured modes: mode {} has the relative deviation {} of its damping "
+                        "ratio; expected 0 or more",
+                        k + 1, damping));
   }
   check_side(modes.output_shapes, modes.output_std, modes.outputs.size(), m, "sensors");
   check_side(modes.input_shapes, modes.input_std, modes.inputs.size(), m, "actuators");
@@ -101,7 +106,8 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   std::vector<Index> columns;
   for (Index k = 0; k < model.frequency_hz.size(); ++k) {
     const double hz = model.frequency_hz(k);
-    if (hz > 0.0 && why_no_mode(fit, k, options).empty()) columns.push_back(k);
+    const bool is_known = hz > 0.0 && std::isfinite(fit.frequency_std_hz(k));
+    if (is_known && why_no_mode(fit, k, options).empty()) columns.push_back(k);
   }
   MeasuredModes modes;
   modes.outputs = std::move(outputs);
@@ -110,6 +116,11 @@ MeasuredModes measured_modes(const identification::ModalFit& fit, std::vector<st
   modes.frequency_std = fit.frequency_std_hz(columns).cwiseQuotient(modes.frequency_hz);
   modes.damping_ratio = model.damping_ratio(columns);
   modes.damping_std = fit.damping_std(columns).cwiseQuotient(modes.damping_ratio);
+  for (Index k = 0; k < modes.count(); ++k) {
+    if (std::isfinite(modes.damping_std(k))) continue;
+    modes.damping_ratio(k) = kNotMeasured;
+    modes.damping_std(k) = 0.0;
+  }
   if (fit.complex) {
     take_shapes(*fit.complex, columns, modes);
   } else {

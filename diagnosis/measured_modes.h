@@ -30,7 +30,7 @@ struct MeasuredModes {
 };
 
 /// @throws InvalidInput  sizes differ; a frequency that is not positive or not finite; frequencies
-///                       that do not ascend; a deviation that is negative
+///                       that do not ascend; a deviation that is negative or not finite
 void check(const MeasuredModes& modes);
 
 /// The modes of these numbers, in their order.
@@ -40,7 +40,8 @@ void check(const MeasuredModes& modes);
 [[nodiscard]] std::string mode_name(const MeasuredModes& modes, Eigen::Index i);
 
 /// The modes of a fit that lie within the band and that the data support (compare.h). The channels
-/// are those of the fit, in its order.
+/// are those of the fit, in its order. A number whose deviation is infinite, as that of a damping
+/// ratio at its bound, is not measured.
 [[nodiscard]] MeasuredModes measured_modes(const identification::ModalFit& fit,
                                            std::vector<std::string> outputs,
                                            std::vector<std::string> inputs, double low_hz,
