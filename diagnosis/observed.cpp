@@ -61,9 +61,18 @@ std::vector<Index> lines_of(const modal::FrfSet& set, double high_hz) {
   return lines;
 }
 
+// E[1/s²] σ² of a sample variance s² of ν complex degrees of freedom: ν / (ν − 1). With fewer than
+// two it is taken as that of two, since one has no mean.
+double inverse_excess(double freedom) {
+  if (freedom <= 0.0) return 1.0;  // not known
+  const double known = std::max(freedom, 2.0);
+  return known / (known - 1.0);
+}
+
 void fill(Observed& observed, const modal::FrfSet& set, const std::vector<Index>& lines,
           const std::vector<Index>& rows, const std::vector<Index>& cols) {
   require(!set.variance.empty(), "the measured responses carry no variance");
+  const double too_small = inverse_excess(set.averages);
   for (std::size_t n = 0; n < lines.size(); ++n) {
     const auto k = at(lines[n]);
     const auto line = static_cast<Index>(n);
@@ -80,7 +89,7 @@ void fill(Observed& observed, const modal::FrfSet& set, const std::vector<Index>
                             set.outputs[at(rows[i])].name, set.inputs[at(cols[j])].name,
                             set.frequency_hz(lines[n]), variance));
         observed.value(line, column) = value;
-        observed.weight(line, column) = std::numbers::sqrt2 / std::sqrt(variance);
+        observed.weight(line, column) = std::numbers::sqrt2 / std::sqrt(too_small * variance);
       }
     }
   }

@@ -15,7 +15,9 @@ struct Observed {
   Eigen::Index outputs = 0, inputs = 0;
   Eigen::VectorXd omega;   ///< K [rad/s], ascending, above 0
   Eigen::MatrixXcd value;  ///< K×pq [m/N]; 0 where not measured
-  Eigen::MatrixXd weight;  ///< K×pq: √2/σ, σ² = E|G − G₀|², so χ² counts each part; 0: not measured
+  /// K×pq: √2/σ, σ² = E|G − G₀|², so χ² counts each part; 0: not measured. Sample variances
+  /// (FrfSet::averages) are widened, so that χ² is right in the mean.
+  Eigen::MatrixXd weight;
 
   [[nodiscard]] Eigen::Index line_count() const { return omega.size(); }
   /// Real numbers measured: two per response and line of weight above 0.
