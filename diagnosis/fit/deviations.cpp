@@ -247,7 +247,8 @@ State deviating(const Structure& structure, const std::vector<Deviation>& deviat
                 const VectorXd& eta) {
   State state = state_of(structure);
   for (Index i = 0; i < eta.size(); ++i) {
-    if (eta(i) != 0.0) deviations[at(i)].apply(state, eta(i));
+    const auto& one = deviations[at(i)];
+    if (eta(i) != 0.0 || one.is_constant) one.apply(state, eta(i));
   }
   return state;
 }

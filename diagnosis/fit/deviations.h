@@ -15,6 +15,7 @@ namespace chladni::diagnosis {
 struct Deviation {
   std::string name;  ///< "gain of sensor s1", "frequency of the mode at 183.8 Hz"
   std::function<void(State&, double eta)> apply;
+  bool is_constant = false;  ///< a calibrated constant: it also acts at eta = 0, its start
 };
 
 /// All deviations, in the order in which they act, before any effect. Each mode up to `high_hz` has
@@ -25,7 +26,7 @@ struct Deviation {
 [[nodiscard]] std::vector<Deviation> deviations(const Structure& structure,
                                                 const Tolerances& tolerances, double high_hz);
 
-/// The structure with its deviations at these values.
+/// The structure with its deviations at these values. No values: the structure as it is.
 [[nodiscard]] State deviating(const Structure& structure, const std::vector<Deviation>& deviations,
                               const Eigen::VectorXd& eta);
 

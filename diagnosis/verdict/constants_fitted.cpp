@@ -33,7 +33,7 @@ std::vector<Deviation> constant_deviations(const Structure& structure,
                         effect = constant.effect](State& state, double eta) {
       effect->apply(state, structure, 0, VectorXd::Constant(1, from + width * eta));
     };
-    all.push_back({constant.stated.name, apply});
+    all.push_back({constant.stated.name, apply, true});
   }
   return all;
 }

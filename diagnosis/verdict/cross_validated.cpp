@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/interrupt.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
@@ -105,19 +106,33 @@ std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>&
   return misfit;
 }
 
-// Σ |G − Ĝ|² over what was measured, with all deviations at 0.
-double squared_error(const Problem& problem, const Observed& data, const Causes& causes) {
-  const VectorXd rest = VectorXd::Zero(std::ssize(problem.deviations));
-  const Eigen::MatrixXcd value = responses(state_of(problem, causes, rest), data.omega);
+// Σ |G − Ĝ|² over what was measured.
+double squared_error(const State& state, const Observed& data) {
+  const Eigen::MatrixXcd value = responses(state, data.omega);
   return (data.weight.array() > 0.0).select((data.value - value).cwiseAbs2().array(), 0.0).sum();
 }
 
+// The constants as a fit has them, with all other deviations at 0.
+VectorXd constants_alone(const Problem& problem, const VectorXd& eta) {
+  VectorXd alone = VectorXd::Zero(std::ssize(problem.deviations));
+  for (Eigen::Index i = 0; i < eta.size(); ++i) {
+    if (problem.deviations[at(i)].is_constant) alone(i) = eta(i);
+  }
+  return alone;
+}
+
+// Errors of the study as it is, and with causes and constants of a fit that did not see the data;
+// none: it failed.
 PredictionErrors errors_of(const Problem& problem, const Observed& data,
-                           const std::vector<Supposed>& causes) {
+                           const std::vector<Supposed>& causes, const std::optional<Fit>& fit) {
   const Eigen::ArrayXXd weight2 = data.weight.array().square();
   PredictionErrors errors;
-  errors.before = squared_error(problem, data, {});
-  errors.after = causes.empty() ? errors.before : squared_error(problem, data, causes);
+  errors.before = squared_error(state_of(problem.structure), data);
+  errors.after = errors.before;
+  if (fit) {
+    errors.after =
+        squared_error(state_of(problem, causes, constants_alone(problem, fit->eta)), data);
+  }
   errors.size = (weight2 > 0.0).select(data.value.cwiseAbs2().array(), 0.0).sum();
   errors.noise = (weight2 > 0.0).select(2.0 / weight2.max(1e-300), 0.0).sum();
   return errors;
@@ -221,7 +236,7 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
     for (std::size_t c = 0; c < beside.size(); ++c) {
       part.gain_of_cause.push_back(used[f][c] ? beside[c][f] - after[f] : 0.0);
     }
-    part.errors = errors_of(problem, only(all, parts[f]), causes[f]);
+    part.errors = errors_of(problem, only(all, parts[f]), causes[f], with.rest[f]);
   }
   return result;
 }

@@ -119,6 +119,18 @@ TEST(ConstantsFitted, AreTheirEffectAtTheStartAndWidthsBeyond) {
   EXPECT_EQ(start_of(constants, {})(0), 0.0);
 }
 
+// The start is not the study's value: a deviation of 0 is the start.
+TEST(ConstantsFitted, AreAtTheirStartWhereTheirDeviationIsZero) {
+  const auto& plate = small_plate();
+  const auto constants = held({modulus_within(0.1)});
+  const auto free = constant_deviations(plate, constants, VectorXd::Constant(1, std::log(1.05)));
+  const auto stiffness = [&](double eta) {
+    return deviating(plate, free, VectorXd::Constant(1, eta)).stiffness;
+  };
+  EXPECT_TRUE(stiffness(0.0).isApprox(stiffness(1e-9), 1e-9));
+  EXPECT_FALSE(stiffness(0.0).isApprox(state_of(plate).stiffness, 1e-3));
+}
+
 TEST(ConstantsFitted, HaveTheDeviationsOfTheFit) {
   const auto constants = held({modulus_within(0.1)});
   Fit fit;

@@ -153,6 +153,22 @@ TEST(HeldOutParts, AreNotSeenByTheRest) {
   }
 }
 
+// A plate that is 5 % stiffer, with a mass: a constant that is fitted predicts the held-out data.
+TEST(CrossValidation, PredictsWithTheConstantsOfTheFit) {
+  const auto& plate = small_plate();
+  const Supposed stiffer{&effect("youngs_modulus"), 0, VectorXd::Constant(1, std::log(1.05))};
+  const auto modulus = [&](State& state, double eta) {
+    stiffer.effect->apply(state, plate, 0, VectorXd::Constant(1, 0.1 * eta));
+  };
+  const auto made =
+      tested(noisy({stiffer, mass(0.04)}, 4), {mass(0.05)}, {{"modulus", modulus, true}});
+  for (const auto& part : made.result.parts) {
+    EXPECT_LT(part.errors.relative(part.errors.after),
+              1.5 * part.errors.relative(part.errors.noise))
+        << part.low_hz << " Hz, " << part.sensors.front();
+  }
+}
+
 TEST(CrossValidation, OfATrueCauseLeavesNoiseInEveryPart) {
   const auto made = tested(noisy({mass(0.04)}, 1), {mass(0.05)});
   ASSERT_EQ(std::ssize(made.result.parts), small_plate().output_count() + 5 + 1);
