@@ -179,6 +179,27 @@ std::string note_on_starts(const Found& found) {
       found.by_start > 0.0 ? "it is used" : "the latter is used");
 }
 
+// Notes on the data and the constants.
+std::vector<std::string> notes_of(const Prepared& given, const Calibration& calibration) {
+  auto notes = given.notes;
+  notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
+  return notes;
+}
+
+// What a first look tells.
+Diagnosis looked_at(const Prepared& given, const Calibration& calibration,
+                    const modal::FrfSet& measured, const Found& found,
+                    const DiagnosisOptions& options) {
+  const Observed coarse = given.for_search(options.lines);
+  const Problem problem{*given.structure, coarse, given.tolerable, given.solver_error};
+  Diagnosis diagnosis = told_of(problem, found, options);
+  tell_fitted_constants(given, calibration, found.fits[diagnosis.best.fit], diagnosis);
+  diagnosis.notes = notes_of(given, calibration);
+  diagnosis.notes.push_back(nonlinearity_note(measured));
+  std::erase(diagnosis.notes, "");
+  return diagnosis;
+}
+
 }  // namespace
 
 std::vector<const Effect*> catalogue_of(const DiagnosisOptions& options) {
@@ -204,6 +225,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   const auto calibration = calibration_of(structure, options, start);
   const auto given = prepared_with(structure, measured, options, calibration);
   const Found first = searched_in(given, calibration, start.modes, options);
+  if (options.is_look) return looked_at(given, calibration, measured, first, options);
   tell(options.progress, "the last word");
   const Observed fine = thinned(given.observed, kConstants.last_fit_lines * options.lines);
   const auto deviations = given.all_deviations();
@@ -212,8 +234,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   trim(problem, found, limits_of(given, options), options.rival_within);
   Diagnosis diagnosis = told_of(problem, found, options);
   const Fit& best = found.fits[diagnosis.best.fit];
-  auto notes = given.notes;
-  notes.insert(notes.end(), calibration.notes.begin(), calibration.notes.end());
+  auto notes = notes_of(given, calibration);
   notes.push_back(tested_on_held_out(given, problem, found, options, diagnosis));
   notes.push_back(nonlinearity_note(measured));
   notes.push_back(note_on_places(*given.structure, diagnosis.best));

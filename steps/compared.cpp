@@ -51,8 +51,9 @@ Index derivatives(const study::Study& study, const std::string& sensor) {
   return quantity == "acceleration" ? 2 : quantity == "velocity" ? 1 : 0;
 }
 
-std::optional<identification::ModalFit> compare(Compared& one, stage::Work& work) {
-  auto fit = modes_of(one.seen, work);
+std::optional<identification::ModalFit> compare(const study::Study& study, Compared& one,
+                                                stage::Work& work) {
+  auto fit = modes_of(one.seen, study, work);
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
   return fit;
 }
@@ -134,9 +135,9 @@ ComparedResponses compare_responses(const study::Study& study, MeasuredFrfs meas
   all.band_hz = one.measured.all.frequency_hz.tail(1)(0);
   take_structure(study, all.band_hz, one, work);
   all.fit = work.timed("comparison", [&] {
-    auto found = compare(one, work);
+    auto found = compare(study, one, work);
     all.scaled = !take_scale(one, work);
-    return all.scaled ? found : compare(one, work);
+    return all.scaled ? found : compare(study, one, work);
   });
   one.predictions.before = predicted(study, one.structure, study, one.measured.all);
   return all;

@@ -76,11 +76,13 @@ std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> caus
   return causes;
 }
 
-// Prediction of the reduced model with all causes. The channels of the fit use the structure as it
-// was fitted. The other channels use the structure with all its channels and the same causes.
+// Prediction of the reduced model with all causes and constants. The channels of the fit use the
+// structure as it was fitted. The other channels use the structure with all its channels and the
+// same causes.
 std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
   const auto& set = one.measured.all;
-  const auto& causes = one.result.best.causes;
+  auto causes = constants_as_causes(one.result);
+  causes.insert(causes.end(), one.result.best.causes.begin(), one.result.best.causes.end());
   const auto own = diagnosis::seen(one.structure, one.seen, HUGE_VAL).structure;
   const auto seen = diagnosis::predicted(own, causes, set.frequency_hz);
   const auto all = diagnosis::predicted(one.structure, of_all_channels(causes, own, one.structure),
@@ -193,12 +195,14 @@ Diagnosed diagnosed(const study::Study& study, MeasuredFrfs measured, stage::Sol
     one.result = work.timed(
         "diagnosis", [&] { return diagnosis::diagnosed(one.structure, one.seen, how, start); });
   };
-  search(beside_modes(one, options));
-  if (is_less_good(one, options) && is_promising(one)) search(options);
+  const auto beside = beside_modes(one, options);
+  search(beside);
+  if (beside.is_look && is_promising(one)) search(options);
   if (is_open(one) && !one.by_modes) ask_modes();
   take_answer_of_modes(one, options);
-  one.detectable = work.timed(
-      "detectable sizes", [&] { return diagnosis::detectable(one.structure, one.seen, options); });
+  one.detectable = work.timed("detectable sizes", [&] {
+    return diagnosis::detectable(one.structure, one.seen, beside_errors(one, options));
+  });
   add_gain(study, found.band_hz, solve_extended, one, work);
   believe_what_pays(one);
   one.errors = work.timed("errors over frequency",

@@ -21,8 +21,8 @@ struct Diagnosed : Compared {
   diagnosis::Diagnosis result;
   std::optional<diagnosis::MeasuredModes> reference;  ///< modes before, if the study names a file
   std::string reference_file;                         ///< its name, without the folder
-  /// Diagnosis of the modes of the responses, if these are not explained to the noise. If it names
-  /// causes, `result` has its verdict, causes, rivals and levels.
+  /// Diagnosis of the modes of the responses: where these scatter about the simulated ones, or the
+  /// responses are not explained to the noise. is_of_modes() tells whether it is the answer.
   std::optional<diagnosis::Diagnosis> by_modes;
   std::vector<diagnosis::Detectable> detectable;  ///< detectable effects of the same experiment
   double least_evidence = 0.0;                    ///< DiagnosisPlan::least_evidence

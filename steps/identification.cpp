@@ -45,10 +45,7 @@ identification::IdentificationOptions fit_options(const study::IdentificationPla
   identification::IdentificationOptions options;
   options.modes = plan.modes;
   options.rigid_count = plan.rigid_body_modes;
-  if (plan.rigid_body_modes < 0 && is_held(study)) {
-    options.rigid_count = 0;
-    options.on_springs = study.supports.empty();
-  }
+  if (plan.rigid_body_modes < 0) take_support(study, options);
   if (plan.damping == "general") options.fit.damping = identification::Damping::general;
   options.fit.delay = plan.delay;
   options.fit.delay_of = delay_of(plan);
@@ -87,6 +84,12 @@ bool is_held(const study::Study& study) {
                        return std::holds_alternative<fem::GroundSpring>(attachment.what) ||
                               std::holds_alternative<fem::GroundTorsionSpring>(attachment.what);
                      });
+}
+
+void take_support(const study::Study& study, identification::IdentificationOptions& options) {
+  if (!is_held(study)) return;
+  options.rigid_count = 0;
+  options.on_springs = study.supports.empty();
 }
 
 identification::FitData fit_data_of(const study::Study& study, const IdentifiedModel& model,

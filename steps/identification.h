@@ -78,6 +78,8 @@ template <typename Named>
 
 /// True if springs to ground or supports hold the body. Attachments on the body do not hold it.
 [[nodiscard]] bool is_held(const study::Study& study);
+/// A body that is held has no rigid-body modes; on springs it has slow ones in their stead.
+void take_support(const study::Study& study, identification::IdentificationOptions& options);
 /// The kind of a response whose sensor measures "displacement", "velocity" or "acceleration".
 [[nodiscard]] modal::FrfKind kind_of(const std::string& quantity);
 /// Other responses of the same measurement, prepared as for the model's own fit.

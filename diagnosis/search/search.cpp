@@ -96,17 +96,17 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   return candidates;
 }
 
-std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidate, bool nominal,
+std::optional<Fit> fitted_from(const Level& level, const Candidate& candidate, bool nominal,
                                double bar) {
   Fit start = *candidate.base;
   if (nominal) start.eta.setZero();
   start.causes.push_back(candidate.cause);
   try {
     FitLimits quick;
-    quick.iterations = kConstants.quick_iterations;
+    quick.iterations = level.limits.fit_iterations;
     quick.tolerance = kConstants.quick_tolerance;
     quick.bar = bar;
-    return fitted(problem, start, quick);
+    return fitted(level.problem, start, quick);
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
@@ -115,10 +115,10 @@ std::optional<Fit> fitted_from(const Problem& problem, const Candidate& candidat
 // Fits first from the tolerances with which the candidate was found. If the evidence falls below
 // that of the base, it also fits from the other tolerances (0 or fitted), and the better fit is
 // returned.
-std::optional<Fit> fitted_with(const Problem& problem, const Candidate& candidate, double bar) {
-  auto fit = fitted_from(problem, candidate, candidate.from_nominal, bar);
+std::optional<Fit> fitted_with(const Level& level, const Candidate& candidate, double bar) {
+  auto fit = fitted_from(level, candidate, candidate.from_nominal, bar);
   if (fit && fit->log_evidence >= candidate.base->log_evidence) return fit;
-  auto other = fitted_from(problem, candidate, !candidate.from_nominal, bar);
+  auto other = fitted_from(level, candidate, !candidate.from_nominal, bar);
   if (!fit || (other && other->log_evidence > fit->log_evidence)) return other;
   return fit;
 }
@@ -178,7 +178,7 @@ std::vector<Candidate> worth_fitting(const Level& level, const Fit& base) {
     });
     if (!again) chosen.push_back(std::move(candidate));
   }
-  add_hints(level, base, chosen);
+  if (!level.limits.is_look) add_hints(level, base, chosen);
   return chosen;
 }
 
@@ -190,7 +190,7 @@ std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& 
   const auto places = elsewhere(coarse, base, fit.causes.back());
   std::vector<std::optional<Fit>> fits(places.size());
   parallel_tasks(fits.size(), [&](std::size_t i) {
-    fits[i] = fitted_from(level.problem, {places[i], 0.0, &base, false}, false, bar);
+    fits[i] = fitted_from(level, {places[i], 0.0, &base, false}, false, bar);
   });
   return fits;
 }
@@ -207,9 +207,8 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, doub
       std::vector<std::optional<Fit>> fits(std::min(at_once, chosen.size() - first));
       tell(level.progress,
            fmt::format("cause {}: fitting {}", level.number, chosen[first].cause.effect->name));
-      parallel_tasks(fits.size(), [&](std::size_t i) {
-        fits[i] = fitted_with(level.problem, chosen[first + i], bar);
-      });
+      parallel_tasks(fits.size(),
+                     [&](std::size_t i) { fits[i] = fitted_with(level, chosen[first + i], bar); });
       for (auto& fit : fits) {
         if (!fit || overlaps_itself(level.problem.structure, *fit)) continue;
         bar = std::min(bar, fit->objective + kConstants.occam_margin);
@@ -218,7 +217,7 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, doub
       }
     }
   }
-  if (under_best == nullptr) return grown;
+  if (under_best == nullptr || level.limits.is_look) return grown;
   for (auto& fit : fitted_elsewhere(level, *under_best, grown.front(), bar)) {
     if (fit && !overlaps_itself(level.problem.structure, *fit)) keep(grown, *std::move(fit));
   }
@@ -366,6 +365,7 @@ Found searched(const Problem& problem, const std::vector<const Effect*>& catalog
   Found found = fitted_without_causes(problem, start);
   const auto read = grow_from_readings({problem, catalogue, limits, progress, 1}, found);
   fit_nothing_again(problem, found);
+  if (limits.is_look) return found;
   // Resonances may be so wrong that a zero response would be almost as good. Then a cause that
   // makes the responses smaller seems to explain the data, and the real cause does not.
   if (found.fits.front().chi_square > kConstants.lost_power * problem.observed.power()) {

@@ -27,6 +27,8 @@ struct SearchLimits {
   /// Errors that are noise in the search and parameters in the final fit. An effect that they can
   /// explain gives no hint.
   std::vector<Deviation> unseen = {};
+  int fit_iterations = kConstants.quick_iterations;  ///< of a candidate
+  bool is_look = false;  ///< candidates of the scene alone: no hints, other places or free gains
 };
 
 struct Found {
@@ -42,7 +44,7 @@ struct Found {
 /// and also up to four hints of the score test (hints.h), which sees small effects. The levels end
 /// when no cause brings `least_evidence`. If only noise is left, only the hints are fitted. With
 /// two or more causes, each is then exchanged or left out in turn, and stays out if that costs too
-/// little.
+/// little. A look (SearchLimits::is_look) ends after the levels.
 /// @param catalogue  the effects that are tried
 /// @param start  deviations from which the fit of the tolerances alone is made a second time, as
 ///               deviations_by_modes gives them; the better fit is kept. Empty: none

@@ -13,6 +13,11 @@ SearchLimits limits_of(const Prepared& given, const DiagnosisOptions& options) {
   limits.most_causes = options.most_causes;
   limits.least_evidence = options.least_evidence;
   limits.unseen = given.shapes;
+  if (!options.is_look) return limits;
+  limits.is_look = true;
+  limits.most_causes = std::min(options.most_causes, 1);
+  limits.fits_per_level = kConstants.look_fits;
+  limits.fit_iterations = kConstants.look_iterations;
   return limits;
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "stage/diagnosis_structure.h"
 #include "steps/measured_modes.h"
@@ -18,17 +19,10 @@
 namespace chladni::steps {
 namespace {
 
+using diagnosis::kConstants;
 using diagnosis::Verdict;
 
-constexpr double kLikely = 0.5;        // probability of a cause that is put into the extended study
-constexpr double kAlong = 1.0 - 1e-9;  // cosine of axes that lie along each other
-constexpr double kScattered = 2.0;     // tolerances of a frequency: what two modes may differ by
-constexpr Eigen::Index kChannelsThatTell = 4;  // a mode has three ratios among so many
-constexpr double kPromising = 0.7;  // of the excess that a first cause leaves, with others to come
-constexpr double kShown = 0.5;      // errors that the data determine; a level of fewer is a guess
-// Models of real structures are off by 1 to 5 % in frequency and 5 to 20 % in shape: one that is
-// off by more is not explained by calling it so.
-constexpr double kRealFrequency = 0.05, kRealShape = 0.2;
+constexpr double kOneAxis = 1.0 - 1e-9;  // cosine of axes that lie along each other
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
     {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
@@ -97,13 +91,14 @@ void answer_by_modes(Diagnosed& one) {
 // Whether the shapes of modes say what frequencies alone cannot: which error is the model's, and
 // which follows a cause.
 bool shapes_tell(const Diagnosed& one) {
-  return one.seen.output_count() + one.seen.input_count() >= kChannelsThatTell;
+  return one.seen.output_count() + one.seen.input_count() >= kConstants.channels_that_tell;
 }
 
 // No cause beside something unknown is likelier than not.
 void believe_none(diagnosis::Diagnosis& result) {
-  result.best.probability = std::min(result.best.probability, kLikely);
-  for (auto& cause : result.best.causes) cause.probability = std::min(cause.probability, kLikely);
+  result.best.probability = std::min(result.best.probability, kConstants.extended_cause);
+  for (auto& cause : result.best.causes)
+    cause.probability = std::min(cause.probability, kConstants.extended_cause);
 }
 
 // Whether the errors of a model in which nothing is wrong are those of real models.
@@ -113,8 +108,8 @@ bool is_of_real_models(const diagnosis::Diagnosis& by_modes) {
     const auto level = std::ranges::find(by_modes.levels_after, name, &diagnosis::ErrorLevel::of);
     return level == by_modes.levels_after.end() || level->value <= largest;
   };
-  return at_most("frequency", kRealFrequency) && at_most("shape", kRealShape) &&
-         at_most("smooth_shape", kRealShape);
+  return at_most("frequency", kConstants.real_frequency) &&
+         at_most("shape", kConstants.real_shape) && at_most("smooth_shape", kConstants.real_shape);
 }
 
 // Constants of the study as modes of the responses have them, without a cause.
@@ -146,7 +141,7 @@ std::vector<std::pair<std::string, std::string>> told_levels(
   std::vector<std::pair<std::string, std::string>> told;
   for (const auto& [name, what] : kToldLevels) {
     const auto level = std::ranges::find(levels, name, &diagnosis::ErrorLevel::of);
-    if (level == levels.end() || level->determined < kShown) continue;
+    if (level == levels.end() || level->determined < kConstants.told_errors) continue;
     told.emplace_back(what, fmt::format("{:.2g} %", 100.0 * level->value));
   }
   return told;
@@ -168,8 +163,10 @@ diagnosis::DiagnosisOptions options_of(const study::DiagnosisPlan& plan, stage::
 
 std::vector<diagnosis::CalibratedConstant> constants_of(const study::Study& study,
                                                         const diagnosis::Surface& chart) {
-  const bool along = chart.axis_u.cwiseAbs().x() > kAlong && chart.axis_v.cwiseAbs().y() > kAlong;
-  const bool crossed = chart.axis_u.cwiseAbs().y() > kAlong && chart.axis_v.cwiseAbs().x() > kAlong;
+  const bool along =
+      chart.axis_u.cwiseAbs().x() > kOneAxis && chart.axis_v.cwiseAbs().y() > kOneAxis;
+  const bool crossed =
+      chart.axis_u.cwiseAbs().y() > kOneAxis && chart.axis_v.cwiseAbs().x() > kOneAxis;
   auto constants = study.constants;
   std::erase_if(constants, [&](const diagnosis::CalibratedConstant& one) {
     return one.effect.find("stiffness") != std::string::npos && !along && !crossed;
@@ -208,7 +205,7 @@ bool has_other_modes(const Diagnosed& one, const diagnosis::DiagnosisOptions& op
   if (count < 2) return false;
   const auto known = off.head(count);
   const double scatter = std::sqrt((known - known.mean()).square().mean());
-  return scatter > kScattered * options.tolerances.frequency;
+  return scatter > kConstants.scattered_modes * options.tolerances.frequency;
 }
 
 bool is_open(const Diagnosed& one) {
@@ -229,26 +226,38 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
 
 diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
                                          diagnosis::DiagnosisOptions options) {
-  if (is_less_good(one, options)) options.most_causes = std::min(options.most_causes, 1);
+  options.is_look = is_less_good(one, options);
+  return options;
+}
+
+diagnosis::DiagnosisOptions beside_errors(const Diagnosed& one,
+                                          diagnosis::DiagnosisOptions options) {
+  if (is_of_modes(one) && is_less_good(one, options)) {
+    options.tolerances = diagnosis::with_levels(options.tolerances, one.result.levels_after);
+  }
   return options;
 }
 
 bool is_promising(const Diagnosed& one) {
-  return is_open(one) && !one.result.best.causes.empty() &&
-         one.result.best.excess < kPromising * one.result.excess_before;
+  if (!is_open(one)) return true;
+  return !one.result.best.causes.empty() &&
+         one.result.best.excess < kConstants.promising * one.result.excess_before;
 }
 
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options) {
   if (!one.by_modes || !is_open(one)) return;
   const auto& by_modes = *one.by_modes;
-  const bool alone = is_less_good(one, options) && one.result.verdict == Verdict::unexplained;
+  const bool nothing_else = one.result.verdict == Verdict::unexplained;
+  const bool alone = nothing_else && is_less_good(one, options);
+  const bool names = by_modes.verdict == Verdict::named ||
+                     (by_modes.verdict == Verdict::ambiguous && nothing_else);
   one.result.levels_before = by_modes.levels_before;
-  one.result.levels_after = by_modes.levels_after;
+  one.result.levels_after = alone || names ? by_modes.levels_after : by_modes.levels_before;
   if (one.result.measure_next.empty()) {
     one.result.measure_next = by_modes.measure_next;
     one.result.proposals = by_modes.proposals;
   }
-  if (alone || by_modes.verdict == Verdict::named) {
+  if (alone || names) {
     answer_by_modes(one);
     if (!is_of_real_models(by_modes)) one.result.verdict = Verdict::unexplained;
     if (one.result.verdict == Verdict::unexplained) believe_none(one.result);
@@ -258,26 +267,32 @@ void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& opt
 }
 
 void believe_what_pays(Diagnosed& one) {
-  const bool is_answer = one.by_modes && one.by_modes->verdict == Verdict::named;
-  if (!is_answer || one.gain.pays.value_or(true)) return;
+  if (!is_of_modes(one) || one.gain.pays.value_or(true)) return;
   auto& result = one.result;
   result.verdict = Verdict::unexplained;
+  result.levels_after = result.levels_before;
   believe_none(result);
   result.notes.emplace_back(
       "the causes that the modes name predict the responses no better: they are not believed");
+}
+
+std::vector<diagnosis::Cause> constants_as_causes(const diagnosis::Diagnosis& result) {
+  std::vector<diagnosis::Cause> causes;
+  for (const auto& constant : result.constants) {
+    if (constant.determined) causes.push_back(as_cause(constant));
+  }
+  return causes;
 }
 
 std::vector<diagnosis::Cause> causes_to_extend(const Diagnosed& one) {
   if (one.result.verdict == Verdict::unexplained) return {};
   auto causes = one.result.best.causes;
   if (is_of_modes(one)) {
-    std::erase_if(causes,
-                  [](const diagnosis::Cause& cause) { return cause.probability < kLikely; });
+    std::erase_if(causes, [](const diagnosis::Cause& cause) {
+      return cause.probability < kConstants.extended_cause;
+    });
   }
-  std::vector<diagnosis::Cause> all;
-  for (const auto& constant : one.result.constants) {
-    if (constant.determined) all.push_back(as_cause(constant));
-  }
+  auto all = constants_as_causes(one.result);
   all.insert(all.end(), causes.begin(), causes.end());
   return all;
 }

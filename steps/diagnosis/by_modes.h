@@ -44,25 +44,33 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
 
 /// How the responses are diagnosed after their modes. Where these say that the model is less good
 /// than the tolerances whatever the cause is, hardly any cause explains the responses within these:
-/// then one cause is sought first, which modes may not show.
+/// then a first look tells whether one cause, which modes may not show, explains much.
 [[nodiscard]] diagnosis::DiagnosisOptions beside_modes(const Diagnosed& one,
                                                        diagnosis::DiagnosisOptions options);
 
-/// True if one cause takes so much of the misfit of responses that others beside it are worth a
-/// search.
+/// The options with the model's errors as the modes show them, where theirs is the answer and the
+/// tolerances are too narrow: what an experiment finds beside such a model.
+[[nodiscard]] diagnosis::DiagnosisOptions beside_errors(const Diagnosed& one,
+                                                        diagnosis::DiagnosisOptions options);
+
+/// True if a first look leaves the responses explained, or one cause takes so much of their misfit
+/// that a search is worth its time.
 [[nodiscard]] bool is_promising(const Diagnosed& one);
 
 /// True if the responses are not explained: `partial` or `unexplained`.
 [[nodiscard]] bool is_open(const Diagnosed& one);
 
 /// The result after both diagnoses. Where the responses are not explained within the stated
-/// tolerances, causes that the modes name are the answer, and where the model is less good than these
-/// whatever the modes say is.
+/// tolerances, causes that the modes name are the answer, and where the model is less good than
+/// these whatever the modes say is.
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the
 /// responses no better: the verdict is then `unexplained`, and no probability is above a half.
 void believe_what_pays(Diagnosed& one);
+
+/// The calibrated constants that the data determine, in the form of causes.
+[[nodiscard]] std::vector<diagnosis::Cause> constants_as_causes(const diagnosis::Diagnosis& result);
 
 /// The causes that belong into the extended study: all of responses; of modes, those that are
 /// likelier than not. Before them the constants that were calibrated. None where the verdict is

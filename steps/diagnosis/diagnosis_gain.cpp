@@ -8,13 +8,14 @@
 #include <cmath>
 
 #include "base/percent.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::steps {
 namespace {
 
 using Eigen::Index;
 
-constexpr double kUnchanged = 1e-6;  // relative change of the squares: rounding of another solution
+constexpr double kRounding = 1e-6;  // relative change of the squares: rounding of another solution
 
 // Sums over some responses and lines.
 struct Sums {
@@ -143,12 +144,14 @@ void judge_by_frequencies(const std::vector<diagnosis::ModeTold>& modes, Gain& g
   for (const auto& mode : modes) {
     const double was = mode.before_hz / mode.measured_hz - 1.0;
     const double is = mode.after_hz / mode.measured_hz - 1.0;
-    if (!std::isfinite(was) || !std::isfinite(is)) continue;
+    if (!std::isfinite(was)) continue;
     before += was * was;
-    after += is * is;
+    // A mode that loses its partner is further off than a pair may be.
+    const double lost = std::max(std::abs(was), diagnosis::kConstants.apart_alone);
+    after += std::pow(std::isfinite(is) ? is : lost, 2);
     count += 1.0;
   }
-  const bool is_changed = std::abs(after - before) > kUnchanged * before;
+  const bool is_changed = std::abs(after - before) > kRounding * before;
   if (!gain.pays || count < 1.0 || !is_changed) return;
   gain.frequencies_before = std::sqrt(before / count);
   gain.frequencies_after = std::sqrt(after / count);

@@ -41,9 +41,10 @@ struct Gain {
   /// Errors of extended.toml, if it was solved but lacks a cause; the values after are then those
   /// of the fitted model.
   double fit_extended = kNone, held_out_extended = kNone;
-  /// Root mean squares of the relative differences of the modes' frequencies, measured and simulated.
-  /// Where the model's errors put resonances beside each other, a response tells how these miss each
-  /// other and not what is right: then a cause also pays where frequencies are nearer.
+  /// Root mean squares of the relative differences of the modes' frequencies, measured and
+  /// simulated. Where the model's errors put resonances beside each other, a response tells how
+  /// these miss each other and not what is right: then a cause also pays where frequencies are
+  /// nearer.
   double frequencies_before = kNone, frequencies_after = kNone;
   MeasuredPart fitted;
   std::vector<std::string> held_out;                        ///< in words: channels, bands

@@ -3,25 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "diagnosis/constants.h"
 #include "identification/constants.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
+#include "steps/identification.h"
 
 namespace chladni::steps {
 namespace {
 
 using Eigen::Index;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kWeak = 0.1;       // of the largest residue of a response
-constexpr double kTooDamped = 3.0;  // over the median damping ratio
-constexpr Index kMostFitted = 200;  // responses; with more, no modes are identified
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 // Estimates variances that the file does not state from the scatter of the lines.
 void state_variance(modal::FrfSet& set, stage::Work& work) {
@@ -30,7 +30,8 @@ void state_variance(modal::FrfSet& set, stage::Work& work) {
   work.warn(
       "the measured responses state no variance: it is estimated from their scatter, and "
       "with it every probability");
-  Eigen::MatrixXd nothing = Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNone);
+  Eigen::MatrixXd nothing =
+      Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNotMeasured);
   set.variance.assign(set.value.size(), nothing);
   Index line = 0;
   for (Index k = 0; k < set.line_count(); ++k) {
@@ -38,7 +39,7 @@ void state_variance(modal::FrfSet& set, stage::Work& work) {
     const Eigen::VectorXd weight = data.weight.row(line++).transpose();
     set.variance[static_cast<std::size_t>(k)] =
         (weight.array() > 0.0)
-            .select(weight.array().square().inverse(), kNone)
+            .select(weight.array().square().inverse(), kNotMeasured)
             .matrix()
             .reshaped(set.output_count(), set.input_count());
   }
@@ -53,8 +54,8 @@ std::optional<identification::ModalFit> with_complex_shapes(
   options.far_modes = true;  // a suspension below the lines, a frame above them
   try {
     auto fit = identification::identified(data, options).fit;
-    const bool pays = identification::noise_level(fit, data) <
-                      identification::Constants::complex_pays * level;
+    const bool pays =
+        identification::noise_level(fit, data) < identification::Constants::complex_pays * level;
     if (pays) return fit;
   } catch (const InvalidInput&) {  // they explain nothing: real shapes stay
   } catch (const NumericalFailure&) {
@@ -64,9 +65,11 @@ std::optional<identification::ModalFit> with_complex_shapes(
 
 // Strings, cables and frames couple the modes of a real structure by damping. Real shapes then
 // need modes that are not there, and miss some that are.
-identification::ModalFit fitted_modes(const identification::FitData& data) {
+identification::ModalFit fitted_modes(const identification::FitData& data,
+                                      const study::Study& study) {
   identification::IdentificationOptions options;
   options.rigid_count = -1;
+  take_support(study, options);
   options.fit.delay = true;
   auto fit = identification::identified(data, options).fit;
   const double level = identification::noise_level(fit, data);
@@ -101,10 +104,12 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
   return measured;
 }
 
-std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, stage::Work& work) {
-  if (seen.output_count() * seen.input_count() > kMostFitted) return std::nullopt;
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
+                                                 const study::Study& study, stage::Work& work) {
+  if (seen.output_count() * seen.input_count() > diagnosis::kConstants.most_fitted)
+    return std::nullopt;
   try {
-    return fitted_modes(identification::fit_data(seen));
+    return fitted_modes(identification::fit_data(seen), study);
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& e) {
@@ -125,14 +130,16 @@ diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all, stage:
   std::vector<Index> kept;
   std::vector<double> damping;
   for (Index k = 0; k < all.count(); ++k) {
-    if (!(strength(k) >= kWeak)) continue;
+    if (!(strength(k) >= diagnosis::kConstants.weak_residue)) continue;
     kept.push_back(k);
-    damping.push_back(all.damping_ratio(k));
+    if (std::isfinite(all.damping_ratio(k))) damping.push_back(all.damping_ratio(k));
   }
-  if (kept.empty()) return all;
+  if (kept.empty() || damping.empty()) return all;
   const auto middle = damping.begin() + static_cast<std::ptrdiff_t>(damping.size() / 2);
   std::nth_element(damping.begin(), middle, damping.end());
-  std::erase_if(kept, [&](Index k) { return all.damping_ratio(k) > kTooDamped * *middle; });
+  std::erase_if(kept, [&](Index k) {
+    return all.damping_ratio(k) > diagnosis::kConstants.too_damped * *middle;
+  });
   if (static_cast<Index>(kept.size()) < all.count()) {
     work.note(fmt::format("{} of {} identified modes are weak or damped as no other is: left out",
                           all.count() - static_cast<Index>(kept.size()), all.count()));

@@ -24,6 +24,7 @@ namespace chladni::steps {
 
 /// Modes of the measured responses, for the comparison; none if they cannot be identified.
 [[nodiscard]] std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
+                                                               const study::Study& study,
                                                                stage::Work& work);
 
 /// The modes of a fit that are no filling of it: with a tenth of the largest residue in some

@@ -1,4 +1,5 @@
-// docs/reference/constants.md says what diagnosis/constants.h has, and nothing decides beside it.
+// docs/reference/constants.md says what diagnosis/constants.h has, with mode_constants.h, and
+// nothing decides beside it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -47,9 +48,13 @@ void PrintTo(const Row& row, std::ostream* out) {
   *out << row.name << " = " << row.value << " [" << row.unit << "]";
 }
 
+std::string header() {
+  return text_of(kRoot / "diagnosis/constants.h") + text_of(kRoot / "diagnosis/mode_constants.h");
+}
+
 // "/// [unit] What it decides." and perhaps further lines, then "type name = value;".
 std::vector<Row> declared() {
-  const auto text = text_of(kRoot / "diagnosis/constants.h");
+  const auto text = header();
   const std::regex member(
       R"(\n  /// \[([^\]]+)\][^\n]*(?:\n  /// [^\[\n][^\n]*)*\n  [\w:]+ (\w+) = ([^;]+);)");
   std::vector<Row> rows;
@@ -70,20 +75,22 @@ std::vector<Row> documented() {
   return rows;
 }
 
-// The sources of the room, without the effects, which keep their own numbers.
+// The sources of the room and of its steps, without the effects, which keep their own numbers.
 std::vector<std::filesystem::path> sources() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / "diagnosis")) {
-    const auto& file = entry.path();
-    const bool code = file.extension() == ".h" || file.extension() == ".cpp";
-    const bool own = file.parent_path().filename() != "effects" && file.stem() != "catalogue";
-    if (code && own) files.push_back(file);
+  for (const auto* folder : {"diagnosis", "steps/diagnosis"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / folder)) {
+      const auto& file = entry.path();
+      const bool code = file.extension() == ".h" || file.extension() == ".cpp";
+      const bool own = file.parent_path().filename() != "effects" && file.stem() != "catalogue";
+      if (code && own) files.push_back(file);
+    }
   }
   return files;
 }
 
 TEST(Constants, EachHasUnitAndPurpose) {
-  const auto text = text_of(kRoot / "diagnosis/constants.h");
+  const auto text = header();
   EXPECT_EQ(declared().size(), matches(text, std::regex(R"(\n  [\w:]+ \w+ = [^;]+;)")).size());
 }
 
@@ -104,8 +111,9 @@ TEST(Constants, EachDecidesSomething) {
 
 // What is left: numerics, a value that is not measured, and what belongs to an effect or a scan.
 TEST(Constants, NoOtherPlaceHasAny) {
-  const std::set<std::string> left{"kEnough",  "kInfinite",  "kNoRounding", "kNotMeasured",
-                                   "kOnePeak", "kPlausible", "kStep"};
+  const std::set<std::string> left{"kEnough",      "kInfinite", "kNoRounding", "kNone",
+                                   "kNotMeasured", "kOneAxis",  "kOnePeak",    "kPlausible",
+                                   "kRounding",    "kStep",     "kUnknown"};
   for (const auto& file : sources()) {
     for (const auto& match : matches(text_of(file), std::regex(R"(constexpr double (k\w+))"))) {
       EXPECT_TRUE(left.contains(match[1])) << file << ": " << match[1];

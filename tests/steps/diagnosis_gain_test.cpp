@@ -149,5 +149,26 @@ TEST(Gain, SaysWhatWasFittedAndWhatWasHeldOut) {
   EXPECT_NEAR(found.held_out_before, std::sqrt((2 * 0.09 + 10 * 0.0576) / 12.0), 1e-12);
 }
 
+// A cause that drives a mode away from every simulated one does not pay by losing it.
+TEST(Gain, ByFrequenciesCountsAModeThatLosesItsPartner) {
+  const auto mode = [](double before, double after) {
+    diagnosis::ModeTold one;
+    one.measured_hz = 100.0;
+    one.before_hz = before;
+    one.after_hz = after;
+    return one;
+  };
+  const auto judged = [](const std::vector<diagnosis::ModeTold>& modes) {
+    steps::Gain gain;
+    gain.pays = false;
+    steps::judge_by_frequencies(modes, gain);
+    return gain;
+  };
+  EXPECT_TRUE(judged({mode(103.0, 100.5), mode(98.0, 99.0)}).pays.value_or(false));
+  const auto lost = judged({mode(103.0, NAN), mode(98.0, 99.0)});
+  EXPECT_FALSE(lost.pays.value_or(true));
+  EXPECT_GT(lost.frequencies_after, lost.frequencies_before);
+}
+
 }  // namespace
 }  // namespace chladni::steps
