@@ -202,6 +202,8 @@ bool has_other_modes(const Diagnosed& one, const diagnosis::DiagnosisOptions& op
     const double by = std::log(mode.measured_hz / mode.before_hz);
     if (std::isfinite(by)) off(count++) = by;
   }
+  const auto all = static_cast<double>(off.size());
+  if (off.size() > 1 && static_cast<double>(count) < kConstants.few_partners * all) return true;
   if (count < 2) return false;
   const auto known = off.head(count);
   const double scatter = std::sqrt((known - known.mean()).square().mean());

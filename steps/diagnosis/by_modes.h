@@ -28,8 +28,8 @@ namespace chladni::steps {
                                                  stage::Work& work);
 
 /// True if there are four channels or more, and the modes of the responses scatter about the
-/// simulated ones by more than the tolerance of a frequency: by errors of the model or by a cause,
-/// which only their diagnosis tells apart.
+/// simulated ones by more than the tolerance of a frequency, or most of them are like none of these:
+/// by errors of the model or by a cause, which only their diagnosis tells apart.
 [[nodiscard]] bool has_other_modes(const Diagnosed& one,
                                    const diagnosis::DiagnosisOptions& options);
 

@@ -137,6 +137,27 @@ TEST(ByModes, AFirstLookIsWorthASearchWhereOneCauseExplainsMuch) {
   EXPECT_FALSE(beside_modes(one, {}).is_look) << "the model is as good as its tolerances";
 }
 
+// Measured at 100 Hz each; NaN: like no simulated mode.
+Diagnosed with_modes_at(const std::vector<double>& simulated_hz) {
+  auto one = diagnosed_twice(open_responses(), {});
+  for (const double hz : simulated_hz) {
+    one.modes_compared.emplace_back();
+    one.modes_compared.back().measured_hz = 100.0;
+    one.modes_compared.back().before_hz = hz;
+  }
+  return one;
+}
+
+TEST(ByModes, AreAskedFirstWhereTheyAreOthers) {
+  EXPECT_FALSE(has_other_modes(with_modes_at({}), {}));
+  EXPECT_FALSE(has_other_modes(with_modes_at({97.0, 97.0, 97.05}), {})) << "a scale of all";
+  EXPECT_TRUE(has_other_modes(with_modes_at({97.0, 102.0, 99.0}), {}));
+  EXPECT_TRUE(has_other_modes(with_modes_at({NAN, NAN, 99.0}), {}));
+  auto few = with_modes_at({97.0, 102.0, 99.0});
+  few.seen.outputs.resize(1);
+  EXPECT_FALSE(has_other_modes(few, {})) << "two channels";
+}
+
 // What is found beside a model that is off by 2 % is more than what its tolerances say.
 TEST(ByModes, DetectableSizesAreThoseBesideTheLearnedErrors) {
   const diagnosis::DiagnosisOptions options;
