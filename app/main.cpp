@@ -139,6 +139,7 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
     try {
       command.run(study, run);
       run.finish_pictures();
+      chladni::throw_if_interrupted();
     } catch (const chladni::InvalidInput& e) {
       throw chladni::InvalidInput(with_file(file, e.what()));
     }
@@ -385,7 +386,10 @@ int main(int argc, char** argv) {
       chladni::dense::use_best_blas_kernel(argv);
       chladni::catch_interrupts();
       const int status = answer(argc, argv, talk);
-      if (status == kDone) require_output();
+      if (status == kDone) {
+        require_output();
+        chladni::throw_if_interrupted();
+      }
       return status;
     });
   } catch (...) {  // no memory for the message itself

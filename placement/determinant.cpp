@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "placement/constants.h"
 #include "placement/optimum/relaxation.h"
 #include "placement/optimum/search_tree.h"
@@ -61,6 +62,7 @@ struct Swap {
 
 // det changes by (1 + d_in)(1 − d_out) + d_mixed² (Fedorov).
 Swap best_swap(const DeterminantProblem& problem, const Indices& sites) {
+  throw_if_interrupted();
   const Eigen::LLT<Eigen::MatrixXd> factor(information(problem, sites));
   const Eigen::MatrixXd seen = factor.matrixL().solve(problem.rows.transpose());
   const Eigen::VectorXd gain = seen.colwise().squaredNorm();
@@ -152,6 +154,7 @@ Indices greedy(const DeterminantProblem& problem) {
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(seen.rows(), seen.rows());
   Indices sites;
   while (static_cast<Eigen::Index>(sites.size()) < problem.count) {
+    throw_if_interrupted();
     Eigen::Index best = -1;
     for (Eigen::Index c = 0; c < gain.size(); ++c) {
       if ((best < 0 || gain(c) > gain(best)) && fits(problem, sites, c)) best = c;

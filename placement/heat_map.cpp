@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 
 namespace chladni::placement {
 namespace {
@@ -34,6 +35,7 @@ HeatMap heat_map(const Criterion& criterion, const std::vector<PairView>& ensemb
   require(!ensemble.empty(), "heat map: there is no model");
   HeatMap map;
   for (const auto& view : ensemble) {
+    throw_if_interrupted();
     require(view.site_count() == ensemble[0].site_count() &&
                 view.group_count() == ensemble[0].group_count(),
             "heat map: the models of the ensemble differ in sites or groups of modes");

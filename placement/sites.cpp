@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "mesh/faces.h"
 #include "mesh/surface.h"
@@ -158,6 +159,7 @@ Eigen::RowVectorXd Sampler::value(const mesh::Site& site, const Eigen::Vector3d&
 // radius (Abramowitz and Stegun 25.4.61).
 void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, Eigen::Index row,
                   Sites& sites) const {
+  throw_if_interrupted();
   const Eigen::Vector3d direction = device_.direction.value_or(normal);
   const auto along = tangents(normal);
   Eigen::RowVectorXd shape = value(finder_.nearest(position), direction);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "dense/flush_to_zero.h"
 #include "priors/gaussian_process/exponential.h"
 
@@ -240,6 +241,7 @@ Eigen::MatrixXd covariance(const Kernel& kernel, const Eigen::VectorXd& paramete
   const Coordinates at = points;
   KernelColumn column;
   for (Eigen::Index j = 0; j < n; ++j) {
+    throw_if_interrupted();
     kernel.evaluate(at.bottomRows(n - j), at.row(j), parameters, column);
     lower.col(j).tail(n - j) = column.value;
   }
@@ -254,6 +256,7 @@ Eigen::MatrixXd covariance(const Kernel& kernel, const Eigen::VectorXd& paramete
   const Coordinates at = points;
   KernelColumn column;
   for (Eigen::Index j = 0; j < others.rows(); ++j) {
+    throw_if_interrupted();
     kernel.evaluate(at, others.row(j), parameters, column);
     whole.col(j) = column.value;
   }
@@ -285,6 +288,7 @@ Contractions contractions(const Kernel& kernel, const Eigen::VectorXd& parameter
   KernelColumn column;
   column.wants_gradient = true;
   for (Eigen::Index j = 0; j < n; ++j) {
+    throw_if_interrupted();
     kernel.evaluate(at.bottomRows(n - j), at.row(j), parameters, column);
     column.gradient.bottomRows(n - j - 1) *= 2.0;  // an entry below the diagonal counts twice
     const auto slope = column.gradient.matrix().transpose();

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
@@ -90,6 +91,7 @@ class Layout {
   // Adds the best of `candidates`; returns whether there was one.
   bool add_best(const Indices& candidates) {
     Eigen::Index best = 0;
+    throw_if_interrupted();
     if (candidates.empty() || gains(candidates).maxCoeff(&best) < 0.0) return false;
     add(candidates[static_cast<std::size_t>(best)]);
     return true;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/parallel.h"
 #include "dense/riccati.h"
 #include "placement/observer_layouts.h"
@@ -93,6 +94,7 @@ class Scores {
     for (const auto& device : others) taken.push_back(device.site);
     const auto same = kind == DeviceKind::sensor ? std::optional(driven(others)) : std::nullopt;
     parallel_tasks(candidates.size(), [&](std::size_t c) {
+      throw_if_interrupted();
       if (!fits(problem_.position, problem_.spacing, taken, candidates[c])) return;
       auto devices = others;
       devices.push_back({kind, candidates[c]});
@@ -104,8 +106,10 @@ class Scores {
 
   [[nodiscard]] Eigen::VectorXd costs(const std::vector<Devices>& layouts) {
     Eigen::VectorXd all(std::ssize(layouts));
-    parallel_tasks(layouts.size(),
-                   [&](std::size_t k) { all(static_cast<Eigen::Index>(k)) = cost(layouts[k]); });
+    parallel_tasks(layouts.size(), [&](std::size_t k) {
+      throw_if_interrupted();
+      all(static_cast<Eigen::Index>(k)) = cost(layouts[k]);
+    });
     layouts_ += static_cast<int>(all.size());
     return all;
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/interrupt.h"
+
 namespace chladni::placement {
 namespace {
 
@@ -45,6 +47,7 @@ class WorkingSet {
 
   // One damped Newton step on value + mu Σ (log z + log(1 − z)); returns the Newton decrement.
   double step(double mu) {
+    throw_if_interrupted();
     const Eigen::MatrixXd half = factor_.matrixL().solve(rows_.transpose());
     const Eigen::MatrixXd among = half.transpose() * half;
     const Eigen::ArrayXd z = z_.array();

@@ -159,6 +159,32 @@ TEST_F(CommandLine, OnATerminalTheProgressLineIsGoneAtTheEnd) {
   }
 }
 
+// The reader of its output is slow, so that the program still waits for it when Ctrl-C comes.
+TEST_F(CommandLine, ALateCtrlCIsNoSuccess) {
+  const auto study = write("study.toml", kPlate);
+  int pipe[2] = {};
+  ASSERT_EQ(::pipe(pipe), 0);
+  const int room = fcntl(pipe[1], F_SETPIPE_SZ, 4096);
+  ASSERT_EQ(::write(pipe[1], std::string(static_cast<std::size_t>(room), ' ').data(),
+                    static_cast<std::size_t>(room)),
+            room);
+  const pid_t child = started({"modes", study.string(), "-o", "out", "--no-pictures", "--json"}, "",
+                              [&] { dup2(pipe[1], STDOUT_FILENO); });
+  for (int i = 0; i < 3000 && !fs::exists(folder_ / "out/modes.json"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  kill(child, SIGINT);
+  close(pipe[1]);
+  std::string read(4096, ' ');
+  while (::read(pipe[0], read.data(), read.size()) > 0) {
+  }
+  close(pipe[0]);
+  const auto modes = ended(child);
+  EXPECT_EQ(modes.status, 130) << modes.err;
+  EXPECT_TRUE(says(modes.err, "stopped by Ctrl-C"));
+}
+
 // --- Nothing is left running.
 
 // Processes that have inherited `mark`, by number, with their names.
