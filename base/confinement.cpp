@@ -102,9 +102,14 @@ int file_rules(int version, const std::filesystem::path& program,
   return rules;
 }
 
+// Lowers a limit of this process. One that its parent has set lower stays as it is: without a
+// privilege no process may raise it.
 bool limit(decltype(RLIMIT_CPU) what, rlim_t soft, rlim_t hard) {
-  const rlimit most = {soft, hard};
-  return setrlimit(what, &most) == 0;
+  rlimit now = {};
+  if (getrlimit(what, &now) != 0) return false;
+  const rlim_t most = std::min(hard, now.rlim_max);
+  const rlimit lower = {std::min({soft, most, now.rlim_cur}), most};
+  return setrlimit(what, &lower) == 0;
 }
 
 }  // namespace

@@ -2,10 +2,14 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/capability.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
@@ -141,6 +145,32 @@ TEST(ConfinementSupport, IsSaidInOneLine) {
             "no files but theirs; this system has no seccomp");
   EXPECT_EQ((ConfinementSupport{}.text()),
             "limits of time, memory and size alone; this system has no Landlock and seccomp");
+}
+
+// Lowers the hard limits of this process below those of a worker, as `ulimit` does, and gives up
+// the privilege to raise them again.
+void lower_limits() {
+  __user_cap_header_struct header = {_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct held[2] = {};
+  syscall(SYS_capget, &header, held);
+  held[0].effective &= ~(1U << CAP_SYS_RESOURCE);
+  held[0].permitted &= ~(1U << CAP_SYS_RESOURCE);
+  syscall(SYS_capset, &header, held);
+  const rlimit seconds = {10, 10}, files = {20, 20};
+  if (setrlimit(RLIMIT_CPU, &seconds) != 0 || setrlimit(RLIMIT_NOFILE, &files) != 0) _exit(2);
+}
+
+using ConfinedDeathTest = Confined;
+
+TEST_F(ConfinedDeathTest, KeepsTheLowerLimitsOfItsParent) {
+  EXPECT_EXIT(
+      {
+        lower_limits();
+        const auto said = answer("read", folder_ / "own");
+        if (said != "done\n") fprintf(stderr, "%s\n", said.c_str());
+        _exit(said == "done\n" ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
