@@ -1,8 +1,12 @@
 #include "base/interrupt.h"
 
+#include <unistd.h>
+
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <exception>
+#include <string_view>
 
 #include "base/error.h"
 
@@ -12,8 +16,23 @@ namespace {
 std::atomic<int> noted_signal = 0;  // lock-free, so the handler may write it
 static_assert(std::atomic<int>::is_always_lock_free);
 
+std::atomic<bool> has_terminal = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// For the one who pressed Ctrl-C and sees nothing happen: a long step may still be at work.
+void say_what_a_second_does() {
+  constexpr std::string_view line =
+      "\nstopping after this step of the work; Ctrl-C again stops at once\n";
+  const int before = errno;
+  static_cast<void>(!write(STDERR_FILENO, line.data(), line.size()));
+  errno = before;
+}
+
 void note(int signal) {
-  if (noted_signal.exchange(signal) == 0) return;
+  if (noted_signal.exchange(signal) == 0) {
+    if (signal == SIGINT && has_terminal) say_what_a_second_does();
+    return;
+  }
   std::signal(signal, SIG_DFL);  // the second signal: raised again, it ends the process
   std::raise(signal);
 }
@@ -32,6 +51,7 @@ struct sigaction action_of(void (*handler)(int)) {
 
 void catch_interrupts() {
   noted_signal = 0;
+  has_terminal = isatty(STDERR_FILENO) == 1;
   const struct sigaction action = action_of(note);
   for (const int signal : {SIGINT, SIGTERM, SIGQUIT}) sigaction(signal, &action, nullptr);
   struct sigaction before = {};

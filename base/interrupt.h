@@ -6,7 +6,9 @@
 namespace chladni {
 
 /// Catches SIGINT, SIGTERM, SIGQUIT and SIGHUP from now on. A SIGHUP that is ignored, as under
-/// nohup, stays ignored. The first signal is noted; a second one ends the process.
+/// nohup, stays ignored. The first signal is noted; where the standard error is a terminal, the
+/// first Ctrl-C says so on it. A second signal ends the process at once, as its kind does by
+/// default: a shell tells 130 after Ctrl-C.
 void catch_interrupts();
 
 /// For a host such as Python that has its own handler and lives on. While an object of this class

@@ -2,7 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
 #include <csignal>
+#include <cstdlib>
+#include <string>
 #include <type_traits>
 
 #include "base/error.h"
@@ -75,6 +82,54 @@ TEST(InterruptDeathTest, EndsTheProcessTheSecondTime) {
         std::raise(SIGINT);
       },
       testing::KilledBySignal(SIGINT), "");
+}
+
+// Another standard error for as long as it exists.
+class OtherStderr {
+ public:
+  explicit OtherStderr(int there) : before_(dup(STDERR_FILENO)) { dup2(there, STDERR_FILENO); }
+  ~OtherStderr() {
+    dup2(before_, STDERR_FILENO);
+    close(before_);
+  }
+  OtherStderr(const OtherStderr&) = delete;
+  OtherStderr& operator=(const OtherStderr&) = delete;
+  OtherStderr(OtherStderr&&) = delete;
+  OtherStderr& operator=(OtherStderr&&) = delete;
+
+ private:
+  int before_;
+};
+
+// What is written to `to`, and can be read at `from`, when a signal comes.
+std::string said_at(int signal, int to, int from) {
+  {
+    const OtherStderr other(to);
+    catch_interrupts();
+    std::raise(signal);
+    forget_interrupt();
+  }
+  std::array<char, 512> text{};
+  pollfd ready = {from, POLLIN, 0};
+  if (poll(&ready, 1, 200) != 1) return "";
+  return {text.data(), static_cast<std::size_t>(read(from, text.data(), text.size()))};
+}
+
+TEST(Interrupt, SaysOnATerminalWhatASecondCtrlCDoes) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(grantpt(terminal), 0);
+  ASSERT_EQ(unlockpt(terminal), 0);
+  const int inside = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+  ASSERT_GE(inside, 0);
+  EXPECT_NE(said_at(SIGINT, inside, terminal).find("Ctrl-C again stops at once"),
+            std::string::npos);
+  EXPECT_EQ(said_at(SIGTERM, inside, terminal), "");
+  std::array<int, 2> pipe = {};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  EXPECT_EQ(said_at(SIGINT, pipe[1], pipe[0]), "") << "a file is no person";
+  for (const int file : {terminal, inside, pipe[0], pipe[1]}) close(file);
+  catch_interrupts();
 }
 
 }  // namespace
