@@ -153,14 +153,15 @@ class RecordReader {
   }
 
   void state_units() {
+    const auto stated = stated_unit(options_.unit);
     for (std::size_t c = 0; c < data_.outputs.size(); ++c) {
       auto& output = data_.outputs[c];
-      if (output.unit.empty()) output.unit = options_.unit;
-      const auto unit = motion_unit(output.unit);
+      const auto unit = output.unit.empty() ? std::optional(stated) : motion_unit(output.unit);
+      if (output.unit.empty()) output.unit = stated.si;
       if (output.unit.empty() && c == 0) {
         notes_.push_back("the unit of " + output.name + " is not stated: values are as they stand");
       }
-      if (!unit) continue;
+      if (!unit || !unit->kind) continue;
       output.unit = unit->si;
       output.kind = *unit->kind;
       for (auto& record : data_.records) {

@@ -21,6 +21,12 @@ std::optional<double> factor(const std::string& word, const char* si) {
   }
 }
 
+std::string unknown_unit(std::string_view word) {
+  return "the unit \"" + std::string(word) +
+         "\" is none that is known; expected one such as \"m\", \"um\", \"mm/s\", \"m/s^2\" or "
+         "\"g\", for responses also over that of the input, \"um/N\"";
+}
+
 std::string name_of(modal::FrfKind kind) {
   constexpr std::array<const char*, 3> names{"receptance", "mobility", "accelerance"};
   return names[static_cast<std::size_t>(kind)];
@@ -32,7 +38,37 @@ struct Stated {
   std::string input_si;
 };
 
-Stated stated(const std::string& word) {
+// Without the brackets around it: "[mm]", "(g)".
+std::string_view bare(std::string_view word) {
+  word = trimmed(word);
+  const bool bracketed = word.size() > 2 && ((word.front() == '[' && word.back() == ']') ||
+                                             (word.front() == '(' && word.back() == ')'));
+  return bracketed ? trimmed(word.substr(1, word.size() - 2)) : word;
+}
+
+// A motion over a force in one word: "um N^-1".
+std::optional<Stated> over_force(const std::string& word) {
+  constexpr std::array<const char*, 3> per_newton{"m/N", "m/(s N)", "m/(s^2 N)"};
+  for (std::size_t k = 0; k < per_newton.size(); ++k) {
+    if (const auto si = factor(word, per_newton[k])) {
+      return Stated{{kMotion[k], *si, static_cast<modal::FrfKind>(k)}, "N"};
+    }
+  }
+  return std::nullopt;
+}
+
+// Whether it is a unit of what sensors give beside motions, or such a unit over another one.
+bool is_of_other_sensors(std::string_view word) {
+  constexpr const char* others[] = {"V", "A", "N", "Pa", "rad", "rad/s", "rad/s^2", "1"};
+  const auto known = [&](std::string_view unit) {
+    return std::ranges::any_of(
+        others, [&](const char* si) { return factor(std::string(trimmed(unit)), si).has_value(); });
+  };
+  return known(word) || (word.rfind('/') != word.npos && known(word.substr(0, word.rfind('/'))));
+}
+
+Stated stated(const std::string& text) {
+  const std::string word(bare(text));
   const auto stroke = word.rfind('/');
   if (stroke != std::string_view::npos) {
     const auto denominator = trimmed(std::string_view(word).substr(stroke + 1));
@@ -45,6 +81,8 @@ Stated stated(const std::string& word) {
     if (motion && !motion_unit(word)) return {*motion, std::string(denominator)};
   }
   if (const auto motion = motion_unit(word)) return {*motion, ""};
+  if (const auto motion = over_force(word)) return *motion;
+  require(is_of_other_sensors(word), unknown_unit(text));
   return {{word, 1.0, std::nullopt}, ""};
 }
 
@@ -69,6 +107,13 @@ std::optional<MotionUnit> motion_unit(std::string_view word) {
     }
   }
   return std::nullopt;
+}
+
+MotionUnit stated_unit(std::string_view word) {
+  const auto unit = bare(word);
+  if (auto motion = motion_unit(unit)) return *motion;
+  require(unit.empty() || is_of_other_sensors(unit), unknown_unit(word));
+  return {std::string(unit), 1.0, std::nullopt};
 }
 
 std::optional<double> force_unit(std::string_view word) {

@@ -20,6 +20,11 @@ struct MotionUnit {
 /// velocity or acceleration.
 [[nodiscard]] std::optional<MotionUnit> motion_unit(std::string_view word);
 
+/// As `motion_unit`, of a word by which the user states what a file does not: also in brackets,
+/// "[mm]". A unit of another kind of sensor ("V", "Pa") is kept with the factor 1, and so is "".
+/// @throws InvalidInput  the word is no unit of what sensors give
+[[nodiscard]] MotionUnit stated_unit(std::string_view word);
+
 /// Newtons per `word`; none where the word is no unit of force.
 [[nodiscard]] std::optional<double> force_unit(std::string_view word);
 
@@ -30,7 +35,7 @@ void bring_to_si(FrfFile& file, bool kind_known);
 
 /// Converts the outputs without a unit to SI by `options.unit`. Without that option, it notes that
 /// no unit is stated and which kind is assumed. @param kind_known  the file states the kind
-/// @throws InvalidInput  the unit is of a motion other than `options.kind`
+/// @throws InvalidInput  the unit is of a motion other than `options.kind`, or none that is known
 void state_units(FrfFile& file, bool kind_known, const FrfOptions& options);
 
 }  // namespace chladni::io

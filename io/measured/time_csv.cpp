@@ -222,13 +222,13 @@ Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
 }
 
 void state_units(TimeFile& file, const TimeOptions& options) {
-  const auto unit = motion_unit(options.unit);
+  const auto unit = stated_unit(options.unit);
   for (auto& output : file.data.outputs) {
-    output.unit = unit ? unit->si : options.unit;
-    output.kind = unit && unit->kind ? *unit->kind : output.kind;
+    output.unit = unit.si;
+    output.kind = unit.kind.value_or(output.kind);
   }
-  if (unit) {
-    for (auto& record : file.data.records) record.outputs *= unit->factor;
+  if (unit.kind) {
+    for (auto& record : file.data.records) record.outputs *= unit.factor;
   } else if (options.unit.empty() && !file.data.outputs.empty()) {
     file.notes.emplace_back(
         "the units are not stated: values are as they stand; say that of the outputs as unit = "

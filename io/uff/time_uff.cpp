@@ -195,14 +195,14 @@ class RecordCollector {
   }
 
   void state_unit() {
-    const auto unit = motion_unit(options_.unit);
+    const auto unit = stated_unit(options_.unit);
     for (std::size_t c = 0; c < file_.data.outputs.size(); ++c) {
       auto& output = file_.data.outputs[c];
       if (!output.unit.empty() || options_.unit.empty()) continue;
-      output.unit = unit ? unit->si : options_.unit;
-      if (unit) output.kind = *unit->kind;
+      output.unit = unit.si;
+      output.kind = unit.kind.value_or(output.kind);
       for (auto& record : file_.data.records) {
-        record.outputs.col(static_cast<Index>(c)) *= unit ? unit->factor : 1.0;
+        record.outputs.col(static_cast<Index>(c)) *= unit.factor;
       }
     }
   }

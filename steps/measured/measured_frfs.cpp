@@ -63,15 +63,38 @@ void rename(modal::MeasuredChannel& one, const study::Channel& channel) {
   one.position = channel.at.point;
 }
 
+// Whether the unit, in SI if it is one of a motion, is of this kind.
+bool is_unit_of(const std::string& unit, modal::FrfKind kind) {
+  constexpr const char* units[] = {"m", "m/s", "m/s^2"};
+  return unit == units[static_cast<std::size_t>(kind)];
+}
+
+// Whether it is a unit of any motion.
+bool is_of_motion(const std::string& unit) {
+  using enum modal::FrfKind;
+  return is_unit_of(unit, receptance) || is_unit_of(unit, mobility) ||
+         is_unit_of(unit, accelerance);
+}
+
+// Units by which a study may say what a file does not.
+const char* examples_of(modal::FrfKind kind) {
+  if (kind == modal::FrfKind::mobility) return "\"m/s\" or \"mm/s\"";
+  return kind == modal::FrfKind::accelerance ? "\"m/s^2\" or \"g\"" : "\"m\" or \"um\"";
+}
+
 void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file) {
   const auto kind = kind_of(channel.quantity);
   const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance;
+  require(is_stated,
+          fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
+                      "as [identification] unit = {}",
+                      file, channel.name, channel.quantity, examples_of(kind)));
   require(
-      is_stated,
-      fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
-                  "as [identification] unit = {}",
-                  file, channel.name, channel.quantity,
-                  kind == modal::FrfKind::mobility ? "\"m/s\" or \"mm/s\"" : "\"m/s^2\" or \"g\""));
+      one.unit.empty() || is_of_motion(one.unit),
+      fmt::format("{}: \"{}\" is measured in \"{}\", and the study says {}; expected {}. Correct "
+                  "[identification] unit, or the unit in the file (`chladni convert` to .csv "
+                  "leaves it out)",
+                  file, channel.name, one.unit, channel.quantity, examples_of(kind)));
   require(one.unit.empty() || one.kind == kind,
           fmt::format("{}: \"{}\" is measured in {}, {}, and the study says {}; correct the "
                       "channel's quantity",

@@ -212,6 +212,25 @@ TEST_F(MeasuredChannels, OtherMotionsThanDisplacementsNeedAUnit) {
   EXPECT_EQ(first_value(read(unitless, with("displacement", ""))), first_value(si));
 }
 
+TEST_F(MeasuredChannels, AUnitThatIsOfNoMotionIsRefused) {
+  auto sample = response(3, 250.0);
+  sample.ordinate = 0;
+  sample.unit = "NONE";
+  const auto unitless = dataset_58(sample);
+  const auto with = [&](const std::string& unit) {
+    auto text = study(sensor("s1", "\"z\"", "101"));
+    const std::string key = "[identification]\n";
+    return text.insert(text.find(key) + key.size(), "unit = \"" + unit + "\"\n");
+  };
+  refused(unitless, with("V"),
+          {"\"s1\" is measured in \"V\", and the study says displacement", "expected \"m\" or"});
+  refused(unitless, with("kg"), {"the unit \"kg\" is none that is known"});
+  refused(unitless, with("foo"), {"the unit \"foo\" is none that is known"});
+  sample.unit = "V";
+  refused(dataset_58(sample), study(sensor("s1", "\"z\"", "101")),
+          {"\"s1\" is measured in \"V\"", "`chladni convert` to .csv"});
+}
+
 TEST_F(MeasuredChannels, TheFitIsThatOfTheStudysAxis) {
   write_atomically(folder_.path() / "measured.uff", triaxial());
   const study::Study plate =

@@ -13,6 +13,7 @@
 #include "io/measured/channel_names.h"
 #include "io/time_file.h"
 #include "tests/io/frf_samples.h"
+#include "tests/refusal.h"
 
 namespace chladni::io {
 namespace {
@@ -115,6 +116,10 @@ TEST(FrfCsv, PutsTheStatedUnitIntoSi) {
                         {"mm/s^2", "m/s^2", 1e-3, modal::FrfKind::accelerance},
                         {"m/s^2/kN", "m/s^2", 1e-3, modal::FrfKind::accelerance},
                         {"um/V", "m", 1e-6, modal::FrfKind::receptance},
+                        {"[mm]", "m", 1e-3, modal::FrfKind::receptance},
+                        {"(um/N)", "m", 1e-6, modal::FrfKind::receptance},
+                        {"um N^-1", "m", 1e-6, modal::FrfKind::receptance},
+                        {"mm s^-2 kN^-1", "m/s^2", 1e-6, modal::FrfKind::accelerance},
                         {"V", "V", 1.0, modal::FrfKind::receptance}};
   for (const auto& [unit, si, factor, kind] : cases) {
     FrfOptions options;
@@ -125,6 +130,16 @@ TEST(FrfCsv, PutsTheStatedUnitIntoSi) {
     EXPECT_EQ(set.outputs[0].kind, kind) << unit;
     EXPECT_NEAR(std::abs(set.value[0](0, 0) / Complex(2.0, -4.0) - factor), 0.0, 1e-15) << unit;
     EXPECT_NEAR(set.variance[0](0, 0) / (8.0 * factor * factor), 1.0, 1e-13) << unit;
+  }
+}
+
+TEST(FrfCsv, RefusesWhatIsNoUnitOfASensor) {
+  for (const auto* unit : {"UM", "foo", "foo/N", "kg", "m m", "[]"}) {
+    FrfOptions options;
+    options.unit = unit;
+    const auto said = refusal_of(
+        [&] { return parse_frf_csv("freq_hz,re_y1u1,im_y1u1\n1,2,-4\n", "t.csv", options); });
+    EXPECT_NE(said.find("is none that is known"), said.npos) << unit << ": " << said;
   }
 }
 

@@ -108,6 +108,15 @@ TEST(TimeFile, UnitAndSampleTimeMayBeStated) {
   EXPECT_EQ(file.data.outputs[0].kind, modal::FrfKind::accelerance);
 }
 
+TEST(TimeFile, AUnitThatIsStatedIsOne) {
+  for (const auto* unit : {"UM", "foo", "g/N"}) {
+    TimeOptions options;
+    options.sample_time_s = 0.5;
+    options.unit = unit;
+    EXPECT_THROW((void)parse_time_csv("u1,y1\n1,2\n3,4\n", "t.csv", options), InvalidInput) << unit;
+  }
+}
+
 struct BadRecord {
   const char *bytes, *word;
 };
