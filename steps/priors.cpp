@@ -4,20 +4,62 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.h"
 #include "priors/dynamic_residual.h"
 #include "priors/simulated_lengths.h"
 #include "stage/faces.h"
 #include "steps/interpolation.h"
+#include "study/problems.h"
 
 namespace chladni::steps {
 namespace {
 
 constexpr double kStill = 1e-3;  // relative motion of a rigid-body mode
 constexpr double kRidge = 0.05;  // change in ln
+constexpr double kAlike = 10.0;  // [degrees] between the mean normals of patches
 constexpr int kOrdinaryModes = 12;
 constexpr Eigen::Index kMatchedOn = 400;  // points of the surface
+
+// The mean normal of each named patch on the surface.
+Points patch_normals(const placement::Sites& sites, const std::vector<int>& patches) {
+  Points normals = Points::Zero(std::ssize(patches), 3);
+  for (Eigen::Index i = 0; i < sites.count(); ++i) {
+    const auto found = std::ranges::find(patches, sites.patch(i));
+    if (found != patches.end()) {
+      normals.row(found - patches.begin()) += sites.area(i) * sites.normal.row(i);
+    }
+  }
+  normals.rowwise().normalize();
+  return normals;
+}
+
+// Motions along different normals jump where two patches meet, which no smooth prior has: of them
+// a length would be learned that is none.
+void require_one_direction(const study::Study& study, const study::PriorsPlan& plan,
+                           const mesh::TetMesh& body, const placement::Sites& sites) {
+  if (plan.direction || plan.along_normal || plan.on.patches.size() < 2) return;
+  std::vector<int> patches;
+  for (const auto& name : plan.on.patches) {
+    const auto place = std::ranges::find(body.patch_names, name) - body.patch_names.begin();
+    patches.push_back(static_cast<int>(place));
+  }
+  const Points normals = patch_normals(sites, patches);
+  study::Problems problems(study.file.string());
+  for (std::size_t k = 1; k < patches.size() && problems.empty(); ++k) {
+    const double cosine = normals.row(0).dot(normals.row(static_cast<Eigen::Index>(k)));
+    const double apart = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+    if (apart <= kAlike) continue;
+    problems.add(plan.on.line, plan.on.column,
+                 fmt::format("priors.on: \"{}\" and \"{}\" look {:.0f} degrees apart, and motions "
+                             "along different normals have no common length; name one of them, or "
+                             "say direction = \"z\" for the motion along one axis (direction = "
+                             "\"normal\" where they meet without an edge)",
+                             plan.on.patches.front(), plan.on.patches[k], apart));
+  }
+  problems.throw_if_any();
+}
 
 priors::Learning learning_of(const study::PriorsPlan& plan, const Points& sample, unsigned seed) {
   priors::Learning how;
@@ -175,6 +217,7 @@ LearnedPriors learned_priors(const study::Study& study, const stage::Solution& s
                              stage::Work& work) {
   study::PriorsPlan plan = study.priors.value_or(study::PriorsPlan{});
   const auto faces = stage::faces_of(study, solution.model.body, plan.on, "priors.on");
+  const auto asked = plan;
   plan.direction = stage::direction_on(faces, plan);
   const auto scales = plan.per_axis ? priors::Scales::per_axis : priors::Scales::isotropic;
   LearnedPriors result(plan, priors::Kernel(priors::kernel_family(plan.kernel), scales));
@@ -182,6 +225,7 @@ LearnedPriors learned_priors(const study::Study& study, const stage::Solution& s
   tell(progress, "looking at the surface");
   const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
   result.surface = stage::surface_on(sampler, faces);
+  require_one_direction(study, asked, solution.model.body, result.surface.sites);
   result.notes = faces.notes;
   choose_modes(study, solution, result);
   work.timed("learning", [&] {

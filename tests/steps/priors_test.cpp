@@ -158,6 +158,17 @@ TEST_F(Priors, TakesNoMoreSamplesThanThereAre) {
   EXPECT_NE(found.notes[0].find("cannot be had"), std::string::npos);
 }
 
+TEST_F(Priors, OfSeveralPatchesAreLearnedAlongOneDirection) {
+  const auto top = learned_with("samples = [60]\nmodes = 2\non = [\"top\"]");
+  const auto both =
+      learned_with("samples = [60]\nmodes = 2\non = [\"top\", \"bottom\"]\ndirection = \"z\"");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double ratio =
+        both.last().per_mode[i].parameters(0) / top.last().per_mode[i].parameters(0);
+    EXPECT_NEAR(std::log(ratio), 0.0, 0.5) << "the two sides of a thin plate move alike";
+  }
+}
+
 TEST_F(Priors, RefusesWhatCannotBeMeant) {
   refused("kernel = \"matern\"", "matern_5_2");
   refused("samples = [1]", "4 to 4000");
@@ -167,6 +178,8 @@ TEST_F(Priors, RefusesWhatCannotBeMeant) {
   refused("noise_ratio = 1e-12", "1e-8");
   refused("modes = 40", "flexible mode 40, but 12 will be computed");
   refused("on = [\"lid\"]", "lid");
+  refused("on = [\"top\", \"x_max\"]", "\"top\" and \"x_max\" look 90 degrees apart");
+  refused("on = [\"top\", \"bottom\"]", "direction = \"z\" for the motion along one axis");
   refused("by = \"luck\"", "leave_one_out");
   refused("smaples = [10]", "samples");
 }
