@@ -75,7 +75,20 @@ struct AtNode {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
 };
 
-std::vector<AtNode> found_in(const io::NodeShape& shape, const std::vector<study::Channel>& all) {
+// A name such as "126z" states an axis, which is then the channel's, up to the sign.
+void require_axis(const study::Channel& channel, const Eigen::Vector3d& named,
+                  const std::string& file) {
+  constexpr double kOblique = 0.01;  // [rad], as for channels of responses
+  require(named.cross(channel.direction).norm() <= kOblique,
+          fmt::format("{}: \"{}\" is along ({:.4g}, {:.4g}, {:.4g}) by its name and along ({:.4g}, "
+                      "{:.4g}, {:.4g}) in the study; correct the study's direction, or give the "
+                      "sensor another name and its node",
+                      file, channel.name, named.x(), named.y(), named.z(), channel.direction.x(),
+                      channel.direction.y(), channel.direction.z()));
+}
+
+std::vector<AtNode> found_in(const io::NodeShape& shape, const std::vector<study::Channel>& all,
+                             const std::string& file) {
   std::vector<AtNode> found;
   for (const auto& channel : all) {
     if (channel.node && shape.motion.contains(*channel.node)) {
@@ -85,6 +98,7 @@ std::vector<AtNode> found_in(const io::NodeShape& shape, const std::vector<study
     for (const auto& [node, motion] : shape.motion) {
       const auto direction = io::direction_in(channel.name, node);
       if (!direction.any()) continue;
+      require_axis(channel, direction, file);
       const double along = direction.dot(channel.direction) < 0.0 ? -1.0 : 1.0;
       found.push_back({channel.name, node, along * direction});
       break;
@@ -138,7 +152,7 @@ MeasuredModes modes_of_uff(const study::Study& study, stage::Work& work) {
     modes.frequency_hz(i) = read.modes[k].frequency_hz;
     if (read.modes[k].damping_ratio > 0.0) modes.damping_ratio(i) = read.modes[k].damping_ratio;
   }
-  const auto channels = found_in(read.modes.front(), study.sensors);
+  const auto channels = found_in(read.modes.front(), study.sensors, file);
   std::vector<Eigen::RowVectorXcd> rows;
   for (const auto& channel : channels) {
     auto row = row_of(read.modes, channel);

@@ -202,6 +202,21 @@ TEST_F(MeasuredModes, AreReadAtTheNodesOfAUniversalFile) {
   EXPECT_EQ(modes.output_shapes(1, 0), std::complex<double>(-3.0));  // s2 looks along -z
 }
 
+TEST_F(MeasuredModes, OfASensorCalledByNodeAndAxisAreAlongThatAxis) {
+  const std::string nodes = "        26\n  1.00000E+00  0.00000E+00  2.00000E+00\n";
+  const auto study_with = [&](const std::string& name, const std::string& direction) {
+    return study_of("modes.unv", "[[sensor]]\nname = \"" + name +
+                                     "\"\nat = [\"0.1 m\", \"0.1 m\", \"0 m\"]\ndirection = \"" +
+                                     direction + "\"\n");
+  };
+  write("modes.unv", dataset_55(100.0, nodes));
+  EXPECT_EQ(read(study_with("26z", "z")).output_shapes(0, 0), std::complex<double>(2.0));
+  EXPECT_EQ(read(study_with("26z", "-z")).output_shapes(0, 0), std::complex<double>(-2.0));
+  EXPECT_EQ(read(study_with("26x", "x")).output_shapes(0, 0), std::complex<double>(1.0));
+  EXPECT_PRED2(says, refusal_of([&] { return read(study_with("26z", "x")); }),
+               "\"26z\" is along (0, 0, 1) by its name and along (1, 0, 0) in the study");
+}
+
 TEST_F(MeasuredModes, AreReadFromWhatIdentifyLeaves) {
   write("identified.json", R"({"damping": "modal", "sensors": ["s1", "s2"], "actuators": ["a1"],
  "modes": [
