@@ -41,11 +41,20 @@ stage::WorkOptions work_options(const study::Study& study, const Options& option
           .cache = cache_of(options)};
 }
 
-/// True if the result depends on the measurement.
-bool stands_on_measured(const std::string& file) {
-  constexpr std::array results = {"comparison.json", "diagnosis.json", "identified.json",
-                                  "interpolation.json", "state_space.json"};
-  return std::find(results.begin(), results.end(), file) != results.end();
+/// True if the result may depend on data beside the body: unless it is of the body alone.
+bool stands_on_data(const std::string& file) {
+  constexpr std::array of_body = {"experiment.json", "export.json", "mesh.json",      "modes.json",
+                                  "placement.json",  "priors.json", "simulated.json", "study.json"};
+  return std::ranges::find(of_body, file) == of_body.end();
+}
+
+/// A virtual experiment plays a file, and writes those of the measurement.
+void add_excitation(const study::Study& study, study::Fingerprints& fingerprints,
+                    study::Origin& origin) {
+  if (!study.experiment) return;
+  for (const auto& [name, file] : study::named_files(study, true)) {
+    if (file == study.experiment->excitation) origin.inputs[name] = fingerprints.of(file);
+  }
 }
 
 io::JsonArray inputs_of(const study::Origin& origin) {
@@ -135,15 +144,16 @@ void Run::show(std::string_view text) {
 }
 
 void Run::leave(const std::string& file, io::JsonObject content, bool main_result) {
+  auto from = origin(stands_on_data(file));
+  if (file == "simulated.json") add_excitation(study_, fingerprints_, from);
   io::JsonObject seconds;
   for (const auto& [step, time] : this->seconds()) seconds.emplace_back(step, time);
-  io::JsonObject all = {
-      {"chladni", version()},
-      {"study", io::JsonObject{{"title", study_.title},
-                               {"sha256", study_.sha256},
-                               {"inputs", inputs_of(origin(stands_on_measured(file)))}}},
-      {"seed", static_cast<long long>(seed())},
-      {"seconds", seconds}};
+  io::JsonObject all = {{"chladni", version()},
+                        {"study", io::JsonObject{{"title", study_.title},
+                                                 {"sha256", study_.sha256},
+                                                 {"inputs", inputs_of(from)}}},
+                        {"seed", static_cast<long long>(seed())},
+                        {"seconds", seconds}};
   all.insert(all.end(), content.begin(), content.end());
   const io::Json json(std::move(all));
   io::write_json(*this / file, json);

@@ -42,17 +42,6 @@ void lead_files(TomlNode& base, const fs::path& folder) {
     file.text = (folder / file.text).lexically_normal().generic_string();
   };
   for (auto* file : relative_files(base)) lead(*file);
-  for (const auto* key : {"sensor", "actuator", "attachment"}) {
-    auto* list = member(base, key);
-    for (std::size_t i = 0; list != nullptr && i < list->elements.size(); ++i) {
-      auto& element = list->elements[i];
-      if (!is_array_of_devices(element)) continue;
-      auto* csv = member(*member(element, "at"), "csv");
-      if (csv != nullptr && csv->kind == Kind::text && !fs::path(csv->text).is_absolute()) {
-        lead(*csv);
-      }
-    }
-  }
 }
 
 // Merges `own` into `base`.

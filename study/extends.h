@@ -39,17 +39,32 @@ struct WholeDocument {
 /// @param file  of `own`, for messages. @throws InvalidInput  a name that is removed but not there
 void merge(TomlNode& base, const TomlNode& own, const std::string& file);
 
+/// Table and key of each text that names a file from the study's folder, of an array of tables in
+/// each of its elements. `extends` and the tables of places are beside these.
+inline constexpr std::pair<std::string_view, std::string_view> kFileKeys[] = {
+    {"geometry", "file"},          {"measurement", "frf"},       {"measurement", "time"},
+    {"measurement", "validation"}, {"measurement", "shapes"},    {"measurement", "truth"},
+    {"measurement", "modes"},      {"measurement", "reference"}, {"diagnosis", "tolerances"},
+    {"experiment", "excitation"},  {"observer", "replay"},       {"observer", "truth"},
+    {"specimen", "study"}};
+
 /// The texts of a study's document that name a file from the study's folder.
 template <typename Node>
 [[nodiscard]] std::vector<Node*> relative_files(Node& document) {
-  constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
-      {"geometry", "file"},         {"measurement", "frf"},      {"measurement", "time"},
-      {"measurement", "shapes"},    {"measurement", "truth"},    {"measurement", "modes"},
-      {"measurement", "reference"}, {"diagnosis", "tolerances"}, {"experiment", "excitation"},
-      {"observer", "replay"},       {"observer", "truth"}};
   std::vector<Node*> named{member(document, "extends")};
-  for (const auto& [part, key] : kKeys) {
-    if (auto* table = member(document, part)) named.push_back(member(*table, key));
+  for (const auto& [part, key] : kFileKeys) {
+    auto* table = member(document, part);
+    if (table == nullptr) continue;
+    named.push_back(member(*table, key));
+    for (auto& element : table->elements) named.push_back(member(element, key));
+  }
+  for (const auto* part : {"sensor", "actuator", "attachment"}) {
+    auto* list = member(document, part);
+    if (list == nullptr) continue;
+    for (auto& element : list->elements) {
+      auto* at = member(element, "at");
+      if (at != nullptr) named.push_back(member(*at, "csv"));
+    }
   }
   std::erase_if(named, [](const Node* node) {
     return node == nullptr || node->kind != TomlNode::Kind::text ||

@@ -83,19 +83,16 @@ std::string Fingerprints::of(const fs::path& file) {
 std::vector<NamedFile> named_files(const Study& study, bool measured) {
   std::vector<NamedFile> files;
   for (const auto& base : study.bases) add(files, study, base);
-  if (const auto* body = std::get_if<FileGeometry>(&study.geometry.body)) {
-    add(files, study, body->file);
+  for (const auto& file : study.files) {
+    const bool is_body = file.key.starts_with("geometry.");
+    if (!is_body && !measured) continue;
+    const bool is_specimen = file.key.starts_with("specimen");
+    if (is_specimen || file.key.ends_with(".truth")) {
+      add_study(files, study, file.path, is_specimen);
+    } else {
+      add(files, study, file.path);
+    }
   }
-  if (!measured) return files;
-  if (study.measurement) {
-    const auto& plan = *study.measurement;
-    for (const auto& file :
-         {plan.frf, plan.time, plan.validation, plan.shapes, plan.modes_file, plan.reference})
-      add(files, study, file);
-    add_study(files, study, plan.truth, false);
-  }
-  if (study.diagnosis) add(files, study, study.diagnosis->tolerances_file);
-  for (const auto& specimen : study.specimens) add_study(files, study, specimen.file, true);
   return files;
 }
 

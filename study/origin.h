@@ -19,8 +19,9 @@ struct NamedFile {
   std::filesystem::path file;
 };
 
-/// The file of the body. With `measured` also the files of the measurement: responses, recordings,
-/// shapes, tolerances, the truth and its body. Only files that exist.
+/// The bases and the file of the body. With `measured` also all others that the study names:
+/// responses, recordings, shapes, tolerances, truths and specimens with the files of theirs. Only
+/// files that exist.
 [[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
 
 /// The sha256 of files, each of which is read once. Safe to share between threads.

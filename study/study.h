@@ -323,7 +323,7 @@ struct Study {
   std::optional<PriorsPlan> priors;
   std::optional<DiagnosisPlan> diagnosis;
   std::vector<SpecimenPlan> specimens;
-  std::vector<DataFile> files;  ///< files that [measurement] reads
+  std::vector<DataFile> files;  ///< all that it names, but for bases and tables of places
   std::vector<Expectation> expectations;
   std::vector<std::string> warnings;  ///< implausible values: "<file>:<line>:<column>: ..."
 };

@@ -17,7 +17,8 @@ diagnosis::Tolerances tolerances_of(TableReader& table) {
 }
 
 // Reads the tolerances from a separate file, or from a table in the study.
-void read_tolerances_part(TableReader& table, const StudyFolder& folder, DiagnosisPlan& plan) {
+void read_tolerances_part(TableReader& table, const StudyFolder& folder, DiagnosisPlan& plan,
+                          Study& study) {
   const TomlNode* node = table.find("tolerances");
   if (node == nullptr) return;
   if (node->kind == TomlNode::Kind::table) {
@@ -25,7 +26,7 @@ void read_tolerances_part(TableReader& table, const StudyFolder& folder, Diagnos
     plan.tolerances = tolerances_of(inner);
     return;
   }
-  plan.tolerances_file = read_path(table, folder, "tolerances");
+  plan.tolerances_file = read_path(table, folder, "tolerances", study);
   if (plan.tolerances_file.empty()) return;
   try {
     plan.tolerances = read_tolerances(plan.tolerances_file);
@@ -41,7 +42,7 @@ void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study) 
   if (!table) return;
   auto& plan = study.diagnosis.emplace();
   diagnosis_schema().read(*table, plan);
-  read_tolerances_part(*table, folder, plan);
+  read_tolerances_part(*table, folder, plan, study);
   if (auto costs = table->table("costs")) {
     costs_schema().read(*costs, plan.costs);
     costs->refuse_unknown();

@@ -83,7 +83,7 @@ void read_experiment(TableReader& root, const StudyFolder& folder, Study& study)
   read_noise(*table, study, plan);
   read_loop(*table, study, plan);
   read_cubic_spring(*table, study, plan);
-  plan.excitation = read_path(*table, folder, "excitation");
+  plan.excitation = read_path(*table, folder, "excitation", study);
   table->refuse_unknown();
 }
 

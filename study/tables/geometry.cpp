@@ -57,13 +57,15 @@ void check_unit(TableReader& table, const FileGeometry& geometry) {
   }
 }
 
-FileGeometry file_of(TableReader& table, const StudyFolder& folder) {
+FileGeometry file_of(TableReader& table, const StudyFolder& folder, Study& study) {
   FileGeometry geometry;
   const auto text = table.text("file");
   geometry.unit = table.text("unit").value_or("");
   if (!text) return geometry;
   try {
     geometry.file = folder.resolved(*text);
+    const TomlNode& node = *table.find("file");
+    study.files.push_back({table.name("file"), geometry.file, node.line, node.column});
   } catch (const InvalidInput& e) {
     table.wrong(*table.find("file"), e.what());
     return geometry;
@@ -111,7 +113,7 @@ void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& stu
     ++found;
     study.geometry.kind = kind;
     if (study.geometry.kind == "file") {
-      study.geometry.body = file_of(*table, folder);
+      study.geometry.body = file_of(*table, folder, study);
       continue;
     }
     if (auto body = table->table(kind)) {

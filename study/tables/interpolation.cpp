@@ -10,11 +10,14 @@ std::string source_text(const MeasurementPlan& plan) {
 }
 
 std::filesystem::path read_path(TableReader& table, const StudyFolder& folder, std::string_view key,
-                                const std::string& hint) {
+                                Study& study, const std::string& hint) {
   const auto text = table.text(key);
   if (!text) return {};
   try {
-    return folder.resolved(*text);
+    const auto path = folder.resolved(*text);
+    const TomlNode& node = *table.find(key);
+    study.files.push_back({table.name(key), path, node.line, node.column});
+    return path;
   } catch (const InvalidInput& e) {
     table.wrong(*table.find(key), table.name(key) + ": " + e.what() + hint);
     return {};
@@ -24,14 +27,15 @@ std::filesystem::path read_path(TableReader& table, const StudyFolder& folder, s
 namespace {
 
 // A number of modes of the truth, or a file of measured modes.
-void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan) {
+void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan,
+                Study& study) {
   const TomlNode* node = table.find("modes");
   if (node == nullptr) return;
   if (node->kind != TomlNode::Kind::text) {
     plan.modes = static_cast<int>(table.integer("modes", 1, kMostModes).value_or(0));
     return;
   }
-  plan.modes_file = read_path(table, folder, "modes", source_text(plan));
+  plan.modes_file = read_path(table, folder, "modes", study, source_text(plan));
   for (const char* other : {"frf", "time"}) {
     if (!table.has(other)) continue;
     table.wrong(*node, "measurement has modes in a file and " + std::string(other) +
@@ -40,26 +44,15 @@ void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& 
 }
 
 // Modes measured before those of `modes`.
-void read_reference(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan) {
+void read_reference(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan,
+                    Study& study) {
   const TomlNode* node = table.find("reference");
   if (node == nullptr) return;
-  plan.reference = read_path(table, folder, "reference", source_text(plan));
+  plan.reference = read_path(table, folder, "reference", study, source_text(plan));
   if (plan.modes_file.empty()) {
     table.wrong(*node,
                 "measurement has a reference without modes; expected the modes measured later, "
                 "modes = \"after.csv\"");
-  }
-}
-
-void list_files(TableReader& table, const MeasurementPlan& plan, Study& study) {
-  for (const auto& [key, path] :
-       {std::pair("frf", plan.frf), std::pair("time", plan.time),
-        std::pair("validation", plan.validation), std::pair("shapes", plan.shapes),
-        std::pair("truth", plan.truth), std::pair("modes", plan.modes_file),
-        std::pair("reference", plan.reference)}) {
-    if (path.empty()) continue;
-    const TomlNode& node = *table.find(key);
-    study.files.push_back({table.name(key), path, node.line, node.column});
   }
 }
 
@@ -105,14 +98,13 @@ void read_measurement(TableReader& root, const StudyFolder& folder, Study& study
   if (!table) return;
   auto& plan = study.measurement.emplace();
   measurement_schema().read(*table, plan);
-  plan.frf = read_path(*table, folder, "frf", source_text(plan));
-  plan.time = read_path(*table, folder, "time", source_text(plan));
-  plan.validation = read_path(*table, folder, "validation", source_text(plan));
-  plan.shapes = read_path(*table, folder, "shapes", source_text(plan));
-  plan.truth = read_path(*table, folder, "truth");
-  read_modes(*table, folder, plan);
-  read_reference(*table, folder, plan);
-  list_files(*table, plan, study);
+  plan.frf = read_path(*table, folder, "frf", study, source_text(plan));
+  plan.time = read_path(*table, folder, "time", study, source_text(plan));
+  plan.validation = read_path(*table, folder, "validation", study, source_text(plan));
+  plan.shapes = read_path(*table, folder, "shapes", study, source_text(plan));
+  plan.truth = read_path(*table, folder, "truth", study);
+  read_modes(*table, folder, plan, study);
+  read_reference(*table, folder, plan, study);
   require_data(*table);
   if (table->has("shapes") && table->has("truth")) {
     table->wrong(*table->find("truth"), "measurement has shapes and truth; expected one of them");

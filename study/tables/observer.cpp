@@ -212,14 +212,8 @@ void read_observer(TableReader& root, const StudyFolder& folder, Study& study) {
   if (!table) return;
   auto& plan = study.observer.emplace();
   observer_schema().read(*table, plan);
-  plan.replay = read_path(*table, folder, "replay");
-  plan.truth = read_path(*table, folder, "truth");
-  for (const auto& [key, path] :
-       {std::pair("replay", plan.replay), std::pair("truth", plan.truth)}) {
-    if (path.empty()) continue;
-    const TomlNode& node = *table->find(key);
-    study.files.push_back({table->name(key), path, node.line, node.column});
-  }
+  plan.replay = read_path(*table, folder, "replay", study);
+  plan.truth = read_path(*table, folder, "truth", study);
   const auto unit = sensor_unit(study);
   if (unit.empty() && table->has("noise")) {
     table->wrong(*table->find("noise"),

@@ -30,7 +30,7 @@ void read_specimens(TableReader& root, const StudyFolder& folder, Study& study) 
     specimen_schema().read(table, plan);
     plan.name = table.required_text("name");
     if (!table.has("study")) table.missing("study", "\"plate_2.toml\"");
-    plan.file = read_path(table, folder, "study");
+    plan.file = read_path(table, folder, "study", study);
     names.add(table, plan.name);
     if (table.has("same_as")) {
       std::vector<std::string> known;

@@ -45,10 +45,11 @@ void read_diagnosis(TableReader& root, const StudyFolder& folder, Study& study);
 void read_specimens(TableReader& root, const StudyFolder& folder, Study& study);
 void read_expectations(TableReader& root, Study& study);
 
-/// The path of `key`; empty if the key is missing. A path outside the folders is a problem, and
-/// `hint` ends its message.
+/// The path of `key`, which is added to the files of the study; empty if the key is missing. A path
+/// outside the folders is a problem, and `hint` ends its message.
 [[nodiscard]] std::filesystem::path read_path(TableReader& table, const StudyFolder& folder,
-                                              std::string_view key, const std::string& hint = {});
+                                              std::string_view key, Study& study,
+                                              const std::string& hint = {});
 
 /// "at" of a channel or attachment: two or three lengths. A missing or wrong value is a problem.
 [[nodiscard]] Place read_place(TableReader& table, std::string_view key);

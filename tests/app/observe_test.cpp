@@ -270,6 +270,7 @@ TEST_F(Observe, LeavesItsFiles) {
   prepare();
   run("observer.toml", "observer", observe_command);
   const auto json = io::parse_json(read_whole(folder_->path() / "observer" / "observe.json"));
+  EXPECT_FALSE(json.at("study").at("inputs").array().empty()) << "it stands on recordings";
   EXPECT_EQ(json.at("replay").at("judges").array().at(0).at("name").string(), "s5");
   EXPECT_EQ(json.at("points").array().size(), 2U);
   EXPECT_TRUE(std::get<bool>(json.at("noise").at("learned").value()));

@@ -75,6 +75,35 @@ material = { youngs_modulus = "70 GPa", poissons_ratio = 0.3, density = "2700 kg
   EXPECT_EQ(inputs[0].at("sha256").string(), sha256(whole(folder_ / "airplane.off")));
 }
 
+TEST_F(Origins, NameEachFileOfTheStudyButThoseThatAreNotThere) {
+  write("rig.toml", with_thickness("5.2 mm"));
+  for (const auto* file : {"a.csv", "b.csv", "played.csv", "replay.csv"}) write(file, "x");
+  const auto study =
+      study::read_study(write("study.toml", std::string(kPlate) +
+                                                "[[actuator]]\nname = \"a1\"\nat = [\"5 mm\", \"0 "
+                                                "mm\"]\ndirection = \"z\"\n" +
+                                                R"([measurement]
+frf = "a.csv"
+validation = "b.csv"
+shapes = "none.csv"
+[experiment]
+excitation = "played.csv"
+[observer]
+replay = "replay.csv"
+truth = "rig.toml"
+[[observer.disturbance]]
+name = "d"
+kind = "actuators"
+rms = "0.1 N"
+)"));
+  std::vector<std::string> names;
+  for (const auto& one : study::named_files(study, true)) names.push_back(one.name);
+  std::ranges::sort(names);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"a.csv", "b.csv", "played.csv", "replay.csv", "rig.toml"}));
+  EXPECT_TRUE(study::named_files(study, false).empty());
+}
+
 TEST_F(Origins, AFileIsHashedAsItsBytesAre) {
   for (const std::size_t size :
        {0U, 1U, 55U, 56U, 63U, 64U, 65U, 1048575U, 1048576U, 1048577U, 3000001U}) {

@@ -5,11 +5,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "steps/extend/extended_study.h"
 #include "study/problems.h"
+#include "study/schemas.h"
 #include "study/study.h"
 #include "study/toml/toml_text.h"
 #include "tests/app/quiet_run.h"
@@ -146,6 +148,66 @@ rms = "50 mN"
   EXPECT_EQ(own.experiment->excitation, folder_.path() / "parts/signals.csv");
   EXPECT_EQ(own.observer->replay, folder_.path() / "parts/time.csv");
   EXPECT_EQ(own.observer->truth, folder_.path() / "parts/rig.toml");
+}
+
+TEST_F(Extends, FindsTheRecordThatNoFitSees) {
+  write("parts/base.toml", kBase + "[measurement]\nfrf = \"a.csv\"\nvalidation = \"b.csv\"\n");
+  const auto own = read("extends = \"parts/base.toml\"\n");
+  EXPECT_EQ(own.measurement->validation, folder_.path() / "parts/b.csv");
+}
+
+// "`[[specimen]]`" is the table "specimen".
+std::string table_of(const std::string& heading) {
+  std::string name;
+  std::ranges::copy_if(heading, std::back_inserter(name),
+                       [](char c) { return std::string("`[]").find(c) == std::string::npos; });
+  return name;
+}
+
+// A new key that names a file is one that a study in another folder finds, and whose content is in
+// the hashes of results, only if it is among these.
+TEST(FileKeys, AreThoseOfTheTablesOfAStudy) {
+  std::set<std::pair<std::string, std::string>> of_tables, known;
+  for (const auto& table : tables_of_a_study()) {
+    for (const auto& key : table.keys) {
+      const bool is_file = key.expected.starts_with("a path") || key.expected.starts_with("a file");
+      if (is_file) of_tables.emplace(table_of(table.heading), key.name);
+    }
+  }
+  for (const auto& [table, key] : kFileKeys) known.emplace(table, key);
+  EXPECT_EQ(known, of_tables);
+}
+
+// Each file that a study names is in its list, so that `check` looks for it and hashes have it.
+TEST_F(Extends, ListsEachFileThatIsNamed) {
+  const std::vector<std::string> parts = {
+      "[measurement]\nfrf = \"1.csv\"\nvalidation = \"2.csv\"\nshapes = \"3.csv\"\n",
+      "[measurement]\ntime = \"4.csv\"\nperiod = 64\nsample_rate = \"1 kHz\"\n",
+      "[measurement]\ntruth = \"5.toml\"\n",
+      "[measurement]\nmodes = \"6.csv\"\nreference = \"7.csv\"\n",
+      "[diagnosis]\ntolerances = \"tolerances.toml\"\n",
+      "[experiment]\nexcitation = \"8.csv\"\n",
+      "[[specimen]]\nname = \"p\"\nstudy = \"9.toml\"\n",
+      "[observer]\nreplay = \"10.csv\"\ntruth = \"11.toml\"\n[[observer.disturbance]]\nname = "
+      "\"d\"\nkind = \"actuators\"\nrms = \"1 N\"\n"};
+  write("tolerances.toml", "");
+  write("body.stl", "");
+  std::set<std::string> listed, known;
+  const auto list = [&](const study::Study& one) {
+    for (auto [key, path, line, column] : one.files) {
+      const auto place = key.find("[0]");
+      listed.insert(place == key.npos ? key : key.erase(place, 3));
+    }
+  };
+  for (const auto& part : parts) list(read(kBase + part));
+  const std::string plate =
+      R"({ plate = { length = "600 mm", width = "400 mm", thickness = "10 mm" } })";
+  std::string text = kBase;
+  list(read(text.replace(text.find(plate), plate.size(), R"({ file = "body.stl", unit = "mm" })")));
+  for (const auto& [table, key] : kFileKeys) {
+    known.insert(std::string(table) + "." + std::string(key));
+  }
+  EXPECT_EQ(listed, known);
 }
 
 TEST_F(Extends, TellsEveryFileThatIsNamedThereOrNot) {
