@@ -153,10 +153,15 @@ void require_faces(const study::Study& study, const mesh::TetMesh& body) {
   look(study.priors, "priors.on");
   look(study.diagnosis, "diagnosis.on");
   if (study.placement) {
-    for (const auto& zone : study.placement->keep_out) {
-      if (zone.shape != "patch" || has_patch(body, zone.patch)) continue;
-      problems.add(zone.line, zone.column, no_patch(body, "placement.keep_out", zone.patch));
-    }
+    const auto look_at = [&](const std::vector<study::KeepOut>& zones, const std::string& key) {
+      for (const auto& zone : zones) {
+        if (zone.shape != "patch" || has_patch(body, zone.patch)) continue;
+        problems.add(zone.line, zone.column, no_patch(body, key, zone.patch));
+      }
+    };
+    look_at(study.placement->keep_out, "placement.keep_out");
+    const auto& observer = study.placement->observer;
+    if (observer) look_at(observer->region, "placement.observer.region");
   }
   problems.throw_if_any();
 }

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <system_error>
 
 #include "base/error.h"
+#include "stage/faces.h"
 #include "stage/forecast.h"
+#include "stage/points_on_body.h"
 #include "steps/interpolation.h"
 #include "study/problems.h"
 
@@ -25,24 +28,93 @@ void forecast_from_mesh(const study::Study& study, stage::Introduction& introduc
   cost = stage::forecast(study, body, introduction.body);
 }
 
-// Reports named data files that do not exist. For a file that `simulate` will write there is only a
-// note.
+bool names_specimen(const study::DataFile& file) { return file.key.starts_with("specimen"); }
+bool names_study(const study::DataFile& file) {
+  return names_specimen(file) || file.key.ends_with(".truth");
+}
+
+// What is wrong with the place of a file; empty if it is there.
+std::string fault_at(const study::Study& study, const study::DataFile& file) {
+  std::error_code fault;
+  const auto name = file.path.filename().string();
+  if (std::filesystem::is_directory(file.path, fault)) {
+    return fmt::format("{} \"{}\" is a folder; expected a file", file.key, name);
+  }
+  if (std::filesystem::exists(file.path, fault)) return "";
+  const bool measured = study.measurement && file.key.starts_with("measurement.");
+  return fmt::format("{} \"{}\" does not exist (looked for {}){}", file.key, name,
+                     file.path.string(), measured ? study::source_text(*study.measurement) : "");
+}
+
+// A truth stands by its modes alone, a specimen by its measurement too.
+// @throws InvalidInput  the study that `file` names cannot be meant, names patches that its body
+//                       lacks, or files that are not there
+void require_named_study(const study::Study& study, const study::DataFile& file,
+                         const stage::Work& work) {
+  auto allowed = work.choices().allowed;
+  if (names_specimen(file)) {
+    allowed.push_back(std::filesystem::absolute(study.file).parent_path());
+  }
+  const auto named = study::read_study(file.path, allowed);
+  stage::require_faces(named, stage::outline_of(named).shell);
+  study::Problems problems(named.file.string());
+  for (const auto& one : named.files) {
+    const bool is_used = one.key.starts_with("geometry.") || names_specimen(file);
+    const auto fault = is_used ? fault_at(named, one) : "";
+    if (!fault.empty()) problems.add(one.line, one.column, fault);
+  }
+  problems.throw_if_any();
+}
+
+// Reports named files that do not exist, and studies that cannot be meant. For a file that
+// `simulate` will write there is only a note.
 void look_for_files(const study::Study& study, stage::Work& work) {
   study::Problems problems(study.file.string());
   for (const auto& file : study.files) {
-    if (std::filesystem::exists(file.path)) continue;
-    const bool to_come =
-        study.experiment && (file.key == "measurement.frf" || file.key == "measurement.time");
+    const auto fault = fault_at(study, file);
+    const bool to_come = study.experiment && !std::filesystem::exists(file.path) &&
+                         (file.key == "measurement.frf" || file.key == "measurement.time");
     if (to_come) {
       work.note(file.key + " \"" + file.path.filename().string() +
                 "\" is not there yet: chladni simulate writes it");
-      continue;
+    } else if (!fault.empty()) {
+      problems.add(file.line, file.column, fault);
+    } else if (names_study(file)) {
+      try {
+        require_named_study(study, file, work);
+      } catch (const InvalidInput& e) {
+        problems.add(file.line, file.column, fmt::format("{}: {}", file.key, e.what()));
+      }
     }
-    const bool measured = study.measurement && file.key.starts_with("measurement.");
-    problems.add(file.line, file.column,
-                 fmt::format("{} \"{}\" does not exist (looked for {}){}", file.key,
-                             file.path.filename().string(), file.path.string(),
-                             measured ? study::source_text(*study.measurement) : ""));
+  }
+  problems.throw_if_any();
+}
+
+// Points at which motions are asked for must be on the body.
+void require_points(const study::Study& study, const mesh::TetMesh& shell) {
+  constexpr double kFarthest = 2e-3;  // [m]
+  const mesh::SiteFinder finder(shell);
+  study::Problems problems(study.file.string());
+  const auto look = [&](const study::Place& at, const std::string& what) {
+    const auto site = stage::site_at(finder, at);
+    if (site && site->distance <= kFarthest) return;
+    problems.add(
+        at.line, 1,
+        fmt::format("{} is not on the body{}", what,
+                    site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
+  };
+  if (study.placement) {
+    for (const auto& at : study.placement->interest) look(at, "a point of interest");
+  }
+  if (study.interpolation) {
+    for (const auto& point : study.interpolation->points) {
+      look(point.at, "interpolation.point \"" + point.name + "\"");
+    }
+  }
+  if (study.observer) {
+    for (const auto& point : study.observer->points) {
+      look(point.at, "observer.point \"" + point.name + "\"");
+    }
   }
   problems.throw_if_any();
 }
@@ -59,6 +131,7 @@ stage::Introduction checked(const study::Study& study, bool data, stage::Work& w
     work.warn(warning);
   }
   static_cast<void>(stage::materials_of(study, shell.region_names));
+  require_points(study, shell);
   if (!data) return introduction;
   look_for_files(study, work);
   forecast_from_mesh(study, introduction, work);

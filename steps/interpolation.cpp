@@ -13,6 +13,7 @@
 #include "stage/corrections.h"
 #include "stage/faces.h"
 #include "stage/points_on_body.h"
+#include "steps/observer/stated.h"
 
 namespace chladni::steps {
 namespace {
@@ -75,13 +76,10 @@ void add_points(const study::Study& study, const study::InterpolationPlan& plan,
   std::vector<mesh::Site> sites;
   Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
   for (const auto& point : plan.points) {
-    const auto& at = point.at;
-    const auto site = stage::site_at(finder, at);
-    require(site.has_value(), study.file.string() + ":" + std::to_string(at.line) + ": point \"" +
-                                  point.name + "\" is not on the body");
+    const auto site = site_of(study, finder, point.at, "point \"" + point.name + "\"");
     directions.row(static_cast<Eigen::Index>(sites.size())) =
-        plan.direction.value_or(site->normal).transpose();
-    sites.push_back(*site);
+        plan.direction.value_or(site.normal).transpose();
+    sites.push_back(site);
     result.points.push_back(point.name);
   }
   result.point_places = places_at(sites, directions, solution.modes, result.harmonics);

@@ -72,6 +72,10 @@ TEST_F(Before, AFrequencyThatNoMeshReachesIsRefused) {
   const std::string text = refusal(kSmall + "modes = { up_to = \"1 GHz\" }\n");
   EXPECT_TRUE(says(text, "modes.up_to is 1e+09 Hz, and about "));
   EXPECT_TRUE(says(text, "Ask for less than about "));
+  EXPECT_TRUE(says(stage::forecast(study_of(kSmall + "modes = { up_to = \"1 GHz\" }\n"),
+                                   stage::outline_of(study_of(kSmall)))
+                       .line(),
+                   "more memory than any computer has and more than a thousand years of one core"));
   EXPECT_EQ(refusal(kSmall + "modes = { up_to = \"10 kHz\" }\n"), "");
 }
 
@@ -119,9 +123,48 @@ TEST_F(Before, CheckFindsDataThatAreNotThere) {
   EXPECT_TRUE(says(text, "study.toml:9:7: measurement.frf \"gone.csv\" does not exist"));
   EXPECT_TRUE(says(text, "study.toml:10:9: measurement.truth \"real.toml\" does not exist"));
   std::ofstream(folder_.path() / "gone.csv") << "freq_hz\n";
-  std::ofstream(folder_.path() / "real.toml") << "";
+  std::ofstream(folder_.path() / "real.toml") << kSmall;
   EXPECT_EQ(
       refusal(kSmall + channel + "[measurement]\nfrf = \"gone.csv\"\ntruth = \"real.toml\"\n"), "");
+}
+
+TEST_F(Before, CheckLooksIntoTheStudiesThatAreNamed) {
+  const std::string channel =
+      "[[sensor]]\nname = \"s\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n";
+  const auto named = [&](const std::string& text) {
+    std::ofstream(folder_.path() / "real.toml") << text;
+    return refusal(kSmall + channel + "[measurement]\ntruth = \"real.toml\"\n");
+  };
+  const std::string place = "study.toml:9:9: measurement.truth: ";
+  EXPECT_EQ(named(kSmall), "");
+  EXPECT_TRUE(says(named("geometry = { file = \"none.stl\", unit = \"mm\" }" + kAluminium), place));
+  EXPECT_TRUE(says(named(kSmall + "[[support]]\npatch = \"nix\"\nfixed = \"z\"\n"),
+                   "support.patch: the body has no patch \"nix\""));
+  const auto series = kSmall + "[[specimen]]\nname = \"p\"\nstudy = \"one.toml\"\n";
+  EXPECT_TRUE(says(refusal(series), "study.toml:6:9: specimen[0].study \"one.toml\" does not exist"));
+  std::ofstream(folder_.path() / "one.toml")
+      << "extends = \"study.toml\"\n[measurement]\nmodes = \"gone.csv\"\n";
+  std::ofstream(folder_.path() / "study.toml") << series;
+  EXPECT_TRUE(says(refusal(series), "one.toml:3:9: measurement.modes \"gone.csv\" does not exist"));
+}
+
+TEST_F(Before, CheckFindsAFolderWhereAFileIsExpected) {
+  std::filesystem::create_directories(folder_.path() / "dir.csv");
+  EXPECT_TRUE(says(refusal(kSmall + "[measurement]\nfrf = \"dir.csv\"\n"),
+                   "measurement.frf \"dir.csv\" is a folder; expected a file"));
+}
+
+TEST_F(Before, CheckFindsPointsThatAreOffTheBody) {
+  const std::string off = "[\"900 mm\", \"0 mm\"]";
+  EXPECT_TRUE(says(refusal(kSmall + "[placement]\ninterest = [{ at = " + off + " }]\n"),
+                   "study.toml:5:1: a point of interest is not on the body"));
+  EXPECT_TRUE(
+      says(refusal(kSmall + "[interpolation]\npoint = [{ name = \"p\", at = " + off + " }]\n"),
+           "study.toml:5:1: interpolation.point \"p\" is not on the body"));
+  EXPECT_TRUE(says(
+      refusal(kSmall +
+              "[interpolation]\npoint = [{ name = \"p\", at = [\"0 mm\", \"0 mm\", \"1 m\"] }]\n"),
+      "interpolation.point \"p\" is not on the body, which is 1e+03 mm away"));
 }
 
 TEST_F(Before, InterpolateSaysThatNothingIsMeasuredBeforeItSolves) {

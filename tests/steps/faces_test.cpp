@@ -320,6 +320,20 @@ on = ["top"]
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
 }
 
+TEST_F(OnFaces, ARegionOfAnObserverHasPatchesThatAreThere) {
+  EXPECT_TRUE(says(refusal(kPlate, R"([placement]
+observer = { region = [{ patch = "lid" }], sensors = 2 }
+[observer]
+noise = "1 nm"
+sample_rate = "5 kHz"
+[[observer.disturbance]]
+name = "d"
+kind = "actuators"
+rms = "0.1 N"
+)"),
+                   "placement.observer.region: the body has no patch \"lid\""));
+}
+
 TEST_F(OnFaces, APatchOfAStlIsFoundByAngle) {
   EXPECT_EQ(refusal(kStl, "[placement]\non = [\"top\", \"x_max\"]\n"), "");
   EXPECT_TRUE(says(refusal(kStl, "[placement]\non = [\"surface\"]\n"),
