@@ -1,5 +1,7 @@
 #include "io/read.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <new>
 
@@ -49,6 +51,7 @@ Geometry scaled(Geometry geometry, double factor) {
 Geometry read_with(const Reader& reader, const std::filesystem::path& file,
                    const std::string& unit) {
   const std::string bytes = read_whole(file);
+  refuse_utf16(bytes, file.string());
   require(!unit.empty(), file.string() + ": a " + std::string(reader.ending) +
                              " file has no length unit, expected one: unit = \"mm\"");
   const double factor = unit_factor(unit, "m");
@@ -57,7 +60,7 @@ Geometry read_with(const Reader& reader, const std::filesystem::path& file,
   } catch (const InvalidInput& error) {
     throw InvalidInput(file.string() + ": " + error.what());
   } catch (const std::bad_alloc&) {
-    throw OutOfResources(file.string() + ": no memory to read its " + std::to_string(bytes.size()) +
+    throw OutOfResources(file.string() + ": no memory to read its " + fmt::to_string(bytes.size()) +
                          " bytes");
   }
 }

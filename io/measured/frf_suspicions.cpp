@@ -1,5 +1,7 @@
 #include "io/measured/frf_suspicions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -40,10 +42,10 @@ std::string name_of(const modal::FrfSet& set, Index i, Index j) {
 }
 
 std::string place(const modal::FrfSet& set, Index k) {
-  std::string hertz = std::to_string(set.frequency_hz(k));
+  std::string hertz = fmt::format("{:.6g}", set.frequency_hz(k));
   hertz.erase(hertz.find_last_not_of('0') + 1);
   if (hertz.ends_with('.')) hertz.pop_back();
-  return "line " + std::to_string(k + 1) + " (" + hertz + " Hz)";
+  return "line " + fmt::to_string(k + 1) + " (" + hertz + " Hz)";
 }
 
 /// The numbers of unknown and zero lines of one response, and the first of each.
@@ -64,7 +66,20 @@ Count count(const modal::FrfSet& set, Index i, Index j) {
   return result;
 }
 
-std::string times(Index count) { return std::to_string(count) + (count == 1 ? " line" : " lines"); }
+std::string times(Index count) { return fmt::to_string(count) + (count == 1 ? " line" : " lines"); }
+
+// Whether the stated variance is more than the square of the response on every line that has both.
+bool is_drowned(const modal::FrfSet& set, Index i, Index j) {
+  bool any = false;
+  for (std::size_t k = 0; k < set.variance.size(); ++k) {
+    const double square = std::norm(set.value[k](i, j));
+    const double variance = set.variance[k](i, j);
+    if (!std::isfinite(square) || !(variance > 0.0)) continue;
+    if (variance <= square) return false;
+    any = true;
+  }
+  return any;
+}
 
 // The gaps in one response, one sentence each.
 std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
@@ -80,6 +95,10 @@ std::vector<std::string> gaps_of(const modal::FrfSet& set, Index i, Index j) {
   } else if (found.zero > 0) {
     gaps.push_back("exactly zero on " + times(found.zero) + ", the first is " +
                    place(set, found.first_zero));
+  }
+  if (is_drowned(set, i, j)) {
+    gaps.emplace_back(
+        "its variance is more than its square on all lines, so that every fit comes down to it");
   }
   return gaps;
 }
@@ -260,7 +279,7 @@ std::vector<std::string> suspicions(const modal::FrfSet& set, const Pairs& collo
                    "phase lies in the wrong half plane");
   }
   if (phases.turned.size() > most) {
-    said.push_back("so do " + std::to_string(phases.turned.size() - most) + " more");
+    said.push_back("so do " + fmt::to_string(phases.turned.size() - most) + " more");
   }
   return said;
 }

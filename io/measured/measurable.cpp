@@ -9,4 +9,8 @@ std::string not_measurable(double number) {
                      kLargestMeasured);
 }
 
+std::string no_frequency_of_mode(double hz) {
+  return fmt::format("found {:g} Hz, expected 0, or a frequency from 1e-06 to 1e+12 Hz", hz);
+}
+
 }  // namespace chladni::io

@@ -1,5 +1,7 @@
 #include "io/shape_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -25,7 +27,7 @@ struct Line {
 };
 
 [[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
-  throw InvalidInput(name + ": line " + std::to_string(line) + ": " + what);
+  throw InvalidInput(name + ": line " + fmt::to_string(line) + ": " + what);
 }
 
 std::vector<std::string> fields_of(std::string_view line, const std::string& name, int number) {
@@ -84,7 +86,7 @@ TableColumns columns_of(const Line& header, const std::string& name, ShapesState
     const auto& field = header.fields[c];
     const auto at = static_cast<std::ptrdiff_t>(c);
     if (field.empty())
-      fail(name, header.number, "column " + std::to_string(c + 1) + " has no name");
+      fail(name, header.number, "column " + fmt::to_string(c + 1) + " has no name");
     if (++seen[field] > 1) fail(name, header.number, "two columns are called " + shown(field));
     if (field == "frequency_hz") {
       columns.frequency = at;
@@ -157,12 +159,15 @@ void read_mode(const Line& line, const Line& header, const TableColumns& columns
                const std::string& name, ShapesStated stated, ShapeTable& table) {
   if (line.fields.size() != header.fields.size()) {
     fail(name, line.number,
-         std::to_string(line.fields.size()) + " fields; expected " +
-             std::to_string(header.fields.size()) + ", as many as the first line has");
+         fmt::to_string(line.fields.size()) + " fields; expected " +
+             fmt::to_string(header.fields.size()) + ", as many as the first line has");
   }
   const LineReader reader(line, header, name, stated);
   const double frequency = number_at(line, columns.frequency, header, name);
   if (frequency < 0.0) fail(name, line.number, "frequency_hz is negative");
+  if (!is_frequency_of_mode(frequency)) {
+    fail(name, line.number, "frequency_hz: " + no_frequency_of_mode(frequency));
+  }
   table.frequency_hz(mode) = frequency;
   if (columns.damping >= 0) table.damping_ratio(mode) = reader.number(columns.damping);
   table.frequency_std_hz(mode) = reader.deviation(columns.frequency_std);

@@ -1,5 +1,7 @@
 #include "io/surface/step.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -83,7 +85,7 @@ void require_numbers(const std::string& bytes) {
   const auto line =
       1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at), '\n');
   const auto end = bytes.find_first_of(",) \r\n", at);
-  throw InvalidInput("line " + std::to_string(line) + ": found " +
+  throw InvalidInput("line " + fmt::to_string(line) + ": found " +
                      shown(bytes.substr(at, end - at)) +
                      ", expected a number: export the body anew");
 }
@@ -110,8 +112,8 @@ Geometry geometry_of(const Message& found, const std::string& unit) {
               surface.patch.maxCoeff() < std::ssize(surface.patch_names),
           "its triangles make no sense");
   Geometry geometry;
-  geometry.notes.push_back(std::to_string(surface.patch_names.size()) + " faces in " +
-                           std::to_string(surface.triangles.rows()) + " triangles; length unit " +
+  geometry.notes.push_back(fmt::to_string(surface.patch_names.size()) + " faces in " +
+                           fmt::to_string(surface.triangles.rows()) + " triangles; length unit " +
                            (in_file.empty() ? unit + ", as stated" : in_file + ", from the file"));
   geometry.body = std::move(surface);
   return geometry;
@@ -124,6 +126,7 @@ Geometry read_step(const std::filesystem::path& file, const std::string& unit) {
                          ": STEP needs OpenCASCADE, which this build was made without; install "
                          "libocct-data-exchange-dev and build again, or export STL");
   const std::string bytes = read_whole(file, kLargestFile);
+  refuse_utf16(bytes, file.string());
   require(bytes.find("ISO-10303-21") < 1024,
           file.string() + ": no 'ISO-10303-21' at the start, expected a STEP file");
   try {

@@ -1,7 +1,10 @@
 // Reads datasets 55 and 2414: mode shapes at nodes.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
+#include "io/measured/measurable.h"
 #include "io/scan.h"
 #include "io/uff/uff_datasets.h"
 #include "io/uff/uff_fields.h"
@@ -38,9 +41,9 @@ ShapeForm read_shape_form(UffLines& lines, UffShape& shape, std::vector<std::str
   const bool is_readable =
       is_motion && (is_complex || data_type == kRealValues || data_type == kDoubleValues);
   if (!is_readable) {
-    notes.push_back("dataset " + std::to_string(shape.dataset) + " from line " +
-                    std::to_string(shape.line) + " has " + std::to_string(components) +
-                    " values per node of type " + std::to_string(data_type) + ": not read");
+    notes.push_back("dataset " + fmt::to_string(shape.dataset) + " from line " +
+                    fmt::to_string(shape.line) + " has " + fmt::to_string(components) +
+                    " values per node of type " + fmt::to_string(data_type) + ": not read");
   }
   return {static_cast<Eigen::Index>(components), is_complex, is_readable};
 }
@@ -48,7 +51,7 @@ ShapeForm read_shape_form(UffLines& lines, UffShape& shape, std::vector<std::str
 // Reads the real numbers of record 8, up to 6 per line.
 std::vector<double> reals(UffLines& lines, long long count, std::vector<std::string>& notes) {
   if (count < 0 || count > 100) {
-    lines.fail(std::to_string(count) + " reals of the analysis, expected 0 to 100");
+    lines.fail(fmt::to_string(count) + " reals of the analysis, expected 0 to 100");
   }
   return uff_text_numbers(lines, static_cast<std::size_t>(count), notes);
 }
@@ -89,6 +92,11 @@ void read_analysis_of_2414(UffLines& lines, UffShape& shape, std::vector<std::st
   shape.damping_ratio = values[4];
   const std::complex<double> eigenvalue(values[6], values[7]);
   if (is_complex_mode(shape) && eigenvalue != 0.0) take_eigenvalue(eigenvalue, shape);
+}
+
+void require_frequency(const UffLines& lines, const UffShape& shape) {
+  if (is_frequency_of_mode(std::abs(shape.frequency_hz))) return;
+  lines.fail("the frequency of a mode: " + no_frequency_of_mode(shape.frequency_hz));
 }
 
 void read_nodes(UffLines& lines, UffShape& shape, const ShapeForm& form,
@@ -132,6 +140,7 @@ std::optional<UffShape> uff_shape_55(UffLines& lines, std::vector<std::string>& 
     return std::nullopt;
   }
   read_analysis_of_55(lines, shape, notes);
+  require_frequency(lines, shape);
   read_nodes(lines, shape, form, notes);
   return shape;
 }
@@ -146,8 +155,8 @@ std::optional<UffShape> uff_shape_2414(UffLines& lines, std::vector<std::string>
   read_identification(lines, shape);
   const ShapeForm form = read_shape_form(lines, shape, notes);
   if (location != kAtNodes && form.is_readable) {
-    notes.push_back("dataset 2414 from line " + std::to_string(shape.line) +
-                    " has data of location " + std::to_string(location) +
+    notes.push_back("dataset 2414 from line " + fmt::to_string(shape.line) +
+                    " has data of location " + fmt::to_string(location) +
                     ", expected 1 (at nodes): not read");
   }
   if (location != kAtNodes || !form.is_readable) {
@@ -155,6 +164,7 @@ std::optional<UffShape> uff_shape_2414(UffLines& lines, std::vector<std::string>
     return std::nullopt;
   }
   read_analysis_of_2414(lines, shape, notes);
+  require_frequency(lines, shape);
   read_nodes(lines, shape, form, notes);
   return shape;
 }

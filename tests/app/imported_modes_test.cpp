@@ -79,6 +79,43 @@ TEST_F(ImportedModes, TwelveOfAStripAtTheDefault) {
       5e-3);
 }
 
+// From `modes` to the report, with no word about patches: what looks up is where devices go.
+TEST_F(ImportedModes, AStudyOfABlockNamesNoPatch) {
+  write("body.stl", box_stl(120, 80, 6));
+  std::vector<std::string> bodies = {"file = \"body.stl\", unit = \"mm\""};
+  if (fs::exists(CHLADNI_BINARY_DIR "/bin/chladni-step")) {
+    fs::copy(CHLADNI_SOURCE_DIR "/tests/io/data/named_block.step", folder_ / "body.step");
+    bodies.emplace_back("file = \"body.step\"");
+  }
+  for (const auto& body : bodies) {
+    write("study.toml", "geometry = { " + body + " }\nmaterial = { " + kAluminium + R"( }
+mesh = { edge_length = "12 mm", order = 2 }
+modes = { count = 8, damping_ratio = 0.005 }
+sensor = [
+  { name = "s1", at = ["8 mm", "7 mm"], direction = "z" },
+  { name = "s2", at = ["50 mm", "9 mm"], direction = "z" },
+  { name = "s3", at = ["10 mm", "33 mm"], direction = "z" },
+]
+actuator = [{ name = "a1", at = ["40 mm", "30 mm"], direction = "z" }]
+[placement]
+modes = 3
+[priors]
+samples = [60]
+modes = 3
+)");
+    fs::remove_all(folder_ / "out");
+    const Ended ended = run({"study", "study.toml", "-o", "out", "--no-pictures"});
+    EXPECT_EQ(ended.status, 0) << body << "\n" << ended.err;
+    EXPECT_TRUE(says(ended.err, "placement.on: the face that looks along z, 96 cm2 of the 96"));
+    for (const auto* file : {"modes.json", "placement.json", "report.html"}) {
+      EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << body << ": " << file;
+    }
+    const Ended priors = run({"priors", "study.toml", "-o", "out", "--no-pictures"});
+    EXPECT_EQ(priors.status, 0) << body << "\n" << priors.err;
+    EXPECT_TRUE(fs::exists(folder_ / "out/priors.json")) << body;
+  }
+}
+
 // The first, a twist of open ribs, converges slowly (their edges are singular): not compared here.
 TEST_F(ImportedModes, OfALightWeightedTable) {
   EVERY_FOURTH_LANDING();

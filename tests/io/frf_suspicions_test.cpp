@@ -119,6 +119,16 @@ TEST(Suspicions, ATurnedSignShowsWhereTheChannelsAreCollocated) {
   }
 }
 
+TEST(Suspicions, AVarianceAboveTheResponseIsTold) {
+  auto set = measured(FrfKind::receptance, 0.01, 2000);
+  for (const auto& line : set.value) set.variance.emplace_back(0.01 * line.cwiseAbs2());
+  EXPECT_TRUE(suspicions(set).empty());
+  for (auto& line : set.variance) line(1, 0) = 1e99;
+  EXPECT_EQ(times(suspicions(set), "y4/u1: its variance is more than its square on all lines"), 1);
+  set.variance[7](1, 0) = 1e-60;
+  EXPECT_TRUE(suspicions(set).empty()) << "one line says something";
+}
+
 TEST(Suspicions, OppositeDirectionsExpectTheOtherSign) {
   auto set = measured(FrfKind::receptance, 0.01, 2000);
   set.outputs[0].direction *= -1.0;

@@ -69,6 +69,19 @@ TEST_F(Read, NamesFileLineAndWhatWasExpected) {
                    "found '1,5', expected a number with a decimal point"));
 }
 
+TEST_F(Read, TextInUtf16IsCalledSo) {
+  for (const auto* ending : {".stl", ".off", ".ply", ".obj", ".msh", ".inp", ".step", ".stp"}) {
+    for (const std::string mark : {"\xFF\xFE", ""}) {
+      std::string wide = mark;
+      for (const char c : std::string("solid wafer\n facet normal 0 0 1\n")) wide += {c, '\0'};
+      const auto file = written(std::string("wide") + ending, wide);
+      EXPECT_TRUE(says(refusal([&] { return read_geometry(file, "mm"); }),
+                       "this file is text in UTF-16; save it as UTF-8"))
+          << ending;
+    }
+  }
+}
+
 TEST_F(Read, TakesRegularFilesOnly) {
   for (const char* ending : {".stl", ".off", ".ply", ".obj", ".msh", ".inp", ".vtu", ".step"}) {
     const auto gone = folder_ / (std::string("gone") + ending);

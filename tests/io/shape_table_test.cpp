@@ -92,8 +92,11 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenTable{"frequency_hz,s1,\n1,2,3\n", "column 3 has no name"},
                     BrokenTable{"frequency_hz,s1,std_s2\n1,2,3\n", "std_s2"},
                     BrokenTable{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
+                    BrokenTable{"frequency_hz,s1\n1e99,2\n", "found 1e+99 Hz, expected 0, or"},
+                    BrokenTable{"frequency_hz,s1\n1e-99,2\n", "found 1e-99 Hz, expected 0, or"},
                     BrokenTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
-                    BrokenTable{"\xFF\xFE", "UTF-16"}, BrokenTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
+                    BrokenTable{"\xFF\xFE", "UTF-16"},
+                    BrokenTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
 
 }  // namespace
 }  // namespace chladni::io
